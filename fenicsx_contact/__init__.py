@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Frictional contact and impact at the level of velocities, in UFL on dolfinx."""
+
+from ._environment import require_dolfinx
+
+require_dolfinx()
+
+from .checks import InputError  # noqa: E402
+from .contact import Contact  # noqa: E402
+from .formulations import GAP, LAGRANGE, VELOCITY, Discrete, Gap, Lagrange, Velocity  # noqa: E402
+from .history import History  # noqa: E402
+from .meshing import NamedMesh, mesh_from_gmsh, name_facets  # noqa: E402
+from .newton import Newton  # noqa: E402
+from .obstacles import HalfSpace  # noqa: E402
+from .scene import Scene  # noqa: E402
+from .solids import (  # noqa: E402
+    ElasticSolid,
+    HyperelasticSolid,
+    RigidSolid,
+    neo_hookean,
+    st_venant_kirchhoff,
+)
+from .storage import read_history  # noqa: E402
+from .theta import ThetaScheme  # noqa: E402
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "GAP",
+    "LAGRANGE",
+    "VELOCITY",
+    "Contact",
+    "Discrete",
+    "ElasticSolid",
+    "Gap",
+    "HalfSpace",
+    "History",
+    "HyperelasticSolid",
+    "InputError",
+    "Lagrange",
+    "NamedMesh",
+    "Newton",
+    "RigidSolid",
+    "Scene",
+    "ThetaScheme",
+    "Velocity",
+    "mesh_from_gmsh",
+    "name_facets",
+    "neo_hookean",
+    "read_history",
+    "st_venant_kirchhoff",
+]

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Refusal of bad input: every message names the argument, its value and what is allowed.
+
+And the exception of a step that cannot be taken.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+#: Squares and products of admissible numbers stay far inside the range of a double.
+LARGEST, SMALLEST = 1e60, 1e-60
+
+
+class InputError(ValueError):
+    """Input that cannot be computed with; raised before the first step."""
+
+
+class StepFailed(RuntimeError):
+    """A step that cannot be taken at its length; the message is the reason."""
+
+
+def number(
+    name: str,
+    value: Any,
+    *,
+    at_least: float | None = None,
+    above: float | None = None,
+    at_most: float | None = None,
+) -> float:
+    """``value`` as a float, or an :class:`InputError`."""
+    bounds = [f">= {at_least:g}" for _ in (1,) if at_least is not None]
+    bounds += [f"> {above:g}" for _ in (1,) if above is not None]
+    bounds += [f"<= {at_most:g}" for _ in (1,) if at_most is not None]
+    allowed = "a finite number" + (" " + " and ".join(bounds) if bounds else "")
+    try:
+        result = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} = {value!r}: must be {allowed}") from None
+    inside = (
+        math.isfinite(result)
+        and (at_least is None or result >= at_least)
+        and (above is None or result > above)
+        and (at_most is None or result <= at_most)
+    )
+    if not inside:
+        raise InputError(f"{name} = {value!r}: must be {allowed}")
+    if abs(result) > LARGEST or 0 < abs(result) < SMALLEST:
+        raise InputError(
+            f"{name} = {value!r}: must lie between {SMALLEST:g} and {LARGEST:g} in size; "
+            "in these units its powers overflow, choose others"
+        )
+    return result
+
+
+def vector(name: str, value: Any, size: int) -> np.ndarray:
+    """``value`` as ``size`` finite floats, or an :class:`InputError`."""
+    try:
+        result = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} = {value!r}: must be {size} finite numbers") from None
+    if result.shape != (size,) or not np.isfinite(result).all():
+        raise InputError(f"{name} = {value!r}: must be {size} finite numbers")
+    for component in result:
+        number(name, component)
+    return result
+
+
+def choice(name: str, value: Any, allowed: Iterable[str]) -> str:
+    """``value`` if it is one of ``allowed``, else an :class:`InputError`."""
+    options: Sequence[str] = list(allowed)
+    if value not in options:
+        raise InputError(f"{name} = {value!r}: must be one of {', '.join(map(repr, options))}")
+    return value
+
+
+def instance(name: str, value: Any, kind: type | tuple[type, ...], allowed: str) -> Any:
+    """``value`` if it is of ``kind``, else an :class:`InputError`."""
+    if not isinstance(value, kind):
+        raise InputError(f"{name} = {value!r}: must be {allowed}")
+    return value

@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The only module that knows dolfinx versions: 0.5.2 (Debian 12), 0.9 (Debian 13), up to 0.11."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import basix
+import dolfinx
+import numpy as np
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+from petsc4py import PETSc
+
+VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
+MODERN = VERSION >= (0, 8)  # elements come from basix.ufl, wrappers hold a _cpp_object
+
+if MODERN:
+    import basix.ufl  # noqa: F401
+
+
+# -- meshes -------------------------------------------------------------------------------------
+
+
+def gmsh_mesh(model: Any, comm: MPI.Comm, gdim: int) -> tuple[Any, Any]:
+    """The gmsh model (on rank 0) as a distributed mesh and its facet tags."""
+    if VERSION >= (0, 10):
+        from dolfinx.io import gmsh as reader
+
+        data = reader.model_to_mesh(model, comm, 0, gdim=gdim)
+        return data.mesh, data.facet_tags
+    from dolfinx.io import gmshio
+
+    domain, _, facet_tags = gmshio.model_to_mesh(model, comm, 0, gdim=gdim)
+    return domain, facet_tags
+
+
+def create_mesh(comm: MPI.Comm, cells: np.ndarray, points: np.ndarray, cell: str) -> Any:
+    """A mesh of straight-sided cells: ``cells`` (m, k) index ``points`` (n, gdim)."""
+    gdim = points.shape[1]
+    cells = np.ascontiguousarray(cells, dtype=np.int64)
+    points = np.ascontiguousarray(points, dtype=np.float64)
+    if not MODERN:
+        element = ufl.VectorElement("Lagrange", ufl.Cell(cell, geometric_dimension=gdim), 1)
+        return dolfinx.mesh.create_mesh(comm, cells, points, ufl.Mesh(element))
+    domain = ufl.Mesh(basix.ufl.element("Lagrange", cell, 1, shape=(gdim,)))
+    if VERSION >= (0, 10):
+        return dolfinx.mesh.create_mesh(comm, cells, domain, points)
+    return dolfinx.mesh.create_mesh(comm, cells, points, domain)
+
+
+def facet_geometry(mesh: Any, facets: np.ndarray) -> np.ndarray:
+    """Geometry nodes of the facets (m, k), as local indices into ``mesh.geometry.x``."""
+    fdim = mesh.topology.dim - 1
+    facets = np.asarray(facets, dtype=np.int32)
+    mesh.topology.create_connectivity(fdim, mesh.topology.dim)
+    mesh.topology.create_connectivity(mesh.topology.dim, fdim)
+    if MODERN:
+        return dolfinx.mesh.entities_to_geometry(mesh, fdim, facets)
+    return dolfinx.cpp.mesh.entities_to_geometry(mesh._mesh, fdim, facets, False)
+
+
+def cell_name(mesh: Any) -> str:
+    """Name of the cell type, e.g. ``"triangle"``."""
+    cell_type = mesh.topology.cell_type if VERSION < (0, 10) else mesh.topology.cell_types[-1]
+    return str(dolfinx.mesh.to_string(cell_type)) if MODERN else cell_type.name
+
+
+def cell_geometry(mesh: Any) -> np.ndarray:
+    """Geometry nodes of the local cells, (m, k)."""
+    if VERSION >= (0, 11):
+        return np.asarray(mesh.geometry.dofmaps[0])
+    dofmap = mesh.geometry.dofmap
+    if MODERN:
+        return np.asarray(dofmap)
+    return dofmap.array.reshape(dofmap.num_nodes, -1)
+
+
+def num_local_cells(mesh: Any) -> int:
+    """Number of cells this process owns."""
+    return mesh.topology.index_map(mesh.topology.dim).size_local
+
+
+# -- function spaces ----------------------------------------------------------------------------
+
+
+def lagrange_space(mesh: Any, degree: int = 1, shape: tuple[int, ...] = ()) -> Any:
+    """Continuous Lagrange space of scalars (``shape=()``) or vectors (``shape=(d,)``)."""
+    if MODERN:
+        element = basix.ufl.element("Lagrange", mesh.basix_cell(), degree, shape=shape)
+        return fem.functionspace(mesh, element)
+    if shape:
+        return fem.VectorFunctionSpace(mesh, ("Lagrange", degree), dim=shape[0])
+    return fem.FunctionSpace(mesh, ("Lagrange", degree))
+
+
+def component_space(mesh: Any, components: int) -> Any:
+    """A mixed space of ``components`` scalar P1 fields (never blocked, so that any of them can
+    stand in a native sparse matrix)."""
+    if MODERN:
+        scalar = basix.ufl.element("Lagrange", mesh.basix_cell(), 1)
+        return fem.functionspace(mesh, basix.ufl.mixed_element([scalar] * components))
+    scalar = ufl.FiniteElement("Lagrange", mesh.ufl_cell(), 1)
+    return fem.FunctionSpace(mesh, ufl.MixedElement([scalar] * components))
+
+
+def cell_dofs(space: Any) -> np.ndarray:
+    """Dofs of the local cells, (m, k); of a sub-space: numbered in its parent."""
+    dofs = space.dofmap.list
+    if MODERN:
+        return np.asarray(dofs)
+    return dofs.array.reshape(dofs.num_nodes, -1)
+
+
+# -- forms --------------------------------------------------------------------------------------
+
+
+def nodal_measure(mesh: Any) -> ufl.Measure:
+    """Integration by the values at the vertices.
+
+    The Lobatto rule of degree 1 is the vertex rule on intervals and quadrilaterals; the rule
+    named "vertex" does not compile on intervals in 0.5.2.
+    """
+    rule = "vertex" if cell_name(mesh) in ("triangle", "tetrahedron") else "GLL"
+    metadata = {"quadrature_rule": rule, "quadrature_degree": 1}
+    return ufl.Measure("dx", domain=mesh, metadata=metadata)
+
+
+def _pack_constants(form: Any) -> np.ndarray:
+    return dolfinx.cpp.fem.pack_constants(form._cpp_object if MODERN else form)
+
+
+def _pack_coefficients(form: Any) -> Any:
+    return dolfinx.cpp.fem.pack_coefficients(form._cpp_object if MODERN else form)
+
+
+class VectorAssembler:
+    """A linear form, compiled once, assembled into one array that is made once (one process)."""
+
+    def __init__(self, form: ufl.Form) -> None:
+        self._form = fem.form(form)
+        self._cpp = self._form._cpp_object if MODERN else self._form
+        dofmap = self._form.function_spaces[0].dofmap
+        self.array = np.zeros(dofmap.index_map.size_local * dofmap.index_map_bs)
+        self.refresh_constants()
+
+    def refresh_constants(self) -> None:
+        """Read the form's constants again; to be called when one has changed."""
+        self._constants = _pack_constants(self._form)
+
+    def __call__(self) -> np.ndarray:
+        self.array[:] = 0.0
+        coefficients = _pack_coefficients(self._form)
+        dolfinx.cpp.fem.assemble_vector(self.array, self._cpp, self._constants, coefficients)
+        return self.array
+
+
+class MatrixAssembler:
+    """A bilinear form on an unblocked space, compiled once, assembled into one native sparse
+    matrix that is made once (one process). ``indptr`` and ``indices`` give its pattern."""
+
+    def __init__(self, form: ufl.Form) -> None:
+        self._form = fem.form(form)
+        self._cpp = self._form._cpp_object if MODERN else self._form
+        self._matrix = (fem if MODERN else fem.assemble).create_matrix(self._form)
+        self._cpp_matrix = self._matrix._cpp_object if MODERN else self._matrix
+        self._data = self._matrix.data
+        self.indptr = np.asarray(self._matrix.indptr)
+        self.indices = np.asarray(self._matrix.indices)
+        self.refresh_constants()
+
+    def refresh_constants(self) -> None:
+        """Read the form's constants again; to be called when one has changed."""
+        self._constants = _pack_constants(self._form)
+
+    def __call__(self) -> np.ndarray:
+        """Values of the matrix, in the order of its pattern."""
+        self._data[:] = 0.0
+        coefficients = _pack_coefficients(self._form)
+        dolfinx.cpp.fem.assemble_matrix(
+            self._cpp_matrix, self._cpp, self._constants, coefficients, []
+        )
+        return self._data
+
+
+class PointExpression:
+    """A UFL expression evaluated at the vertices of a mesh, one row per cell."""
+
+    def __init__(self, expression: Any, space: Any) -> None:
+        mesh = space.mesh
+        points = space.element.interpolation_points
+        if not isinstance(points, np.ndarray):
+            points = points()  # a method before 0.10
+        self._expression = fem.Expression(expression, points)
+        self._cells = np.arange(num_local_cells(mesh), dtype=np.int32)
+        self._mesh = mesh
+
+    def __call__(self) -> np.ndarray:
+        """Values, (cells, vertices x components)."""
+        if MODERN:
+            values = self._expression.eval(self._mesh, self._cells)
+        else:
+            values = self._expression.eval(self._cells)
+        return np.asarray(values).reshape(len(self._cells), -1)
+
+
+def assemble_petsc_matrix(form: ufl.Form, bcs: Sequence[Any], diagonal: float) -> PETSc.Mat:
+    """Assemble into a new PETSc matrix; rows and columns of ``bcs`` cleared."""
+    import dolfinx.fem.petsc as petsc
+
+    compiled = fem.form(form)
+    if VERSION >= (0, 10):
+        matrix = petsc.assemble_matrix(compiled, bcs=list(bcs), diag=diagonal)
+    else:
+        matrix = petsc.assemble_matrix(compiled, list(bcs), diagonal)
+    matrix.assemble()
+    return matrix
+
+
+def refill_petsc_matrix(matrix: PETSc.Mat, form: Any, bcs: Sequence[Any]) -> None:
+    """Assemble a compiled form into an existing matrix, 1 on the diagonal of ``bcs``."""
+    import dolfinx.fem.petsc as petsc
+
+    matrix.zeroEntries()
+    petsc.assemble_matrix(matrix, form, bcs=list(bcs))
+    matrix.assemble()
+
+
+def assemble_owned(form: Any, array: np.ndarray) -> None:
+    """Assemble a compiled linear form into ``array``, the owned entries of its space, summing
+    what other processes hold of them."""
+    import dolfinx.fem.petsc as petsc
+
+    vector = petsc.assemble_vector(form)
+    vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
+    array[:] = vector.array_r
+    vector.destroy()
+
+
+def assemble_scalar(form: Any, comm: MPI.Comm) -> float:
+    """Integral of a compiled form of rank 0, summed over the processes."""
+    return float(comm.allreduce(fem.assemble_scalar(form), op=MPI.SUM))
+
+
+def interpolate(function: Any, values: Callable[[np.ndarray], np.ndarray]) -> None:
+    """Interpolate a callable of ``x`` (3, n) and update the ghosts."""
+    function.interpolate(values)
+    function.x.scatter_forward()

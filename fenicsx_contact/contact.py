@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A contact: one solid's facets against an obstacle, under a formulation, with or without friction.
+
+It follows the solid through a step and feeds its gaps and normals to the equations of its surface.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from . import checks
+from .equations import SurfaceEquations
+from .formulations import Discrete, Formulation, Lagrange, formulation as as_formulation
+from .obstacles import Obstacle
+from .solids import Solid
+from .surface import Surface
+from .theta import Step
+
+
+class Contact:
+    """A contact between the named facets of a solid (slave) and an obstacle (master).
+
+    Args:
+        solid: the solid.
+        facets: the name of its facets in contact.
+        obstacle: what they may touch.
+        formulation: a formulation or its name; see :mod:`fenicsx_contact.formulations`.
+        friction: Coulomb's coefficient; 0 leaves friction out, unknowns and all.
+        normal_augmentation, tangential_augmentation: pure numbers; rho_n and rho_t are these
+            times values scaled by the scene. They act on the way to the solution, not on it.
+        gap_tolerance: a point closer than this share of the surface's extent is closed.
+        name: for messages and files.
+
+    Raises:
+        InputError: friction < 0 or NaN, unknown formulation or facets, dimensions that differ,
+            points of a formulation that are no nodes of the facets.
+    """
+
+    def __init__(
+        self,
+        solid: Solid,
+        facets: str,
+        obstacle: Obstacle,
+        formulation: Formulation | str = "velocity",
+        friction: float = 0.0,
+        *,
+        normal_augmentation: float = 1.0,
+        tangential_augmentation: float = 1.0,
+        gap_tolerance: float = 1e-9,
+        name: str | None = None,
+    ) -> None:
+        checks.instance("solid", solid, Solid, "a solid")
+        if obstacle.dim != solid.dim:
+            raise checks.InputError(
+                f"obstacle = {obstacle!r}: has dimension {obstacle.dim}, the solid {solid.dim}"
+            )
+        self.solid, self.facets, self.obstacle = solid, facets, obstacle
+        self.formulation = as_formulation(formulation)
+        self.friction = checks.number("friction", friction, at_least=0)
+        augmentation = (
+            checks.number("normal_augmentation", normal_augmentation, above=0),
+            checks.number("tangential_augmentation", tangential_augmentation, above=0),
+        )
+        self.name = name or f"{solid.name}.{facets}"
+        self.surface = Surface(*solid.mesh.boundary(facets))
+        self.extent = float(np.ptp(self.surface.points, axis=0).max())
+        self.tolerance = checks.number("gap_tolerance", gap_tolerance, at_least=0) * self.extent
+
+        self.chosen, weight = self._points()
+        self.equations = SurfaceEquations(
+            self.surface, self.formulation, self.friction, self.chosen, weight, augmentation
+        )
+        self.trace = solid.trace(self.surface.points)
+        self.force = np.zeros(self.surface.points.shape)  # mean of the last step, on the solid
+        self.status = np.zeros(self.surface.size)
+        self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
+        self._unit = (0.0, 1.0)
+        self._locate()
+
+    def _points(self) -> tuple[np.ndarray, np.ndarray]:
+        """The points that the formulation acts on, and their weights in the integrals."""
+        chosen = np.ones(self.surface.size, dtype=bool)
+        if not isinstance(self.formulation, (Lagrange, Discrete)):
+            return chosen, self.surface.area
+        points = self.formulation.points
+        if points is not None:
+            wanted = np.atleast_2d(np.asarray(points, dtype=float))
+            nodes = self.surface.nodes_at(wanted, 1e-6 * self.extent)
+            if (nodes < 0).any():
+                raise checks.InputError(
+                    f"points = {points!r}: each must be a node of the facets {self.facets!r}"
+                )
+            chosen[:] = False
+            chosen[nodes] = True
+        return chosen, chosen.astype(float)
+
+    def _gaps(self) -> np.ndarray:
+        return -self.obstacle.distance(self.trace.positions())
+
+    def _jump(self, velocity: np.ndarray) -> np.ndarray:
+        return self.trace.jump(velocity).reshape(self.surface.points.shape)
+
+    def _locate(self) -> None:
+        """Gap (n,) and jump (n, d) at the start of a step."""
+        self.gap = self._gaps()
+        self.jump = self._jump(self.solid.velocity)
+
+    # -- the step -------------------------------------------------------------------------------
+
+    def predict(self, step: Step) -> None:
+        """Choose the candidates by the gaps of the solid's explicit prediction."""
+        self.trace.follow()
+        tolerance = self.tolerance + self.extent * self.solid.turn(step) ** 2
+        self.equations.choose(self.formulation.candidates(self._gaps(), tolerance))
+
+    def linearise(self, step: Step) -> None:
+        """Take up the trial state of the solid: gaps, normals, operator."""
+        self.trace.linearise(step)
+        k = self.equations.fields
+        positions = self.trace.positions()
+        self.normal = -self.obstacle.normals(positions)
+        k.set_normal(self.normal)
+        trial = self._jump(self.solid.trial_velocity)
+        # the gap at the end of the step as a function of w: end + gap_rate w_n
+        end = -self.obstacle.distance(positions) - step.gap_rate * _dot(trial, self.normal)
+        self._end = end
+        weight = step.scheme.force_weight
+        k.gap.x.array[:], self._share = self.formulation.gap_in_step(self.gap, end, weight)
+        k.gap_rate.value = self._share * step.gap_rate
+        k.dt.value = step.dt
+        if isinstance(self.formulation, Discrete) and k.has_friction:
+            known = self._stretch + weight * (step.dt - step.gap_rate) * self.jump
+            k.elongation.x.array[:] = known.ravel()
+
+    def unit(self, compliance: np.ndarray, step: Step) -> float:
+        """The pressure that stops 1 m/s at a typical point within the step; kept while the
+        length of the step does not change."""
+        if self._unit[0] != step.dt:
+            diagonal = compliance.diagonal().reshape(self.normal.shape)
+            flexible = (diagonal * self.normal**2).sum(axis=1) * self.equations.weight
+            flexible = flexible[flexible > 0]
+            self._unit = (step.dt, 1 / float(np.median(flexible)) if len(flexible) else 1.0)
+        return self._unit[1]
+
+    def error(self, step: Step) -> tuple[float, float, float]:
+        """Follow the solid to its trial state, which has just been computed; by how much its
+        jumps [m/s] and gaps [m] there differ from the linearised ones over the candidates, and
+        the largest speed [m/s] of a point."""
+        self.trace.follow()
+        self.trial_jump = self._jump(self.solid.trial_velocity)
+        points = self.equations.candidates
+        if not len(points):
+            return 0.0, 0.0, 0.0
+        linear = self.equations.values[: self.equations.jumps].reshape(self.normal.shape)
+        jump = np.abs(self.trial_jump - linear)[points].max()
+        gap = 0.0
+        if self._share:  # the law reads the gap at the end of the step
+            expected = self._end + step.gap_rate * _dot(linear, self.normal)
+            gap = np.abs(self._gaps() - expected)[points].max()
+        return float(jump), float(gap), float(np.abs(self.trial_jump).max())
+
+    def accept(self, force: np.ndarray, step: Step) -> None:
+        """Keep what the next step starts from."""
+        self.force = force.reshape(self.normal.shape)
+        self.status = self.equations.statuses()
+        if isinstance(self.formulation, Discrete) and self.equations.fields.has_friction:
+            self._keep_stretch(step)
+        self._locate()
+        self.trace.accept()
+
+    def _keep_stretch(self, step: Step) -> None:
+        """Stretch of the tangential springs: elastic while they stick, returned on slip."""
+        assert isinstance(self.formulation, Discrete)
+        tangential = self.force - _dot(self.force, self.normal)[:, None] * self.normal
+        held = -tangential / self.formulation.stiffness_t
+        stuck = self._stretch + (held - self._stretch) / (step.scheme.force_weight or 1.0)
+        self._stretch = np.where((self.status == 1)[:, None], stuck, held)
+
+    # -- what it tells --------------------------------------------------------------------------
+
+    def work(self, mean_velocity: np.ndarray, dt: float) -> tuple[float, float]:
+        """Work of the contact on the solid in the step, J: of the normal and of the friction
+        forces. Both are losses where the obstacle is at rest."""
+        jump = self.trace.mean_jump(mean_velocity).reshape(self.normal.shape)
+        total = dt * float((self.force * jump).sum())
+        normal = dt * float((_dot(self.force, self.normal) * _dot(jump, self.normal)).sum())
+        return normal, total - normal
+
+    @property
+    def multiplier(self) -> np.ndarray | None:
+        """lam at the nodes in the last step, Pa (N for point multipliers), None for springs."""
+        return self.equations.multiplier
+
+    def state(self) -> dict[str, np.ndarray]:
+        """The arrays from which :meth:`restore` continues identically."""
+        return {
+            "unknowns": self.equations.values,
+            "stretch": self._stretch,
+            "unit": np.array(self._unit),
+        }
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        """Take up a state that :meth:`state` gave; the solid has been restored before."""
+        self.equations.values = np.array(state["unknowns"])
+        self._stretch = np.array(state["stretch"])
+        self._unit = (float(state["unit"][0]), float(state["unit"][1]))
+        self.trace.follow()
+        self.trace.accept()
+        self._locate()
+
+    def describe(self) -> str:
+        """What is there and what was left out."""
+        k, n = self.equations.fields, int(self.chosen.sum())
+        parts = [f"{self.formulation.name}, {n} points"]
+        parts.append(f"friction {self.friction:g}" if k.has_friction else "no friction (no Lam)")
+        unknowns = n * (k.components - self.surface.dim)
+        parts.append(f"{unknowns} multipliers" if unknowns else "springs (no multipliers)")
+        return ", ".join(parts)
+
+
+def _dot(a: Any, b: Any) -> np.ndarray:
+    return np.einsum("ij,ij->i", a, b)

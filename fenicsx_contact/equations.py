@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The contact terms of a weak form, compiled once, as dense arrays for the Newton loop.
+
+The unknowns of a surface of n points stand in the order (w point by point, lam, Lam component by
+component). Only the *candidates* of a step have equations: at the others nothing acts.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import ufl
+
+from . import compat
+from .formulations import Formulation
+from .surface import Surface, SurfaceFields
+
+
+class SurfaceEquations:
+    """The compiled equations of one contact surface.
+
+    Args:
+        surface: the surface.
+        formulation: gives the weak form.
+        friction: Coulomb's coefficient.
+        chosen: the points that the formulation acts on, (n,) of bool.
+        weight: what a point weighs in the integrals: its area, or 1, (n,).
+        augmentation: pure numbers that multiply rho_n and rho_t.
+    """
+
+    def __init__(
+        self,
+        surface: Surface,
+        formulation: Formulation,
+        friction: float,
+        chosen: np.ndarray,
+        weight: np.ndarray,
+        augmentation: tuple[float, float],
+    ) -> None:
+        n, d = surface.points.shape
+        discrete_sum = None if weight is surface.area else weight / surface.area
+        self.fields = k = SurfaceFields(surface, friction, formulation.multipliers, discrete_sum)
+        form, status = formulation.form(k)
+        self._residual = compat.VectorAssembler(form)
+        self._tangent = compat.MatrixAssembler(ufl.derivative(form, k.unknowns))
+        self._status = compat.PointExpression(status, surface.scalars)
+
+        self._surface, self._chosen, self._augmentation = surface, chosen, augmentation
+        self.weight = weight
+        self.jumps = n * d
+        self.size = k.components * n
+        self.semi = self.jumps + n * formulation.multipliers  # where Lam begins
+        self._order = np.concatenate([k.dofs[:d].T.ravel(), k.dofs[d:].ravel()])
+        place = np.empty(self.size, dtype=np.int64)
+        place[self._order] = np.arange(self.size)
+        rows = np.repeat(np.arange(self.size), np.diff(self._tangent.indptr))
+        self._entries = place[rows] * self.size + place[self._tangent.indices]
+        self._dense = np.zeros((self.size, self.size))
+        self._z = k.unknowns.x.array
+        self._key, self._scale = b"", (0.0, 0.0)
+        # the sign of lam and Lam in their own rows
+        self.own_sign = np.zeros(self.size)
+        self.own_sign[self.jumps : self.semi] = -1.0
+        self.own_sign[self.semi :] = 1.0
+        self.choose(chosen)
+
+    def choose(self, candidates: np.ndarray) -> None:
+        """The points that may bear in this step, (n,) of bool."""
+        candidates = candidates & self._chosen
+        key = candidates.tobytes()
+        if key == self._key:
+            return
+        self._key = key
+        self.fields.closed.x.array[:] = candidates
+        self.candidates = np.flatnonzero(candidates)
+        n, d = self._surface.points.shape
+        self.active_jumps = (self.candidates[:, None] * d + np.arange(d)).ravel()
+        blocks = np.arange(self.jumps, self.size, n)[:, None] + self.candidates
+        self.active = np.concatenate([self.active_jumps, blocks.ravel()]).astype(np.int64)
+
+    def set_scale(self, unit: float, speed: float) -> None:
+        """Scale unknowns, rows and augmentation.
+
+        Args:
+            unit: the pressure (force) that stops 1 m/s at a typical point within the step.
+            speed: a typical speed of the step, m/s.
+        """
+        k = self.fields
+        if self._scale != (unit, speed):
+            self._scale = (unit, speed)
+            pressure = unit * speed
+            k.rho_n.value = self._augmentation[0] * unit
+            k.pressure_scale.value = pressure
+            share = np.where(self._chosen, self.weight, 1.0)
+            self.column_scale = np.full(self.size, speed)
+            self.row_scale = np.full(self.size, 1 / speed)
+            if self.semi > self.jumps:
+                lam = slice(self.jumps, self.semi)
+                self.column_scale[lam] = pressure
+                self.row_scale[lam] = 1 / (share * speed)
+            if self.size > self.semi:
+                rho_t = self._augmentation[1] / (float(k.friction.value) * speed)
+                k.rho_t.value = rho_t
+                self.column_scale[self.semi :] = 1.0
+                components = (self.size - self.semi) // self._surface.size
+                stick = 1 / (float(k.friction.value) * pressure * speed * share)
+                self.row_scale[self.semi :] = np.tile(stick, components)
+                self.slip_weight = rho_t * speed
+        self._residual.refresh_constants()
+        self._tangent.refresh_constants()
+
+    @property
+    def values(self) -> np.ndarray:
+        """The unknowns; setting them sets the fields."""
+        return self._z[self._order]
+
+    @values.setter
+    def values(self, values: np.ndarray) -> None:
+        self._z[self._order] = values
+
+    def residual(self) -> np.ndarray:
+        """The assembled contact terms of (7)."""
+        return self._residual()[self._order]
+
+    def tangent(self) -> np.ndarray:
+        """Their derivative by the unknowns; the next call uses the same array again."""
+        self._dense.ravel()[self._entries] = self._tangent()
+        return self._dense
+
+    def statuses(self) -> np.ndarray:
+        """0 open, 1 stick (or bearing without friction), 2 slip, for each point."""
+        status = np.zeros(self._surface.size)
+        if len(self.candidates):
+            status[self._surface.cell_nodes.ravel()] = self._status().ravel()
+            status[~self._chosen] = 0.0
+        return status
+
+    def error(self, scaled: np.ndarray) -> np.ndarray:
+        """The error that the scaled residuals of the active rows stand for.
+
+        The friction row measures a speed where it sticks and Lam itself where it slips; far from
+        their natural size rho_n and rho_t would otherwise loosen the one or overdo the other.
+        """
+        result = np.abs(scaled)
+        if self.size > self.semi:
+            Lam = self.values[self.active[len(self.active_jumps) + len(self.candidates) :]]
+            result[len(result) - len(Lam) :][np.abs(Lam) >= 1] *= self.slip_weight
+        return result
+
+    def start(self, jump: np.ndarray, free: np.ndarray) -> None:
+        """Starting values of a step: what bore goes on, what closes starts from the free jump.
+
+        Args:
+            jump, free: of the last step and without contact, flat, m/s.
+        """
+        z = self.values
+        idle = np.ones(self.size, dtype=bool)
+        idle[self.active] = False
+        idle[: self.jumps] = False
+        z[idle] = 0.0
+        z[: self.jumps] = free
+        if self.semi > self.jumps:
+            d = self._surface.dim
+            bearing = np.repeat(z[self.jumps : self.semi] < 0, d)
+            z[: self.jumps][bearing] = jump[bearing]
+        self.values = z
+
+    @property
+    def multiplier(self) -> np.ndarray | None:
+        """lam at the points, Pa (N where a formulation acts at points), if there is one."""
+        return self.values[self.jumps : self.semi] if self.semi > self.jumps else None

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What a run leaves: a table with one row a step, its end, and the time it spent."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+#: Columns of every history; each contact adds those of :func:`contact_columns`.
+COLUMNS = (
+    "time",
+    "dt",
+    "kinetic",
+    "strain",
+    "potential",
+    "impact",
+    "friction",
+    "scheme",
+    "balance",
+    "newton",
+    "geometry",
+)
+
+
+def contact_columns(name: str, dim: int) -> list[str]:
+    """Columns that a contact adds: force on the solid, statuses, deepest penetration."""
+    forces = [f"{name}.force_{axis}" for axis in "xyz"[:dim]]
+    return [*forces, *(f"{name}.{what}" for what in ("bearing", "slipping", "penetration"))]
+
+
+@dataclass
+class History:
+    """The course of a run. Each column is an attribute-like item: ``history["kinetic"]``.
+
+    The first row is the initial state. Energies and works in J (J/m in 2D):
+
+    * ``kinetic``, ``strain``, ``potential``: of the state at ``time`` [s];
+    * ``impact``, ``friction``: work of the normal and tangential contact forces since the start
+      (negative: a loss);
+    * ``scheme``: energy that the time scheme has made (positive) or damped since the start;
+    * ``balance``: what is left of the sum, as a check of the whole; a small residual;
+    * ``dt``, ``newton``, ``geometry``: length of the step, iterations, linearisations;
+    * ``<contact>.force_x`` ...: mean force in the step on the solid, N, impulse over dt;
+      ``bearing``, ``slipping``: points by status; ``penetration`` of the deepest point, m.
+
+    Attributes:
+        reason: why the run ended; ``"finished"`` if it reached the end.
+        times: seconds spent by phase.
+        remarks: (time, text) of what a reader of the run should know (shortened steps,
+            ping-pong).
+    """
+
+    columns: tuple[str, ...]
+    reason: str = "not run"
+    times: dict[str, float] = field(default_factory=dict)
+    remarks: list[tuple[float, str]] = field(default_factory=list)
+    _rows: np.ndarray = field(default_factory=lambda: np.empty((0, 0)))
+    _count: int = 0
+
+    def __post_init__(self) -> None:
+        self._rows = np.empty((1024, len(self.columns)))
+
+    def append(self, row: Sequence[float]) -> None:
+        """Add a row."""
+        if self._count == len(self._rows):
+            self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
+        self._rows[self._count] = row
+        self._count += 1
+
+    def rows(self, start: int = 0) -> np.ndarray:
+        """Rows from ``start`` on, (rows, columns)."""
+        return self._rows[start : self._count]
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __getitem__(self, column: str) -> np.ndarray:
+        if column not in self.columns:
+            raise KeyError(f"{column!r}: the columns are {', '.join(self.columns)}")
+        return self._rows[: self._count, self.columns.index(column)]
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run reached its end."""
+        return self.reason == "finished"
+
+    @property
+    def time(self) -> np.ndarray:
+        """Times of the rows, s."""
+        return self["time"]
+
+    @property
+    def run_time(self) -> float:
+        """Seconds spent in the time loop, set-up and output left out."""
+        return sum(t for phase, t in self.times.items() if phase not in ("set-up", "output"))
+
+    def impulse(self, contact: str) -> np.ndarray:
+        """Impulse of a contact on its solid since the start, (rows, d) in N s."""
+        forces = [c for c in self.columns if c.startswith(f"{contact}.force_")]
+        if not forces:
+            raise KeyError(f"{contact!r}: no such contact")
+        rates = np.stack([self[c] for c in forces], axis=1)
+        return np.cumsum(rates * self["dt"][:, None], axis=0)
+
+    def summary(self) -> dict[str, Any]:
+        """A few numbers about the run."""
+        return {
+            "reason": self.reason,
+            "steps": len(self) - 1,
+            "newton": float(self["newton"].sum()),
+            "geometry": float(self["geometry"].sum()),
+            "run_time_s": self.run_time,
+            "times_s": dict(self.times),
+            "balance": float(np.abs(self["balance"]).max(initial=0.0)),
+        }
+
+    def __repr__(self) -> str:
+        end = self.time[-1] if len(self) else 0.0
+        return f"History({len(self) - 1} steps to {end:.6g} s, {self.reason})"

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The laws (1)-(6) of contact and Coulomb friction, in UFL: the whole theory on one page.
+
+Kham, Torkhani, Massin & Ben Dhia (2009), hal-01422173. Signs: ``n`` is the outward normal of the
+slave side, ``d_n`` the gap (positive: penetration), ``w`` the velocity jump slave - master
+(``w_n > 0``: approaching), ``lam <= 0`` the contact pressure, ``Lam`` the friction semi-multiplier
+(tangential components, ``|Lam| <= 1``). The slave bears the traction ``lam n + mu lam Lam``.
+
+    (1)  d_n <  0:  lam = 0
+         d_n >= 0:  w_n <= 0,  lam <= 0,  lam w_n = 0         Signorini-Moreau
+    (2)  lam = Su Sv g_n,   g_n = lam - rho_n w_n,   Su = chi(-d_n),   Sv = chi(g_n)
+    (3)  |r| <= mu |lam|;   w_t = 0 inside;   w_t = -a r, a >= 0, on the cone      Coulomb
+    (4)  r = mu lam Lam,    Lam = P(g_t),    g_t = Lam + rho_t w_t
+    (5)  (1 - S) Lam = 0,   S = Su Sv
+
+Nothing here knows a mesh. The printed (1) has ``w_n < 0``, which forbids a persistent contact, the
+printed (3) a plus sign, and (5)-(6) lack ``Su``, which (7) has.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ufl
+
+Expr = Any  # ufl.core.expr.Expr; UFL is not typed
+
+
+def indicator(x: Expr) -> Expr:
+    """chi(x): 1 where x <= 0, else 0."""
+    return ufl.conditional(ufl.le(x, 0), 1.0, 0.0)
+
+
+def ball_projection(g: Expr) -> Expr:
+    """P(g): projection on the unit ball.
+
+    The operand of the root is protected, not its result: UFL differentiates both branches of a
+    conditional, and g/|g| at g = 0 would give 0 x NaN.
+    """
+    return g / ufl.sqrt(ufl.max_value(1.0, ufl.dot(g, g)))
+
+
+def augmented_multiplier(lam: Expr, rho_n: Expr, approach: Expr) -> Expr:
+    """g_n = lam - rho_n w_n (2); ``approach`` is w_n, or what a formulation puts in its place."""
+    return lam - rho_n * approach
+
+
+def augmented_semi_multiplier(Lam: Expr, rho_t: Expr, w_t: Expr) -> Expr:
+    """g_t = Lam + rho_t w_t (4)."""
+    return Lam + rho_t * w_t
+
+
+def contact_status(Su: Expr, g_n: Expr) -> Expr:
+    """S = Su Sv (2): 1 where the contact bears."""
+    return Su * indicator(g_n)
+
+
+def friction_status(S: Expr, lam: Expr) -> Expr:
+    """S where the pressure is compressive, else 0.
+
+    A contact without pressure cannot hold anything back: asking it to stick would leave the row
+    of ``Lam`` without an equation, at grazing contact and in the first iteration of an impact.
+    """
+    return S * ufl.conditional(ufl.lt(lam, 0), 1.0, 0.0)
+
+
+def slipping(g_t: Expr) -> Expr:
+    """1 where the augmented semi-multiplier has left the unit ball (slip), else 0 (stick)."""
+    return ufl.conditional(ufl.gt(ufl.dot(g_t, g_t), 1.0), 1.0, 0.0)

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Linear solves with the matrix of a solid: factored once, solved many times.
+
+Everything else about a linear solid happens on the contact points: its compliance there,
+``W = J A^-1 J'`` (the Delassus operator), is formed once for each factorisation, and the Newton
+loop is dense and as small as the surface.
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+from petsc4py import PETSc
+
+
+class Factorisation:
+    """A direct factorisation of a PETSc matrix, which it owns.
+
+    Its PETSc options have the prefix ``<name>_``, so that ``-<name>_pc_factor_mat_solver_type``
+    and the like choose another solver.
+    """
+
+    def __init__(self, matrix: PETSc.Mat, name: str) -> None:
+        self._matrix = matrix
+        self._solver = PETSc.KSP().create(matrix.comm)
+        self._solver.setOptionsPrefix(re.sub(r"\W+", "_", name) + "_")
+        self._solver.setType("preonly")
+        preconditioner = self._solver.getPC()
+        preconditioner.setType("lu")
+        # PETSc's own LU has the least overhead on small matrices, MUMPS scales
+        large = matrix.comm.size > 1 or matrix.size[0] > 4000
+        preconditioner.setFactorSolverType("mumps" if large else "petsc")
+        self._solver.setOperators(matrix)
+        self._solver.setFromOptions()
+        self._solver.setUp()
+        self._x, self._b = matrix.createVecs()
+
+    def solve(self, values: np.ndarray) -> np.ndarray:
+        """A^-1 times the owned part of a vector."""
+        self._b.setArray(values)
+        self._solver.solve(self._b, self._x)
+        if self._solver.getConvergedReason() < 0:
+            return np.full_like(values, np.nan)
+        return self._x.array_r.copy()
+
+    def refactor(self) -> None:
+        """The matrix has new values."""
+        self._solver.setOperators(self._matrix)
+        self._solver.setUp()
+
+    @property
+    def matrix(self) -> PETSc.Mat:
+        """The matrix; after changing its values call :meth:`refactor`."""
+        return self._matrix
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""
+        for thing in (self._solver, self._matrix, self._x, self._b):
+            thing.destroy()

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Meshes whose facets have names, from gmsh or from dolfinx."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import dolfinx
+import numpy as np
+from mpi4py import MPI
+
+from . import checks, compat
+
+_FACET_CELL = {
+    "triangle": "interval",
+    "quadrilateral": "interval",
+    "tetrahedron": "triangle",
+    "hexahedron": "quadrilateral",
+}
+
+
+@dataclass(frozen=True)
+class NamedMesh:
+    """A dolfinx mesh, tags of its facets, and the names of the tags."""
+
+    mesh: Any
+    facet_tags: Any
+    names: Mapping[str, int]
+
+    def __post_init__(self) -> None:
+        tdim, gdim = self.mesh.topology.dim, self.mesh.geometry.dim
+        if tdim != gdim or gdim not in (2, 3):
+            raise checks.InputError(
+                f"mesh of dimension {tdim} in a space of dimension {gdim}: a solid needs a mesh "
+                "of triangles or quadrilaterals in 2D, of tetrahedra or hexahedra in 3D"
+            )
+        if self.mesh.geometry.x.size and not np.isfinite(self.mesh.geometry.x).all():
+            raise checks.InputError("mesh: has a node with a coordinate that is not finite")
+
+    @property
+    def dim(self) -> int:
+        """Dimension of space."""
+        return self.mesh.geometry.dim
+
+    def facets(self, name: str) -> np.ndarray:
+        """Local facets that bear the name.
+
+        Raises:
+            InputError: the mesh has no such name, or no facet bears it.
+        """
+        if name not in self.names:
+            known = ", ".join(map(repr, sorted(self.names))) or "none"
+            raise checks.InputError(f"facets = {name!r}: the mesh has no such name (it has {known})")
+        facets = self.facet_tags.find(self.names[name])
+        if self.mesh.comm.allreduce(len(facets)) == 0:
+            raise checks.InputError(f"facets = {name!r}: no facet of the mesh bears this name")
+        return facets
+
+    def boundary(self, name: str) -> tuple[np.ndarray, np.ndarray, str]:
+        """The named facets, whole on every process: points (n, d), cells (m, k), cell name."""
+        mesh, comm = self.mesh, self.mesh.comm
+        facets = self.facets(name)
+        owned = mesh.topology.index_map(mesh.topology.dim - 1).size_local
+        nodes = compat.facet_geometry(mesh, facets[facets < owned])
+        cell = _FACET_CELL[compat.cell_name(mesh)]
+        corners = {"interval": 2, "triangle": 3, "quadrilateral": 4}[cell]
+        nodes = nodes.reshape(-1, nodes.shape[1] if nodes.ndim == 2 else corners)[:, :corners]
+        ids = mesh.geometry.index_map().local_to_global(np.ascontiguousarray(nodes.ravel()))
+        x = mesh.geometry.x[nodes.ravel(), : self.dim]
+        all_ids = np.concatenate(comm.allgather(np.asarray(ids)))
+        all_x = np.concatenate(comm.allgather(x))
+        _, first, cells = np.unique(all_ids, return_index=True, return_inverse=True)
+        return all_x[first], cells.reshape(-1, corners), cell
+
+
+def name_facets(mesh: Any, where: Mapping[str, Callable[[np.ndarray], np.ndarray]]) -> NamedMesh:
+    """Names for the boundary facets of a dolfinx mesh.
+
+    Args:
+        mesh: the mesh.
+        where: for each name a function of ``x`` (3, n) that is true on the facets meant.
+    """
+    fdim = mesh.topology.dim - 1
+    mesh.topology.create_connectivity(fdim, mesh.topology.dim)
+    found = [dolfinx.mesh.locate_entities_boundary(mesh, fdim, f) for f in where.values()]
+    facets = np.concatenate([*found, np.empty(0, dtype=np.int32)]).astype(np.int32)
+    values = np.repeat(np.arange(1, len(found) + 1), [len(f) for f in found]).astype(np.int32)
+    if len(np.unique(facets)) != len(facets):
+        raise checks.InputError(f"where = {list(where)}: two of the names claim the same facet")
+    order = np.argsort(facets)
+    tags = dolfinx.mesh.meshtags(mesh, fdim, facets[order], values[order])
+    return NamedMesh(mesh, tags, {name: i for i, name in enumerate(where, start=1)})
+
+
+def mesh_from_gmsh(file: str | Path, comm: MPI.Comm = MPI.COMM_WORLD, **parameters: float) -> NamedMesh:
+    """A mesh from a gmsh script (``.geo``) or mesh (``.msh``); facet names are its physical names.
+
+    Args:
+        file: path of the file.
+        comm: the processes over which the mesh is distributed.
+        parameters: values for what the script declares by ``DefineConstant``.
+
+    Raises:
+        InputError: no such file, a parameter that the script does not declare, nothing meshed.
+    """
+    import gmsh
+
+    path = Path(file)
+    if not path.is_file():
+        raise checks.InputError(f"file = {str(file)!r}: no such file")
+    declared = _declared(path) if path.suffix == ".geo" else set()
+    arguments = ["gmsh", "-v", "1"]
+    for name, value in parameters.items():
+        if name not in declared:
+            known = ", ".join(sorted(declared)) or "nothing"
+            raise checks.InputError(f"{name} = {value!r}: {path.name} declares {known}")
+        arguments += ["-setnumber", name, repr(checks.number(name, value))]
+
+    names: dict[str, int] = {}
+    dim = 0
+    if comm.rank == 0:
+        gmsh.initialize(arguments)
+    try:
+        if comm.rank == 0:
+            gmsh.open(str(path))
+            dim = gmsh.model.getDimension()
+            if path.suffix == ".geo":
+                gmsh.model.mesh.generate(dim)
+            for group_dim, tag in gmsh.model.getPhysicalGroups(dim - 1):
+                names[gmsh.model.getPhysicalName(group_dim, tag)] = tag
+        names, dim = comm.bcast((names, dim))
+        if dim not in (2, 3):
+            raise checks.InputError(f"file = {str(file)!r}: holds a mesh of dimension {dim}, not 2 or 3")
+        mesh, tags = compat.gmsh_mesh(gmsh.model if comm.rank == 0 else None, comm, dim)
+    finally:
+        if comm.rank == 0:
+            gmsh.finalize()
+    return NamedMesh(mesh, tags, names)
+
+
+def _declared(path: Path) -> set[str]:
+    """Names that a gmsh script declares by DefineConstant."""
+    blocks = re.findall(r"DefineConstant\s*\[(.*?)\]\s*;", path.read_text(), flags=re.S)
+    return {name for block in blocks for name in re.findall(r"(\w+)\s*=", block)}

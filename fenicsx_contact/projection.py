@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A projected Gauss-Seidel solver for the surface problem: slow, but it always ends.
+
+It is what the Newton loop falls back on when statuses ping-pong (many points closing at once on a
+rigid solid, say). Point by point it projects the normal force on the half-line and the friction
+force on Coulomb's disk; Newton then polishes what it found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from .newton import _System
+
+
+def project(
+    system: _System,
+    limits: Sequence[tuple[np.ndarray, float]],
+    tolerance: float = 1e-13,
+    max_sweeps: int = 3000,
+) -> int:
+    """Solve by sweeps over the points and set the unknowns; returns the number of sweeps."""
+    W, free = system.W, system.free
+    points = []  # (jump indices, normal, tangents, allowed speed, friction, surface, point)
+    start = 0
+    for surface, (allowed, friction) in zip(system.surfaces, limits, strict=True):
+        k = surface.fields
+        normals, tangents = k.frame()
+        d = normals.shape[1]
+        for p in surface.candidates:
+            index = np.arange(start, start + d)
+            points.append((index, normals[p], tangents[:, p], allowed[p], friction))
+            start += d
+    force = np.zeros(len(free))
+    jump = free.copy()
+    speed = np.abs(free).max() or 1.0
+    sweeps = 0
+    for sweeps in range(1, max_sweeps + 1):
+        change = 0.0
+        for index, n, t, allowed, friction in points:
+            block = W[np.ix_(index, index)]
+            old = force[index].copy()
+            w_n, w_t = jump[index] @ n - allowed, t @ jump[index]
+            stiff_n = n @ block @ n
+            if stiff_n <= 0:
+                continue
+            f_n = min(0.0, old @ n - w_n / stiff_n)
+            f_t = np.zeros(len(t))
+            if friction:
+                stiff_t = np.linalg.norm(t @ block @ t.T, 2)
+                f_t = t @ old - w_t / stiff_t
+                size, limit = np.linalg.norm(f_t), friction * abs(f_n)
+                f_t *= limit / max(size, limit) if size else 0.0
+            new = f_n * n + f_t @ t
+            force[index] = new
+            jump += W[:, index] @ (new - old)
+            change = max(change, np.abs(block @ (new - old)).max())
+        if change <= tolerance * speed:
+            break
+    _set_unknowns(system, force, jump)
+    return sweeps
+
+
+def _set_unknowns(system: _System, force: np.ndarray, jump: np.ndarray) -> None:
+    """Jumps and multipliers that correspond to the forces."""
+    start = 0
+    for surface in system.surfaces:
+        normals, tangents = surface.fields.frame()
+        d, n = normals.shape[1], len(normals)
+        values = surface.values
+        count = len(surface.candidates) * d
+        values[surface.active_jumps] = jump[start : start + count]
+        f = force[start : start + count].reshape(-1, d)
+        p = surface.candidates
+        lam = np.einsum("ij,ij->i", f, normals[p]) / surface.weight[p]
+        values[surface.jumps + p] = lam
+        mu = float(surface.fields.friction.value)
+        if surface.size > surface.semi:
+            bearing = np.where(lam < 0, mu * lam * surface.weight[p], 1.0)
+            for i, t in enumerate(tangents):
+                semi = np.einsum("ij,ij->i", f, t[p]) / bearing
+                values[surface.semi + i * n + p] = np.where(lam < 0, semi, 0.0)
+        surface.values = values
+        start += count
+    system.residual = system._scaled_residual()

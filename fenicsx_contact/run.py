@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The time loop: uniform steps, shorter ones where they fail, files as it goes."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import checks
+from .checks import StepFailed
+from .history import History
+from .storage import RunDirectory
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+#: Seconds between two checkpoints; the bar shows only what is on disk.
+CHECKPOINT_EVERY = 2.0
+
+
+def run(
+    scene: Scene,
+    until: float,
+    dt: float,
+    *,
+    directory: str | Path | None,
+    resume: bool,
+    fields_every: int,
+    progress: bool | None,
+    shortest: float,
+) -> History:
+    """See :meth:`fenicsx_contact.scene.Scene.run`."""
+    dt = checks.number("dt", dt, above=0)
+    until = checks.number("until", until)
+    shortest = checks.number("shortest", shortest, above=0, at_most=1)
+    if until <= scene.time:
+        raise checks.InputError(f"until = {until!r}: must be > {scene.time:g}, the present time")
+    if directory is None and (resume or fields_every):
+        raise checks.InputError("directory = None: resume and fields_every need a directory")
+    if resume and scene.comm.size > 1:
+        raise checks.InputError("resume = True: only a run on one process can be resumed")
+
+    first, done = scene.time, 0
+    history = History(scene.columns)
+    files = RunDirectory(directory) if directory is not None and scene.comm.rank == 0 else None
+    fingerprint = f"{scene.describe()}\ndt = {dt!r}, from {first!r}"
+    if files and resume and files.has_checkpoint:
+        state = files.load(history, fingerprint)
+        done = int(state.pop("run.steps"))
+        scene.restore(state)
+    else:
+        history.append(scene.initial_row())
+        if files:
+            files.begin(history, fingerprint)
+    steps = max(1, round((until - first) / dt))
+    writer = _field_writer(scene, directory, fields_every, first + done * dt if done else None)
+    bar = _bar(steps, done, progress, scene.comm.rank)
+    checkpoint = perf_counter()
+    history.reason = "finished"
+    for k in range(done, steps):
+        try:
+            _cross(scene, history, dt, shortest)
+        except StepFailed as failure:
+            history.reason = f"stopped at t = {scene.time:.9g} s: {failure}"
+            _save(scene, files, history, k)
+            break
+        scene.time = history.rows()[-1, 0] = first + (k + 1) * dt  # no sum of round-off
+        if writer and (k + 1) % fields_every == 0:
+            writer.write(scene.time)
+        if perf_counter() - checkpoint > CHECKPOINT_EVERY or k + 1 == steps:
+            _save(scene, files, history, k + 1)
+            checkpoint = perf_counter()
+            bar.update(k + 1 - bar.n)
+    bar.close()
+    history.times = dict(scene.times)
+    if files:
+        files.finish(history)
+    return history
+
+
+def _cross(scene: Scene, history: History, dt: float, shortest: float) -> None:
+    """Cross one step of the grid, in parts where it fails."""
+    done, part = 0.0, 1.0
+    while done < 1.0:
+        try:
+            row = scene.step(part * dt)
+        except StepFailed as failure:
+            part /= 2
+            if part < shortest:
+                raise StepFailed(f"{failure}; steps down to {2 * part * dt:.3g} s fail") from None
+            history.remarks.append((scene.time, f"step halved to {part * dt:.3g} s: {failure}"))
+            continue
+        history.append(row)
+        history.remarks += [(scene.time, remark) for remark in scene.remarks]
+        done += part
+        while part < 1.0 and (done / (2 * part)).is_integer():
+            part *= 2
+
+
+def _save(scene: Scene, files: RunDirectory | None, history: History, steps: int) -> None:
+    if files:
+        files.save(history, {**scene.state(), "run.steps": np.array(steps)})
+
+
+def _field_writer(
+    scene: Scene, directory: str | Path | None, every: int, resumed: float | None
+) -> Any:
+    if not every or directory is None:
+        return None
+    from .fields import FieldWriter
+
+    return FieldWriter(scene.solids, scene.contacts, Path(directory), scene.time, resumed)
+
+
+def _bar(steps: int, done: int, progress: bool | None, rank: int) -> Any:
+    from tqdm import tqdm
+
+    show = rank == 0 and (sys.stderr.isatty() if progress is None else progress)
+    return tqdm(total=steps, initial=done, unit="step", delay=1.0, disable=not show)

@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What moves. A solid knows its inertia, its internal forces and its trace; it knows no contact."""
+
+from .base import Solid, Trace
+from .elastic import ElasticSolid
+from .hyperelastic import HyperelasticSolid, neo_hookean, st_venant_kirchhoff
+from .rigid import RigidSolid
+
+__all__ = [
+    "ElasticSolid",
+    "HyperelasticSolid",
+    "RigidSolid",
+    "Solid",
+    "Trace",
+    "neo_hookean",
+    "st_venant_kirchhoff",
+]

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What every solid offers to a scene.
+
+A step of a scene asks a solid, in this order::
+
+    predict(step)                    trial state from the old velocity
+    linearise(step)                  A and b of  A v+ = b + J' f  about the trial state
+    trace.compliance(), ...          the contacts take what they need and spread their forces
+    correct(step)                    v+ from these forces; the last two again if not linear
+    accept()                         the trial state becomes the state
+
+Velocities are arrays of the unknowns that a process holds; positions are whatever the solid needs
+to know where it is. Forces are mean forces over the step, impulses divided by dt.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+
+from ..meshing import NamedMesh
+from ..theta import Step
+
+
+class Trace(ABC):
+    """A solid seen from n points of a surface. Jumps and forces are flat arrays of n d numbers,
+    the same on every process."""
+
+    @abstractmethod
+    def follow(self) -> None:
+        """Take up the solid's trial state: places and operator."""
+
+    @abstractmethod
+    def linearise(self, step: Step) -> None:
+        """Take up the solid's newest linearisation."""
+
+    @abstractmethod
+    def accept(self) -> None:
+        """The trial state, which was followed, is the start of the next step."""
+
+    @abstractmethod
+    def positions(self) -> np.ndarray:
+        """Places of the points in the trial state, (n, d) in m."""
+
+    @abstractmethod
+    def jump(self, velocity: np.ndarray) -> np.ndarray:
+        """Velocities of the points, J v."""
+
+    @abstractmethod
+    def mean_jump(self, velocity: np.ndarray) -> np.ndarray:
+        """Velocities of the points, by the operator whose transpose spreads the forces."""
+
+    @abstractmethod
+    def free_jump(self) -> np.ndarray:
+        """Velocities of the points that the step would end with if no contact acted."""
+
+    @abstractmethod
+    def compliance(self, other: Trace) -> np.ndarray:
+        """J A^-1 J' of ``other`` (a trace of the same solid): the Delassus operator."""
+
+    @abstractmethod
+    def spread(self, force: np.ndarray) -> None:
+        """Add point forces to the forces on the solid in this step."""
+
+
+class Solid(ABC):
+    """A body that moves.
+
+    Attributes:
+        name: for messages and files.
+        mesh: its shape.
+        dim: dimension of space.
+        linear: one linearisation serves a whole step.
+        supported: something holds it even without contact.
+        moves_operator: the trace operator depends on the position (finite rotation).
+        velocity, trial_velocity: at the start and at the end of the step.
+    """
+
+    name: str
+    mesh: NamedMesh
+    dim: int
+    linear: bool
+    supported: bool
+    moves_operator: bool
+    velocity: np.ndarray
+    trial_velocity: np.ndarray
+
+    @abstractmethod
+    def trace(self, points: np.ndarray) -> Trace:
+        """The solid seen from points on it, given by reference coordinates (n, d)."""
+
+    @abstractmethod
+    def predict(self, step: Step) -> None:
+        """Explicit prediction of the trial state: the old velocity goes on."""
+
+    @abstractmethod
+    def linearise(self, step: Step) -> None:
+        """Set up A and b of ``A v+ = b + J' f`` about the trial state, and drop old forces."""
+
+    def turn(self, step: Step) -> float:
+        """Angle by which the trial state has turned in the step, rad."""
+        return 0.0
+
+    def broken(self) -> str:
+        """Why the trial state is not admissible, or nothing."""
+        return ""
+
+    @abstractmethod
+    def correct(self, step: Step) -> None:
+        """Solve for the trial velocity with the forces spread so far, and move there."""
+
+    @abstractmethod
+    def imbalance(self, step: Step) -> float:
+        """Residual of the momentum balance in the trial state over the size of its terms."""
+
+    @abstractmethod
+    def accept(self) -> None:
+        """Make the trial state the state."""
+
+    @abstractmethod
+    def energies(self) -> tuple[float, float, float]:
+        """Kinetic, strain and potential energy of the state, J (J/m in 2D)."""
+
+    @abstractmethod
+    def momentum_work(self) -> float:
+        """Mean velocity of the step times its change of momentum, in the trial state."""
+
+    @abstractmethod
+    def force_work(self, step: Step) -> float:
+        """Work of internal forces and loads in the step, on the mean velocity."""
+
+    @abstractmethod
+    def state(self) -> dict[str, np.ndarray]:
+        """The arrays from which :meth:`restore` continues identically."""
+
+    @abstractmethod
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        """Take up a state that :meth:`state` gave."""
+
+    @abstractmethod
+    def describe(self) -> str:
+        """One line: what it is and how many unknowns it has."""
+
+    @abstractmethod
+    def fields(self) -> dict[str, np.ndarray]:
+        """Displacement [m] and velocity [m/s] at the local nodes of the mesh's geometry."""

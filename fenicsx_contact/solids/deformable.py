@@ -1,0 +1,285 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What every deformable solid is: a displacement field on a mesh, with mass, load and supports.
+
+The mesh may be distributed: arrays hold the unknowns that a process owns, and only surface data
+travel between processes.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import scipy.sparse
+import ufl
+from dolfinx import fem
+from petsc4py import PETSc
+from scipy.spatial import cKDTree
+
+from .. import checks, compat
+from ..linear import Factorisation
+from ..meshing import NamedMesh
+from ..theta import Step
+from .base import Solid, Trace
+
+#: A field given as a function of ``x`` (3, n) with values (d, n).
+Field = Callable[[np.ndarray], np.ndarray]
+
+
+class DeformableSolid(Solid):
+    """A solid with a displacement field; see its two kinds.
+
+    Args:
+        mesh: its shape.
+        density: kg/m³.
+        degree: of the displacement, 1 or 2.
+        gravity: acceleration, d numbers, m/s².
+        fixed: names of facets held fast.
+        displacement, velocity: initial fields in m and m/s, functions of ``x`` (3, n) with values
+            (d, n).
+        name: for messages, files and the prefix of PETSc options.
+
+    Raises:
+        InputError: numbers out of range, a name that the mesh lacks.
+    """
+
+    moves_operator = False
+    factorisation: Factorisation
+    free_load: np.ndarray
+
+    def __init__(
+        self,
+        mesh: NamedMesh,
+        *,
+        density: float,
+        degree: int = 1,
+        gravity: Sequence[float] | None = None,
+        fixed: Sequence[str] = (),
+        displacement: Field | None = None,
+        velocity: Field | None = None,
+        name: str = "deformable",
+    ) -> None:
+        checks.instance("mesh", mesh, NamedMesh, "a NamedMesh (mesh_from_gmsh, name_facets)")
+        self.name, self.mesh, self.dim = name, mesh, mesh.dim
+        self.comm, d = mesh.mesh.comm, mesh.dim
+        density = checks.number("density", density, above=0)
+        if degree not in (1, 2):
+            raise checks.InputError(f"degree = {degree!r}: must be 1 or 2")
+        self.space = compat.lagrange_space(mesh.mesh, degree, shape=(d,))
+        self._output = compat.lagrange_space(mesh.mesh, 1, shape=(d,))
+        self.displacement_field = fem.Function(self.space)
+        index_map = self.space.dofmap.index_map
+        self.owned = index_map.size_local * d
+        self.unknowns = index_map.size_global * d
+        self._bcs = self._supports(fixed)
+
+        u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
+        self._dx = ufl.Measure("dx", domain=mesh.mesh)
+        rho = fem.Constant(mesh.mesh, density)
+        self._mass = self._assemble(rho * ufl.dot(u, v) * self._dx, diagonal=1.0)
+        self._x, self._y = self._mass.createVecs()
+        self._load = np.zeros(self.owned)
+        if gravity is not None:
+            g = fem.Constant(mesh.mesh, checks.vector("gravity", gravity, d))
+            compat.assemble_owned(fem.form(rho * ufl.dot(g, v) * self._dx), self._load)
+            self._load[self.fixed_unknowns] = 0.0
+
+        self.displacement = self._initial("displacement", displacement)
+        self.velocity = self._initial("velocity", velocity)
+        self.trial_displacement = self.displacement.copy()
+        self.trial_velocity = self.velocity.copy()
+        self._force = np.zeros(self.owned)
+        self._momentum = self._multiply(self._mass, self.velocity)
+        self.linearisation = 0  # counts the changes of A, for those who keep columns of A^-1
+
+    def _supports(self, names: Sequence[str]) -> list[Any]:
+        mesh, fdim = self.mesh.mesh, self.dim - 1
+        if isinstance(names, str):
+            names = [names]
+        zero = fem.Function(self.space)
+        bcs, blocks = [], [np.empty(0, dtype=np.int32)]
+        for name in names:
+            dofs = fem.locate_dofs_topological(self.space, fdim, self.mesh.facets(name))
+            bcs.append(fem.dirichletbc(zero, dofs))
+            blocks.append(dofs)
+        nodes = np.unique(np.concatenate(blocks))
+        nodes = nodes[nodes < self.owned // self.dim]
+        self.fixed_unknowns = (nodes[:, None] * self.dim + np.arange(self.dim)).ravel()
+        self.supported = mesh.comm.allreduce(len(nodes)) > 0
+        return bcs
+
+    def _initial(self, what: str, field: Field | None) -> np.ndarray:
+        function = fem.Function(self.space)
+        if field is not None:
+            compat.interpolate(function, field)
+        values = function.x.array[: self.owned].copy()
+        if not np.isfinite(values).all():
+            raise checks.InputError(f"{what}: the initial field is not finite everywhere")
+        values[self.fixed_unknowns] = 0.0
+        return values
+
+    def _assemble(self, form: ufl.Form, diagonal: float) -> PETSc.Mat:
+        return compat.assemble_petsc_matrix(form, self._bcs, diagonal)
+
+    def _multiply(self, matrix: PETSc.Mat, values: np.ndarray) -> np.ndarray:
+        self._x.setArray(values)
+        matrix.mult(self._x, self._y)
+        return self._y.array_r.copy()
+
+    def _sum(self, value: float) -> float:
+        return float(self.comm.allreduce(value)) if self.comm.size > 1 else float(value)
+
+    @abstractmethod
+    def strain_energy(self) -> float:
+        """Strain energy of the state, J."""
+
+    @abstractmethod
+    def internal_force(self, displacement: np.ndarray) -> np.ndarray:
+        """Internal forces at a displacement, for the owned unknowns."""
+
+    @abstractmethod
+    def _state_changed(self) -> None:
+        """The state is new: refresh what is kept from step to step."""
+
+    def predict(self, step: Step) -> None:
+        self.trial_velocity = self.velocity.copy()
+        self._move(step)
+
+    def _move(self, step: Step) -> None:
+        increment = step.scheme.increment(step.dt, self.velocity, self.trial_velocity)
+        self.trial_displacement = self.displacement + increment
+
+    def _force_point(self, step: Step) -> np.ndarray:
+        """The displacement at which the scheme takes the internal forces."""
+        weight = step.scheme.force_weight
+        return weight * self.trial_displacement + (1 - weight) * self.displacement
+
+    def correct(self, step: Step) -> None:
+        self.trial_velocity = self.factorisation.solve(self.free_load + self._force)
+        self._move(step)
+
+    def accept(self) -> None:
+        self.velocity = self.trial_velocity.copy()
+        self.displacement = self.trial_displacement
+        self._momentum = self._multiply(self._mass, self.velocity)
+        self._state_changed()
+
+    def force_work(self, step: Step) -> float:
+        mean = 0.5 * (self.velocity + self.trial_velocity)
+        internal = self.internal_force(self._force_point(step))
+        return self._sum(step.dt * mean @ (self._load - internal))
+
+    def momentum_work(self) -> float:
+        new = self._multiply(self._mass, self.trial_velocity)
+        mean = 0.5 * (self.velocity + self.trial_velocity)
+        return self._sum(mean @ (new - self._momentum))
+
+    def energies(self) -> tuple[float, float, float]:
+        kinetic = 0.5 * self._sum(self.velocity @ self._momentum)
+        return kinetic, self.strain_energy(), -self._sum(self._load @ self.displacement)
+
+    def trace(self, points: np.ndarray) -> DeformableTrace:
+        return DeformableTrace(self, points)
+
+    def state(self) -> dict[str, np.ndarray]:
+        return {"displacement": self.displacement, "velocity": self.velocity}
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        self.displacement = np.array(state["displacement"])
+        self.velocity = np.array(state["velocity"])
+        self.trial_displacement = self.displacement.copy()
+        self.trial_velocity = self.velocity.copy()
+        self._momentum = self._multiply(self._mass, self.velocity)
+        self._state_changed()
+
+    def field(self, values: np.ndarray) -> Any:
+        """A function of the solid's space from the values of its owned unknowns."""
+        function = fem.Function(self.space)
+        function.x.array[: self.owned] = values
+        function.x.scatter_forward()
+        return function
+
+    def fields(self) -> dict[str, np.ndarray]:
+        nodes = compat.cell_geometry(self.mesh.mesh)
+        dofs = compat.cell_dofs(self._output)
+        result = {}
+        for what, values in (("displacement", self.displacement), ("velocity", self.velocity)):
+            function = fem.Function(self._output)
+            function.interpolate(self.field(values))
+            at_nodes = np.zeros((len(self.mesh.mesh.geometry.x), self.dim))
+            at_nodes[nodes.ravel()] = function.x.array.reshape(-1, self.dim)[dofs.ravel()]
+            result[what] = at_nodes
+        return result
+
+
+class DeformableTrace(Trace):
+    """A deformable solid seen from points that are nodes of its mesh; the operator is constant."""
+
+    def __init__(self, solid: DeformableSolid, points: np.ndarray) -> None:
+        self._solid, self._reference = solid, points
+        n, d = points.shape
+        nodes = solid.space.tabulate_dof_coordinates()[: solid.owned // d, :d]
+        reach = 1e-8 * np.ptp(points, axis=0).max()
+        mine = np.zeros(0, dtype=int)
+        node = np.zeros(0, dtype=int)
+        if len(nodes):
+            distance, nearest = cKDTree(nodes).query(points)
+            mine = np.flatnonzero(distance <= reach)
+            node = nearest[mine]
+        if solid.comm.allreduce(len(mine)) != n:
+            raise checks.InputError("points: each point of a trace must be a node of the solid")
+        rows = (mine[:, None] * d + np.arange(d)).ravel()
+        columns = (node[:, None] * d + np.arange(d)).ravel()
+        free = ~np.isin(columns, solid.fixed_unknowns)  # what is held fast does not move
+        entries = (np.ones(free.sum()), (rows[free], columns[free]))
+        self._operator = scipy.sparse.csr_matrix(entries, (n * d, solid.owned))
+        self._transpose = self._operator.T.tocsr()
+        self._linearisation = 0
+        self._compliance: dict[int, np.ndarray] = {}
+
+    def _sum(self, values: np.ndarray) -> np.ndarray:
+        comm = self._solid.comm
+        return comm.allreduce(values) if comm.size > 1 else values
+
+    def follow(self) -> None:
+        """Nothing to do: the operator is constant."""
+
+    def accept(self) -> None:
+        """Nothing to do: the operator is constant."""
+
+    def linearise(self, step: Step) -> None:
+        if self._linearisation == self._solid.linearisation:
+            return
+        self._linearisation = self._solid.linearisation
+        self._columns = np.empty((self._operator.shape[1], self._operator.shape[0]))
+        unit = np.zeros(self._operator.shape[0])
+        for i in range(len(unit)):
+            unit[i] = 1.0
+            self._columns[:, i] = self._solid.factorisation.solve(self._transpose @ unit)
+            unit[i] = 0.0
+        self._compliance.clear()
+
+    def positions(self) -> np.ndarray:
+        moved = self._sum(self._operator @ self._solid.trial_displacement)
+        return self._reference + moved.reshape(self._reference.shape)
+
+    def jump(self, velocity: np.ndarray) -> np.ndarray:
+        return self._sum(self._operator @ velocity)
+
+    def mean_jump(self, velocity: np.ndarray) -> np.ndarray:
+        return self.jump(velocity)
+
+    def free_jump(self) -> np.ndarray:
+        # J A^-1 b = (A^-1 J')' b, for A is symmetric: no solve
+        return self._sum(self._columns.T @ self._solid.free_load)
+
+    def compliance(self, other: Trace) -> np.ndarray:
+        assert isinstance(other, DeformableTrace)
+        if id(other) not in self._compliance:
+            self._compliance[id(other)] = self._sum(self._operator @ other._columns)
+        return self._compliance[id(other)]
+
+    def spread(self, force: np.ndarray) -> None:
+        self._solid._force += self._transpose @ force

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Linear elastic solids of small strain and rotation.
+
+Mass and stiffness are assembled once; the matrix of a step, ``A = M/dt + a theta dt K``, is
+factored once for each step length.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from .. import checks
+from ..linear import Factorisation
+from ..meshing import NamedMesh
+from ..theta import Step
+from .deformable import DeformableSolid
+
+
+def elastic_constants(youngs_modulus: float, poisson_ratio: float) -> tuple[float, float]:
+    """E [Pa] > 0 and nu in (-1, 1/2), or an :class:`~fenicsx_contact.checks.InputError`."""
+    E = checks.number("youngs_modulus", youngs_modulus, above=0)
+    nu = checks.number("poisson_ratio", poisson_ratio, above=-1)
+    if nu >= 0.5:
+        raise checks.InputError(f"poisson_ratio = {poisson_ratio!r}: must be < 0.5")
+    return E, nu
+
+
+class ElasticSolid(DeformableSolid):
+    """A linear elastic solid; plane strain in 2D.
+
+    Args:
+        mesh: its shape.
+        youngs_modulus: E, Pa.
+        poisson_ratio: nu, in (-1, 1/2).
+        others: as for :class:`~fenicsx_contact.solids.deformable.DeformableSolid`.
+
+    Raises:
+        InputError: numbers out of range, a name that the mesh lacks.
+    """
+
+    linear = True
+
+    def __init__(
+        self, mesh: NamedMesh, *, youngs_modulus: float, poisson_ratio: float, **others: Any
+    ) -> None:
+        self.youngs_modulus, self.poisson_ratio = elastic_constants(youngs_modulus, poisson_ratio)
+        super().__init__(mesh, **{"name": "elastic", **others})
+        self._stiffness = self._assemble(self._stiffness_form(), diagonal=0.0)
+        self._factors: dict[tuple[float, float], tuple[int, Factorisation]] = {}
+        self._made = 0
+        self._state_changed()
+
+    def _stiffness_form(self) -> ufl.Form:
+        E, nu, d = self.youngs_modulus, self.poisson_ratio, self.dim
+        mu = fem.Constant(self.mesh.mesh, E / 2 / (1 + nu))
+        lmbda = fem.Constant(self.mesh.mesh, E * nu / (1 + nu) / (1 - 2 * nu))
+        u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
+
+        def strain(w: Any) -> Any:
+            return ufl.sym(ufl.grad(w))
+
+        stress = 2 * mu * strain(u) + lmbda * ufl.tr(strain(u)) * ufl.Identity(d)
+        return ufl.inner(stress, strain(v)) * self._dx
+
+    def _state_changed(self) -> None:
+        self._internal = self._multiply(self._stiffness, self.displacement)
+        self._internal_rate = self._multiply(self._stiffness, self.velocity)
+
+    def linearise(self, step: Step) -> None:
+        key = (step.dt, step.force_rate)
+        if key not in self._factors:
+            if len(self._factors) > 8:  # steps of many lengths: do not hoard factors
+                self._factors.pop(next(iter(self._factors)))[1].destroy()
+            matrix = self._mass.copy()
+            matrix.scale(1 / step.dt)
+            matrix.axpy(step.force_rate, self._stiffness)
+            self._made += 1
+            factor = Factorisation(matrix, self.name)
+            self._factors[key] = (self._made, factor)
+        self.linearisation, self.factorisation = self._factors[key]
+        known = step.scheme.force_weight * step.dt * (1 - step.scheme.theta)
+        self.free_load = self._momentum / step.dt + self._load - self._internal
+        if known:
+            self.free_load -= known * self._internal_rate
+        self._force[:] = 0.0
+
+    def imbalance(self, step: Step) -> float:
+        return 0.0
+
+    def internal_force(self, displacement: np.ndarray) -> np.ndarray:
+        return self._multiply(self._stiffness, displacement)
+
+    def strain_energy(self) -> float:
+        """Strain energy of the state, J."""
+        return 0.5 * self._sum(self.displacement @ self._internal)
+
+    def describe(self) -> str:
+        return f"elastic, small strain, {self.unknowns} unknowns"

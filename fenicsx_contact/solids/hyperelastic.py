@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Hyperelastic solids: any stored energy in UFL, finite strain, same scene and contact.
+
+Each linearisation is a Newton step of the solid; the scene's outer loop repeats it together with
+the contact until the momentum balance holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from .. import checks, compat
+from ..linear import Factorisation
+from ..meshing import NamedMesh
+from ..theta import Step
+from .deformable import DeformableSolid
+from .elastic import elastic_constants
+
+#: A stored energy density [J/m³] as a UFL function of the deformation gradient, (3, 3).
+Energy = Callable[[Any], Any]
+
+
+def _lame(youngs_modulus: float, poisson_ratio: float) -> tuple[float, float]:
+    E, nu = elastic_constants(youngs_modulus, poisson_ratio)
+    return E * nu / (1 + nu) / (1 - 2 * nu), E / 2 / (1 + nu)
+
+
+def st_venant_kirchhoff(youngs_modulus: float, poisson_ratio: float) -> Energy:
+    """``lambda/2 tr(E)² + mu E:E`` with E the Green-Lagrange strain."""
+    lmbda, mu = _lame(youngs_modulus, poisson_ratio)
+
+    def energy(F: Any) -> Any:
+        strain = (F.T * F - ufl.Identity(3)) / 2
+        return lmbda / 2 * ufl.tr(strain) ** 2 + mu * ufl.inner(strain, strain)
+
+    return energy
+
+
+def neo_hookean(youngs_modulus: float, poisson_ratio: float) -> Energy:
+    """``mu/2 (tr(F'F) - 3 - 2 ln J) + lambda/2 (ln J)²``, compressible."""
+    lmbda, mu = _lame(youngs_modulus, poisson_ratio)
+
+    def energy(F: Any) -> Any:
+        J = ufl.det(F)
+        return mu / 2 * (ufl.tr(F.T * F) - 3 - 2 * ufl.ln(J)) + lmbda / 2 * ufl.ln(J) ** 2
+
+    return energy
+
+
+class HyperelasticSolid(DeformableSolid):
+    """A hyperelastic solid; plane strain in 2D.
+
+    Args:
+        mesh: its shape.
+        energy: stored energy density, for instance :func:`neo_hookean` (E, nu).
+        others: as for :class:`~fenicsx_contact.solids.deformable.DeformableSolid`.
+    """
+
+    linear = False
+
+    def __init__(self, mesh: NamedMesh, *, energy: Energy, **others: Any) -> None:
+        if not callable(energy):
+            raise checks.InputError(f"energy = {energy!r}: must be a function of F, in UFL")
+        super().__init__(mesh, **{"name": "hyperelastic", **others})
+        u, v, du = self.displacement_field, ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
+        F = ufl.Identity(self.dim) + ufl.grad(u)
+        if self.dim == 2:  # plane strain
+            F = ufl.as_matrix([[F[0, 0], F[0, 1], 0], [F[1, 0], F[1, 1], 0], [0, 0, 1]])
+        dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 2 * degree})
+        potential = energy(F) * dx
+        residual = ufl.derivative(potential, u, v)
+        self._volume_ratio = compat.PointExpression(
+            ufl.det(F), compat.lagrange_space(mesh.mesh)
+        )
+        self._potential_form = fem.form(potential)
+        self._force_form = fem.form(residual)
+        self._tangent_form = fem.form(ufl.derivative(residual, u, du))
+        self._buffer = np.zeros(self.owned)
+        self._tangent = compat.assemble_petsc_matrix(
+            ufl.derivative(residual, u, du), self._bcs, 0.0
+        )
+        self._factor: Factorisation | None = None
+        self._state_changed()
+
+    def _set(self, displacement: np.ndarray) -> None:
+        self.displacement_field.x.array[: self.owned] = displacement
+        self.displacement_field.x.scatter_forward()
+
+    def internal_force(self, displacement: np.ndarray) -> np.ndarray:
+        self._set(displacement)
+        compat.assemble_owned(self._force_form, self._buffer)
+        self._buffer[self.fixed_unknowns] = 0.0
+        return self._buffer.copy()
+
+    def _stored_energy(self, displacement: np.ndarray) -> float:
+        self._set(displacement)
+        return compat.assemble_scalar(self._potential_form, self.comm)
+
+    def linearise(self, step: Step) -> None:
+        internal = self.internal_force(self._force_point(step))
+        compat.refill_petsc_matrix(self._tangent, self._tangent_form, self._bcs)
+        if self._factor is None:
+            self._factor = Factorisation(self._mass.copy(), self.name)
+        matrix = self._factor.matrix
+        self._mass.copy(matrix)
+        matrix.scale(1 / step.dt)
+        matrix.axpy(step.force_rate, self._tangent)
+        self._factor.refactor()
+        self.factorisation = self._factor
+        self.linearisation += 1
+        # A v+ = A v - r(v) + J' f
+        self.free_load = self._multiply(matrix, self.trial_velocity)
+        new = self._multiply(self._mass, self.trial_velocity)
+        self.free_load -= (new - self._momentum) / step.dt + internal - self._load
+        self._force[:] = 0.0
+
+    def imbalance(self, step: Step) -> float:
+        internal = self.internal_force(self._force_point(step))
+        new = self._multiply(self._mass, self.trial_velocity)
+        terms = [(new - self._momentum) / step.dt, internal, -self._load, -self._force]
+        own = np.array([[np.abs(t).max(initial=0.0) for t in (sum(terms), *terms)]])
+        largest = np.max(self.comm.allgather(own), axis=0).ravel()
+        return float(largest[0] / (largest[1:].max() or 1.0))
+
+    def _state_changed(self) -> None:
+        self._strain = self._stored_energy(self.displacement)
+
+    def strain_energy(self) -> float:
+        return self._strain
+
+    def broken(self) -> str:
+        self._set(self.trial_displacement)
+        worst = min(self.comm.allgather(float(self._volume_ratio().min(initial=1.0))))
+        return "" if worst > 0 else f"an element of solid {self.name!r} is inverted"
+
+    def describe(self) -> str:
+        return f"hyperelastic, {self.unknowns} unknowns"

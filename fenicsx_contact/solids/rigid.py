@@ -1,0 +1,275 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Rigid solids: 3 unknowns in 2D, 6 in 3D, finite rotations.
+
+Unknowns: the velocity of the centre of mass and the spin (a number in 2D, the spatial vector in
+3D). The theta-scheme acts on the place of the centre and on the rotation, whose increment is the
+exponential of ``dt ((1 - theta) w- + theta w+)``; angular momentum is balanced in space, so that
+free flight keeps it exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from scipy.spatial.transform import Rotation
+
+from .. import checks, compat
+from ..meshing import NamedMesh
+from ..theta import Step
+from .base import Solid, Trace
+
+
+class RigidSolid(Solid):
+    """A rigid solid.
+
+    Args:
+        mesh: its shape; only facets and, for the mass, the volume are read from it.
+        density: kg/m³ (kg/m² in 2D), or give ``mass``.
+        mass: total mass, kg (kg/m in 2D), spread evenly.
+        gravity: acceleration, d numbers, m/s².
+        rotation: initial rotation, in rad (a rotation vector in 3D), about ``about``.
+        about: the point, d coordinates, about which the initial rotation turns.
+        velocity, spin: initial velocity of the centre of mass, m/s, and spin, rad/s.
+        name: for messages and files.
+
+    Raises:
+        InputError: neither or both of density and mass, or numbers out of range.
+    """
+
+    linear = False
+    moves_operator = True
+    supported = False
+
+    def __init__(
+        self,
+        mesh: NamedMesh,
+        *,
+        density: float | None = None,
+        mass: float | None = None,
+        gravity: Sequence[float] | None = None,
+        rotation: float | Sequence[float] = 0.0,
+        about: Sequence[float] | None = None,
+        velocity: Sequence[float] | None = None,
+        spin: float | Sequence[float] = 0.0,
+        name: str = "rigid",
+    ) -> None:
+        checks.instance("mesh", mesh, NamedMesh, "a NamedMesh (mesh_from_gmsh, name_facets)")
+        self.name, self.mesh, self.dim = name, mesh, mesh.dim
+        if (density is None) == (mass is None):
+            raise checks.InputError(
+                f"density = {density!r}, mass = {mass!r}: give one of them"
+            )
+        size, self.centre, second = _moments(mesh)
+        rho = (
+            checks.number("density", density, above=0)
+            if mass is None
+            else checks.number("mass", mass, above=0) / size
+        )
+        self.mass = rho * size
+        if self.dim == 2:
+            self.inertia = np.array([[rho * np.trace(second)]])
+        else:
+            self.inertia = rho * (np.trace(second) * np.eye(3) - second)
+        d, spins = self.dim, 1 if self.dim == 2 else 3
+        self.gravity = np.zeros(d) if gravity is None else checks.vector("gravity", gravity, d)
+        self._load = np.concatenate([self.mass * self.gravity, np.zeros(spins)])
+
+        turn = checks.vector("rotation", np.ravel(rotation * np.ones(spins)), spins)
+        pivot = self.centre if about is None else checks.vector("about", about, d)
+        self._turn = _rotation(turn)
+        self._place = pivot + self._turn @ (self.centre - pivot)
+        self.velocity = np.zeros(d + spins)
+        if velocity is not None:
+            self.velocity[:d] = checks.vector("velocity", velocity, d)
+        self.velocity[d:] = checks.vector("spin", np.ravel(spin * np.ones(spins)), spins)
+        self.trial_velocity = self.velocity.copy()
+        self.trial_place, self.trial_turn = self._place.copy(), self._turn.copy()
+        self._force = np.zeros_like(self.velocity)
+
+    # -- the step -------------------------------------------------------------------------------
+
+    def predict(self, step: Step) -> None:
+        self.trial_velocity[:] = self.velocity
+        self._move(step)
+
+    def linearise(self, step: Step) -> None:
+        d = self.dim
+        inertia = self._spatial_inertia(self.trial_turn)
+        self.inverse = np.zeros((len(self.velocity),) * 2)
+        self.inverse[range(d), range(d)] = step.dt / self.mass
+        self.inverse[d:, d:] = step.dt * np.linalg.inv(inertia) if d == 3 else step.dt / inertia
+        self._momentum = self._momentum_of(self.velocity, self._turn)
+        self.free_velocity = self.inverse @ (self._momentum / step.dt + self._load)
+        self._force[:] = 0.0
+
+    def correct(self, step: Step) -> None:
+        self.trial_velocity = self.free_velocity + self.inverse @ self._force
+        self._move(step)
+
+    def imbalance(self, step: Step) -> float:
+        new = self._momentum_of(self.trial_velocity, self.trial_turn)
+        residual = (new - self._momentum) / step.dt - self._load - self._force
+        size = np.abs(self._momentum / step.dt) + np.abs(self._load) + np.abs(self._force)
+        return float(np.abs(residual).max() / (size.max() or 1.0))
+
+    def turn(self, step: Step) -> float:
+        return step.dt * float(np.abs(self.trial_velocity[self.dim :]).max())
+
+    def accept(self) -> None:
+        self.velocity = self.trial_velocity.copy()
+        self._place, self._turn = self.trial_place, self.trial_turn
+
+    def _move(self, step: Step) -> None:
+        increment = step.scheme.increment(step.dt, self.velocity, self.trial_velocity)
+        self.trial_place = self._place + increment[: self.dim]
+        self.trial_turn = _rotation(increment[self.dim :]) @ self._turn
+
+    def _spatial_inertia(self, turn: np.ndarray) -> np.ndarray:
+        return self.inertia if self.dim == 2 else turn @ self.inertia @ turn.T
+
+    def _momentum_of(self, velocity: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        d = self.dim
+        spin = self._spatial_inertia(turn) @ velocity[d:]
+        return np.concatenate([self.mass * velocity[:d], spin])
+
+    # -- what it tells --------------------------------------------------------------------------
+
+    def trace(self, points: np.ndarray) -> RigidTrace:
+        return RigidTrace(self, points)
+
+    def energies(self) -> tuple[float, float, float]:
+        kinetic = 0.5 * self.velocity @ self._momentum_of(self.velocity, self._turn)
+        return float(kinetic), 0.0, float(-self._load[: self.dim] @ self._place)
+
+    def momentum_work(self) -> float:
+        new = self._momentum_of(self.trial_velocity, self.trial_turn)
+        return float(0.5 * (self.velocity + self.trial_velocity) @ (new - self._momentum))
+
+    def force_work(self, step: Step) -> float:
+        return float(0.5 * step.dt * (self.velocity + self.trial_velocity) @ self._load)
+
+    def state(self) -> dict[str, np.ndarray]:
+        return {"velocity": self.velocity, "place": self._place, "turn": self._turn}
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        self.velocity = np.array(state["velocity"])
+        self._place, self._turn = np.array(state["place"]), np.array(state["turn"])
+        self.trial_velocity = self.velocity.copy()
+        self.trial_place, self.trial_turn = self._place.copy(), self._turn.copy()
+
+    @property
+    def rotation(self) -> float | np.ndarray:
+        """The rotation since the reference placement: rad in 2D, a rotation vector in 3D."""
+        if self.dim == 2:
+            return float(np.arctan2(self._turn[1, 0], self._turn[0, 0]))
+        return Rotation.from_matrix(self._turn).as_rotvec()
+
+    @property
+    def place(self) -> np.ndarray:
+        """Where the centre of mass is, (d,) in m."""
+        return self._place.copy()
+
+    def fields(self) -> dict[str, np.ndarray]:
+        x = self.mesh.mesh.geometry.x[:, : self.dim]
+        arm = (x - self.centre) @ self._turn.T
+        spin = self.velocity[self.dim :]
+        return {
+            "displacement": self._place + arm - x,
+            "velocity": self.velocity[: self.dim] + _cross(spin, arm),
+        }
+
+    def describe(self) -> str:
+        return f"rigid, {len(self.velocity)} unknowns, mass {self.mass:.6g}"
+
+
+class RigidTrace(Trace):
+    """A rigid solid seen from points; the operator follows the rotation."""
+
+    def __init__(self, solid: RigidSolid, points: np.ndarray) -> None:
+        self._solid = solid
+        self._reference = points - solid.centre
+        self.follow()
+        self.accept()
+
+    def follow(self) -> None:
+        self._operator = self._build(self._solid.trial_turn)
+
+    def linearise(self, step: Step) -> None:
+        # forces act through the operator at the place where the scheme takes forces
+        weight = step.scheme.force_weight
+        self._force_operator = weight * self._operator + (1 - weight) * self._start_operator
+        self._columns = self._solid.inverse @ self._force_operator.T
+
+    def accept(self) -> None:
+        self._start_operator = self._operator
+
+    def _build(self, turn: np.ndarray) -> np.ndarray:
+        d, n = self._solid.dim, len(self._reference)
+        self._arm = arm = self._reference @ turn.T
+        operator = np.zeros((n, d, len(self._solid.velocity)))
+        operator[:, range(d), range(d)] = 1.0
+        if d == 2:
+            operator[:, 0, 2], operator[:, 1, 2] = -arm[:, 1], arm[:, 0]
+        else:
+            x, y, z = arm.T
+            operator[:, 0, 4], operator[:, 0, 5] = z, -y
+            operator[:, 1, 3], operator[:, 1, 5] = -z, x
+            operator[:, 2, 3], operator[:, 2, 4] = y, -x
+        return operator.reshape(n * d, -1)
+
+    def positions(self) -> np.ndarray:
+        return self._solid.trial_place + self._arm
+
+    def jump(self, velocity: np.ndarray) -> np.ndarray:
+        return self._operator @ velocity
+
+    def mean_jump(self, velocity: np.ndarray) -> np.ndarray:
+        return self._force_operator @ velocity
+
+    def free_jump(self) -> np.ndarray:
+        return self._operator @ self._solid.free_velocity
+
+    def compliance(self, other: Trace) -> np.ndarray:
+        assert isinstance(other, RigidTrace)
+        return self._operator @ other._columns
+
+    def spread(self, force: np.ndarray) -> None:
+        self._solid._force += force @ self._force_operator
+
+
+def _rotation(increment: np.ndarray) -> np.ndarray:
+    """Rotation matrix of an angle (1,) or a rotation vector (3,)."""
+    if len(increment) == 1:
+        c, s = np.cos(increment[0]), np.sin(increment[0])
+        return np.array([[c, -s], [s, c]])
+    return Rotation.from_rotvec(increment).as_matrix()
+
+
+def _cross(spin: np.ndarray, arm: np.ndarray) -> np.ndarray:
+    if len(spin) == 1:
+        return spin[0] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+    return np.cross(spin, arm)
+
+
+def _moments(mesh: NamedMesh) -> tuple[float, np.ndarray, np.ndarray]:
+    """Size, centre and second moments about the centre of the meshed shape."""
+    domain, d = mesh.mesh, mesh.dim
+    x = ufl.SpatialCoordinate(domain)
+    dx = ufl.Measure("dx", domain=domain, metadata={"quadrature_degree": 3})
+    one = fem.Constant(domain, 1.0)
+
+    def integral(f: Any) -> float:
+        return compat.assemble_scalar(fem.form(f * dx), domain.comm)
+
+    size = integral(one)
+    centre = np.array([integral(x[i]) for i in range(d)]) / size
+    c = [fem.Constant(domain, float(value)) for value in centre]
+    second = np.zeros((d, d))
+    for i in range(d):
+        for j in range(i + 1):
+            second[i, j] = second[j, i] = integral((x[i] - c[i]) * (x[j] - c[j]))
+    return size, centre, second

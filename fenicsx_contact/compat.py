@@ -18,7 +18,7 @@ VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 MODERN = VERSION >= (0, 8)  # elements come from basix.ufl, wrappers hold a _cpp_object
 
 if MODERN:
-    import basix.ufl  # noqa: F401
+    import basix.ufl
 
 
 # -- meshes -------------------------------------------------------------------------------------
@@ -208,7 +208,7 @@ class PointExpression:
 
 def assemble_petsc_matrix(form: ufl.Form, bcs: Sequence[Any], diagonal: float) -> PETSc.Mat:
     """Assemble into a new PETSc matrix; rows and columns of ``bcs`` cleared."""
-    import dolfinx.fem.petsc as petsc
+    from dolfinx.fem import petsc
 
     compiled = fem.form(form)
     if VERSION >= (0, 10):
@@ -221,7 +221,7 @@ def assemble_petsc_matrix(form: ufl.Form, bcs: Sequence[Any], diagonal: float) -
 
 def refill_petsc_matrix(matrix: PETSc.Mat, form: Any, bcs: Sequence[Any]) -> None:
     """Assemble a compiled form into an existing matrix, 1 on the diagonal of ``bcs``."""
-    import dolfinx.fem.petsc as petsc
+    from dolfinx.fem import petsc
 
     matrix.zeroEntries()
     petsc.assemble_matrix(matrix, form, bcs=list(bcs))
@@ -231,7 +231,7 @@ def refill_petsc_matrix(matrix: PETSc.Mat, form: Any, bcs: Sequence[Any]) -> Non
 def assemble_owned(form: Any, array: np.ndarray) -> None:
     """Assemble a compiled linear form into ``array``, the owned entries of its space, summing
     what other processes hold of them."""
-    import dolfinx.fem.petsc as petsc
+    from dolfinx.fem import petsc
 
     vector = petsc.assemble_vector(form)
     vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)

@@ -12,11 +12,15 @@ import numpy as np
 
 from . import checks
 from .equations import SurfaceEquations
-from .formulations import Discrete, Formulation, Lagrange, formulation as as_formulation
+from .formulations import Discrete, Formulation, Lagrange
+from .formulations import formulation as as_formulation
 from .obstacles import Obstacle
 from .solids import Solid
 from .surface import Surface
 from .theta import Step
+
+#: Distances below this share of the coordinates are noise.
+ROUND_OFF = 1e-14
 
 
 class Contact:
@@ -77,6 +81,8 @@ class Contact:
         self.status = np.zeros(self.surface.size)
         self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
         self._unit = (0.0, 1.0)
+        self._remembers = isinstance(self.formulation, Discrete) and self.friction > 0
+        self._set_normal(-self.obstacle.normals(self.trace.positions()))
         self._locate()
 
     def _points(self) -> tuple[np.ndarray, np.ndarray]:
@@ -116,23 +122,29 @@ class Contact:
         self.equations.choose(self.formulation.candidates(self._gaps(), tolerance))
 
     def linearise(self, step: Step) -> None:
-        """Take up the trial state of the solid: gaps, normals, operator."""
+        """Take up the trial state of the solid: operator, normals and gaps."""
         self.trace.linearise(step)
-        k = self.equations.fields
-        positions = self.trace.positions()
-        self.normal = -self.obstacle.normals(positions)
-        k.set_normal(self.normal)
-        trial = self._jump(self.solid.trial_velocity)
-        # the gap at the end of the step as a function of w: end + gap_rate w_n
-        end = -self.obstacle.distance(positions) - step.gap_rate * _dot(trial, self.normal)
-        self._end = end
-        weight = step.scheme.force_weight
-        k.gap.x.array[:], self._share = self.formulation.gap_in_step(self.gap, end, weight)
-        k.gap_rate.value = self._share * step.gap_rate
-        k.dt.value = step.dt
-        if isinstance(self.formulation, Discrete) and k.has_friction:
-            known = self._stretch + weight * (step.dt - step.gap_rate) * self.jump
-            k.elongation.x.array[:] = known.ravel()
+        k, share = self.equations.fields, self._share(step)
+        if not self.obstacle.flat:
+            self._set_normal(-self.obstacle.normals(self.trace.positions()))
+        gap = self.gap
+        if share:
+            # the gap at the end of the step as a function of w: end + gap_rate w_n
+            approach = _dot(self._jump(self.solid.trial_velocity), self.normal)
+            self._end = self._gaps() - step.gap_rate * approach
+            gap = (1 - share) * gap + share * self._end
+        k.gap.x.array[:] = gap
+        self.equations.set_rates(share * step.gap_rate, step.dt)
+        if self._remembers:
+            rate = step.scheme.force_weight * (step.dt - step.gap_rate)
+            k.elongation.x.array[:] = (self._stretch + rate * self.jump).ravel()
+
+    def _share(self, step: Step) -> float:
+        return self.formulation.gap_share(step.scheme.force_weight)
+
+    def _set_normal(self, normal: np.ndarray) -> None:
+        self.normal = np.ascontiguousarray(normal)
+        self.equations.fields.set_normal(self.normal)
 
     def unit(self, compliance: np.ndarray, step: Step) -> float:
         """The pressure that stops 1 m/s at a typical point within the step; kept while the
@@ -143,6 +155,11 @@ class Contact:
             flexible = flexible[flexible > 0]
             self._unit = (step.dt, 1 / float(np.median(flexible)) if len(flexible) else 1.0)
         return self._unit[1]
+
+    def speed_limit(self, step: Step) -> np.ndarray | None:
+        """The w_n that the law allows at each point at most, None for springs."""
+        gap = self.equations.fields.gap.x.array
+        return self.formulation.speed_limit(gap, step.gap_rate, step.dt)
 
     def error(self, step: Step) -> tuple[float, float, float]:
         """Follow the solid to its trial state, which has just been computed; by how much its
@@ -156,18 +173,19 @@ class Contact:
         linear = self.equations.values[: self.equations.jumps].reshape(self.normal.shape)
         jump = np.abs(self.trial_jump - linear)[points].max()
         gap = 0.0
-        if self._share:  # the law reads the gap at the end of the step
+        if self._share(step):
             expected = self._end + step.gap_rate * _dot(linear, self.normal)
-            gap = np.abs(self._gaps() - expected)[points].max()
-        return float(jump), float(gap), float(np.abs(self.trial_jump).max())
+            gap = float(np.abs(self._gaps() - expected)[points].max())
+            gap = max(0.0, gap - ROUND_OFF * float(np.abs(self.trace.positions()).max()))
+        return float(jump), gap, float(np.abs(self.trial_jump).max())
 
     def accept(self, force: np.ndarray, step: Step) -> None:
         """Keep what the next step starts from."""
         self.force = force.reshape(self.normal.shape)
         self.status = self.equations.statuses()
-        if isinstance(self.formulation, Discrete) and self.equations.fields.has_friction:
+        if self._remembers:
             self._keep_stretch(step)
-        self._locate()
+        self.gap, self.jump = self._gaps(), self.trial_jump
         self.trace.accept()
 
     def _keep_stretch(self, step: Step) -> None:

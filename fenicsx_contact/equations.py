@@ -56,7 +56,8 @@ class SurfaceEquations:
         self._entries = place[rows] * self.size + place[self._tangent.indices]
         self._dense = np.zeros((self.size, self.size))
         self._z = k.unknowns.x.array
-        self._key, self._scale = b"", (0.0, 0.0)
+        self._key, self._scale, self._rates = b"", (0.0, 0.0), (0.0, 0.0)
+        self.revision = 0  # counts the changes of candidates and scales
         # the sign of lam and Lam in their own rows
         self.own_sign = np.zeros(self.size)
         self.own_sign[self.jumps : self.semi] = -1.0
@@ -70,6 +71,7 @@ class SurfaceEquations:
         if key == self._key:
             return
         self._key = key
+        self.revision += 1
         self.fields.closed.x.array[:] = candidates
         self.candidates = np.flatnonzero(candidates)
         n, d = self._surface.points.shape
@@ -105,6 +107,17 @@ class SurfaceEquations:
                 stick = 1 / (float(k.friction.value) * pressure * speed * share)
                 self.row_scale[self.semi :] = np.tile(stick, components)
                 self.slip_weight = rho_t * speed
+            self._refresh()
+
+    def set_rates(self, gap_rate: float, dt: float) -> None:
+        """Derivative of the gap by w, s, and length of the step, s."""
+        if self._rates != (gap_rate, dt):
+            self._rates = (gap_rate, dt)
+            self.fields.gap_rate.value, self.fields.dt.value = gap_rate, dt
+            self._refresh()
+
+    def _refresh(self) -> None:
+        self.revision += 1
         self._residual.refresh_constants()
         self._tangent.refresh_constants()
 

@@ -110,7 +110,11 @@ class FieldWriter:
         return f"{name}_{number:06d}_{rank}.vtu"
 
     def _collect(self, name: str, parts: int) -> None:
-        lines = ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "<Collection>"]
+        lines = [
+            '<?xml version="1.0"?>',
+            '<VTKFile type="Collection" version="0.1">',
+            "<Collection>",
+        ]
         for number, time in enumerate(self._times):
             for part in range(parts):
                 file = self._file(name, number, part)

@@ -30,9 +30,6 @@ from .surface import SurfaceFields
 #: The friction row keeps this share of its usual weight where the pressure vanishes.
 _GUARD = 1e-8
 
-#: The gap that stands in a form for w = 0, and its slope in w as a share of theta dt.
-_GapInStep = tuple[np.ndarray, float]
-
 
 def weak_form(k: SurfaceFields, approach: Any, Su: Any) -> tuple[ufl.Form, Any]:
     """The contact terms of (7): jump, multiplier and semi-multiplier rows.
@@ -117,9 +114,9 @@ class Velocity:
         """Su: the points whose predicted gap [m] is closed."""
         return predicted_gap >= -tolerance
 
-    def gap_in_step(self, start: np.ndarray, end: np.ndarray, weight: float) -> _GapInStep:
-        """The gap at the start of the step."""
-        return start, 0.0
+    def gap_share(self, force_weight: float) -> float:
+        """The form reads the gap at the start of the step."""
+        return 0.0
 
     def speed_limit(self, gap: np.ndarray, gap_rate: float, dt: float) -> np.ndarray:
         """The w_n that the law allows at most."""
@@ -146,9 +143,9 @@ class Gap:
         """Every point."""
         return np.ones(len(predicted_gap), dtype=bool)
 
-    def gap_in_step(self, start: np.ndarray, end: np.ndarray, weight: float) -> _GapInStep:
-        """The gap at the end of the step."""
-        return end, 1.0
+    def gap_share(self, force_weight: float) -> float:
+        """The form reads the gap at the end of the step."""
+        return 1.0
 
     def speed_limit(self, gap: np.ndarray, gap_rate: float, dt: float) -> np.ndarray:
         """The w_n that the law allows at most."""
@@ -205,9 +202,9 @@ class Discrete:
         """Every point."""
         return np.ones(len(predicted_gap), dtype=bool)
 
-    def gap_in_step(self, start: np.ndarray, end: np.ndarray, weight: float) -> _GapInStep:
-        """The gap where the internal forces are taken."""
-        return (1 - weight) * start + weight * end, weight
+    def gap_share(self, force_weight: float) -> float:
+        """The form reads the gap where the internal forces are taken."""
+        return force_weight
 
     def speed_limit(self, gap: np.ndarray, gap_rate: float, dt: float) -> None:
         """Springs allow any speed."""
@@ -218,7 +215,7 @@ Formulation = Velocity | Gap | Lagrange | Discrete
 VELOCITY = Velocity()
 GAP = Gap()
 LAGRANGE = Lagrange()
-_NAMED = {"velocity": VELOCITY, "gap": GAP, "lagrange": LAGRANGE}
+_NAMED: dict[str, Formulation] = {"velocity": VELOCITY, "gap": GAP, "lagrange": LAGRANGE}
 
 
 def formulation(value: Formulation | str) -> Formulation:

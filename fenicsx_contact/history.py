@@ -44,7 +44,8 @@ class History:
     * ``balance``: what is left of the sum, as a check of the whole; a small residual;
     * ``dt``, ``newton``, ``geometry``: length of the step, iterations, linearisations;
     * ``<contact>.force_x`` ...: mean force in the step on the solid, N, impulse over dt;
-      ``bearing``, ``slipping``: points by status; ``penetration`` of the deepest point, m.
+      ``bearing``, ``slipping``: points by status; ``penetration`` of the deepest point, m;
+    * last the probes of the run.
 
     Attributes:
         reason: why the run ended; ``"finished"`` if it reached the end.

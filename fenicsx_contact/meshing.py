@@ -54,7 +54,9 @@ class NamedMesh:
         """
         if name not in self.names:
             known = ", ".join(map(repr, sorted(self.names))) or "none"
-            raise checks.InputError(f"facets = {name!r}: the mesh has no such name (it has {known})")
+            raise checks.InputError(
+                f"facets = {name!r}: the mesh has no such name (it has {known})"
+            )
         facets = self.facet_tags.find(self.names[name])
         if self.mesh.comm.allreduce(len(facets)) == 0:
             raise checks.InputError(f"facets = {name!r}: no facet of the mesh bears this name")
@@ -96,7 +98,9 @@ def name_facets(mesh: Any, where: Mapping[str, Callable[[np.ndarray], np.ndarray
     return NamedMesh(mesh, tags, {name: i for i, name in enumerate(where, start=1)})
 
 
-def mesh_from_gmsh(file: str | Path, comm: MPI.Comm = MPI.COMM_WORLD, **parameters: float) -> NamedMesh:
+def mesh_from_gmsh(
+    file: str | Path, comm: MPI.Comm = MPI.COMM_WORLD, **parameters: float
+) -> NamedMesh:
     """A mesh from a gmsh script (``.geo``) or mesh (``.msh``); facet names are its physical names.
 
     Args:
@@ -134,7 +138,9 @@ def mesh_from_gmsh(file: str | Path, comm: MPI.Comm = MPI.COMM_WORLD, **paramete
                 names[gmsh.model.getPhysicalName(group_dim, tag)] = tag
         names, dim = comm.bcast((names, dim))
         if dim not in (2, 3):
-            raise checks.InputError(f"file = {str(file)!r}: holds a mesh of dimension {dim}, not 2 or 3")
+            raise checks.InputError(
+                f"file = {str(file)!r}: holds a mesh of dimension {dim}, not 2 or 3"
+            )
         mesh, tags = compat.gmsh_mesh(gmsh.model if comm.rank == 0 else None, comm, dim)
     finally:
         if comm.rank == 0:

@@ -9,27 +9,35 @@ force on Coulomb's disk; Newton then polishes what it found.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from .newton import _System
+from .system import SurfaceSystem
 
 
 def project(
-    system: _System,
-    limits: Sequence[tuple[np.ndarray, float]],
+    system: SurfaceSystem,
+    limits: Sequence[np.ndarray],
     tolerance: float = 1e-13,
     max_sweeps: int = 3000,
 ) -> int:
-    """Solve by sweeps over the points and set the unknowns; returns the number of sweeps."""
+    """Solve by sweeps over the points and set the unknowns.
+
+    Args:
+        system: the surface problem, begun.
+        limits: for each contact the speeds w_n that its law allows, (n,) in m/s.
+        tolerance: on the change of a jump in a sweep, relative.
+        max_sweeps: at most.
+
+    Returns:
+        The number of sweeps.
+    """
     W, free = system.W, system.free
-    points = []  # (jump indices, normal, tangents, allowed speed, friction, surface, point)
+    points = []  # (jump indices, normal, tangents, allowed speed, friction)
     start = 0
-    for surface, (allowed, friction) in zip(system.surfaces, limits, strict=True):
-        k = surface.fields
-        normals, tangents = k.frame()
+    for surface, allowed in zip(system.surfaces, limits):
+        normals, tangents = surface.fields.frame()
+        friction = float(surface.fields.friction.value)
         d = normals.shape[1]
         for p in surface.candidates:
             index = np.arange(start, start + d)
@@ -39,10 +47,11 @@ def project(
     jump = free.copy()
     speed = np.abs(free).max() or 1.0
     sweeps = 0
-    for sweeps in range(1, max_sweeps + 1):
+    while sweeps < max_sweeps:
+        sweeps += 1
         change = 0.0
         for index, n, t, allowed, friction in points:
-            block = W[np.ix_(index, index)]
+            block = W[index[0] : index[-1] + 1, index[0] : index[-1] + 1]
             old = force[index].copy()
             w_n, w_t = jump[index] @ n - allowed, t @ jump[index]
             stiff_n = n @ block @ n
@@ -65,7 +74,7 @@ def project(
     return sweeps
 
 
-def _set_unknowns(system: _System, force: np.ndarray, jump: np.ndarray) -> None:
+def _set_unknowns(system: SurfaceSystem, force: np.ndarray, jump: np.ndarray) -> None:
     """Jumps and multipliers that correspond to the forces."""
     start = 0
     for surface in system.surfaces:
@@ -86,4 +95,4 @@ def _set_unknowns(system: _System, force: np.ndarray, jump: np.ndarray) -> None:
                 values[surface.semi + i * n + p] = np.where(lam < 0, semi, 0.0)
         surface.values = values
         start += count
-    system.residual = system._scaled_residual()
+    system.update()

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -32,6 +33,7 @@ def run(
     fields_every: int,
     progress: bool | None,
     shortest: float,
+    probes: Mapping[str, Callable[[], float]],
 ) -> History:
     """See :meth:`fenicsx_contact.scene.Scene.run`."""
     dt = checks.number("dt", dt, above=0)
@@ -45,7 +47,7 @@ def run(
         raise checks.InputError("resume = True: only a run on one process can be resumed")
 
     first, done = scene.time, 0
-    history = History(scene.columns)
+    history = History((*scene.columns, *probes))
     files = RunDirectory(directory) if directory is not None and scene.comm.rank == 0 else None
     fingerprint = f"{scene.describe()}\ndt = {dt!r}, from {first!r}"
     if files and resume and files.has_checkpoint:
@@ -53,7 +55,7 @@ def run(
         done = int(state.pop("run.steps"))
         scene.restore(state)
     else:
-        history.append(scene.initial_row())
+        history.append([*scene.initial_row(), *(probe() for probe in probes.values())])
         if files:
             files.begin(history, fingerprint)
     steps = max(1, round((until - first) / dt))
@@ -63,7 +65,7 @@ def run(
     history.reason = "finished"
     for k in range(done, steps):
         try:
-            _cross(scene, history, dt, shortest)
+            _cross(scene, history, dt, shortest, probes)
         except StepFailed as failure:
             history.reason = f"stopped at t = {scene.time:.9g} s: {failure}"
             _save(scene, files, history, k)
@@ -82,7 +84,13 @@ def run(
     return history
 
 
-def _cross(scene: Scene, history: History, dt: float, shortest: float) -> None:
+def _cross(
+    scene: Scene,
+    history: History,
+    dt: float,
+    shortest: float,
+    probes: Mapping[str, Callable[[], float]],
+) -> None:
     """Cross one step of the grid, in parts where it fails."""
     done, part = 0.0, 1.0
     while done < 1.0:
@@ -94,7 +102,7 @@ def _cross(scene: Scene, history: History, dt: float, shortest: float) -> None:
                 raise StepFailed(f"{failure}; steps down to {2 * part * dt:.3g} s fail") from None
             history.remarks.append((scene.time, f"step halved to {part * dt:.3g} s: {failure}"))
             continue
-        history.append(row)
+        history.append([*row, *(probe() for probe in probes.values())])
         history.remarks += [(scene.time, remark) for remark in scene.remarks]
         done += part
         while part < 1.0 and (done / (2 * part)).is_integer():

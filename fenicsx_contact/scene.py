@@ -3,10 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 
@@ -15,9 +14,10 @@ from .checks import StepFailed
 from .contact import Contact
 from .formulations import Velocity
 from .history import COLUMNS, History, contact_columns
-from .newton import Newton, NotConverged
+from .newton import Newton, NotConverged, Solution
 from .run import run
 from .solids import Solid
+from .system import SurfaceSystem
 from .theta import Step, ThetaScheme
 
 #: Relative error of the linearised operator, gaps and momentum at which the outer loop ends.
@@ -61,6 +61,10 @@ class Scene:
         bounds = np.cumsum([0, *(c.equations.jumps for c in self.contacts)])
         self._slices = [slice(a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
         self._compliance = np.zeros((bounds[-1], bounds[-1]))
+        self.system = SurfaceSystem(
+            [contact.equations for contact in self.contacts],
+            [contact.name for contact in self.contacts],
+        )
         self.time = 0.0
         self._energies = self._sum_energies()
         self._work = np.zeros(3)  # impact, friction, scheme
@@ -77,7 +81,7 @@ class Scene:
         if not self.solids:
             raise checks.InputError("solids = []: a scene needs at least one solid")
         for kind, things in (("solids", self.solids), ("contacts", self.contacts)):
-            names = [thing.name for thing in things]  # type: ignore[attr-defined]
+            names = [thing.name for thing in things]
             if len(set(names)) < len(names):
                 raise checks.InputError(f"{kind} = {names}: each needs a name of its own")
         if len({solid.dim for solid in self.solids}) > 1:
@@ -185,19 +189,11 @@ class Scene:
                 contact.equations.start(contact.jump.ravel(), free)
         return speed
 
-    def _solve(self, step: Step) -> Any:
-        limits = []
-        for contact in self.contacts:
-            law, k = contact.formulation, contact.equations.fields
-            limit = law.speed_limit(k.gap.x.array, step.gap_rate, step.dt)
-            limits.append(None if limit is None else (limit, contact.friction))
+    def _solve(self, step: Step) -> Solution:
         try:
+            self.system.begin(self._free, self._compliance)
             return self.newton.solve(
-                [contact.equations for contact in self.contacts],
-                [contact.name for contact in self.contacts],
-                self._free,
-                self._compliance,
-                limits,
+                self.system, lambda: [contact.speed_limit(step) for contact in self.contacts]
             )
         except NotConverged as failure:
             raise StepFailed(str(failure)) from None
@@ -219,12 +215,8 @@ class Scene:
         return error
 
     def _accept(self, step: Step, force: np.ndarray, newton: int, geometry: int) -> list[float]:
-        gained = sum(solid.momentum_work() - solid.force_work(step) for solid in self.solids)
-        loads = sum(solid.force_work(step) for solid in self.solids)
-        momentum = sum(solid.momentum_work() for solid in self.solids)
-        means = {
-            id(solid): 0.5 * (solid.velocity + solid.trial_velocity) for solid in self.solids
-        }
+        momentum, loads = np.sum([solid.works(step) for solid in self.solids], axis=0)
+        means = {id(solid): 0.5 * (solid.velocity + solid.trial_velocity) for solid in self.solids}
         for solid in self.solids:
             solid.accept()
         impact = friction = 0.0
@@ -240,7 +232,7 @@ class Scene:
         kinetic, strain, potential = np.subtract(self._energies, old)
         # what the scheme makes: energies change otherwise than forces and momenta work
         self._work += (impact, friction, kinetic - momentum + strain + potential + loads)
-        self._balance += gained - impact - friction
+        self._balance += momentum - loads - impact - friction
         self.time += step.dt
         return [
             *(self.time, step.dt, *self._energies, *self._work, self._balance),
@@ -271,6 +263,7 @@ class Scene:
         fields_every: int = 0,
         progress: bool | None = None,
         shortest: float = 2.0**-10,
+        probes: Mapping[str, Callable[[], float]] | None = None,
     ) -> History:
         """Run by uniform steps to the time ``until``.
 
@@ -285,6 +278,8 @@ class Scene:
             fields_every: write fields for ParaView every so many steps (0: never).
             progress: show a bar; default: if the run lasts and a person watches.
             shortest: shortest step, as a share of dt.
+            probes: further columns of the history: for each name a function without arguments
+                that is called after each step.
 
         Raises:
             InputError: dt <= 0, an end before the start, resume or fields without a directory.
@@ -298,6 +293,7 @@ class Scene:
             fields_every=fields_every,
             progress=progress,
             shortest=shortest,
+            probes=probes or {},
         )
 
     def state(self) -> dict[str, np.ndarray]:
@@ -307,23 +303,23 @@ class Scene:
             "scene.work": self._work,
             "scene.balance": np.array(self._balance),
         }
-        for thing in (*self.solids, *self.contacts):
-            kind = "solid" if isinstance(thing, Solid) else "contact"
-            result |= {f"{kind}.{thing.name}.{k}": v for k, v in thing.state().items()}
+        for prefix, thing in self._things():
+            result |= {f"{prefix}{key}": value for key, value in thing.state().items()}
         return result
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave."""
-        for thing in (*self.solids, *self.contacts):
-            kind = "solid" if isinstance(thing, Solid) else "contact"
-            prefix = f"{kind}.{thing.name}."
-            thing.restore(
-                {k[len(prefix) :]: v for k, v in state.items() if k.startswith(prefix)}
-            )
+        for prefix, thing in self._things():
+            own = {k.removeprefix(prefix): v for k, v in state.items() if k.startswith(prefix)}
+            thing.restore(own)
         self.time = float(state["scene.time"])
         self._work = np.array(state["scene.work"])
         self._balance = float(state["scene.balance"])
         self._energies = self._sum_energies()
+
+    def _things(self) -> list[tuple[str, Solid | Contact]]:
+        solids = [(f"solid.{solid.name}.", solid) for solid in self.solids]
+        return [*solids, *((f"contact.{contact.name}.", contact) for contact in self.contacts)]
 
     def describe(self) -> str:
         """What the scene consists of, and what was left out because nothing needs it."""

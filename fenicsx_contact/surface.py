@@ -91,10 +91,14 @@ class SurfaceFields:
         space = compat.component_space(surface.mesh, self.components)
         self.unknowns = fem.Function(space)
         z, test = ufl.split(self.unknowns), ufl.split(ufl.TestFunction(space))
+        self.velocity_jump: Any
+        self.test_jump: Any
+        self.multiplier: Any
+        self.test_multiplier: Any
+        self.semi_multiplier: Any
+        self.test_semi_multiplier: Any
         self.velocity_jump, self.test_jump = (ufl.as_vector(f[:d]) for f in (z, test))
-        self.multiplier, self.test_multiplier = (
-            f[d] if multipliers else None for f in (z, test)
-        )
+        self.multiplier, self.test_multiplier = (f[d] if multipliers else None for f in (z, test))
         self.semi_multiplier, self.test_semi_multiplier = (
             ufl.as_vector(f[d + 1 :]) if n_semi else None for f in (z, test)
         )

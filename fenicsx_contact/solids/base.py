@@ -123,12 +123,9 @@ class Solid(ABC):
         """Kinetic, strain and potential energy of the state, J (J/m in 2D)."""
 
     @abstractmethod
-    def momentum_work(self) -> float:
-        """Mean velocity of the step times its change of momentum, in the trial state."""
-
-    @abstractmethod
-    def force_work(self, step: Step) -> float:
-        """Work of internal forces and loads in the step, on the mean velocity."""
+    def works(self, step: Step) -> tuple[float, float]:
+        """Work on the mean velocity of the step of the change of momentum, and of internal
+        forces and loads, J; in the trial state."""
 
     @abstractmethod
     def state(self) -> dict[str, np.ndarray]:

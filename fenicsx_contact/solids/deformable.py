@@ -67,6 +67,7 @@ class DeformableSolid(Solid):
         density = checks.number("density", density, above=0)
         if degree not in (1, 2):
             raise checks.InputError(f"degree = {degree!r}: must be 1 or 2")
+        self.degree = degree
         self.space = compat.lagrange_space(mesh.mesh, degree, shape=(d,))
         self._output = compat.lagrange_space(mesh.mesh, 1, shape=(d,))
         self.displacement_field = fem.Function(self.space)
@@ -163,18 +164,17 @@ class DeformableSolid(Solid):
     def accept(self) -> None:
         self.velocity = self.trial_velocity.copy()
         self.displacement = self.trial_displacement
-        self._momentum = self._multiply(self._mass, self.velocity)
+        self._momentum = self._trial_momentum
         self._state_changed()
 
-    def force_work(self, step: Step) -> float:
+    def works(self, step: Step) -> tuple[float, float]:
         mean = 0.5 * (self.velocity + self.trial_velocity)
+        self._trial_momentum = self._multiply(self._mass, self.trial_velocity)
         internal = self.internal_force(self._force_point(step))
-        return self._sum(step.dt * mean @ (self._load - internal))
-
-    def momentum_work(self) -> float:
-        new = self._multiply(self._mass, self.trial_velocity)
-        mean = 0.5 * (self.velocity + self.trial_velocity)
-        return self._sum(mean @ (new - self._momentum))
+        return (
+            self._sum(mean @ (self._trial_momentum - self._momentum)),
+            self._sum(step.dt * mean @ (self._load - internal)),
+        )
 
     def energies(self) -> tuple[float, float, float]:
         kinetic = 0.5 * self._sum(self.velocity @ self._momentum)

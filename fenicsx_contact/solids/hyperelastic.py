@@ -67,16 +67,18 @@ class HyperelasticSolid(DeformableSolid):
         if not callable(energy):
             raise checks.InputError(f"energy = {energy!r}: must be a function of F, in UFL")
         super().__init__(mesh, **{"name": "hyperelastic", **others})
-        u, v, du = self.displacement_field, ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
+        u, v, du = (
+            self.displacement_field,
+            ufl.TestFunction(self.space),
+            ufl.TrialFunction(self.space),
+        )
         F = ufl.Identity(self.dim) + ufl.grad(u)
         if self.dim == 2:  # plane strain
             F = ufl.as_matrix([[F[0, 0], F[0, 1], 0], [F[1, 0], F[1, 1], 0], [0, 0, 1]])
-        dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 2 * degree})
+        dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 2 * self.degree})
         potential = energy(F) * dx
         residual = ufl.derivative(potential, u, v)
-        self._volume_ratio = compat.PointExpression(
-            ufl.det(F), compat.lagrange_space(mesh.mesh)
-        )
+        self._volume_ratio = compat.PointExpression(ufl.det(F), compat.lagrange_space(mesh.mesh))
         self._potential_form = fem.form(potential)
         self._force_form = fem.form(residual)
         self._tangent_form = fem.form(ufl.derivative(residual, u, du))

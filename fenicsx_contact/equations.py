@@ -58,10 +58,6 @@ class SurfaceEquations:
         self._z = k.unknowns.x.array
         self._key, self._scale, self._rates = b"", (0.0, 0.0), (0.0, 0.0)
         self.revision = 0  # counts the changes of candidates and scales
-        # the sign of lam and Lam in their own rows
-        self.own_sign = np.zeros(self.size)
-        self.own_sign[self.jumps : self.semi] = -1.0
-        self.own_sign[self.semi :] = 1.0
         self.choose(chosen)
 
     def choose(self, candidates: np.ndarray) -> None:

@@ -35,8 +35,8 @@ def weak_form(k: SurfaceFields, approach: Any, Su: Any) -> tuple[ufl.Form, Any]:
     """The contact terms of (7): jump, multiplier and semi-multiplier rows.
 
     ``approach`` is w_n for the velocity law and the gap over theta dt for the displacement law.
-    The last row has the sign that makes the stick tangent symmetric, and its second term the
-    dimension of the first one (the printed one has not).
+    The last row has the sign that makes the stick tangent symmetric (the printed sign makes it
+    antisymmetric), and its second term the dimension of the first one (the printed one has not).
 
     Returns:
         The form, and the status of each point as an expression: 0 open, 1 stick, 2 slip.
@@ -58,8 +58,8 @@ def weak_form(k: SurfaceFields, approach: Any, Su: Any) -> tuple[ufl.Form, Any]:
     scale = mu * k.pressure_scale / k.rho_t
 
     form += -k.integral(mu * S * lam * ufl.dot(P, k.test_jump_t))
-    form += k.integral(S * weight * ufl.dot(Lam - P, k.test_semi_multiplier))
-    form += k.integral(scale * (1 - S) * ufl.dot(Lam, k.test_semi_multiplier))
+    form += -k.integral(S * weight * ufl.dot(Lam - P, k.test_semi_multiplier))
+    form += -k.integral(scale * (1 - S) * ufl.dot(Lam, k.test_semi_multiplier))
     return form, contact_status(Su, g_n) + S * slipping(g_t)
 
 

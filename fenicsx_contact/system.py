@@ -12,6 +12,7 @@ over the candidates of the step. Unknowns and rows are scaled (speed, pressure, 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import lapack
@@ -21,6 +22,15 @@ from .equations import SurfaceEquations
 #: Compliance added to the tangent, never to the residual. Points of a rigid solid are hyperstatic
 #: and their multipliers not unique; this picks those nearest to the last ones.
 COMPLIANCE = 1e-8
+
+
+class _Part(NamedTuple):
+    """Where the candidates' unknowns of a surface stand: there, in its tangent, in the system."""
+
+    surface: SurfaceEquations
+    active: np.ndarray
+    block: tuple[np.ndarray, ...] | None
+    place: np.ndarray
 
 
 class SurfaceSystem:
@@ -61,27 +71,27 @@ class SurfaceSystem:
             offset += surface.jumps
         self.jumps = np.concatenate(jumps)
         self._jump_block = np.ix_(self.jumps, self.jumps)
-        self.parts = []
+        self.parts: list[_Part] = []
         w, m = 0, len(self.jumps)
         for s in self.surfaces:
             count, extra = len(s.active_jumps), len(s.active) - len(s.active_jumps)
             place = np.concatenate([np.arange(w, w + count), np.arange(m, m + extra)])
-            self.parts.append((s, s.active, place))
+            whole = len(s.active) == s.size
+            block = None if whole else np.ix_(s.active, s.active)
+            self.parts.append(_Part(s, s.active, block, place))
             w, m = w + count, m + extra
         self.size = m
         if m:
-            self._columns, self._rows, self._sign = (
+            self._columns, self._rows = (
                 self._gather([getattr(s, what) for s in self.surfaces])
-                for what in ("column_scale", "row_scale", "own_sign")
+                for what in ("column_scale", "row_scale")
             )
             self._scaling = self._rows[:, None] * self._columns
-        self._unit = np.zeros(m)
-        self._unit[: len(self.jumps)] = 1.0
 
     def _gather(self, arrays: Sequence[np.ndarray]) -> np.ndarray:
         result = np.empty(self.size)
-        for (_, active, place), array in zip(self.parts, arrays):
-            result[place] = array[active]
+        for part, array in zip(self.parts, arrays):
+            result[part.place] = array[part.active]
         return result
 
     def update(self) -> None:
@@ -97,34 +107,34 @@ class SurfaceSystem:
         """One Newton step; False where the tangent is singular."""
         nw = len(self.jumps)
         A = np.zeros((self.size, self.size))
-        for surface, active, place in self.parts:
-            dense = surface.tangent()
-            block = dense if len(active) == surface.size else dense[np.ix_(active, active)]
+        for part in self.parts:
+            dense = part.surface.tangent()
+            block = dense if part.block is None else dense[part.block]
             if len(self.parts) == 1:
                 A[:] = block
             else:
-                A[np.ix_(place, place)] = block
+                A[np.ix_(part.place, part.place)] = block
         A[:nw] = self.W @ A[:nw]
         A.flat[: nw * self.size : self.size + 1] += 1.0
         A *= self._scaling
         regular = A.copy()
-        regular.flat[:: self.size + 1] += COMPLIANCE * self._sign
+        regular.flat[nw * (self.size + 1) :: self.size + 1] -= COMPLIANCE
         factors, pivots, singular = lapack.dgetrf(regular)
         if singular:
             return False
         step, _ = lapack.dgetrs(factors, pivots, self.residual)
         step += lapack.dgetrs(factors, pivots, self.residual - A @ step)[0]
         step *= self._columns
-        for surface, active, place in self.parts:
-            values = surface.values
-            values[active] -= step[place]
-            surface.values = values
+        for part in self.parts:
+            values = part.surface.values
+            values[part.active] -= step[part.place]
+            part.surface.values = values
         self.update()
         return True
 
     def error(self) -> float:
         """The largest error that the residual of any row stands for."""
-        errors = [s.error(self.residual[place]).max(initial=0.0) for s, _, place in self.parts]
+        errors = (p.surface.error(self.residual[p.place]).max(initial=0.0) for p in self.parts)
         self.worst = float(max(errors))
         return self.worst if np.isfinite(self.worst) else np.inf
 
@@ -162,6 +172,9 @@ class SurfaceSystem:
         """Which residual is largest."""
         if not np.isfinite(self.residual).all():
             return "the contact equations have no finite solution"
-        row = int(np.abs(self.residual).argmax())
-        kinds = {0.0: "jump", -1.0: "multiplier", 1.0: "friction"}
-        return f"the {kinds[self._sign[row]]} row stalls at a scaled residual of {self.worst:.3g}"
+        row, kind = int(np.abs(self.residual).argmax()), "jump"
+        for part in self.parts:
+            if row >= len(self.jumps) and row in part.place:
+                own = part.active[part.place == row][0]
+                kind = "multiplier" if own < part.surface.semi else "friction"
+        return f"a {kind} row stalls at a scaled residual of {self.worst:.3g}"

@@ -87,6 +87,11 @@ class HyperelasticSolid(DeformableSolid):
             ufl.derivative(residual, u, du), self._bcs, 0.0
         )
         self._factor: Factorisation | None = None
+        if self.broken():
+            raise checks.InputError(
+                f"displacement: with the initial field an element of solid {self.name!r} is "
+                "inverted; its gradient must keep det(1 + grad u) > 0"
+            )
         self._state_changed()
 
     def _set(self, displacement: np.ndarray) -> None:

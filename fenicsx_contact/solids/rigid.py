@@ -22,6 +22,10 @@ from ..meshing import NamedMesh
 from ..theta import Step
 from .base import Solid, Trace
 
+#: A spin that changes by less than this share of it has settled; at most so many turns.
+ROUND_OFF = 1e-15
+MAX_TURNS = 25
+
 
 class RigidSolid(Solid):
     """A rigid solid.
@@ -72,6 +76,7 @@ class RigidSolid(Solid):
             self.inertia = np.array([[rho * np.trace(second)]])
         else:
             self.inertia = rho * (np.trace(second) * np.eye(3) - second)
+        self._mobility = np.linalg.inv(self.inertia)
         d, spins = self.dim, 1 if self.dim == 2 else 3
         self.gravity = np.zeros(d) if gravity is None else checks.vector("gravity", gravity, d)
         self._load = np.concatenate([self.mass * self.gravity, np.zeros(spins)])
@@ -101,14 +106,28 @@ class RigidSolid(Solid):
             d = self.dim
             self.inverse = np.zeros((len(self.velocity),) * 2)
             self.inverse[range(d), range(d)] = step.dt / self.mass
-            self.inverse[d:, d:] = step.dt * np.linalg.inv(self._spatial_inertia(self.trial_turn))
+            self.inverse[d:, d:] = step.dt * self._spatial(self._mobility, self.trial_turn)
         self.free_velocity = self.inverse @ (self._momentum / step.dt + self._load)
         self._force = np.zeros_like(self.velocity)
 
     def correct(self, step: Step) -> None:
         self.trial_velocity = self.free_velocity + self.inverse @ self._force
         self._move(step)
+        if self.dim == 3:
+            self._balance_spin(step)
         self._trial_momentum = self._momentum_of(self.trial_velocity, self.trial_turn)
+
+    def _balance_spin(self, step: Step) -> None:
+        """Turn until the spin belongs to the inertia where it leads: the outer loop, which is
+        content with less, would let angular momentum drift from step to step."""
+        momentum = (self._momentum + step.dt * (self._load + self._force))[self.dim :]
+        for _ in range(MAX_TURNS):
+            old = self.trial_velocity[self.dim :].copy()
+            new = self.trial_turn @ (self._mobility @ (self.trial_turn.T @ momentum))
+            self.trial_velocity[self.dim :] = new
+            self._move(step)
+            if np.abs(new - old).max() <= ROUND_OFF * np.abs(new).max():
+                return
 
     def imbalance(self, step: Step) -> float:
         if self.dim == 2:
@@ -130,14 +149,17 @@ class RigidSolid(Solid):
     def _move(self, step: Step) -> None:
         increment = step.scheme.increment(step.dt, self.velocity, self.trial_velocity)
         self.trial_place = self._place + increment[: self.dim]
-        self.trial_turn = _rotation(increment[self.dim :]) @ self._turn
+        turn = _rotation(increment[self.dim :]) @ self._turn
+        if self.dim == 3:  # products of many rotations would lose orthogonality, momentum with it
+            turn = turn @ (1.5 * np.eye(3) - 0.5 * turn.T @ turn)
+        self.trial_turn = turn
 
-    def _spatial_inertia(self, turn: np.ndarray) -> np.ndarray:
-        return self.inertia if self.dim == 2 else turn @ self.inertia @ turn.T
+    def _spatial(self, tensor: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        return tensor if self.dim == 2 else turn @ tensor @ turn.T
 
     def _momentum_of(self, velocity: np.ndarray, turn: np.ndarray) -> np.ndarray:
         d = self.dim
-        spin = self._spatial_inertia(turn) @ velocity[d:]
+        spin = self._spatial(self.inertia, turn) @ velocity[d:]
         return np.concatenate([self.mass * velocity[:d], spin])
 
     # -- what it tells --------------------------------------------------------------------------

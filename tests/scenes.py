@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Small builders and checks that several test files share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import dolfinx
+import numpy as np
+from mpi4py import MPI
+
+from fenicsx_contact import HalfSpace, History, NamedMesh, name_facets
+
+G = 9.81
+FLOOR = HalfSpace((0, 0), (0, 1))
+FLOOR_3D = HalfSpace((0, 0, 0), (0, 0, 1))
+
+
+def rectangle(
+    n: Sequence[int] = (1, 1),
+    size: Sequence[float] = (0.36, 0.80),
+    cell: str = "quadrilateral",
+    comm: MPI.Comm = MPI.COMM_WORLD,
+) -> NamedMesh:
+    """A rectangle on y = 0, its base centred at x = 0; facets base, top, left, right."""
+    (w, h), kind = size, getattr(dolfinx.mesh.CellType, cell)
+    corners = [np.array([-w / 2, 0.0]), np.array([w / 2, h])]
+    mesh = dolfinx.mesh.create_rectangle(comm, corners, list(n), kind)
+    return name_facets(
+        mesh,
+        {
+            "base": lambda x: np.isclose(x[1], 0),
+            "top": lambda x: np.isclose(x[1], h),
+            "left": lambda x: np.isclose(x[0], -w / 2),
+            "right": lambda x: np.isclose(x[0], w / 2),
+        },
+    )
+
+
+def box(
+    n: Sequence[int] = (1, 1, 1),
+    size: Sequence[float] = (0.36, 0.50, 0.80),
+    cell: str = "hexahedron",
+    comm: MPI.Comm = MPI.COMM_WORLD,
+) -> NamedMesh:
+    """A box on z = 0, its base centred at x = y = 0; facets base, top, left, right (of x)."""
+    (a, b, c), kind = size, getattr(dolfinx.mesh.CellType, cell)
+    corners = [np.array([-a / 2, -b / 2, 0.0]), np.array([a / 2, b / 2, c])]
+    mesh = dolfinx.mesh.create_box(comm, corners, list(n), kind)
+    return name_facets(
+        mesh,
+        {
+            "base": lambda x: np.isclose(x[2], 0),
+            "top": lambda x: np.isclose(x[2], c),
+            "left": lambda x: np.isclose(x[0], -a / 2),
+            "right": lambda x: np.isclose(x[0], a / 2),
+        },
+    )
+
+
+def rates(errors: Sequence[float], ratio: float = 2.0) -> np.ndarray:
+    """Observed orders between neighbours of a sequence refined by ``ratio``."""
+    e = np.asarray(errors)
+    return np.log(e[:-1] / e[1:]) / np.log(ratio)
+
+
+def total_energy(history: History) -> np.ndarray:
+    """Kinetic, strain and potential energy together."""
+    return history["kinetic"] + history["strain"] + history["potential"]
+
+
+def energy_size(history: History) -> float:
+    """The largest energy that took part in a run; a constant of the potential does not count."""
+    potential = history["potential"] - history["potential"][0]
+    return float(np.abs([history["kinetic"], history["strain"], potential]).max())
+
+
+def check_energies(history: History, tolerance: float = 1e-11) -> None:
+    """The balance closes, the contacts only dissipate, and nothing but the scheme makes energy."""
+    size = energy_size(history) * tolerance
+    assert np.isfinite(history.rows()).all()
+    assert np.abs(history["balance"]).max() <= size
+    for work in ("impact", "friction"):
+        assert np.diff(history[work]).max() <= size, work
+    total = total_energy(history)
+    made = history["impact"] + history["friction"] + history["scheme"] + history["balance"]
+    np.testing.assert_allclose(total - total[0], made, rtol=0, atol=size)

@@ -75,13 +75,18 @@ def energy_size(history: History) -> float:
     return float(np.abs([history["kinetic"], history["strain"], potential]).max())
 
 
-def check_energies(history: History, tolerance: float = 1e-11) -> None:
-    """The balance closes, the contacts only dissipate, and nothing but the scheme makes energy."""
+def check_energies(history: History, tolerance: float = 1e-11, slack: float = 0.0) -> None:
+    """The balance closes, the contacts only dissipate, and nothing but the scheme makes energy.
+
+    ``slack`` [J] is what a step may gain where the time step itself is seen: a mean force over a
+    step in which a point stops works on its mean velocity.
+    """
     size = energy_size(history) * tolerance
     assert np.isfinite(history.rows()).all()
     assert np.abs(history["balance"]).max() <= size
     for work in ("impact", "friction"):
-        assert np.diff(history[work]).max() <= size, work
+        assert np.diff(history[work]).max() <= size + slack, work
+        assert history[work].max() <= size + slack, work
     total = total_energy(history)
     made = history["impact"] + history["friction"] + history["scheme"] + history["balance"]
     np.testing.assert_allclose(total - total[0], made, rtol=0, atol=size)

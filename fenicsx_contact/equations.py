@@ -14,6 +14,9 @@ from . import compat
 from .formulations import Formulation
 from .surface import Surface, SurfaceFields
 
+#: The friction row keeps this share of its usual weight where the pressure vanishes.
+GUARD = 1e-8
+
 
 class SurfaceEquations:
     """The compiled equations of one contact surface.
@@ -125,6 +128,10 @@ class SurfaceEquations:
     @values.setter
     def values(self, values: np.ndarray) -> None:
         self._z[self._order] = values
+        if self.size > self.semi:
+            least = GUARD * self._scale[0] * self._scale[1]
+            bearing = np.maximum(-values[self.jumps : self.semi], least)
+            self.fields.bearing.x.array[:] = bearing
 
     def residual(self) -> np.ndarray:
         """The assembled contact terms of (7)."""

@@ -27,9 +27,6 @@ from .laws import (
 )
 from .surface import SurfaceFields
 
-#: The friction row keeps this share of its usual weight where the pressure vanishes.
-_GUARD = 1e-8
-
 
 def weak_form(k: SurfaceFields, approach: Any, Su: Any) -> tuple[ufl.Form, Any]:
     """The contact terms of (7): jump, multiplier and semi-multiplier rows.
@@ -37,6 +34,8 @@ def weak_form(k: SurfaceFields, approach: Any, Su: Any) -> tuple[ufl.Form, Any]:
     ``approach`` is w_n for the velocity law and the gap over theta dt for the displacement law.
     The last row has the sign that makes the stick tangent symmetric (the printed sign makes it
     antisymmetric), and its second term the dimension of the first one (the printed one has not).
+    Its weight mu |lam|/rho_t is that of the last iterate: it only scales an equation, and its
+    derivative would make the rows of a hyperstatic contact contradict each other.
 
     Returns:
         The form, and the status of each point as an expression: 0 open, 1 stick, 2 slip.
@@ -54,7 +53,7 @@ def weak_form(k: SurfaceFields, approach: Any, Su: Any) -> tuple[ufl.Form, Any]:
     g_t = augmented_semi_multiplier(Lam, k.rho_t, k.jump_t)
     P = ball_projection(g_t)
     S = friction_status(S, lam)
-    weight = mu * ufl.max_value(-lam, _GUARD * k.pressure_scale) / k.rho_t
+    weight = mu * k.bearing / k.rho_t
     scale = mu * k.pressure_scale / k.rho_t
 
     form += -k.integral(mu * S * lam * ufl.dot(P, k.test_jump_t))

@@ -73,6 +73,7 @@ class SurfaceFields:
         velocity_jump, multiplier, semi_multiplier: the unknowns w [m/s], lam [Pa, or N at a
             point], Lam [-] as UFL expressions, with ``test_*`` their tests.
         normal, gap, closed: data on the surface (coefficients).
+        bearing: with friction, |lam| of the iterate about which one linearises, never zero.
         elongation, length: of springs with friction only: their tangential stretch [m], a size.
         rho_n, rho_t, friction, pressure_scale, gap_rate, dt: constants.
         dofs: for each component of (w, lam, Lam), the dof of each node, (components, n).
@@ -109,6 +110,7 @@ class SurfaceFields:
 
         self.normal = surface.vector()
         self.gap, self.closed = surface.scalar(), surface.scalar()
+        self.bearing = surface.scalar() if n_semi else None
         self.rho_n, self.rho_t, self.pressure_scale = (surface.constant(1.0) for _ in range(3))
         self.gap_rate, self.dt = surface.constant(1.0), surface.constant(1.0)
         self.friction = surface.constant(friction)

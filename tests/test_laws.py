@@ -93,7 +93,7 @@ def test_tangent_of_each_block(dim, name, friction):
             for sign in (1, -1):
                 moved = base.copy()
                 moved[j] += sign * step
-                eq.values = moved
+                eq._z[eq._order] = moved  # the weight of the friction row stays, as in Newton
                 sides.append(eq.residual())
             numeric[:, j] = (sides[0] - sides[1]) / (2 * step)
         if state == "zero velocity" and name == "discrete" and friction:

@@ -1,0 +1,262 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The rocking block against Housner's exact analysis, and the invariants of its scene."""
+
+from math import radians
+
+import numpy as np
+import pytest
+from scenes import rectangle
+
+from fenicsx_contact import (
+    GAP,
+    VELOCITY,
+    Contact,
+    Discrete,
+    ElasticSolid,
+    HalfSpace,
+    Lagrange,
+    NamedMesh,
+    RigidSolid,
+    Scene,
+    ThetaScheme,
+)
+from fenicsx_contact.references.housner import Block, rocking
+from fenicsx_contact.references.swings import swings
+
+BLOCK = Block(width=0.36, height=0.80, mass=417.6)
+DEGREE, RADIAN = radians(0.01), 0.01
+CORNERS = [(-0.18, 0.0), (0.18, 0.0)]
+
+
+def scene(
+    angle=DEGREE,
+    formulation=VELOCITY,
+    friction=0.9,
+    scheme=None,
+    mesh=None,
+    unit=(1.0, 1.0),
+    **contact,
+):
+    """The paper's block, tilted about its left corner; ``unit``: metres and kilograms in the
+    user's units (time in seconds)."""
+    metre, kilogram = unit
+    mesh = mesh or rectangle(size=(0.36 * metre, 0.80 * metre))
+    block = RigidSolid(
+        mesh,
+        mass=417.6 * kilogram,
+        gravity=(0, -9.81 * metre),
+        rotation=angle,
+        about=(-0.18 * metre, 0),
+    )
+    floor = HalfSpace((0, 0), (0, 1))
+    return Scene([block], [Contact(block, "base", floor, formulation, friction, **contact)], scheme)
+
+
+def run(built, until, dt):
+    block = built.solids[0]
+    history = built.run(until, dt, probes={"tilt": lambda: block.rotation})
+    assert history.finished, history.reason
+    return history
+
+
+def errors(history, angle, count=6):
+    """Relative errors of the kinetic-energy maxima and of the impact times."""
+    exact = rocking(BLOCK, angle, impacts=count)
+    when, most = swings(history.time, history["tilt"], history["kinetic"], count)
+    return most / exact.kinetic_before - 1, when / exact.impact_times - 1
+
+
+@pytest.mark.parametrize(
+    ("angle", "until", "dt"), [(DEGREE, 0.0412, 1.6e-6), (RADIAN, 0.312, 1.3e-5)]
+)
+def test_first_six_maxima_within_one_percent_of_housner(angle, until, dt):
+    history = run(scene(angle), until, dt)
+    kinetic, time = errors(history, angle)
+    assert np.abs(kinetic).max() < 0.01
+    assert np.abs(time).max() < 0.002
+    # a few iterations a step, and the books balance
+    assert history["newton"].sum() < 1.1 * len(history)
+    assert np.abs(history["balance"]).max() < 1e-12 * history["kinetic"].max()
+
+
+def test_energy_ratio_at_each_impact():
+    """Kinetic energy just after over just before the impact, each extrapolated to the impact."""
+    history = run(scene(), 0.0412, 2e-6)
+    exact = rocking(BLOCK, DEGREE, impacts=6)
+    for before, after in zip(exact.impact_times[:5], exact.impact_times[1:]):
+        peak = 0.5 * (before + after)
+        # between impacts kinetic + potential is constant: compare it left and right of an impact
+        total = history["kinetic"] + history["potential"] - history["potential"].min()
+        left = np.interp(before - 0.2 * (peak - before), history.time, total)
+        right = np.interp(peak, history.time, total)
+        assert right / left == pytest.approx(BLOCK.energy_ratio, rel=0.005)
+
+
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+def test_error_falls_at_first_order(theta):
+    """Mean error of the first impact times and maxima; a few steps close to each length average
+    out where in its step an impact falls."""
+    lengths, mean = [32e-6, 8e-6, 2e-6], []
+    for dt in lengths:
+        several = [
+            errors(run(scene(scheme=ThetaScheme(theta)), 0.0295, dt * f), DEGREE, count=3)
+            for f in (0.93, 1.0, 1.07)
+        ]
+        mean.append([np.mean(np.abs([e[i] for e in several])) for i in (0, 1)])
+    for errors_of in np.transpose(mean):
+        assert np.polyfit(np.log(lengths), np.log(errors_of), 1)[0] > 0.9
+
+
+@pytest.mark.parametrize(
+    ("formulation", "scheme", "bound"),
+    [
+        (GAP, ThetaScheme(1.0), 0.02),
+        (Lagrange(CORNERS), ThetaScheme(1.0), 0.02),
+        (Discrete(1e12, damping=6.7e7, points=CORNERS), ThetaScheme(0.5), 0.02),
+    ],
+    ids=["gap", "lagrange", "discrete"],
+)
+def test_other_formulations_in_the_same_scene(formulation, scheme, bound):
+    kinetic, time = errors(run(scene(formulation=formulation, scheme=scheme), 0.0412, 2e-6), DEGREE)
+    assert np.abs(kinetic).max() < bound
+    assert np.abs(time).max() < 0.004
+
+
+def test_point_multipliers_equal_the_gap_law_at_the_corners():
+    histories = [
+        run(scene(formulation=f, scheme=ThetaScheme(1.0)), 0.01, 1e-5)
+        for f in (GAP, Lagrange(CORNERS), Lagrange())
+    ]
+    for other in histories[1:]:
+        np.testing.assert_allclose(other["kinetic"], histories[0]["kinetic"], rtol=1e-9, atol=1e-15)
+
+
+def impact(friction, slipping_before):
+    """Angular-velocity and kinetic-energy ratios of one impact, seen one tiny step apart."""
+    block = RigidSolid(
+        rectangle(),
+        mass=417.6,
+        velocity=(0.0 if slipping_before else -0.4 * -0.05, -0.18 * 0.05),
+        spin=-0.05,
+    )
+    contact = Contact(block, "base", HalfSpace((0, 0), (0, 1)), friction=friction)
+    built = Scene([block], [contact], ThetaScheme(1.0))
+    before = built.solids[0].energies()[0]
+    built.run(1e-9, 1e-9)
+    return block.velocity[2] / -0.05, block.energies()[0] / before
+
+
+def test_impact_without_slip_is_housners():
+    spin, energy = impact(0.9, slipping_before=False)
+    assert spin == pytest.approx(BLOCK.restitution, rel=1e-6)
+    assert energy == pytest.approx(BLOCK.energy_ratio, rel=1e-6)
+
+
+def test_impact_without_friction():
+    """0.329 and 0.664: the block that did not slip until then lands on a frictionless corner."""
+    spin, energy = impact(0.0, slipping_before=False)
+    assert spin == pytest.approx(0.329, abs=5e-4)
+    assert energy == pytest.approx(0.664, abs=5e-4)
+    assert spin == pytest.approx(BLOCK.frictionless_restitution, rel=1e-6)
+    assert energy == pytest.approx(BLOCK.frictionless_energy_ratio, rel=1e-6)
+    # a motion without friction from the start: the centre of mass moves vertically only
+    spin, energy = impact(0.0, slipping_before=True)
+    assert spin == pytest.approx(BLOCK.frictionless_restitution, rel=1e-6)
+    assert energy == pytest.approx(BLOCK.frictionless_restitution**2, rel=1e-6)
+
+
+def test_impact_slips_below_the_limit_friction():
+    for friction, slips in ((1.001, False), (0.999, True)):
+        spin, _ = impact(friction * BLOCK.smallest_friction, slipping_before=False)
+        assert (spin < BLOCK.restitution * (1 - 1e-9)) == slips
+
+
+def test_ten_thousand_steps_at_rest():
+    built = scene(angle=0.0, mesh=rectangle(n=(4, 1)))
+    height = built.solids[0].place[1]
+    history = run(built, 10.0, 1e-3)
+    assert len(history) == 10_001
+    assert abs(built.solids[0].place[1] - height) < 1e-9 * 0.8
+    assert history["kinetic"].max() < 1e-25
+    assert abs(history["impact"][-1]) + abs(history["friction"][-1]) < 1e-12
+    # the reaction is the weight throughout
+    np.testing.assert_allclose(history["rigid.base.force_y"][1:], 417.6 * 9.81, rtol=1e-12)
+
+
+def test_units_do_not_matter():
+    """In mm, tonne, s the same motion to 1e-9; energies are in mJ, forces in N."""
+    si = run(scene(), 0.02, 1e-5)
+    mm = run(scene(unit=(1e3, 1e-3)), 0.02, 1e-5)
+    scale = si["kinetic"].max()
+    np.testing.assert_allclose(mm["kinetic"], 1e3 * si["kinetic"], rtol=1e-9, atol=1e-6 * scale)
+    np.testing.assert_allclose(mm["tilt"], si["tilt"], rtol=1e-9, atol=1e-9 * DEGREE)
+    force = si["rigid.base.force_y"]
+    np.testing.assert_allclose(mm["rigid.base.force_y"], force, atol=1e-9 * np.abs(force).max())
+
+
+def renumbered(mesh: NamedMesh) -> NamedMesh:
+    """The same mesh with its nodes and cells in another order."""
+    from mpi4py import MPI
+
+    from fenicsx_contact import compat, name_facets
+
+    x = mesh.mesh.geometry.x[:, :2]
+    cells = compat.cell_geometry(mesh.mesh)
+    order = np.random.default_rng(3).permutation(len(x))
+    place = np.argsort(order)
+    new = compat.create_mesh(MPI.COMM_SELF, place[cells][::-1], x[order], "quadrilateral")
+    return name_facets(new, {"base": lambda x: np.isclose(x[1], 0)})
+
+
+def test_numbering_of_nodes_does_not_matter():
+    mesh = rectangle(n=(5, 2))
+    one, two = (run(scene(mesh=m), 0.01, 1e-5) for m in (mesh, renumbered(mesh)))
+    scale = one["kinetic"].max()
+    np.testing.assert_allclose(two["kinetic"], one["kinetic"], rtol=1e-9, atol=1e-9 * scale)
+    np.testing.assert_allclose(two["tilt"], one["tilt"], atol=1e-9 * DEGREE)
+
+
+@pytest.mark.parametrize("which", ["normal_augmentation", "tangential_augmentation"])
+def test_augmentation_acts_on_the_way_not_on_the_result(which):
+    reference = run(scene(), 0.02, 1e-5)
+    for factor in (1e-6, 1e-3, 1e3, 1e6):
+        other = run(scene(**{which: factor}), 0.02, 1e-5)
+        scale = reference["kinetic"].max()
+        assert np.abs(other["kinetic"] - reference["kinetic"]).max() < 1e-8 * scale
+        assert np.abs(other["tilt"] - reference["tilt"]).max() < 1e-8 * DEGREE
+        # the Newton count may depend on it, within reason
+        assert other["newton"].sum() < 3 * reference["newton"].sum()
+
+
+def test_base_of_many_nodes_gives_the_same_motion():
+    """Housner's ratio holds however many points the base has; the path differs by O(dt)."""
+    distance = []
+    for dt in (1e-5, 2.5e-6):
+        two, many = (run(scene(mesh=rectangle(n=(n, 1))), 0.0295, dt) for n in (1, 10))
+        distance.append(np.abs(errors(two, DEGREE, 3)[0] - errors(many, DEGREE, 3)[0]).max())
+    assert distance[1] < 0.5 * distance[0]
+    assert np.abs(errors(many, DEGREE, 3)[0]).max() < 0.01
+
+
+def test_elastic_block_approaches_the_rigid_one():
+    """Energy left after the first impact, as a share: towards Housner's as E grows."""
+    left = []
+    for E in (1e11, 1e13, 1e15):
+        solid = ElasticSolid(
+            rectangle(n=(3, 6)),
+            youngs_modulus=E,
+            poisson_ratio=0.2,
+            density=417.6 / 0.36 / 0.80,
+            gravity=(0, -9.81),
+            displacement=lambda x: DEGREE * np.stack([-x[1], x[0] + 0.18]),
+        )
+        contact = Contact(solid, "base", HalfSpace((0, 0), (0, 1)), friction=0.9)
+        built = Scene([solid], [contact], ThetaScheme(1.0, "end"))
+        history = built.run(0.012, 2e-6)
+        assert history.finished
+        total = history["kinetic"] + history["strain"] + history["potential"]
+        left.append(total[-1] / total[0])
+    rigid = BLOCK.energy_ratio
+    distance = np.abs(np.array(left) - rigid)
+    assert distance[2] < distance[1] < distance[0]
+    assert distance[2] < 0.002

@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""One test for each trap of the formulation that bit somebody in an experiment."""
+
+import numpy as np
+import pytest
+import ufl
+from scenes import rectangle
+
+from fenicsx_contact import (
+    VELOCITY,
+    Contact,
+    HalfSpace,
+    Newton,
+    RigidSolid,
+    Scene,
+    ThetaScheme,
+    Velocity,
+    compat,
+)
+from fenicsx_contact.laws import ball_projection
+from fenicsx_contact.surface import Surface
+
+FLOOR = HalfSpace((0, 0), (0, 1))
+
+
+def dropped(height, *, mesh=None, friction=0.0, theta=1.0, formulation=VELOCITY, **solid):
+    """A rigid block of 10 kg, its base at a height over the floor."""
+    block = RigidSolid(mesh or rectangle(), mass=10.0, **{"gravity": (0, -9.81), **solid})
+    floor = HalfSpace((0, -height), (0, 1))
+    contact = Contact(block, "base", floor, formulation, friction)
+    return Scene([block], [contact], ThetaScheme(theta))
+
+
+def test_1_closing_within_a_step_has_a_solution():
+    """Su from a prediction: the step in which a point closes converges, and arrests it."""
+    scene = dropped(0.01)
+    history = scene.run(0.1, 1.7e-3)
+    assert history.finished and not history.remarks
+    assert history["geometry"].max() <= 3
+    assert abs(history["kinetic"][-1]) < 1e-20
+
+
+@pytest.mark.parametrize("kappa", [0.0, 0.3])
+def test_2_drift_is_bounded_and_can_be_made_to_decay(kappa):
+    """theta = 1/2 catches a falling block up to half a step's way too deep."""
+    deepest = 0.0
+    for height in (0.0101, 0.0103, 0.0105, 0.0107):
+        scene = dropped(height, theta=0.5, formulation=Velocity(drift_correction=kappa))
+        history = scene.run(0.2, 1e-3)
+        depth = history["rigid.base.penetration"]
+        assert depth.max() <= 0.5 * np.sqrt(2 * 9.81 * height) * 1e-3  # half a step's way
+        deepest = max(deepest, depth.max())
+        late = depth[history.time > 0.15]
+        if kappa:
+            assert late.max() < 1e-12
+        else:
+            assert np.ptp(late) < 1e-15  # held, not growing
+    assert deepest > 5e-5  # the trap was there
+
+
+def test_3_ball_projection_is_exact_and_differentiable_at_zero():
+    points = np.array([[0.0, 0.0], [1.0, 0.0]])
+    surface = Surface(points, np.array([[0, 1]]), "interval")
+    g = surface.vector()
+    direction = ufl.as_vector((1.0, 0.5))
+    form = ufl.dot(ball_projection(g), ufl.TestFunction(surface.vectors)) * surface.dx
+    value, slope = (
+        compat.VectorAssembler(form),
+        compat.VectorAssembler(
+            ufl.derivative(form, g, direction * ufl.dot(direction, direction) / 1.25)
+        ),
+    )
+    g.x.array[:] = [0.0, 0.0, 3.0, 4.0]
+    np.testing.assert_allclose(value(), 0.5 * np.array([0, 0, 0.6, 0.8]), atol=1e-16)
+    at_zero, outside = slope().reshape(2, 2)
+    np.testing.assert_allclose(at_zero, 0.5 * np.array([1.0, 0.5]), rtol=1e-14)
+    # (I - n n) d / |g| outside the ball
+    n, d = np.array([0.6, 0.8]), np.array([1.0, 0.5])
+    np.testing.assert_allclose(outside, 0.5 * (d - n * (n @ d)) / 5, rtol=1e-14)
+
+
+def test_4_grazing_contact_is_not_singular():
+    """S = 1 and lam = 0: a block that touches without weight, sliding, then pushed."""
+    scene = dropped(0.0, friction=0.5, gravity=(0, 0), velocity=(0.3, 0))
+    history = scene.run(0.05, 1e-3)
+    assert history.finished and not history.remarks
+    np.testing.assert_allclose(history["kinetic"], 0.5 * 10 * 0.09, rtol=1e-12)
+    assert history["newton"].max() <= 2
+
+
+def test_5_augmentation_is_scaled_by_the_scene():
+    """The same pure numbers serve a block of a gram and one of a thousand tonnes."""
+    counts = []
+    for mass in (1e-3, 1e6):
+        block = RigidSolid(rectangle(), mass=mass, gravity=(0.5, -9.81), velocity=(1.0, -0.5))
+        contact = Contact(block, "base", HalfSpace((0, -0.01), (0, 1)), friction=0.3)
+        history = Scene([block], [contact]).run(0.1, 1e-3)
+        assert history.finished
+        counts.append(history["newton"])
+    np.testing.assert_array_equal(counts[0], counts[1])
+
+
+def test_6_nodal_quadrature_puts_a_corner_reaction_at_the_corner():
+    """A tilted block stands on its corner node alone, whatever the mesh of its base."""
+    for n in (1, 7):
+        block = RigidSolid(
+            rectangle(n=(n, 1)), mass=10.0, gravity=(0, -9.81), rotation=0.01, about=(-0.18, 0)
+        )
+        contact = Contact(block, "base", FLOOR, friction=0.9)
+        Scene([block], [contact]).run(1e-4, 1e-4)
+        pushed = contact.force[:, 1] > 1e-9
+        np.testing.assert_allclose(contact.surface.points[pushed], [[-0.18, 0.0]], atol=1e-12)
+
+
+def test_7_normals_are_coefficients_and_oriented():
+    """A floor given by a normal of any length and direction pushes along its outside."""
+    for normal in ((0, 2.0), (0.0, 1e-3)):
+        block = RigidSolid(rectangle(), mass=10.0, gravity=(0, -9.81))
+        contact = Contact(block, "base", HalfSpace((0, 0), normal))
+        Scene([block], [contact]).run(1e-3, 1e-3)
+        np.testing.assert_allclose(contact.force.sum(axis=0), [0, 98.1], atol=1e-9)
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_8_unknowns_are_scaled(size):
+    """Scenes of a micrometre and of a thousand kilometres stick without a sliding pivot."""
+    mesh = rectangle(size=(0.36 * size, 0.80 * size))
+    block = RigidSolid(
+        mesh, mass=4.0, gravity=(0, -9.81 * size), rotation=0.01, about=(-0.18 * size, 0)
+    )
+    contact = Contact(block, "base", FLOOR, friction=0.9)
+    scene = Scene([block], [contact])
+    history = scene.run(0.05, 1e-3)
+    assert history.finished
+    pivot = contact.trace.positions()[np.argmin(contact.surface.points[:, 0])]
+    np.testing.assert_allclose(pivot, [-0.18 * size, 0], atol=1e-7 * size)
+
+
+def test_9_first_contact_with_friction_converges_in_few_iterations():
+    """The first iteration of an impact is frictionless; a corner lands in about three."""
+    tilted = {"rotation": 0.01, "about": (-0.18, 0)}
+    scene = dropped(1e-3, friction=0.9, velocity=(0.2, -0.1), **tilted)
+    history = scene.run(0.05, 1e-3)
+    assert history.finished and not history.remarks
+    assert (history["newton"] <= 3 * history["geometry"]).all()
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+def test_10_hyperstatic_landing(friction):
+    """21 nodes of a rigid base land at once: the velocity is unique, the forces balance."""
+    scene = dropped(0.02, mesh=rectangle(n=(20, 1)), friction=friction, velocity=(0.3, 0))
+    contact = scene.contacts[0]
+    history = scene.run(0.3, 1e-3)
+    assert history.finished
+    vertical = 98.1
+    assert contact.force[:, 1].sum() == pytest.approx(vertical, rel=1e-9)
+    arm = contact.trace.positions() - scene.solids[0].place
+    moment = arm[:, 0] @ contact.force[:, 1] - arm[:, 1] @ contact.force[:, 0]
+    assert abs(moment) < 1e-9 * vertical * 0.36
+    assert (contact.force[:, 1] >= -1e-9 * vertical).all()
+    assert abs(scene.solids[0].velocity[2]) < 1e-12
+    left = 0.0 if friction else 0.3
+    assert scene.solids[0].velocity[0] == pytest.approx(left, abs=1e-12)
+
+
+def test_11_finite_rotation_does_not_open_a_closed_point():
+    """Rocking by large angles: the pivot bears in every step of a swing."""
+    block = RigidSolid(rectangle(), mass=10.0, gravity=(0, -9.81), rotation=0.2, about=(-0.18, 0))
+    contact = Contact(block, "base", FLOOR, friction=2.0)
+    history = Scene([block], [contact]).run(0.25, 1e-3)
+    assert history.finished
+    assert history["rigid.base.bearing"][1:].min() >= 1
+    assert np.abs(contact.trace.positions()[:, 1].min()) < 1e-5
+
+
+@pytest.mark.parametrize("friction", [1.0, 3.0, 10.0])
+def test_12_large_friction_lands_or_says_why(friction):
+    """A rod thrown obliquely at the floor (Painlevé's neighbourhood): never a silent cycle."""
+    rod = RigidSolid(
+        rectangle(size=(0.02, 1.0)),
+        mass=1.0,
+        gravity=(0, -9.81),
+        rotation=-0.5,
+        velocity=(3.0, 0.0),
+    )
+    lowest = Contact(rod, "base", FLOOR).trace.positions()[:, 1].min()
+    contact = Contact(rod, "base", HalfSpace((0, lowest - 1e-3), (0, 1)), friction=friction)
+    history = Scene([rod], [contact], ThetaScheme(1.0)).run(0.3, 1e-3)
+    assert history.finished or history.reason.startswith("stopped at")
+    energy = history["kinetic"] + history["potential"]
+    assert np.isfinite(energy).all()
+    assert np.diff(energy).max() < 1e-9 * np.ptp(energy)
+
+
+def test_ping_pong_is_named_and_ends():
+    """With an exaggerated rho_t Newton alone cycles; the remark names the points."""
+    block = RigidSolid(
+        rectangle(), mass=417.6, gravity=(0, -9.81), rotation=1.7e-4, about=(-0.18, 0)
+    )
+    contact = Contact(block, "base", FLOOR, friction=0.9, tangential_augmentation=1e6)
+    history = Scene([block], [contact]).run(0.01, 1e-5)
+    assert history.finished
+    named = [text for _, text in history.remarks if "statuses flip at points" in text]
+    assert named and "projected solver took over" in named[0]
+
+
+def test_a_hopeless_step_stops_with_a_reason():
+    scene = dropped(0.01, friction=0.3, velocity=(0.3, 0))
+    strict = Scene(scene.solids, scene.contacts, newton=Newton(tolerance=1e-30))
+    history = strict.run(0.1, 1e-3)
+    assert not history.finished
+    assert "stalls at a scaled residual" in history.reason and "steps down to" in history.reason
+    assert np.isfinite(history.rows()).all()
+    assert history.time[-1] > 0.04  # the free fall before it is kept

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -117,20 +118,20 @@ def mesh_from_gmsh(
     if not path.is_file():
         raise checks.InputError(f"file = {str(file)!r}: no such file")
     declared = _declared(path) if path.suffix == ".geo" else set()
-    arguments = ["gmsh", "-v", "1"]
+    given = []
     for name, value in parameters.items():
         if name not in declared:
             known = ", ".join(sorted(declared)) or "nothing"
             raise checks.InputError(f"{name} = {value!r}: {path.name} declares {known}")
-        arguments += ["-setnumber", name, repr(checks.number(name, value))]
+        given.append(f"{name} = {checks.number(name, value)!r};")
 
     names: dict[str, int] = {}
     dim = 0
     if comm.rank == 0:
-        gmsh.initialize(arguments)
+        gmsh.initialize(["gmsh", "-v", "1"])
     try:
         if comm.rank == 0:
-            gmsh.open(str(path))
+            _open(gmsh, path, given)
             dim = gmsh.model.getDimension()
             if path.suffix == ".geo":
                 gmsh.model.mesh.generate(dim)
@@ -146,6 +147,20 @@ def mesh_from_gmsh(
         if comm.rank == 0:
             gmsh.finalize()
     return NamedMesh(mesh, tags, names)
+
+
+def _open(gmsh: Any, path: Path, given: list[str]) -> None:
+    """Open a file, the given parameters set before: DefineConstant leaves them as they are.
+
+    The command line's -setnumber would outlive finalize() and reach the next mesh.
+    """
+    if path.suffix != ".geo":
+        gmsh.open(str(path))
+        return
+    with tempfile.TemporaryDirectory() as directory:
+        script = Path(directory) / path.name
+        script.write_text("\n".join([*given, f'Include "{path.resolve()}";', ""]))
+        gmsh.open(str(script))
 
 
 def _declared(path: Path) -> set[str]:

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Curves (matplotlib) and pictures (pyvista); the only module that imports either."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+#: One colour for each formulation, the same in all figures.
+COLOURS = {"velocity": "C3", "gap": "C0", "lagrange": "C6", "discrete": "C2"}
+
+
+def figure(rows: int = 1, columns: int = 1, size: tuple[float, float] = (7, 4)) -> tuple[Any, Any]:
+    """A figure and its axes (one, or an array of them)."""
+    return plt.subplots(rows, columns, figsize=size, sharex=True, sharey=True, squeeze=True)
+
+
+def save(fig: Any, path: Path) -> Path:
+    """Write a figure and close it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    fig.savefig(path, dpi=150, bbox_inches="tight")
+    plt.close(fig)
+    return path
+
+
+def thinned(*arrays: np.ndarray, points: int = 4000) -> list[np.ndarray]:
+    """Every so many entries of arrays that hold more points than a figure can show."""
+    step = max(1, len(arrays[0]) // points)
+    return [array[::step] for array in arrays]
+
+
+def error_against_run_time(axes: Any, results: dict[str, Sequence[tuple[float, float]]]) -> None:
+    """A log-log plot of (run time [s], error) for each method."""
+    for name, pairs in results.items():
+        seconds, errors = np.array(pairs).T
+        axes.loglog(seconds, errors, "o-", color=COLOURS.get(name), label=name)
+    axes.set_xlabel("run time of the loop [s]")
+    axes.set_ylabel("relative error")
+    axes.grid(True, which="both", alpha=0.3)
+    axes.legend()
+
+
+def _pyvista() -> Any:
+    if not os.environ.get("DISPLAY"):  # no X server: do not look for one, and do not complain
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    try:
+        import pyvista
+    except ImportError as missing:
+        raise ImportError(
+            "pictures need pyvista: pip install pyvista 'vtk<9.6' imageio"
+        ) from missing
+    pyvista.OFF_SCREEN = True
+    return pyvista
+
+
+def _plotter(pyvista: Any, size: tuple[int, int], plane: bool) -> Any:
+    plotter = pyvista.Plotter(off_screen=True, window_size=size)
+    plotter.set_background("white")
+    if plane:
+        plotter.enable_parallel_projection()
+    return plotter
+
+
+def frames(pvd: Path) -> tuple[list[float], Callable[[int], Any]]:
+    """Times of a collection written by a run, and a function that reads its i-th mesh."""
+    reader = _pyvista().PVDReader(str(pvd))
+
+    def read(i: int) -> Any:
+        reader.set_active_time_point(i)
+        return reader.read().combine()
+
+    return list(reader.time_values), read
+
+
+def animate(
+    pvd: Path,
+    path: Path,
+    *,
+    magnify: float = 1.0,
+    floor: float | None = None,
+    colour_by: str = "velocity",
+    title: str = "",
+    size: tuple[int, int] = (480, 480),
+    fps: int = 15,
+) -> Path:
+    """An animation (GIF) of a 2D solid from the fields that its run wrote.
+
+    Args:
+        pvd: the solid's collection, ``<run>/fields/<solid>.pvd``.
+        path: of the GIF; a PNG of the first frame is put beside it.
+        magnify: factor on the displacements.
+        floor: height of a floor to be drawn, m.
+        colour_by: field whose size gives the colour.
+        title: text in the picture.
+        size: pixels.
+        fps: frames a second.
+    """
+    pyvista = _pyvista()
+    times, read = frames(pvd)
+    meshes = []
+    for i in range(len(times)):
+        mesh = read(i)
+        mesh[colour_by] = np.linalg.norm(mesh[colour_by], axis=1)
+        mesh.points = mesh.points + magnify * mesh["displacement"]
+        meshes.append(mesh)
+    limit = max(float(mesh[colour_by].max()) for mesh in meshes) or 1.0
+    bounds = np.array([mesh.bounds for mesh in meshes])
+    low, high = bounds[:, ::2].min(axis=0), bounds[:, 1::2].max(axis=0)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    plotter = _plotter(pyvista, size, plane=True)
+    plotter.open_gif(str(path), fps=fps)
+    for i, mesh in enumerate(meshes):
+        plotter.clear()
+        plotter.add_mesh(
+            mesh,
+            scalars=colour_by,
+            clim=(0, limit),
+            cmap="viridis",
+            show_edges=True,
+            scalar_bar_args={"title": f"{colour_by} [m/s]", "color": "black"},
+        )
+        if floor is not None:
+            wide = 0.3 * (high[0] - low[0])
+            ends = ([low[0] - wide, floor, 0], [high[0] + wide, floor, 0])
+            plotter.add_mesh(pyvista.Line(*ends), color="black", line_width=4)
+        plotter.add_text(f"{title}\nt = {times[i] * 1e3:.2f} ms", color="black", font_size=9)
+        plotter.camera.focal_point = (*(0.5 * (low + high))[:2], 0)
+        plotter.camera.position = (*(0.5 * (low + high))[:2], 1)
+        plotter.camera.up = (0, 1, 0)
+        plotter.camera.parallel_scale = 0.75 * float((high - low).max())
+        plotter.write_frame()
+        if i == 0:
+            plotter.screenshot(str(path.with_suffix(".png")))
+    plotter.close()
+    return path

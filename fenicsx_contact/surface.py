@@ -110,7 +110,7 @@ class SurfaceFields:
 
         self.normal = surface.vector()
         self.gap, self.closed = surface.scalar(), surface.scalar()
-        self.bearing = surface.scalar() if n_semi else None
+        self.bearing: Any = surface.scalar() if n_semi else None
         self.rho_n, self.rho_t, self.pressure_scale = (surface.constant(1.0) for _ in range(3))
         self.gap_rate, self.dt = surface.constant(1.0), surface.constant(1.0)
         self.friction = surface.constant(friction)

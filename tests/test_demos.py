@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Every demo is imported and run with --quick; its headline numbers are asserted."""
+
+import importlib.util
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+DEMOS = Path(__file__).resolve().parent.parent / "demos"
+
+
+def load(name):
+    spec = importlib.util.spec_from_file_location(name, DEMOS / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_rocking_block(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    demo = load("rocking_block")
+    demo.main(quick=True)
+    summary = json.loads((demo.RESULTS / "summary.json").read_text())
+    # bounds of a step that is 8 times the full demo's; errors are of first order in the step
+    bounds = {"velocity": 0.09, "gap": 0.13, "lagrange": 0.13, "discrete": 0.17}
+    for case in ("degree", "radian"):
+        for name, bound in bounds.items():
+            result = summary[case][name]
+            assert len(result["ke_max_error"]) == len(result["impact_time_error"]) == 6
+            assert np.abs(result["ke_max_error"]).max() < bound
+            assert np.abs(result["impact_time_error"]).max() < 0.03
+            assert result["reason"] == "finished"
+            assert result["run_time_s"] > 0 and result["steps"] > 1000
+        assert abs(summary[case]["velocity"]["ke_max_error"][0]) < 0.002
+    kept = summary["elastic"]["energy_ratio"]
+    assert kept[0] > kept[1] > kept[2]
+    assert kept[2] == pytest.approx(0.5586, abs=0.006)
+    for picture in ("kinetic_energy_degree.png", "block.gif", "block.png", "elastic_block.png"):
+        assert (demo.RESULTS / picture).stat().st_size > 5000
+    lines = capsys.readouterr().out.strip().splitlines()
+    assert lines[-1].startswith("velocity, 0.01 degree: 6 maxima within")

@@ -22,6 +22,13 @@ _FACET_CELL = {
     "tetrahedron": "triangle",
     "hexahedron": "quadrilateral",
 }
+#: A vertex of a cell and its neighbours, in dolfinx's order.
+_FRAME = {
+    "triangle": [0, 1, 2],
+    "quadrilateral": [0, 1, 2],
+    "tetrahedron": [0, 1, 2, 3],
+    "hexahedron": [0, 1, 2, 4],
+}
 
 
 @dataclass(frozen=True)
@@ -39,8 +46,17 @@ class NamedMesh:
                 f"mesh of dimension {tdim} in a space of dimension {gdim}: a solid needs a mesh "
                 "of triangles or quadrilaterals in 2D, of tetrahedra or hexahedra in 3D"
             )
-        if self.mesh.geometry.x.size and not np.isfinite(self.mesh.geometry.x).all():
-            raise checks.InputError("mesh: has a node with a coordinate that is not finite")
+        if problem := max(self.mesh.comm.allgather(self._problem())):
+            raise checks.InputError(f"mesh: {problem}")
+
+    def _problem(self) -> str:
+        x = self.mesh.geometry.x[:, : self.dim]
+        if not np.isfinite(x).all():
+            return "has a node with a coordinate that is not finite"
+        cells = compat.cell_geometry(self.mesh)[:, _FRAME[compat.cell_name(self.mesh)]]
+        edges = x[cells[:, 1:]] - x[cells[:, :1]]
+        flat = 1e-12 * np.linalg.norm(edges, axis=2).prod(axis=1)
+        return "" if (np.abs(np.linalg.det(edges)) > flat).all() else "has a cell without volume"
 
     @property
     def dim(self) -> int:
@@ -89,6 +105,9 @@ def name_facets(mesh: Any, where: Mapping[str, Callable[[np.ndarray], np.ndarray
     """
     fdim = mesh.topology.dim - 1
     mesh.topology.create_connectivity(fdim, mesh.topology.dim)
+    for name, f in where.items():
+        if not callable(f):
+            raise checks.InputError(f"where[{name!r}] = {f!r}: must be a function of x (3, n)")
     found = [dolfinx.mesh.locate_entities_boundary(mesh, fdim, f) for f in where.values()]
     facets = np.concatenate([*found, np.empty(0, dtype=np.int32)]).astype(np.int32)
     values = np.repeat(np.arange(1, len(found) + 1), [len(f) for f in found]).astype(np.int32)
@@ -126,22 +145,16 @@ def mesh_from_gmsh(
         given.append(f"{name} = {checks.number(name, value)!r};")
 
     names: dict[str, int] = {}
-    dim = 0
+    problem = ""
     if comm.rank == 0:
         gmsh.initialize(["gmsh", "-v", "1"])
     try:
         if comm.rank == 0:
-            _open(gmsh, path, given)
-            dim = gmsh.model.getDimension()
-            if path.suffix == ".geo":
-                gmsh.model.mesh.generate(dim)
-            for group_dim, tag in gmsh.model.getPhysicalGroups(dim - 1):
-                names[gmsh.model.getPhysicalName(group_dim, tag)] = tag
-        names, dim = comm.bcast((names, dim))
-        if dim not in (2, 3):
-            raise checks.InputError(
-                f"file = {str(file)!r}: holds a mesh of dimension {dim}, not 2 or 3"
-            )
+            problem, names = _read(gmsh, path, given)
+        problem, names = comm.bcast((problem, names))
+        if problem:
+            raise checks.InputError(f"file = {str(file)!r}: {problem}")
+        dim = comm.bcast(gmsh.model.getDimension() if comm.rank == 0 else 0)
         mesh, tags = compat.gmsh_mesh(gmsh.model if comm.rank == 0 else None, comm, dim)
     finally:
         if comm.rank == 0:
@@ -161,6 +174,27 @@ def _open(gmsh: Any, path: Path, given: list[str]) -> None:
         script = Path(directory) / path.name
         script.write_text("\n".join([*given, f'Include "{path.resolve()}";', ""]))
         gmsh.open(str(script))
+
+
+def _read(gmsh: Any, path: Path, given: list[str]) -> tuple[str, dict[str, int]]:
+    """Open and mesh; what is wrong, or nothing, and the names of the facets."""
+    try:
+        _open(gmsh, path, given)
+        dim = gmsh.model.getDimension()
+        if dim not in (2, 3):
+            return f"holds a mesh of dimension {dim}, not 2 or 3", {}
+        if path.suffix == ".geo":
+            gmsh.model.mesh.generate(dim)
+    except Exception as failure:  # gmsh raises nothing more special
+        return f"gmsh says: {failure}", {}
+    x = gmsh.model.mesh.getNodes()[1].reshape(-1, 3)
+    if dim == 2 and np.ptp(x[:, 2]) > 1e-9 * np.ptp(x, axis=0).max():
+        return "holds a surface in 3D, not a mesh of a solid (in 2D all nodes have one z)", {}
+    if not gmsh.model.getPhysicalGroups(dim):
+        kind = "Surface" if dim == 2 else "Volume"
+        return f"has no Physical {kind}, which tells what belongs to the solid", {}
+    facets = gmsh.model.getPhysicalGroups(dim - 1)
+    return "", {gmsh.model.getPhysicalName(group, tag): tag for group, tag in facets}
 
 
 def _declared(path: Path) -> set[str]:

@@ -113,11 +113,25 @@ class DeformableSolid(Solid):
 
     def _initial(self, what: str, field: Field | None) -> np.ndarray:
         function = fem.Function(self.space)
+
+        def values_at(x: np.ndarray) -> np.ndarray:
+            values = np.asarray(field(x), dtype=float)  # type: ignore[misc]
+            if values.shape != (self.dim, x.shape[1]):
+                raise checks.InputError(
+                    f"{what}: gives values of shape {values.shape} at x of shape {x.shape}; must "
+                    f"be a function of x (3, n) with values ({self.dim}, n)"
+                )
+            return values
+
         if field is not None:
-            compat.interpolate(function, field)
+            if not callable(field):
+                raise checks.InputError(f"{what} = {field!r}: must be a function of x (3, n)")
+            compat.interpolate(function, values_at)
         values = function.x.array[: self.owned].copy()
-        if not np.isfinite(values).all():
-            raise checks.InputError(f"{what}: the initial field is not finite everywhere")
+        if not min(self.comm.allgather(bool((np.abs(values) <= checks.LARGEST).all()))):
+            raise checks.InputError(
+                f"{what}: the initial field is not finite everywhere, or above {checks.LARGEST:g}"
+            )
         values[self.fixed_unknowns] = 0.0
         return values
 

@@ -76,7 +76,10 @@ class HyperelasticSolid(DeformableSolid):
         if self.dim == 2:  # plane strain
             F = ufl.as_matrix([[F[0, 0], F[0, 1], 0], [F[1, 0], F[1, 1], 0], [0, 0, 1]])
         dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 2 * self.degree})
-        potential = energy(F) * dx
+        density = energy(F)
+        if getattr(density, "ufl_shape", None) != ():
+            raise checks.InputError(f"energy = {energy!r}: must give a scalar of F, in UFL")
+        potential = density * dx
         residual = ufl.derivative(potential, u, v)
         self._volume_ratio = compat.PointExpression(ufl.det(F), compat.lagrange_space(mesh.mesh))
         self._potential_form = fem.form(potential)

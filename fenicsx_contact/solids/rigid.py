@@ -71,7 +71,7 @@ class RigidSolid(Solid):
             if mass is None
             else checks.number("mass", mass, above=0) / size
         )
-        self.mass = rho * size
+        self.mass = checks.number("density times the size of the mesh", rho * size, above=0)
         if self.dim == 2:
             self.inertia = np.array([[rho * np.trace(second)]])
         else:
@@ -81,14 +81,14 @@ class RigidSolid(Solid):
         self.gravity = np.zeros(d) if gravity is None else checks.vector("gravity", gravity, d)
         self._load = np.concatenate([self.mass * self.gravity, np.zeros(spins)])
 
-        turn = checks.vector("rotation", np.ravel(rotation * np.ones(spins)), spins)
+        turn = _angles("rotation", rotation, spins)
         pivot = self.centre if about is None else checks.vector("about", about, d)
         self._turn = _rotation(turn)
         self._place = pivot + self._turn @ (self.centre - pivot)
         self.velocity = np.zeros(d + spins)
         if velocity is not None:
             self.velocity[:d] = checks.vector("velocity", velocity, d)
-        self.velocity[d:] = checks.vector("spin", np.ravel(spin * np.ones(spins)), spins)
+        self.velocity[d:] = _angles("spin", spin, spins)
         self.trial_velocity = self.velocity.copy()
         self.trial_place, self.trial_turn = self._place.copy(), self._turn.copy()
         self._momentum = self._momentum_of(self.velocity, self._turn)
@@ -264,6 +264,13 @@ class RigidTrace(Trace):
 
     def spread(self, force: np.ndarray) -> None:
         self._solid._force += force @ self._force_operator
+
+
+def _angles(name: str, value: Any, size: int) -> np.ndarray:
+    """One number in 2D, a vector of three in 3D; a plain 0 is none in both."""
+    if size == 1 or (np.ndim(value) == 0 and value == 0):
+        return np.full(size, checks.number(name, value))
+    return checks.vector(name, value, size)
 
 
 def _relative(residual: np.ndarray, size: np.ndarray) -> float:

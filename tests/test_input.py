@@ -1,0 +1,434 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Bad input is refused before the first step, by a message that names argument and value."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import dolfinx
+import numpy as np
+import pytest
+from mpi4py import MPI
+from scenes import FLOOR, FLOOR_3D, box, rectangle
+
+from fenicsx_contact import (
+    Contact,
+    Discrete,
+    ElasticSolid,
+    HalfSpace,
+    HyperelasticSolid,
+    InputError,
+    Lagrange,
+    NamedMesh,
+    Newton,
+    RigidSolid,
+    Scene,
+    ThetaScheme,
+    Velocity,
+    compat,
+    mesh_from_gmsh,
+    name_facets,
+    neo_hookean,
+    st_venant_kirchhoff,
+)
+
+NAN, INF = float("nan"), float("inf")
+BLOCK = Path(__file__).parents[1] / "meshes" / "block.geo"
+
+
+def rigid(**others):
+    return RigidSolid(rectangle(), **{"mass": 1.0, **others})
+
+
+def rigid_3d(**others):
+    return RigidSolid(box(), **{"mass": 1.0, **others})
+
+
+def elastic(**others):
+    numbers = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1e3}
+    return ElasticSolid(rectangle(), **{**numbers, **others})
+
+
+def hyperelastic(**others):
+    return HyperelasticSolid(
+        rectangle(), **{"energy": neo_hookean(1e6, 0.3), "density": 1e3, **others}
+    )
+
+
+def contact(formulation="velocity", **others):
+    return Contact(rigid(), "base", FLOOR, formulation, **others)
+
+
+def scene(scheme=None, formulation="velocity", obstacle=FLOOR, **others):
+    solid = rigid(gravity=(0, -9.81))
+    return Scene([solid], [Contact(solid, "base", obstacle, formulation)], scheme, **others)
+
+
+def run(**others):
+    return scene().run(**{"until": 0.01, "dt": 1e-3, **others})
+
+
+def refused(make, *words):
+    """``make`` raises an InputError, which is a ValueError, whose message has all the words."""
+    with pytest.raises(InputError) as caught:
+        make()
+    assert isinstance(caught.value, ValueError)
+    for word in words:
+        assert word in str(caught.value), f"{word!r} not in {caught.value}"
+
+
+# -- numbers: where, name, values that must be refused --
+
+BAD = (NAN, INF, -INF, 1e300, 1e-300, None, "much", (1.0, 2.0), 1j)
+NUMBERS = [
+    (contact, "friction", (-0.1, *BAD)),
+    (contact, "normal_augmentation", (0.0, -1.0, *BAD)),
+    (contact, "tangential_augmentation", (0.0, -1.0, *BAD)),
+    (contact, "gap_tolerance", (-1e-9, *BAD)),
+    (rigid, "mass", (0.0, -1.0, *(b for b in BAD if b is not None))),
+    (rigid, "rotation", BAD),
+    (rigid, "spin", BAD),
+    (rigid_3d, "spin", ((1.0, NAN, 0.0), (1.0, 2.0), 0.5, "fast", (0.0, 0.0, 1e300))),
+    (rigid_3d, "rotation", ((1.0, INF, 0.0), (1.0, 2.0), 0.5, "much", (0.0, 0.0, 1e300))),
+    (elastic, "density", (0.0, -7800.0, *BAD)),
+    (elastic, "youngs_modulus", (0.0, -1.0, *BAD)),
+    (elastic, "poisson_ratio", (0.5, 0.7, -1.0, *BAD)),
+    (elastic, "degree", (3, 0, -1, 1.5, "2", None, NAN)),
+    (hyperelastic, "density", (0.0, -7800.0, *BAD)),
+    (lambda **k: neo_hookean(1e6, **k), "poisson_ratio", (0.5, -1.0, *BAD)),
+    (lambda **k: st_venant_kirchhoff(poisson_ratio=0.3, **k), "youngs_modulus", (0.0, *BAD)),
+    (Discrete, "stiffness", (0.0, -1.0, *BAD)),
+    (lambda **k: Discrete(1e6, **k), "damping", (-1.0, *BAD)),
+    (lambda **k: Discrete(1e6, **k), "tangential_stiffness", (0.0, NAN, INF, 1e300)),
+    (Velocity, "drift_correction", (-0.1, 1.1, *BAD)),
+    (ThetaScheme, "theta", (-0.1, 1.1, *BAD)),
+    (Newton, "tolerance", (0.0, -1e-8, 0.1, *BAD)),
+    (Newton, "max_iterations", (0, -3, 2.5, *BAD)),
+    (scene, "deepest", (-1e-3, *BAD)),
+    (run, "dt", (0.0, -1e-3, *BAD)),
+    (run, "until", (0.0, -1.0, *BAD)),
+    (run, "shortest", (0.0, -0.5, 2.0, *BAD)),
+]
+
+
+@pytest.mark.parametrize(
+    ("make", "name", "value"),
+    [
+        pytest.param(make, name, value, id=f"{i}-{name}-{value}")
+        for i, (make, name, values) in enumerate(NUMBERS)
+        for value in values
+    ],
+)
+def test_number(make, name, value):
+    words = [name] if isinstance(value, tuple) else [name, repr(value)]
+    refused(lambda: make(**{name: value}), *words)
+
+
+@pytest.mark.parametrize("fields_every", [-5, 2.5, NAN, "all"])
+def test_fields_every(fields_every, tmp_path):
+    refused(
+        lambda: run(fields_every=fields_every, directory=tmp_path),
+        "fields_every",
+        str(fields_every),
+    )
+
+
+# -- vectors --
+
+VECTORS = [(1.0, 2.0, 3.0), (1.0,), 9.81, (NAN, 0.0), (0.0, INF), (0.0, 1e300), "down"]
+
+
+@pytest.mark.parametrize("value", VECTORS, ids=str)
+@pytest.mark.parametrize("make", [rigid, elastic, hyperelastic])
+def test_gravity(make, value):
+    refused(lambda: make(gravity=value), "gravity")
+
+
+@pytest.mark.parametrize("value", VECTORS, ids=str)
+@pytest.mark.parametrize("name", ["velocity", "about"])
+def test_vectors_of_a_rigid_solid(name, value):
+    refused(lambda: rigid(**{name: value}), name)
+
+
+@pytest.mark.parametrize("value", [(0, 0), (NAN, 1), (0, 0, 1), (0, 1e300), (0, 1e-300), "up", 1])
+def test_normal_of_a_half_space(value):
+    refused(lambda: HalfSpace((0, 0), value), "normal")
+
+
+@pytest.mark.parametrize("value", [(0,), (0, NAN), (0, 1e300), "ab", 0, (0, 0, 0, 0)])
+def test_point_of_a_half_space(value):
+    refused(lambda: HalfSpace(value, (0, 1)), "point")
+
+
+# -- choices and kinds --
+
+
+@pytest.mark.parametrize("forces", ["middle", "", None, 0.5, ["theta"]])
+def test_forces(forces):
+    refused(lambda: ThetaScheme(0.5, forces), "forces", repr(forces), "'theta'", "'end'")
+
+
+@pytest.mark.parametrize("formulation", ["penalty", "", None, 3, Velocity, Discrete])
+def test_formulation(formulation):
+    refused(lambda: contact(formulation), "formulation", repr(formulation), "'velocity'")
+
+
+def test_discrete_needs_a_stiffness():
+    refused(lambda: contact("discrete"), "discrete", "stiffness")
+
+
+@pytest.mark.parametrize("facets", ["bottom", "", None])
+def test_facets_of_a_contact(facets):
+    refused(lambda: Contact(rigid(), facets, FLOOR), "facets", repr(facets), "'base'")
+
+
+def test_fixed_facets():
+    refused(lambda: elastic(fixed=["bottom"]), "facets", "'bottom'", "'base'")
+    refused(lambda: elastic(fixed="bottom"), "facets", "'bottom'", "'base'")
+
+
+def test_facets_without_members():
+    mesh = name_facets(rectangle().mesh, {"nowhere": lambda x: x[1] > 10})
+    refused(lambda: Contact(RigidSolid(mesh, mass=1.0), "nowhere", FLOOR), "facets", "'nowhere'")
+
+
+@pytest.mark.parametrize("mesh", [None, "block.msh", "dolfinx"])
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda mesh: RigidSolid(mesh, mass=1.0),
+        lambda mesh: ElasticSolid(mesh, youngs_modulus=1e6, poisson_ratio=0.3, density=1e3),
+    ],
+)
+def test_mesh_of_a_solid(make, mesh):
+    refused(lambda: make(rectangle().mesh if mesh == "dolfinx" else mesh), "mesh", "NamedMesh")
+
+
+def test_density_or_mass():
+    refused(lambda: rigid(density=1.0), "density = 1.0", "mass = 1.0")
+    refused(lambda: rigid(mass=None), "density = None", "mass = None")
+
+
+@pytest.mark.parametrize("solid", ["block", None, FLOOR])
+def test_solid_of_a_contact(solid):
+    refused(lambda: Contact(solid, "base", FLOOR), "solid", repr(solid))
+
+
+@pytest.mark.parametrize("obstacle", ["floor", None, (0, 1)])
+def test_obstacle_of_a_contact(obstacle):
+    refused(lambda: Contact(rigid(), "base", obstacle), "obstacle", repr(obstacle))
+
+
+def test_obstacle_of_another_dimension():
+    refused(lambda: Contact(rigid_3d(), "base", FLOOR), "obstacle", "HalfSpace", "2", "3")
+    refused(lambda: Contact(rigid(), "base", FLOOR_3D), "obstacle", "HalfSpace", "2", "3")
+
+
+@pytest.mark.parametrize("formulation", [Lagrange, lambda points: Discrete(1e6, points=points)])
+@pytest.mark.parametrize(
+    "points",
+    [[(0.01, 0.0)], [(-0.18, 0.0), (0.18, 0.01)], [(NAN, 0.0)], [(0.18, 0.0, 0.0)], [], "corners"],
+    ids=str,
+)
+def test_points_that_are_no_nodes(formulation, points):
+    refused(lambda: contact(formulation(points=points)), "points", repr(points))
+
+
+@pytest.mark.parametrize("energy", [None, 3.0, "neo-hookean", lambda F: F, lambda F: "x"])
+def test_energy(energy):
+    refused(lambda: hyperelastic(energy=energy), "energy", repr(energy))
+
+
+@pytest.mark.parametrize("make", [elastic, hyperelastic])
+@pytest.mark.parametrize("name", ["displacement", "velocity"])
+@pytest.mark.parametrize(
+    "field",
+    [
+        lambda x: np.stack([NAN * x[0], x[1]]),
+        lambda x: np.stack([np.where(x[1] > 0.7, INF, 0.0), x[1]]),
+        lambda x: np.stack([1e300 + 0 * x[0], x[1]]),
+        lambda x: x[0],
+        lambda x: x,
+        (0.0, 0.0),
+    ],
+    ids=["nan", "inf", "huge", "scalar", "3D", "tuple"],
+)
+def test_initial_fields(make, name, field):
+    refused(lambda: make(**{name: field}), name)
+
+
+# -- scenes --
+
+
+def test_solid_without_contact_or_support():
+    for make in (rigid, elastic, hyperelastic):
+        refused(lambda make=make: Scene([make(name="lost")], []), "solids", "'lost'", "allow_free")
+        assert Scene([make()], [], allow_free=True).run(1e-3, 1e-3).finished
+    assert Scene([elastic(fixed=["base"])], []).run(1e-3, 1e-3).finished
+
+
+def test_names_that_are_taken():
+    refused(lambda: Scene([rigid(), rigid()], [], allow_free=True), "solids", "'rigid'")
+    solid = rigid()
+    twice = [Contact(solid, "base", FLOOR), Contact(solid, "base", FLOOR)]
+    refused(lambda: Scene([solid], twice), "contacts", "'rigid.base'")
+    refused(lambda: Scene([solid, solid], twice[:1]), "solids", "'rigid'")
+
+
+def test_contact_of_a_solid_outside_the_scene():
+    inside = rigid(name="inside")
+    refused(
+        lambda: Scene([inside], [contact()], allow_free=True), "contacts", "'rigid.base'", "'rigid'"
+    )
+
+
+def test_solids_of_two_dimensions():
+    solids = [rigid(name="a"), rigid_3d(name="b")]
+    refused(lambda: Scene(solids, [], allow_free=True), "solids", "2D", "3D")
+
+
+@pytest.mark.parametrize(
+    ("solids", "contacts", "name"),
+    [
+        ([], [], "solids"),
+        (["block"], [], "solids"),
+        (None, [], "solids"),
+        ([FLOOR], [], "solids"),
+        ([], ["contact"], "solids"),
+        (["make"], ["contact"], "contacts"),
+        (["make"], None, "contacts"),
+    ],
+)
+def test_things_of_a_scene(solids, contacts, name):
+    solids = [rigid()] if solids == ["make"] else solids
+    refused(lambda: Scene(solids, contacts, allow_free=True), name)
+
+
+@pytest.mark.parametrize("scheme", [0.5, "end", ThetaScheme])
+def test_scheme(scheme):
+    refused(lambda: scene(scheme), "scheme", repr(scheme))
+
+
+@pytest.mark.parametrize("newton", [1e-10, "fast", Newton])
+def test_newton(newton):
+    refused(lambda: scene(newton=newton), "newton", repr(newton))
+
+
+def test_body_that_starts_deep_inside():
+    refused(lambda: scene(obstacle=HalfSpace((0, 0.1), (0, 1))), "'rigid.base'", "0.1 inside")
+    assert scene(obstacle=HalfSpace((0, 0.1), (0, 1)), deepest=0.5)
+    assert scene(obstacle=HalfSpace((0, 1e-4), (0, 1)))
+
+
+@pytest.mark.parametrize("formulation", ["gap", "lagrange", Discrete(1e6)])
+def test_theta_0_with_a_law_of_positions(formulation):
+    refused(lambda: scene(ThetaScheme(0.0), formulation), "theta = 0.0", "'rigid.base'")
+    assert scene(ThetaScheme(0.0), "velocity").run(2e-3, 1e-3).finished
+
+
+# -- runs --
+
+
+def test_files_without_a_directory():
+    refused(lambda: run(resume=True), "directory = None", "resume")
+    refused(lambda: run(fields_every=1), "directory = None", "fields_every")
+
+
+def test_directory(tmp_path):
+    file = tmp_path / "file"
+    file.write_text("mine")
+    refused(lambda: run(directory=file), "directory", str(file))
+    refused(lambda: run(directory=3), "directory", "3")
+    assert file.read_text() == "mine"
+
+
+def test_step_longer_than_the_run():
+    refused(lambda: run(dt=1.0), "dt = 1.0", "0.01")
+
+
+@pytest.mark.parametrize(
+    "probes",
+    [
+        [lambda: 1.0],
+        {"p": 1.0},
+        {"kinetic": lambda: 1.0},
+        {"rigid.base.force_x": lambda: 1.0},
+        {"p": lambda: "x"},
+        {"p": lambda: None},
+        {"p": lambda: (1.0, 2.0)},
+    ],
+    ids=["list", "number", "taken", "taken by a contact", "text", "nothing", "vector"],
+)
+def test_probes(probes):
+    refused(lambda: run(probes=probes), "probes")
+
+
+# -- meshes --
+
+
+def triangle_in_space():
+    cells, points = np.array([[0, 1, 2]]), np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 1]])
+    return compat.create_mesh(MPI.COMM_SELF, cells, points, "triangle")
+
+
+def test_mesh_of_another_dimension_than_its_space():
+    refused(lambda: name_facets(triangle_in_space(), {}), "mesh of dimension 2", "dimension 3")
+    line = dolfinx.mesh.create_unit_interval(MPI.COMM_WORLD, 3)
+    refused(lambda: name_facets(line, {}), "mesh of dimension 1")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (lambda x: x[0].__setitem__(0, NAN), "not finite"),
+        (lambda x: x[-1].__setitem__(1, INF), "not finite"),
+        (lambda x: x[:, 1].fill(0.0), "without volume"),
+    ],
+)
+@pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
+def test_mesh_with_spoilt_nodes(spoil, words, cell):
+    mesh = rectangle(cell=cell)
+    spoil(mesh.mesh.geometry.x)
+    refused(lambda: NamedMesh(mesh.mesh, mesh.facet_tags, mesh.names), "mesh", words)
+
+
+def test_names_of_facets():
+    mesh = rectangle().mesh
+    overlap = {"a": lambda x: x[1] < 0.1, "b": lambda x: x[1] < 0.1}
+    refused(lambda: name_facets(mesh, overlap), "where", "'a', 'b'")
+    refused(lambda: name_facets(mesh, {"a": 3}), "where", "'a'", "3")
+
+
+def test_gmsh_parameters():
+    refused(lambda: mesh_from_gmsh(BLOCK, n_hight=3), "n_hight = 3", "block.geo", "n_height")
+    refused(lambda: mesh_from_gmsh(BLOCK, width=NAN), "width = nan")
+    refused(lambda: mesh_from_gmsh(BLOCK, width="wide"), "width = 'wide'")
+    refused(lambda: mesh_from_gmsh(BLOCK, width=0.0), "mesh", "without volume")
+    assert mesh_from_gmsh(BLOCK, n_width=3).dim == 2
+
+
+def test_gmsh_file_that_is_not_there():
+    refused(lambda: mesh_from_gmsh("nowhere.geo"), "file = 'nowhere.geo'", "no such file")
+
+
+@pytest.mark.parametrize(
+    ("script", "words"),
+    [
+        ("", "dimension -1"),
+        ("Point(1) = {0, 0, 0};\nfoo bar;", "gmsh says"),
+        ("Point(1) = {0,0,0}; Point(2) = {1,0,0}; Line(1) = {1,2};", "dimension 1"),
+        ('SetFactory("OpenCASCADE"); Rectangle(1) = {0, 0, 0, 1, 1};', "Physical Surface"),
+        (
+            "Point(1) = {0,0,0}; Point(2) = {1,0,0}; Point(3) = {0,1,1}; Line(1) = {1,2};"
+            "Line(2) = {2,3}; Line(3) = {3,1}; Curve Loop(1) = {1,2,3}; Plane Surface(1) = {1};"
+            'Physical Surface("s") = {1}; Physical Curve("a") = {1};',
+            "surface in 3D",
+        ),
+    ],
+    ids=["empty", "syntax", "line", "no groups", "surface in 3D"],
+)
+def test_gmsh_script_that_gives_no_solid(script, words, tmp_path):
+    file = tmp_path / "bad.geo"
+    file.write_text(script)
+    refused(lambda: mesh_from_gmsh(file), "file", str(file), words)
+    assert mesh_from_gmsh(BLOCK).dim == 2  # gmsh is left as it was

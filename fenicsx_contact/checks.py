@@ -78,6 +78,13 @@ def vector(name: str, value: Any, size: int) -> np.ndarray:
     return result
 
 
+def whole_number(name: str, value: Any, *, at_least: int) -> int:
+    """``value`` as an int of at least ``at_least``, or an :class:`InputError`."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < at_least:
+        raise InputError(f"{name} = {value!r}: must be a whole number >= {at_least}")
+    return int(value)
+
+
 def choice(name: str, value: Any, allowed: Iterable[str]) -> str:
     """``value`` if it is one of ``allowed``, else an :class:`InputError`."""
     options: Sequence[str] = list(allowed)
@@ -91,3 +98,10 @@ def instance(name: str, value: Any, kind: type | tuple[type, ...], allowed: str)
     if not isinstance(value, kind):
         raise InputError(f"{name} = {value!r}: must be {allowed}")
     return value
+
+
+def sequence(name: str, values: Any, kind: type, allowed: str) -> list[Any]:
+    """``values`` as a list of things of one kind, or an :class:`InputError`."""
+    if not isinstance(values, (list, tuple)) or not all(isinstance(v, kind) for v in values):
+        raise InputError(f"{name} = {values!r}: must be a list of {allowed}")
+    return list(values)

@@ -21,6 +21,8 @@ from .theta import Step
 
 #: Distances below this share of the coordinates are noise.
 ROUND_OFF = 1e-14
+#: A point that bore is still closed at this share of the surface's extent from the obstacle.
+HAIR = 1e-6
 
 
 class Contact:
@@ -56,6 +58,7 @@ class Contact:
         name: str | None = None,
     ) -> None:
         checks.instance("solid", solid, Solid, "a solid")
+        checks.instance("obstacle", obstacle, Obstacle, "an obstacle (HalfSpace, ...)")
         if obstacle.dim != solid.dim:
             raise checks.InputError(
                 f"obstacle = {obstacle!r}: has dimension {obstacle.dim}, the solid {solid.dim}"
@@ -79,6 +82,7 @@ class Contact:
         self.trace = solid.trace(self.surface.points)
         self.force = np.zeros(self.surface.points.shape)  # mean of the last step, on the solid
         self.status = np.zeros(self.surface.size)
+        self._closed = np.zeros(self.surface.size, dtype=bool)
         self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
         self._unit = (0.0, 1.0)
         self._remembers = isinstance(self.formulation, Discrete) and self.friction > 0
@@ -92,12 +96,16 @@ class Contact:
             return chosen, self.surface.area
         points = self.formulation.points
         if points is not None:
-            wanted = np.atleast_2d(np.asarray(points, dtype=float))
+            problem = f"points = {points!r}: each must be a node of the facets {self.facets!r}"
+            try:
+                wanted = np.array(points, dtype=float)
+            except (TypeError, ValueError):
+                raise checks.InputError(problem) from None
+            if wanted.ndim != 2 or wanted.shape[1] != self.surface.dim or not len(wanted):
+                raise checks.InputError(f"{problem}, {self.surface.dim} coordinates each")
             nodes = self.surface.nodes_at(wanted, 1e-6 * self.extent)
             if (nodes < 0).any():
-                raise checks.InputError(
-                    f"points = {points!r}: each must be a node of the facets {self.facets!r}"
-                )
+                raise checks.InputError(problem)
             chosen[:] = False
             chosen[nodes] = True
         return chosen, chosen.astype(float)
@@ -115,11 +123,27 @@ class Contact:
 
     # -- the step -------------------------------------------------------------------------------
 
-    def predict(self, step: Step) -> None:
-        """Choose the candidates by the gaps of the solid's explicit prediction."""
+    def predict(self, step: Step, closing: bool = True) -> None:
+        """Choose the candidates by the gaps of the solid's explicit prediction; those that are
+        open now only if ``closing``."""
         self.trace.follow()
-        tolerance = self.tolerance + self.extent * self.solid.turn(step) ** 2
-        self.equations.choose(self.formulation.candidates(self._gaps(), tolerance))
+        if step.dt:  # an impact sees as closed what the step that led to it did
+            turned = self.extent * self.solid.turn(step) ** 2
+            # a point that bore stays closed, though finite rotation lifts it by a hair: whether
+            # it opens is then for the law to say, not for round-off
+            bore = (self.status > 0) & (self.gap >= -HAIR * self.extent - turned)
+            self._closed = (self.gap >= -self.tolerance - turned) | bore
+        candidates = self.formulation.candidates(self._gaps(), self.tolerance)
+        self.equations.choose((candidates & (closing | self._closed)) | self._bore())
+
+    def _bore(self) -> np.ndarray:
+        return self._closed & (self.status > 0)
+
+    def arrival(self, moved: bool) -> float:
+        """Largest gap [m] of the points that were open at the start of the step, there or, if
+        ``moved``, in the trial state."""
+        gap = self._gaps() if moved else self.gap
+        return float(gap[self.chosen & ~self._closed].max(initial=-np.inf))
 
     def linearise(self, step: Step) -> None:
         """Take up the trial state of the solid: operator, normals and gaps."""
@@ -134,7 +158,7 @@ class Contact:
             self._end = self._gaps() - step.gap_rate * approach
             gap = (1 - share) * gap + share * self._end
         k.gap.x.array[:] = gap
-        self.equations.set_rates(share * step.gap_rate, step.dt)
+        self.equations.set_rates(share * step.gap_rate, step.span)
         if self._remembers:
             rate = step.scheme.force_weight * (step.dt - step.gap_rate)
             k.elongation.x.array[:] = (self._stretch + rate * self.jump).ravel()
@@ -149,11 +173,11 @@ class Contact:
     def unit(self, compliance: np.ndarray, step: Step) -> float:
         """The pressure that stops 1 m/s at a typical point within the step; kept while the
         length of the step does not change."""
-        if self._unit[0] != step.dt:
+        if self._unit[0] != step.span:
             diagonal = compliance.diagonal().reshape(self.normal.shape)
             flexible = (diagonal * self.normal**2).sum(axis=1) * self.equations.weight
             flexible = flexible[flexible > 0]
-            self._unit = (step.dt, 1 / float(np.median(flexible)) if len(flexible) else 1.0)
+            self._unit = (step.span, 1 / float(np.median(flexible)) if len(flexible) else 1.0)
         return self._unit[1]
 
     def speed_limit(self, step: Step) -> np.ndarray | None:
@@ -198,13 +222,23 @@ class Contact:
 
     # -- what it tells --------------------------------------------------------------------------
 
-    def work(self, mean_velocity: np.ndarray, dt: float) -> tuple[float, float]:
+    def work(self, mean_velocity: np.ndarray, span: float) -> tuple[float, float]:
         """Work of the contact on the solid in the step, J: of the normal and of the friction
         forces. Both are losses where the obstacle is at rest."""
+        if not self.force.any():
+            return 0.0, 0.0
         jump = self.trace.mean_jump(mean_velocity).reshape(self.normal.shape)
-        total = dt * float((self.force * jump).sum())
-        normal = dt * float((_dot(self.force, self.normal) * _dot(jump, self.normal)).sum())
+        total = span * float((self.force * jump).sum())
+        normal = span * float((_dot(self.force, self.normal) * _dot(jump, self.normal)).sum())
         return normal, total - normal
+
+    def counts(self) -> tuple[int, int]:
+        """Points that bear, and that slip, in the last step."""
+        return int(np.count_nonzero(self.status)), int(np.count_nonzero(self.status > 1))
+
+    def depth(self) -> float:
+        """Penetration of the deepest point, m."""
+        return max(0.0, float(self.gap[self.chosen].max()))
 
     @property
     def multiplier(self) -> np.ndarray | None:

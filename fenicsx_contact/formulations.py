@@ -90,8 +90,9 @@ class Velocity:
     is closed; Su stays frozen within the step (read at the end of the step it has no fixed point).
 
     Args:
-        drift_correction: kappa in [0, 1]; the law asks ``w_n <= -kappa d_n/dt`` of a point that
-            has penetrated, so that the drift of a velocity law decays instead of staying.
+        drift_correction: kappa in [0, 1]; the law asks ``w_n <= -kappa d_n/dt`` of a candidate, so
+            that the drift of a velocity law, into the obstacle or off it, decays instead of
+            staying.
     """
 
     drift_correction: float = 0.0
@@ -106,7 +107,7 @@ class Velocity:
         """Contact terms of (7) and the status of each point."""
         approach = k.jump_n
         if self.drift_correction:
-            approach = k.jump_n + self.drift_correction * ufl.max_value(k.gap, 0.0) / k.dt
+            approach = k.jump_n + self.drift_correction * k.gap / k.dt
         return weak_form(k, approach, k.closed)
 
     def candidates(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
@@ -119,7 +120,7 @@ class Velocity:
 
     def speed_limit(self, gap: np.ndarray, gap_rate: float, dt: float) -> np.ndarray:
         """The w_n that the law allows at most."""
-        return -self.drift_correction * np.maximum(gap, 0.0) / dt
+        return -self.drift_correction * gap / dt
 
 
 @dataclass(frozen=True)

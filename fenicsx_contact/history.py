@@ -43,7 +43,8 @@ class History:
     * ``scheme``: energy that the time scheme has made (positive) or damped since the start;
     * ``balance``: what is left of the sum, as a check of the whole; a small residual;
     * ``dt``, ``newton``, ``geometry``: length of the step, iterations, linearisations;
-    * ``<contact>.force_x`` ...: mean force in the step on the solid, N, impulse over dt;
+    * ``<contact>.force_x`` ...: mean force in the step on the solid, N; where an impact was
+      located (``dt`` = 0) its percussion, N s;
       ``bearing``, ``slipping``: points by status; ``penetration`` of the deepest point, m;
     * last the probes of the run.
 
@@ -104,7 +105,8 @@ class History:
         if not forces:
             raise KeyError(f"{contact!r}: no such contact")
         rates = np.stack([self[c] for c in forces], axis=1)
-        return np.cumsum(rates * self["dt"][:, None], axis=0)
+        span = np.where(self["dt"] > 0, self["dt"], 1.0)
+        return np.cumsum(rates * span[:, None], axis=0)
 
     def summary(self) -> dict[str, Any]:
         """A few numbers about the run."""

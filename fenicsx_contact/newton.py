@@ -44,7 +44,7 @@ class Newton:
 
     def __post_init__(self) -> None:
         checks.number("tolerance", self.tolerance, above=0, at_most=1e-2)
-        checks.number("max_iterations", self.max_iterations, at_least=1)
+        checks.whole_number("max_iterations", self.max_iterations, at_least=1)
 
     def solve(
         self, system: SurfaceSystem, limits: Callable[[], Sequence[np.ndarray | None]]

@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from . import checks
 
 
+@runtime_checkable
 class Obstacle(Protocol):
     """Anything with a signed distance. ``flat`` obstacles have one normal everywhere."""
 

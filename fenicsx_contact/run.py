@@ -39,8 +39,18 @@ def run(
     dt = checks.number("dt", dt, above=0)
     until = checks.number("until", until)
     shortest = checks.number("shortest", shortest, above=0, at_most=1)
+    checks.whole_number("fields_every", fields_every, at_least=0)
     if until <= scene.time:
         raise checks.InputError(f"until = {until!r}: must be > {scene.time:g}, the present time")
+    if dt > (until - scene.time) * (1 + 1e-9):
+        raise checks.InputError(
+            f"dt = {dt!r}: must be <= {until - scene.time:g}, the length of the run"
+        )
+    _check_probes(scene, probes)
+    if directory is not None and (
+        not isinstance(directory, (str, Path)) or Path(directory).is_file()
+    ):
+        raise checks.InputError(f"directory = {directory!r}: must be the path of a directory")
     if directory is None and (resume or fields_every):
         raise checks.InputError("directory = None: resume and fields_every need a directory")
     if resume and scene.comm.size > 1:
@@ -55,7 +65,7 @@ def run(
         done = int(state.pop("run.steps"))
         scene.restore(state)
     else:
-        history.append([*scene.initial_row(), *(probe() for probe in probes.values())])
+        history.append([*scene.stepper.row(), *(probe() for probe in probes.values())])
         if files:
             files.begin(history, fingerprint)
     steps = max(1, round((until - first) / dt))
@@ -70,7 +80,7 @@ def run(
             history.reason = f"stopped at t = {scene.time:.9g} s: {failure}"
             _save(scene, files, history, k)
             break
-        scene.time = history.rows()[-1, 0] = first + (k + 1) * dt  # no sum of round-off
+        scene.stepper.time = history.rows()[-1, 0] = first + (k + 1) * dt  # no sum of round-off
         if writer and (k + 1) % fields_every == 0:
             writer.write(scene.time)
         if perf_counter() - checkpoint > CHECKPOINT_EVERY or k + 1 == steps:
@@ -78,10 +88,21 @@ def run(
             checkpoint = perf_counter()
             bar.update(k + 1 - bar.n)
     bar.close()
-    history.times = dict(scene.times)
+    history.times = dict(scene.stepper.times)
     if files:
         files.finish(history)
     return history
+
+
+def _check_probes(scene: Scene, probes: Mapping[str, Callable[[], float]]) -> None:
+    if not isinstance(probes, Mapping):
+        raise checks.InputError(f"probes = {probes!r}: must be a dict of functions")
+    for name, probe in probes.items():
+        if name in scene.columns:
+            raise checks.InputError(f"probes: {name!r} is a column of every history already")
+        if not callable(probe):
+            raise checks.InputError(f"probes[{name!r}] = {probe!r}: must be a function")
+        checks.number(f"probes[{name!r}]()", probe())
 
 
 def _cross(
@@ -94,19 +115,22 @@ def _cross(
     """Cross one step of the grid, in parts where it fails."""
     done, part = 0.0, 1.0
     while done < 1.0:
+        begin = scene.time
         try:
-            row = scene.step(part * dt)
+            for row in scene.step(part * dt):
+                history.append([*row, *(probe() for probe in probes.values())])
         except StepFailed as failure:
+            done += (scene.time - begin) / dt  # what an impact within the step had reached
             part /= 2
             if part < shortest:
                 raise StepFailed(f"{failure}; steps down to {2 * part * dt:.3g} s fail") from None
             history.remarks.append((scene.time, f"step halved to {part * dt:.3g} s: {failure}"))
             continue
-        history.append([*row, *(probe() for probe in probes.values())])
         history.remarks += [(scene.time, remark) for remark in scene.remarks]
         done += part
         while part < 1.0 and (done / (2 * part)).is_integer():
             part *= 2
+        part = min(part, 1.0 - done) if done < 1.0 else part
 
 
 def _save(scene: Scene, files: RunDirectory | None, history: History, steps: int) -> None:

@@ -3,26 +3,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
 from . import checks
-from .checks import StepFailed
 from .contact import Contact
 from .formulations import Velocity
 from .history import COLUMNS, History, contact_columns
-from .newton import Newton, NotConverged, Solution
+from .impacts import cross_impacts
+from .newton import Newton
 from .run import run
 from .solids import Solid
-from .system import SurfaceSystem
+from .stepper import Stepper
 from .theta import Step, ThetaScheme
-
-#: Relative error of the linearised operator, gaps and momentum at which the outer loop ends.
-GEOMETRY_TOLERANCE = 1e-8
-MAX_GEOMETRY = 25
 
 
 class Scene:
@@ -33,6 +29,9 @@ class Scene:
         contacts: the contacts among them.
         scheme: the theta-scheme; default theta = 1/2 with forces at the theta-point.
         newton: settings of the Newton loop.
+        locate_impacts: find the instant at which points close, step exactly there, and solve the
+            impact as a step of no length; for VELOCITY only. Smooth motion between impacts is
+            then of second order, and steps can be long.
         allow_free: accept a solid that has neither contact nor support.
         deepest: largest initial penetration, as a share of the surface's extent.
 
@@ -49,37 +48,31 @@ class Scene:
         scheme: ThetaScheme | None = None,
         newton: Newton | None = None,
         *,
+        locate_impacts: bool = False,
         allow_free: bool = False,
         deepest: float = 1e-3,
     ) -> None:
         start = perf_counter()
-        self.solids, self.contacts = list(solids), list(contacts)
-        self.scheme, self.newton = scheme or ThetaScheme(), newton or Newton()
+        self.solids = checks.sequence("solids", solids, Solid, "solids")
+        if not self.solids:
+            raise checks.InputError("solids = []: a scene needs at least one solid")
+        self.contacts = checks.sequence("contacts", contacts, Contact, "contacts")
+        self.scheme = ThetaScheme() if scheme is None else scheme
+        self.newton = Newton() if newton is None else newton
+        checks.instance("scheme", self.scheme, ThetaScheme, "a ThetaScheme")
+        checks.instance("newton", self.newton, Newton, "a Newton")
+        self.locate_impacts = locate_impacts
         self._check(allow_free, checks.number("deepest", deepest, at_least=0))
         self.comm = self.solids[0].mesh.mesh.comm
-        self._followed = [s for s in self.solids if not s.linear]
-        bounds = np.cumsum([0, *(c.equations.jumps for c in self.contacts)])
-        self._slices = [slice(a, b) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
-        self._compliance = np.zeros((bounds[-1], bounds[-1]))
-        self.system = SurfaceSystem(
-            [contact.equations for contact in self.contacts],
-            [contact.name for contact in self.contacts],
-        )
-        self.time = 0.0
-        self._energies = self._sum_energies()
-        self._work = np.zeros(3)  # impact, friction, scheme
-        self._start_energy = sum(self._energies)
-        self._balance = 0.0
+        self.stepper = Stepper(self.solids, self.contacts, self.newton)
         self.remarks: list[str] = []
-        self.times = {"set-up": perf_counter() - start}
+        self.stepper.times["set-up"] = perf_counter() - start
         columns = [*COLUMNS]
         for contact in self.contacts:
             columns += contact_columns(contact.name, contact.solid.dim)
         self.columns = tuple(columns)
 
     def _check(self, allow_free: bool, deepest: float) -> None:
-        if not self.solids:
-            raise checks.InputError("solids = []: a scene needs at least one solid")
         for kind, things in (("solids", self.solids), ("contacts", self.contacts)):
             names = [thing.name for thing in things]
             if len(set(names)) < len(names):
@@ -97,6 +90,11 @@ class Scene:
                     f"theta = 0.0: the {contact.formulation.name} law of contact {contact.name!r} "
                     "needs theta > 0, for it acts on the position at the end of the step"
                 )
+            if self.locate_impacts and not isinstance(contact.formulation, Velocity):
+                raise checks.InputError(
+                    "locate_impacts = True: an impact of no length needs the velocity law; "
+                    f"contact {contact.name!r} has {contact.formulation.name}"
+                )
             depth = float(contact.gap.max())
             if depth > deepest * contact.extent:
                 raise checks.InputError(
@@ -112,144 +110,24 @@ class Scene:
                     "allow_free=True if it is meant to fly"
                 )
 
-    # -- one step -------------------------------------------------------------------------------
+    @property
+    def time(self) -> float:
+        """The present time, s."""
+        return self.stepper.time
 
-    def step(self, dt: float) -> list[float]:
-        """Cross one step of ``dt`` seconds and return its row of the history.
+    def step(self, dt: float) -> Iterator[list[float]]:
+        """Cross ``dt`` seconds; yields the rows of the history as the state reaches them.
 
         Raises:
-            StepFailed: the state is then that at the start of the step.
+            StepFailed: with the reason; the state is that of the last row.
         """
-        before = [contact.equations.values for contact in self.contacts]
-        try:
-            return self._cross(Step(dt, self.scheme))
-        except StepFailed:
-            for contact, values in zip(self.contacts, before, strict=True):
-                contact.equations.values = values
-            raise
-
-    def _cross(self, step: Step) -> list[float]:
-        clock = _Clock(self.times)
-        for solid in self.solids:
-            solid.predict(step)
-        for contact in self.contacts:
-            contact.predict(step)
-        clock("pairing")
-
-        iterations, remarks = 0, []
-        for sweep in range(1, MAX_GEOMETRY + 1):
-            for solid in self.solids:
-                solid.linearise(step)
-            clock("solids")
-            speed = self._linearise(step, first=sweep == 1)
-            clock("pairing")
-            solution = self._solve(step)
-            iterations += solution.iterations
-            remarks += solution.remarks
-            clock("newton")
-            for contact, part in zip(self.contacts, self._slices, strict=True):
-                contact.trace.spread(solution.force[part])
-            for solid in self.solids:
-                solid.correct(step)
-            clock("solids")
-            error = self._nonlinearity(step, speed)
-            clock("pairing")
-            if error <= GEOMETRY_TOLERANCE:
-                break
+        self.remarks = []
+        if self.locate_impacts:
+            yield from cross_impacts(self.stepper, self.scheme, dt, self.remarks)
         else:
-            raise StepFailed(
-                f"the geometric fixed point stalls at a relative error of {error:.3g} after "
-                f"{sweep} linearisations"
-            )
-        row = self._accept(step, solution.force, iterations, sweep)
-        clock("history")
-        self.remarks = remarks
-        return row
-
-    def _linearise(self, step: Step, first: bool) -> float:
-        """Jumps without contact, compliance and scales; returns a typical speed."""
-        W = self._compliance
-        for contact in self.contacts:
-            contact.linearise(step)
-        self._free = []
-        speed = 0.0
-        for contact, a in zip(self.contacts, self._slices, strict=True):
-            for other, b in zip(self.contacts, self._slices, strict=True):
-                if other.solid is contact.solid:
-                    W[a, b] = contact.trace.compliance(other.trace)
-            free = contact.trace.free_jump()
-            self._free.append(free)
-            active = contact.equations.active_jumps
-            speed = max(speed, float(np.abs(free[active]).max(initial=0.0)))
-        # powers of two: the scales change rarely, and scaling costs no accuracy
-        speed = 2.0 ** np.ceil(np.log2(speed)) if 0 < speed < np.inf else 1.0
-        for contact, free, a in zip(self.contacts, self._free, self._slices, strict=True):
-            contact.equations.set_scale(contact.unit(W[a, a], step), speed)
-            if first:
-                contact.equations.start(contact.jump.ravel(), free)
-        return speed
-
-    def _solve(self, step: Step) -> Solution:
-        try:
-            self.system.begin(self._free, self._compliance)
-            return self.newton.solve(
-                self.system, lambda: [contact.speed_limit(step) for contact in self.contacts]
-            )
-        except NotConverged as failure:
-            raise StepFailed(str(failure)) from None
-
-    def _nonlinearity(self, step: Step, speed: float) -> float:
-        """Largest relative error of what was linearised, in the trial state."""
-        error = 0.0
-        for solid in self.solids:
-            # a sum is finite if all its terms are, and below what its square can bear
-            if not abs(float(solid.trial_velocity.sum())) < 1e150:
-                raise StepFailed(f"the velocity of solid {solid.name!r} is not finite")
-        for solid in self._followed:
-            if reason := solid.broken():
-                raise StepFailed(reason)
-            error = max(error, solid.imbalance(step))
-        for contact in self.contacts:
-            jump, gap, size = contact.error(step)
-            error = max(error, jump / max(speed, size), gap / (max(speed, size) * step.dt))
-        return error
-
-    def _accept(self, step: Step, force: np.ndarray, newton: int, geometry: int) -> list[float]:
-        momentum, loads = np.sum([solid.works(step) for solid in self.solids], axis=0)
-        means = {id(solid): 0.5 * (solid.velocity + solid.trial_velocity) for solid in self.solids}
-        for solid in self.solids:
-            solid.accept()
-        impact = friction = 0.0
-        details: list[float] = []
-        for contact, part in zip(self.contacts, self._slices, strict=True):
-            contact.accept(force[part], step)
-            normal, tangential = contact.work(means[id(contact.solid)], step.dt)
-            impact, friction = impact + normal, friction + tangential
-            bearing, slipping = contact.status > 0, contact.status > 1
-            details += [*contact.force.sum(axis=0), bearing.sum(), slipping.sum()]
-            details.append(max(0.0, float(contact.gap[contact.chosen].max())))
-        old, self._energies = self._energies, self._sum_energies()
-        kinetic, strain, potential = np.subtract(self._energies, old)
-        # what the scheme makes: energies change otherwise than forces and momenta work
-        self._work += (impact, friction, kinetic - momentum + strain + potential + loads)
-        self._balance += momentum - loads - impact - friction
-        self.time += step.dt
-        return [
-            *(self.time, step.dt, *self._energies, *self._work, self._balance),
-            *(newton, geometry, *details),
-        ]
-
-    def _sum_energies(self) -> tuple[float, float, float]:
-        kinetic, strain, potential = zip(*(s.energies() for s in self.solids), strict=True)
-        return sum(kinetic), sum(strain), sum(potential)
-
-    def initial_row(self) -> list[float]:
-        """The row of the history that stands for the present state."""
-        row = [self.time, 0.0, *self._energies, *self._work, self._balance, 0, 0]
-        for contact in self.contacts:
-            deepest = max(0.0, float(contact.gap[contact.chosen].max()))
-            row += [0.0] * (contact.solid.dim + 2) + [deepest]
-        return row
+            trial = self.stepper.attempt(Step(dt, self.scheme))
+            self.remarks += trial.remarks
+            yield self.stepper.accept(trial)
 
     # -- whole runs -----------------------------------------------------------------------------
 
@@ -299,9 +177,9 @@ class Scene:
     def state(self) -> dict[str, np.ndarray]:
         """All that a run continues from, by name."""
         result = {
-            "scene.time": np.array(self.time),
-            "scene.work": self._work,
-            "scene.balance": np.array(self._balance),
+            "scene.time": np.array(self.stepper.time),
+            "scene.work": self.stepper.work,
+            "scene.balance": np.array(self.stepper.balance),
         }
         for prefix, thing in self._things():
             result |= {f"{prefix}{key}": value for key, value in thing.state().items()}
@@ -312,10 +190,10 @@ class Scene:
         for prefix, thing in self._things():
             own = {k.removeprefix(prefix): v for k, v in state.items() if k.startswith(prefix)}
             thing.restore(own)
-        self.time = float(state["scene.time"])
-        self._work = np.array(state["scene.work"])
-        self._balance = float(state["scene.balance"])
-        self._energies = self._sum_energies()
+        stepper = self.stepper
+        stepper.time, stepper.balance = float(state["scene.time"]), float(state["scene.balance"])
+        stepper.work = np.array(state["scene.work"])
+        stepper.energies = stepper.sum_energies()
 
     def _things(self) -> list[tuple[str, Solid | Contact]]:
         solids = [(f"solid.{solid.name}.", solid) for solid in self.solids]
@@ -335,15 +213,3 @@ class Scene:
             left_out.append("function spaces and matrices on the volume (rigid solids)")
         lines.append("left out: " + "; ".join(left_out))
         return "\n".join(lines)
-
-
-class _Clock:
-    """Adds the time since the last call to a phase."""
-
-    def __init__(self, times: dict[str, float]) -> None:
-        self._times, self._last = times, perf_counter()
-
-    def __call__(self, phase: str) -> None:
-        now = perf_counter()
-        self._times[phase] = self._times.get(phase, 0.0) + now - self._last
-        self._last = now

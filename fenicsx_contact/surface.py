@@ -59,7 +59,7 @@ class Surface:
         """For each of ``points`` (k, d) the nearest node, or -1 where none is within reach."""
         distance = np.linalg.norm(self.points[None, :, :] - points[:, None, :], axis=2)
         nearest = distance.argmin(axis=1)
-        nearest[distance.min(axis=1) > tolerance] = -1
+        nearest[~(distance.min(axis=1) <= tolerance)] = -1  # NaN is not within reach
         return nearest
 
 

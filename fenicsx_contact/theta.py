@@ -44,10 +44,24 @@ class ThetaScheme:
 
 @dataclass(frozen=True)
 class Step:
-    """One time step: its length in seconds and the scheme that crosses it."""
+    """One time step: its length in seconds and the scheme that crosses it.
+
+    An impact is a step of no length. Its forces are percussions: impulses over a ``span`` of 1 s
+    instead of over dt, with which nothing moves and no load acts.
+    """
 
     dt: float
     scheme: ThetaScheme
+
+    @property
+    def span(self) -> float:
+        """The time over which the forces of the step are spread, s."""
+        return self.dt or 1.0
+
+    @property
+    def loaded(self) -> float:
+        """1 where loads and internal forces act, 0 in an impact."""
+        return 1.0 if self.dt else 0.0
 
     @property
     def gap_rate(self) -> float:

@@ -478,4 +478,5 @@ def test_elastic_block_of_zero_poisson_ratio_bears_its_weight_evenly():
     sink = 1000.0 * G * 0.8**2 / 2 / 1e6
     u, z = solid.fields()["displacement"][:, 2], solid.mesh.mesh.geometry.x[:, 2]
     np.testing.assert_allclose(u[z > 0.79] - u[z < 0.01], -sink, rtol=1e-9)
-    check_energies(history)
+    # the forces work on what the Newton tolerance, 1e-10 of g dt = 9.81 m/s, leaves of the jumps
+    check_energies(history, tolerance=1e-10)

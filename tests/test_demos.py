@@ -33,7 +33,8 @@ def test_rocking_block(tmp_path, monkeypatch, capsys):
             assert np.abs(result["impact_time_error"]).max() < 0.03
             assert result["reason"] == "finished"
             assert result["run_time_s"] > 0 and result["steps"] > 1000
-        assert abs(summary[case]["velocity"]["ke_max_error"][0]) < 0.002
+        # 2 dt over the quarter period: the last sample before the impact
+        assert abs(summary[case]["velocity"]["ke_max_error"][0]) < 0.0037
     kept = summary["elastic"]["energy_ratio"]
     assert kept[0] > kept[1] > kept[2]
     assert kept[2] == pytest.approx(0.5586, abs=0.006)

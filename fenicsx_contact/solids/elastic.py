@@ -71,19 +71,19 @@ class ElasticSolid(DeformableSolid):
         self._internal_rate = self._multiply(self._stiffness, self.velocity)
 
     def linearise(self, step: Step) -> None:
-        key = (step.dt, step.force_rate)
+        key = (step.span, step.force_rate)
         if key not in self._factors:
             if len(self._factors) > 8:  # steps of many lengths: do not hoard factors
                 self._factors.pop(next(iter(self._factors)))[1].destroy()
             matrix = self._mass.copy()
-            matrix.scale(1 / step.dt)
+            matrix.scale(1 / step.span)
             matrix.axpy(step.force_rate, self._stiffness)
             self._made += 1
             factor = Factorisation(matrix, self.name)
             self._factors[key] = (self._made, factor)
         self.linearisation, self.factorisation = self._factors[key]
         known = step.scheme.force_weight * step.dt * (1 - step.scheme.theta)
-        self.free_load = self._momentum / step.dt + self._load - self._internal
+        self.free_load = self._momentum / step.span + step.loaded * (self._load - self._internal)
         if known:
             self.free_load -= known * self._internal_rate
         self._force[:] = 0.0

@@ -118,7 +118,7 @@ class HyperelasticSolid(DeformableSolid):
             self._factor = Factorisation(self._mass.copy(), self.name)
         matrix = self._factor.matrix
         self._mass.copy(matrix)
-        matrix.scale(1 / step.dt)
+        matrix.scale(1 / step.span)
         matrix.axpy(step.force_rate, self._tangent)
         self._factor.refactor()
         self.factorisation = self._factor
@@ -126,13 +126,15 @@ class HyperelasticSolid(DeformableSolid):
         # A v+ = A v - r(v) + J' f
         self.free_load = self._multiply(matrix, self.trial_velocity)
         new = self._multiply(self._mass, self.trial_velocity)
-        self.free_load -= (new - self._momentum) / step.dt + internal - self._load
+        self.free_load -= (new - self._momentum) / step.span
+        self.free_load += step.loaded * (self._load - internal)
         self._force[:] = 0.0
 
     def imbalance(self, step: Step) -> float:
         internal = self.internal_force(self._force_point(step))
         new = self._multiply(self._mass, self.trial_velocity)
-        terms = [(new - self._momentum) / step.dt, internal, -self._load, -self._force]
+        acting = (internal, -self._load) if step.dt else ()
+        terms = [(new - self._momentum) / step.span, *acting, -self._force]
         own = np.array([[np.abs(t).max(initial=0.0) for t in (sum(terms), *terms)]])
         largest = np.max(self.comm.allgather(own), axis=0).ravel()
         return float(largest[0] / (largest[1:].max() or 1.0))

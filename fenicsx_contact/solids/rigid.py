@@ -101,13 +101,13 @@ class RigidSolid(Solid):
         self._move(step)
 
     def linearise(self, step: Step) -> None:
-        if self.dim == 3 or step.dt != self._inverse_for:
-            self._inverse_for = step.dt
+        if self.dim == 3 or step.span != self._inverse_for:
+            self._inverse_for = step.span
             d = self.dim
             self.inverse = np.zeros((len(self.velocity),) * 2)
-            self.inverse[range(d), range(d)] = step.dt / self.mass
-            self.inverse[d:, d:] = step.dt * self._spatial(self._mobility, self.trial_turn)
-        self.free_velocity = self.inverse @ (self._momentum / step.dt + self._load)
+            self.inverse[range(d), range(d)] = step.span / self.mass
+            self.inverse[d:, d:] = step.span * self._spatial(self._mobility, self.trial_turn)
+        self.free_velocity = self.inverse @ (self._momentum / step.span + step.loaded * self._load)
         self._force = np.zeros_like(self.velocity)
 
     def correct(self, step: Step) -> None:
@@ -120,7 +120,8 @@ class RigidSolid(Solid):
     def _balance_spin(self, step: Step) -> None:
         """Turn until the spin belongs to the inertia where it leads: the outer loop, which is
         content with less, would let angular momentum drift from step to step."""
-        momentum = (self._momentum + step.dt * (self._load + self._force))[self.dim :]
+        impulse = step.dt * self._load + step.span * self._force
+        momentum = (self._momentum + impulse)[self.dim :]
         for _ in range(MAX_TURNS):
             old = self.trial_velocity[self.dim :].copy()
             new = self.trial_turn @ (self._mobility @ (self.trial_turn.T @ momentum))
@@ -132,9 +133,9 @@ class RigidSolid(Solid):
     def imbalance(self, step: Step) -> float:
         if self.dim == 2:
             return 0.0  # its inertia does not turn: a linearisation is exact
-        rate = (self._trial_momentum - self._momentum) / step.dt
-        residual = rate - self._load - self._force
-        size = np.abs(self._momentum / step.dt) + np.abs(self._load) + np.abs(self._force)
+        rate, load = (self._trial_momentum - self._momentum) / step.span, step.loaded * self._load
+        residual = rate - load - self._force
+        size = np.abs(self._momentum / step.span) + np.abs(load) + np.abs(self._force)
         d = self.dim
         return max(_relative(residual[:d], size[:d]), _relative(residual[d:], size[d:]))
 

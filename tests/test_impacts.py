@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Impacts located within a step: exact instants, second order, many points, rest."""
+
+from math import radians
+
+import numpy as np
+import pytest
+from scenes import FLOOR, rectangle
+
+from fenicsx_contact import Contact, ElasticSolid, InputError, RigidSolid, Scene
+from fenicsx_contact.references.housner import Block, rocking
+
+BLOCK = Block(width=0.36, height=0.80, mass=417.6)
+
+
+def rock(angle, until, steps):
+    """Ten impacts: errors of the kinetic energy just before each, and of its time."""
+    block = RigidSolid(
+        rectangle(), mass=417.6, gravity=(0, -9.81), rotation=angle, about=(-0.18, 0)
+    )
+    contact = Contact(block, "base", FLOOR, friction=0.9)
+    history = Scene([block], [contact], locate_impacts=True).run(until, until / steps)
+    assert history.finished and not history.remarks
+    exact = rocking(BLOCK, angle, impacts=10)
+    impacts = np.flatnonzero(history["dt"] == 0)[1:11]  # the first row is the initial state
+    kinetic = history["kinetic"][impacts - 1] / exact.kinetic_before - 1
+    time = history.time[impacts] / exact.impact_times - 1
+    return history, np.abs(kinetic).max(), np.abs(time).max()
+
+
+@pytest.mark.parametrize(("angle", "until"), [(radians(0.01), 0.0485), (0.01, 0.367)])
+def test_rocking_is_of_second_order_between_located_impacts(angle, until):
+    errors = np.array([rock(angle, until, n)[1:] for n in (50, 100, 200, 400)])
+    assert errors[0].max() < 1e-3
+    assert errors[1].max() < 1e-4
+    for column in errors.T:
+        assert np.polyfit(np.log([8, 4, 2, 1]), np.log(column), 1)[0] > 1.9
+
+
+def test_percussion_of_each_impact():
+    history, _, _ = rock(0.01, 0.40, 220)
+    exact = rocking(BLOCK, 0.01, impacts=10)
+    impacts = np.flatnonzero(history["dt"] == 0)[1:11]
+    normal = history["rigid.base.force_y"][impacts]
+    np.testing.assert_allclose(normal, exact.normal_percussions, rtol=1e-3)
+    # the impulse of the contact is the weight's, once it is at rest again
+    total = history.impulse("rigid.base")[-1]
+    np.testing.assert_allclose(total, [0, 417.6 * 9.81 * 0.40], atol=1e-6 * 1640)
+
+
+def test_dropped_mass_to_round_off():
+    """theta = 1/2 is exact in free fall, so the impact is: percussion m sqrt(2gh)."""
+    height = 0.0123
+    block = RigidSolid(rectangle(), mass=10.0, gravity=(0, -9.81))
+    block.restore({**block.state(), "place": block.place + np.array([0, height])})
+    contact = Contact(block, "base", FLOOR)
+    history = Scene([block], [contact], locate_impacts=True).run(0.1, 0.01)
+    impact = np.flatnonzero(history["dt"] == 0)[1:]
+    assert len(impact) == 1
+    assert history.time[impact[0]] == pytest.approx(np.sqrt(2 * height / 9.81), rel=1e-10)
+    percussion = 10 * np.sqrt(2 * 9.81 * height)
+    assert history["rigid.base.force_y"][impact[0]] == pytest.approx(percussion, rel=1e-10)
+    np.testing.assert_allclose(history["rigid.base.force_y"][impact[0] + 1 :], 98.1, rtol=1e-9)
+    assert history["kinetic"][-1] < 1e-20
+
+
+def test_a_flat_landing_of_many_points_is_one_impact():
+    block = RigidSolid(rectangle(n=(12, 1)), mass=10.0, gravity=(0, -9.81))
+    block.restore({**block.state(), "place": block.place + np.array([0, 0.01])})
+    contact = Contact(block, "base", FLOOR, friction=0.4)
+    history = Scene([block], [contact], locate_impacts=True).run(0.1, 0.01)
+    assert history.finished
+    assert (history["dt"] == 0).sum() == 2
+    assert history["rigid.base.bearing"][-1] > 1
+    assert history["kinetic"][-1] < 1e-20
+
+
+def test_elastic_impact_keeps_the_books():
+    solid = ElasticSolid(
+        rectangle(n=(4, 8)),
+        youngs_modulus=1e7,
+        poisson_ratio=0.3,
+        density=1000.0,
+        gravity=(0, -9.81),
+        displacement=lambda x: np.stack([0 * x[0], 0.01 + 0 * x[0]]),
+        velocity=lambda x: np.stack([0 * x[0], -1 + 0 * x[0]]),
+    )
+    contact = Contact(solid, "base", FLOOR)
+    history = Scene([solid], [contact], locate_impacts=True).run(0.03, 5e-4)
+    assert history.finished
+    assert (history["dt"] == 0).sum() > 1
+    energy = history["kinetic"].max()
+    assert np.abs(history["balance"]).max() < 1e-10 * energy
+    assert np.abs(history["scheme"]).max() < 1e-10 * energy  # theta = 1/2 makes and loses none
+    assert history["impact"].max() <= 1e-12 * energy
+
+
+def test_only_for_the_velocity_law():
+    block = RigidSolid(rectangle(), mass=10.0)
+    with pytest.raises(InputError, match=r"locate_impacts = True.*gap"):
+        Scene([block], [Contact(block, "base", FLOOR, "gap")], locate_impacts=True)

@@ -57,14 +57,6 @@ def number(
     return result
 
 
-def count(name: str, value: Any, *, at_least: int) -> int:
-    """``value`` as a whole number, or an :class:`InputError`."""
-    result = number(name, value, at_least=at_least)
-    if not result.is_integer():
-        raise InputError(f"{name} = {value!r}: must be a whole number >= {at_least}")
-    return int(result)
-
-
 def vector(name: str, value: Any, size: int) -> np.ndarray:
     """``value`` as ``size`` finite floats, or an :class:`InputError`."""
     try:

@@ -8,6 +8,7 @@ import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import meshio
 import numpy as np
@@ -17,6 +18,13 @@ from .contact import Contact
 from .solids import Solid
 
 _PERMUTATION = {"quadrilateral": [0, 1, 3, 2], "hexahedron": [0, 1, 3, 2, 4, 5, 7, 6]}
+#: VTK's order with the other orientation.
+_REVERSED = {
+    "triangle": [0, 2, 1],
+    "quadrilateral": [0, 3, 2, 1],
+    "tetrahedron": [0, 2, 1, 3],
+    "hexahedron": [0, 3, 2, 1, 4, 7, 6, 5],
+}
 _VTK_NAME = {
     "interval": "line",
     "triangle": "triangle",
@@ -26,12 +34,17 @@ _VTK_NAME = {
 }
 
 
-def vtk_cells(mesh: object) -> list[tuple[str, np.ndarray]]:
-    """The cells that this process owns, in VTK's order, as meshio wants them."""
-    name = compat.cell_name(mesh)
+def vtk_cells(mesh: Any) -> list[tuple[str, np.ndarray]]:
+    """The cells that this process owns, in VTK's order and turned to a positive volume, as meshio
+    wants them; gmsh and dolfinx leave some of them the other way round."""
+    name, d = compat.cell_name(mesh), mesh.geometry.dim
     nodes = compat.cell_geometry(mesh)[: compat.num_local_cells(mesh)]
-    order = _PERMUTATION.get(name)
-    return [(_VTK_NAME[name], nodes[:, order] if order else nodes)]
+    x = mesh.geometry.x[nodes, :d]
+    neighbours = [1, 2, 4] if name == "hexahedron" else list(range(1, d + 1))
+    turned = np.linalg.det(x[:, neighbours] - x[:, :1]) < 0
+    nodes = nodes[:, _PERMUTATION.get(name, slice(None))]
+    nodes[turned] = nodes[turned][:, _REVERSED[name]]
+    return [(_VTK_NAME[name], nodes)]
 
 
 class FieldWriter:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -59,13 +59,13 @@ def run(
     first, done = scene.time, 0
     history = History((*scene.columns, *probes))
     files = RunDirectory(directory) if directory is not None and scene.comm.rank == 0 else None
-    fingerprint = f"{scene.describe()}\ndt = {dt!r}, from {first!r}"
+    fingerprint = _fingerprint(scene, dt)
     if files and resume and files.has_checkpoint:
         state = files.load(history, fingerprint)
         done = int(state.pop("run.steps"))
         scene.restore(state)
     else:
-        history.append([*scene.stepper.row(), *(probe() for probe in probes.values())])
+        history.append([*scene.stepper.row(), *_measure(probes)])
         if files:
             files.begin(history, fingerprint)
     steps = max(1, round((until - first) / dt))
@@ -75,7 +75,9 @@ def run(
     history.reason = "finished"
     for k in range(done, steps):
         try:
-            _cross(scene, history, dt, shortest, probes)
+            # a run that stopped within a step of the grid resumes there
+            reached = (scene.time - (first + k * dt)) / dt if k == done else 0.0
+            _cross(scene, history, dt, shortest, probes, reached)
         except StepFailed as failure:
             history.reason = f"stopped at t = {scene.time:.9g} s: {failure}"
             _save(scene, files, history, k)
@@ -102,7 +104,31 @@ def _check_probes(scene: Scene, probes: Mapping[str, Callable[[], float]]) -> No
             raise checks.InputError(f"probes: {name!r} is a column of every history already")
         if not callable(probe):
             raise checks.InputError(f"probes[{name!r}] = {probe!r}: must be a function")
-        checks.number(f"probes[{name!r}]()", probe())
+
+
+def _measure(probes: Mapping[str, Callable[[], float]]) -> Iterator[float]:
+    for name, probe in probes.items():
+        value = probe()
+        try:
+            yield float(value)
+        except (TypeError, ValueError):
+            raise checks.InputError(f"probes[{name!r}]() = {value!r}: must be a number") from None
+
+
+def _fingerprint(scene: Scene, dt: float) -> str:
+    """What must be the same for a run to be resumed: parameters, place, energies at the start."""
+    lines = [scene.describe(), f"dt = {dt!r}, from {scene.time!r}, {scene.scheme}"]
+    lines.append(f"impacts located: {scene.locate_impacts}")
+    lines.append("energies " + ", ".join(f"{energy:.9g}" for energy in scene.stepper.energies))
+    for contact in scene.contacts:
+        obstacle = contact.obstacle
+        plain = type(obstacle).__repr__ is object.__repr__  # would tell an address in memory
+        lines.append(
+            f"{contact.name}: {contact.formulation}, friction {contact.friction!r}, "
+            f"{type(obstacle).__name__ if plain else obstacle}, "
+            f"gaps {contact.gap.min():.9g} to {contact.gap.max():.9g}"
+        )
+    return "\n".join(lines)
 
 
 def _cross(
@@ -111,14 +137,15 @@ def _cross(
     dt: float,
     shortest: float,
     probes: Mapping[str, Callable[[], float]],
+    done: float,
 ) -> None:
-    """Cross one step of the grid, in parts where it fails."""
-    done, part = 0.0, 1.0
-    while done < 1.0:
+    """Cross what is left of a step of the grid, in parts where it fails."""
+    part = 1.0 - done
+    while done < 1.0 - 1e-12:
         begin = scene.time
         try:
             for row in scene.step(part * dt):
-                history.append([*row, *(probe() for probe in probes.values())])
+                history.append([*row, *_measure(probes)])
         except StepFailed as failure:
             done += (scene.time - begin) / dt  # what an impact within the step had reached
             part /= 2

@@ -13,6 +13,7 @@ import json
 import os
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -46,7 +47,8 @@ class RunDirectory:
         self._written = len(history)
         temporary = self.path / "state.npz.new"
         with open(temporary, "wb") as file:
-            np.savez(file, **state, rows=np.array(self._written))
+            remarks = np.array(json.dumps(history.remarks))
+            np.savez(file, **state, rows=np.array(self._written), remarks=remarks)
             file.flush()
             os.fsync(file.fileno())
         os.replace(temporary, self.path / "state.npz")
@@ -65,20 +67,32 @@ class RunDirectory:
         """Fill a history and return the state of the last checkpoint.
 
         Raises:
-            InputError: the run here is of another scene.
+            InputError: the run here is of another scene, or damaged.
         """
-        head = json.loads((self.path / "history.json").read_text())
-        if head["scene"] != fingerprint or tuple(head["columns"]) != history.columns:
+        try:
+            head = json.loads((self.path / "history.json").read_text())
+            with np.load(self.path / "state.npz", allow_pickle=False) as data:
+                state = dict(data)
+            rows = np.fromfile(self.path / "history.f64", dtype="<f8")
+            same = head["scene"] == fingerprint and tuple(head["columns"]) == history.columns
+            self._written, remarks = int(state.pop("rows")), str(state.pop("remarks"))
+        except (OSError, ValueError, KeyError, BadZipFile) as failure:
+            raise checks.InputError(
+                f"directory = {str(self.path)!r}: holds no run that can be read ({failure})"
+            ) from None
+        if not same:
             raise checks.InputError(
                 f"directory = {str(self.path)!r}: holds a run of another scene, {head['scene']}"
             )
-        with np.load(self.path / "state.npz", allow_pickle=False) as data:
-            state = dict(data)
-        self._written = int(state.pop("rows"))
-        rows = np.fromfile(self.path / "history.f64", dtype="<f8")
         width = len(history.columns)
+        if len(rows) < self._written * width:
+            raise checks.InputError(
+                f"directory = {str(self.path)!r}: history.f64 lacks rows that the checkpoint counts"
+            )
         for row in rows[: self._written * width].reshape(-1, width):
             history.append(row)
+        history.remarks = [(float(t), text) for t, text in json.loads(remarks)]
+        (self.path / "end.json").unlink(missing_ok=True)
         return state
 
 

@@ -46,6 +46,7 @@ class DeformableSolid(Solid):
     """
 
     moves_operator = False
+    parameters: str  # for describe()
     factorisation: Factorisation
     free_load: np.ndarray
 
@@ -82,8 +83,11 @@ class DeformableSolid(Solid):
         self._mass = self._assemble(rho * ufl.dot(u, v) * self._dx, diagonal=1.0)
         self._x, self._y = self._mass.createVecs()
         self._load = np.zeros(self.owned)
+        self.parameters = f"density {density!r}"
         if gravity is not None:
-            g = fem.Constant(mesh.mesh, checks.vector("gravity", gravity, d))
+            acceleration = checks.vector("gravity", gravity, d)
+            self.parameters += f", gravity {acceleration.tolist()}"
+            g = fem.Constant(mesh.mesh, acceleration)
             compat.assemble_owned(fem.form(rho * ufl.dot(g, v) * self._dx), self._load)
             self._load[self.fixed_unknowns] = 0.0
 

@@ -99,4 +99,5 @@ class ElasticSolid(DeformableSolid):
         return 0.5 * self._sum(self.displacement @ self._internal)
 
     def describe(self) -> str:
-        return f"elastic, small strain, {self.unknowns} unknowns"
+        constants = f"E {self.youngs_modulus!r}, nu {self.poisson_ratio!r}, {self.parameters}"
+        return f"elastic, small strain, {constants}, {self.unknowns} unknowns"

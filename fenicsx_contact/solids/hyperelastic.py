@@ -81,6 +81,7 @@ class HyperelasticSolid(DeformableSolid):
             raise checks.InputError(f"energy = {energy!r}: must give a scalar of F, in UFL")
         potential = density * dx
         residual = ufl.derivative(potential, u, v)
+        self.parameters += f", energy {potential.signature()[:8]}"
         self._volume_ratio = compat.PointExpression(ufl.det(F), compat.lagrange_space(mesh.mesh))
         self._potential_form = fem.form(potential)
         self._force_form = fem.form(residual)
@@ -151,4 +152,4 @@ class HyperelasticSolid(DeformableSolid):
         return "" if worst > 0 else f"an element of solid {self.name!r} is inverted"
 
     def describe(self) -> str:
-        return f"hyperelastic, {self.unknowns} unknowns"
+        return f"hyperelastic, {self.parameters}, {self.unknowns} unknowns"

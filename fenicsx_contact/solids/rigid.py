@@ -209,7 +209,8 @@ class RigidSolid(Solid):
         }
 
     def describe(self) -> str:
-        return f"rigid, {len(self.velocity)} unknowns, mass {self.mass:.6g}"
+        weight = f"mass {self.mass:.9g}, gravity {self.gravity.tolist()}"
+        return f"rigid, {weight}, {len(self.velocity)} unknowns"
 
 
 class RigidTrace(Trace):

@@ -1,0 +1,596 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What a run leaves: the same numbers twice, after a kill, on disk; and why it stopped."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from xml.etree import ElementTree
+
+import meshio
+import numpy as np
+import pytest
+import scenes
+from scenes import FLOOR, FLOOR_3D, G, box, check_energies, elastic_block, rectangle, rocking_block
+
+import fenicsx_contact
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    HalfSpace,
+    History,
+    HyperelasticSolid,
+    InputError,
+    Newton,
+    RigidSolid,
+    Scene,
+    ThetaScheme,
+    neo_hookean,
+    read_history,
+)
+from fenicsx_contact.newton import NotConverged
+
+# name: builder in scenes.py, end, step
+RUNS = {
+    "rocking_block": (0.12, 2e-4),
+    "elastic_block": (0.06, 2e-4),
+    "rigid_box": (0.2, 1e-3),
+}
+
+
+def run(name, **others):
+    until, dt = RUNS[name]
+    return getattr(scenes, name)().run(until, dt, **others)
+
+
+# -- the same numbers twice --
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_the_same_run_twice_gives_the_same_bits(name):
+    first, second = run(name), run(name)
+    assert first.finished, first.reason
+    np.testing.assert_array_equal(first.rows(), second.rows())
+    assert first["c.bearing"].max() > 0 and first["friction"].any()
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_a_run_in_two_parts(name):
+    until, dt = RUNS[name]
+    whole = run(name)
+    scene = getattr(scenes, name)()
+    first = scene.run(until / 2, dt)
+    second = scene.run(until, dt)
+    rows = np.concatenate([first.rows(), second.rows(1)])
+    for i, column in enumerate(whole.columns):
+        size = np.abs(whole[column]).max()
+        np.testing.assert_allclose(rows[:, i], whole[column], atol=1e-9 * size, err_msg=column)
+
+
+# -- killed and resumed --
+
+CHILD = """
+import os, signal, sys
+sys.path.insert(0, {tests!r})
+import fenicsx_contact.run
+from fenicsx_contact import storage
+import scenes
+fenicsx_contact.run.CHECKPOINT_EVERY = {every}
+save, replace, count = storage.RunDirectory.save, os.replace, 0
+
+def die():
+    os.kill(os.getpid(), signal.SIGKILL)
+
+def counted(self, history, state):
+    global count
+    count += 1
+    if count == {saves} and {way!r} == "before":
+        die()
+    if count == {saves} and {way!r} == "torn":
+        with open(self.path / "history.f64", "ab") as file:
+            file.write(b"half a row is here")
+        die()
+    save(self, history, state)
+
+def replaced(source, target):
+    if count == {saves} and {way!r} == "between" and str(target).endswith("state.npz"):
+        die()
+    replace(source, target)
+
+storage.RunDirectory.save, os.replace = counted, replaced
+scenes.{name}().run({until}, {dt}, directory={directory!r}, fields_every={fields_every})
+"""
+
+
+def child(name, directory, way="before", saves=0, every=0.0, fields_every=0):
+    """Start a run in a process of its own; it kills itself in its so many-th checkpoint."""
+    until, dt = RUNS[name]
+    code = CHILD.format(
+        tests=str(Path(__file__).parent),
+        way=way,
+        saves=saves,
+        every=every,
+        name=name,
+        until=until,
+        dt=dt,
+        directory=str(directory),
+        fields_every=fields_every,
+    )
+    path = [str(Path(fenicsx_contact.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, path))}
+    return subprocess.Popen(
+        [sys.executable, "-c", code], env=environment, stderr=subprocess.PIPE, text=True
+    )
+
+
+def killed(process):
+    _, error = process.communicate(timeout=120)
+    assert process.returncode == -signal.SIGKILL, error
+
+
+@pytest.mark.parametrize("way", ["before", "between", "torn"])
+@pytest.mark.parametrize("name", RUNS)
+def test_killed_run_is_read_and_resumed_to_the_same_bits(name, way, tmp_path):
+    """Killed between checkpoints, between the rows and their checkpoint, in the midst of rows."""
+    whole = run(name)
+    killed(child(name, tmp_path, way, saves=100))
+    part = read_history(tmp_path)
+    assert part.columns == whole.columns and part.reason == "not finished"
+    assert 99 <= len(part) <= 102
+    np.testing.assert_array_equal(part.rows(), whole.rows()[: len(part)])
+
+    resumed = run(name, directory=tmp_path, resume=True)
+    assert resumed.finished and resumed.columns == whole.columns
+    np.testing.assert_array_equal(resumed.rows(), whole.rows())
+    read = read_history(tmp_path)
+    assert read.finished
+    np.testing.assert_array_equal(read.rows(), whole.rows())
+
+
+def test_run_killed_from_outside(tmp_path):
+    process = child("rocking_block", tmp_path, every=0.05)
+    deadline = time.monotonic() + 60
+    while not (tmp_path / "state.npz").is_file() and time.monotonic() < deadline:
+        time.sleep(0.002)
+    process.send_signal(signal.SIGKILL)
+    killed(process)
+    part, whole = read_history(tmp_path), run("rocking_block")
+    assert 1 < len(part) < len(whole)
+    np.testing.assert_array_equal(part.rows(), whole.rows()[: len(part)])
+    np.testing.assert_array_equal(
+        run("rocking_block", directory=tmp_path, resume=True).rows(), whole.rows()
+    )
+
+
+def test_fields_of_a_killed_run(tmp_path):
+    """The resumed collection names every time once, and each file is whole."""
+    killed(child("elastic_block", tmp_path, "between", saves=100, fields_every=30))
+    for file in (tmp_path / "fields").glob("*.vtu"):
+        meshio.read(file)
+    history = run("elastic_block", directory=tmp_path, resume=True, fields_every=30)
+    times, files = collection(tmp_path / "fields" / "elastic.pvd")
+    np.testing.assert_array_equal(times, history.time[::30])
+    assert len(set(files)) == len(files)
+    for file in files:
+        meshio.read(file)
+
+
+def test_resume_without_a_run_starts_one(tmp_path):
+    resumed = run("rigid_box", directory=tmp_path / "new", resume=True)
+    np.testing.assert_array_equal(resumed.rows(), run("rigid_box").rows())
+
+
+def test_resume_of_a_finished_run_gives_it_back(tmp_path):
+    first = run("rigid_box", directory=tmp_path)
+    again = run("rigid_box", directory=tmp_path, resume=True)
+    np.testing.assert_array_equal(first.rows(), again.rows())
+    assert again.finished
+
+
+def test_without_resume_an_old_run_is_overwritten(tmp_path):
+    run("elastic_block", directory=tmp_path)
+    fresh = run("rigid_box", directory=tmp_path)
+    np.testing.assert_array_equal(read_history(tmp_path).rows(), fresh.rows())
+
+
+def other_scene(**changes):
+    """An elastic block; each change makes it another one."""
+    solid = {
+        "youngs_modulus": 1e6,
+        "poisson_ratio": 0.3,
+        "density": 1000.0,
+        "gravity": (0, -G),
+        **changes.get("solid", {}),
+    }
+    block = ElasticSolid(rectangle((1, 1)), **solid)
+    obstacle = changes.get("obstacle", FLOOR)
+    contact = Contact(block, "base", obstacle, **{"friction": 0.3, **changes.get("contact", {})})
+    return Scene([block], [contact], changes.get("scheme"), **changes.get("scene", {}))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"solid": {"youngs_modulus": 2e6}},
+        {"solid": {"poisson_ratio": 0.2}},
+        {"solid": {"density": 1001.0}},
+        {"solid": {"gravity": (0, -9.8)}},
+        {"solid": {"degree": 2}},
+        {"solid": {"name": "other"}},
+        {"solid": {"velocity": lambda x: np.stack([0.1 + 0 * x[0], 0 * x[1]])}},
+        {"scene": {"locate_impacts": True}},
+        {"contact": {"friction": 0.3000001}},
+        {"contact": {"formulation": "gap"}},
+        {"obstacle": HalfSpace((0, -0.01), (0, 1))},
+        {"scheme": ThetaScheme(0.6)},
+        {"scheme": ThetaScheme(0.5, "end")},
+        {"dt": 2e-3},
+    ],
+    ids=str,
+)
+def test_another_scene_is_not_resumed(changes, tmp_path):
+    other_scene().run(4e-3, 1e-3, directory=tmp_path)
+    before = {file: file.read_bytes() for file in tmp_path.iterdir()}
+    with pytest.raises(InputError, match=r"directory = .* holds a run of another scene"):
+        other_scene(**changes).run(6e-3, changes.get("dt", 1e-3), directory=tmp_path, resume=True)
+    assert {file: file.read_bytes() for file in tmp_path.iterdir()} == before
+    assert len(other_scene().run(6e-3, 1e-3, directory=tmp_path, resume=True)) == 7
+
+
+def test_another_energy_is_not_resumed(tmp_path):
+    def soft(E):
+        block = HyperelasticSolid(rectangle((2, 3)), energy=neo_hookean(E, 0.3), density=1000.0)
+        return Scene([block], [Contact(block, "base", FLOOR)])
+
+    soft(1e6).run(2e-3, 1e-3, directory=tmp_path)
+    with pytest.raises(InputError, match="another scene"):
+        soft(2e6).run(3e-3, 1e-3, directory=tmp_path, resume=True)
+    assert soft(1e6).run(3e-3, 1e-3, directory=tmp_path, resume=True).finished
+
+
+@pytest.mark.parametrize("file", ["history.json", "history.f64", "state.npz"])
+@pytest.mark.parametrize("damage", ["cut", "gone", "noise"])
+def test_damaged_directory_is_not_resumed(file, damage, tmp_path):
+    other_scene().run(4e-3, 1e-3, directory=tmp_path)
+    path = tmp_path / file
+    if damage == "gone":
+        path.unlink()
+    else:
+        content = path.read_bytes()[: path.stat().st_size // 2]
+        path.write_bytes(content if damage == "cut" else b"\0" + content)
+    if file == "state.npz" and damage == "gone":  # no checkpoint: nothing to resume, begins anew
+        assert other_scene().run(4e-3, 1e-3, directory=tmp_path, resume=True).finished
+        return
+    with pytest.raises(InputError, match="directory = "):
+        other_scene().run(4e-3, 1e-3, directory=tmp_path, resume=True)
+
+
+# -- files --
+
+
+def test_files_hold_plain_data(tmp_path):
+    history = run("elastic_block", directory=tmp_path)
+    names = {file.name for file in tmp_path.iterdir()}
+    assert names == {"history.json", "history.f64", "state.npz", "end.json"}
+    with np.load(tmp_path / "state.npz", allow_pickle=False) as state:
+        arrays = {name: state[name] for name in state.files}
+    assert all(array.dtype.kind in "fiuU" for array in arrays.values())
+    np.testing.assert_array_equal(arrays["scene.time"], history.time[-1])
+    rows = np.fromfile(tmp_path / "history.f64", dtype="<f8").reshape(len(history), -1)
+    np.testing.assert_array_equal(rows, history.rows())
+    assert json.loads((tmp_path / "history.json").read_text())["columns"] == list(history.columns)
+    assert json.loads((tmp_path / "end.json").read_text())["reason"] == "finished"
+
+
+def collection(path):
+    """Times and files of a ParaView collection."""
+    sets = ElementTree.parse(path).getroot().iter("DataSet")
+    found = [(float(s.get("timestep")), path.parent / s.get("file")) for s in sets]
+    return [t for t, _ in found], [f for _, f in found]
+
+
+def signed_sizes(points, cells):
+    """Signed area or volume of VTK cells, by the divergence theorem on their faces."""
+    faces = {
+        "triangle": [[0, 1], [1, 2], [2, 0]],
+        "quad": [[0, 1], [1, 2], [2, 3], [3, 0]],
+        "tetra": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]],
+        "hexahedron": [
+            [0, 3, 2, 1],
+            [4, 5, 6, 7],
+            [0, 1, 5, 4],
+            [1, 2, 6, 5],
+            [2, 3, 7, 6],
+            [3, 0, 4, 7],
+        ],
+    }[cells.type]
+    x = points[cells.data]
+    total = np.zeros(len(x))
+    for face in faces:
+        a = x[:, face[0]]
+        if len(face) == 2:
+            b = x[:, face[1]]
+            total += (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
+        for i in range(1, len(face) - 1):
+            b, c = x[:, face[i]], x[:, face[i + 1]]
+            total += np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+    return total
+
+
+@pytest.mark.parametrize("cell", ["triangle", "quadrilateral", "tetrahedron", "hexahedron"])
+@pytest.mark.parametrize("kind", ["rigid", "elastic"])
+def test_fields(cell, kind, tmp_path):
+    d = 2 if cell in ("triangle", "quadrilateral") else 3
+    mesh = rectangle((3, 2), cell=cell) if d == 2 else box((2, 1, 2), cell=cell)
+    down = -np.eye(d)[-1]
+    if kind == "rigid":
+        solid = RigidSolid(mesh, mass=1.0, gravity=G * down, velocity=0.1 * down, name=kind)
+    else:
+        solid = ElasticSolid(
+            mesh,
+            youngs_modulus=1e6,
+            poisson_ratio=0.3,
+            density=1000.0,
+            gravity=G * down,
+            velocity=lambda x: np.outer(0.1 * down, np.ones(x.shape[1])),
+            name=kind,
+        )
+    floor = HalfSpace(0.0 * down, -down)
+    scene = Scene([solid], [Contact(solid, "base", floor, friction=0.3, name="contact")])
+    history = scene.run(0.012, 1e-3, directory=tmp_path, fields_every=4)
+
+    times, files = collection(tmp_path / "fields" / f"{kind}.pvd")
+    np.testing.assert_array_equal(times, history.time[::4])
+    for file in files:
+        grid = meshio.read(file)
+        assert {"displacement", "velocity"} <= set(grid.point_data)
+        sizes = signed_sizes(grid.points, grid.cells[0])
+        assert abs(sizes).sum() == pytest.approx(0.36 * 0.8 * (0.5 if d == 3 else 1), rel=1e-12)
+        assert (sizes > 0).all()
+        assert np.isfinite(grid.point_data["displacement"]).all()
+    last = meshio.read(files[-1]).point_data
+    for name, values in solid.fields().items():
+        np.testing.assert_array_equal(last[name][:, :d], values)
+    start = meshio.read(files[0]).point_data
+    np.testing.assert_allclose(start["velocity"][:, :d], np.broadcast_to(0.1 * down, values.shape))
+
+    times, files = collection(tmp_path / "fields" / "contact.pvd")
+    np.testing.assert_array_equal(times, history.time[::4])
+    surface = meshio.read(files[-1])
+    assert {"force", "gap", "status", "multiplier", "displacement"} <= set(surface.point_data)
+    total = surface.point_data["force"].sum(axis=0)[d - 1]
+    assert total == pytest.approx(history["contact.force_" + "xyz"[d - 1]][-1], rel=1e-12)
+    if d == 3:
+        flat = surface.cells[0].data
+        x = surface.points[flat]
+        spread = x[:, 1] - x[:, 0], x[:, -1] - x[:, 0]
+        sizes = np.linalg.norm(np.cross(*spread), axis=1) / (2 if flat.shape[1] == 3 else 1)
+        assert sizes.sum() == pytest.approx(0.36 * 0.5, rel=1e-12)
+
+
+# -- what a scene leaves out --
+
+
+def test_description_says_what_was_left_out():
+    block = RigidSolid(rectangle(), mass=1.0, gravity=(0, -G))
+    contact = Contact(block, "base", FLOOR)
+    text = Scene([block], [contact]).describe()
+    assert "left out: " in text and "friction" in text.split("left out: ")[1]
+    assert "function spaces and matrices on the volume (rigid solids)" in text
+    assert "no friction (no Lam)" in text and "2 multipliers" in text
+    assert "theta = 0.5, forces at theta" in text and "mass 1" in text
+    assert contact.equations.fields.semi_multiplier is None
+    assert contact.equations.size == 2 * (2 + 1)  # w and lam at two points
+    assert not hasattr(block, "space") and not hasattr(block, "displacement")
+
+    rough = Contact(block, "base", FLOOR, friction=0.3)
+    assert rough.equations.size == 2 * (2 + 1 + 1)
+    text = Scene([block], [rough]).describe()
+    assert "friction 0.3" in text and "4 multipliers" in text
+    assert "friction" not in text.split("left out: ")[1]
+
+    box_3d = RigidSolid(box(), mass=1.0)
+    assert Contact(box_3d, "base", FLOOR_3D, friction=0.3).equations.size == 4 * (3 + 1 + 2)
+    assert Contact(box_3d, "base", FLOOR_3D).equations.size == 4 * (3 + 1)
+
+    text = elastic_block().describe()
+    assert "geometric fixed point (linear solids: one linearisation a step)" in text
+    assert "elastic, small strain" in text and "50 unknowns" in text
+    assert "matrices" not in text
+
+
+def test_springs_have_no_multiplier():
+    block = RigidSolid(rectangle(), mass=1.0)
+    springs = Contact(block, "base", FLOOR, fenicsx_contact.Discrete(1e6), friction=0.3)
+    assert springs.multiplier is None and springs.equations.size == 2 * 2
+    assert "springs (no multipliers)" in springs.describe()
+
+
+def test_linear_scene_linearises_once_a_step():
+    history = run("elastic_block")
+    assert history["geometry"][1:].max() == 1
+    assert history["newton"].max() > 1
+
+
+@pytest.mark.parametrize("name", ["elastic_block", "rigid_box"])
+def test_tiny_friction_is_no_friction(name):
+    until, dt = RUNS[name]
+    runs = []
+    for friction in (0.0, 1e-13):
+        scene = getattr(scenes, name)()
+        old = scene.contacts[0]
+        new = Contact(old.solid, old.facets, old.obstacle, friction=friction, name="c")
+        runs.append(Scene(scene.solids, [new]).run(until, dt))
+    without, tiny = runs
+    assert without["c.bearing"].max() > 0
+    assert np.abs(without["friction"]).max() < 1e-14 * without["kinetic"].max()
+    assert not without["c.slipping"].any()
+    energy, weight = (
+        without["kinetic"].max(),
+        without["c.force_" + "xyz"[old.obstacle.dim - 1]].max(),
+    )
+    sizes = {"kinetic": energy, "strain": energy, "potential": energy, "impact": energy}
+    sizes |= {name: weight for name in without.columns if "force" in name}
+    sizes |= {"friction": energy, "c.penetration": old.extent, "time": until}
+    for column, size in sizes.items():
+        np.testing.assert_allclose(
+            tiny[column], without[column], rtol=0, atol=1e-8 * size, err_msg=column
+        )
+
+
+# -- probes and columns --
+
+
+def test_probes():
+    scene = rocking_block()
+    block = scene.solids[0]
+    calls = []
+    history = scene.run(
+        0.01,
+        1e-3,
+        probes={
+            "angle": lambda: block.rotation,
+            "height": lambda: block.place[1],
+            "count": lambda: calls.append(1) or len(calls),
+        },
+    )
+    assert history.columns[-3:] == ("angle", "height", "count")
+    np.testing.assert_array_equal(history["count"], np.arange(1, 12))
+    assert history["angle"][0] == pytest.approx(0.01, rel=1e-12)
+    assert history["angle"][-1] == block.rotation
+    np.testing.assert_allclose(
+        history["potential"], 417.6 * G * history["height"], rtol=0, atol=1e-9
+    )
+
+
+def test_columns_are_those_of_the_docstring():
+    documented = set(re.findall(r"``([\w<>.]+)``", History.__doc__ or "")) - {"finished"}
+    documented = {name.removeprefix("<contact>.") for name in documented}
+    history = run("rigid_box")
+    columns = {name.removeprefix("c.") for name in history.columns}
+    assert documented <= columns
+    assert columns - documented == {"force_y", "force_z"}  # "..."
+    for name in history.columns:
+        assert len(history[name]) == len(history)
+    with pytest.raises(KeyError, match=r"'speed'.*kinetic"):
+        history["speed"]
+    with pytest.raises(KeyError, match="no such contact"):
+        history.impulse("floor")
+
+
+def test_impulse_is_the_change_of_momentum():
+    scene = scenes.rigid_box()
+    history = scene.run(0.2, 1e-3)
+    momentum = 417.6 * (scene.solids[0].velocity[:3] - [0.5, 0.2, -0.1])
+    weight = 417.6 * G * 0.2 * np.array([0, 0, -1])
+    np.testing.assert_allclose(history.impulse("c")[-1] + weight, momentum, atol=1e-9 * 417.6)
+
+
+def test_summary_and_times():
+    history = run("elastic_block")
+    summary = history.summary()
+    assert summary["reason"] == "finished" and summary["steps"] == 300
+    assert summary["newton"] == history["newton"].sum()
+    assert 0 < summary["run_time_s"] < 60
+    assert {"set-up", "newton", "solids", "pairing"} <= set(summary["times_s"])
+    assert summary["balance"] < 1e-9 * history["kinetic"].max()
+    json.dumps(summary)
+    assert "300 steps" in repr(history) and "finished" in repr(history)
+    np.testing.assert_allclose(history.time, 2e-4 * np.arange(301), rtol=1e-14)
+    np.testing.assert_allclose(np.cumsum(history["dt"]), history.time, rtol=1e-12)
+
+
+# -- steps that fail --
+
+
+class Stubborn(Newton):
+    """Fails at the calls that ``failing`` names."""
+
+    failing: frozenset[int] = frozenset()
+    calls = 0
+
+    def solve(self, system, limits):
+        type(self).calls += 1
+        if self.calls in self.failing:
+            raise NotConverged("it is stubborn")
+        return super().solve(system, limits)
+
+
+def stubborn(*failing):
+    return type("Stubborn", (Stubborn,), {"failing": frozenset(failing)})()
+
+
+def test_failing_step_is_halved_and_made_up_for():
+    history = elastic_block(newton=stubborn(11, 12)).run(6e-3, 2e-4)
+    assert history.finished
+    expected = [2e-4] * 10 + [5e-5, 5e-5, 1e-4] + [2e-4] * 19
+    np.testing.assert_allclose(history["dt"][1:], expected, rtol=1e-12)
+    np.testing.assert_allclose(np.cumsum(history["dt"]), history.time, rtol=1e-12)
+    assert [text.split(":")[0] for _, text in history.remarks] == [
+        "step halved to 0.0001 s",
+        "step halved to 5e-05 s",
+    ]
+    assert all("it is stubborn" in text for _, text in history.remarks)
+    check_energies(history)
+
+
+def test_hopeless_step_stops_the_run_with_a_reason(tmp_path):
+    scene = elastic_block(newton=stubborn(*range(41, 100)))
+    history = scene.run(0.06, 2e-4, directory=tmp_path)
+    assert not history.finished and len(history) == 41
+    assert history.reason.startswith("stopped at t = 0.008 s: it is stubborn")
+    assert "steps down to 1.95e-07 s fail" in history.reason
+    assert len(history.remarks) == 10 and "step halved to 0.0001 s" in history.remarks[0][1]
+    np.testing.assert_array_equal(history.rows(), run("elastic_block").rows()[:41])
+    # the scene stands in the state of the last good step
+    assert scene.time == history.time[-1]
+    assert scene.solids[0].energies()[0] == history["kinetic"][-1]
+
+    read = read_history(tmp_path)
+    assert read.reason == history.reason and read.remarks == history.remarks
+    np.testing.assert_array_equal(read.rows(), history.rows())
+
+
+def test_tolerance_that_cannot_be_reached():
+    """Newton itself fails, and says which row stalls; the fall before the contact needs none."""
+    history = elastic_block(newton=Newton(tolerance=1e-30, max_iterations=1)).run(0.06, 2e-4)
+    assert not history.finished
+    match = re.match(r"stopped at t = ([\d.e-]+) s: ", history.reason)
+    assert match and float(match[1]) == pytest.approx(history.time[-1], rel=1e-8)
+    assert "row stalls at a scaled residual of" in history.reason
+    assert "steps down to 1.95e-07 s fail" in history.reason
+    assert np.isfinite(history.rows()).all()
+    whole = run("elastic_block")
+    contact = np.flatnonzero(whole["c.force_y"])[0]
+    assert len(history) > contact > 5
+    np.testing.assert_array_equal(history.rows()[:contact], whole.rows()[:contact])
+
+
+def test_stopped_run_is_resumed_within_its_step(tmp_path):
+    """One quarter of the eleventh step are done when it stops."""
+    stopped = elastic_block(newton=stubborn(11, 12, *range(14, 100))).run(
+        0.06, 2e-4, directory=tmp_path
+    )
+    assert stopped.time[-1] == pytest.approx(10.25 * 2e-4, rel=1e-12) and not stopped.finished
+    resumed = run("elastic_block", directory=tmp_path, resume=True)
+    assert resumed.finished
+    np.testing.assert_array_equal(resumed.rows()[: len(stopped)], stopped.rows())
+    np.testing.assert_allclose(resumed["dt"][1:13], [2e-4] * 10 + [5e-5, 1.5e-4], rtol=1e-9)
+    np.testing.assert_allclose(np.cumsum(resumed["dt"]), resumed.time, rtol=1e-10)
+    assert resumed.time[-1] == pytest.approx(0.06, rel=1e-14)
+    assert resumed.remarks[: len(stopped.remarks)] == stopped.remarks
+    check_energies(resumed, slack=1e-4)
+
+
+def test_failure_at_the_first_step(tmp_path):
+    history = elastic_block(newton=stubborn(*range(1, 100))).run(0.01, 2e-4, directory=tmp_path)
+    assert len(history) == 1 and "it is stubborn" in history.reason
+    assert np.isfinite(history.rows()).all()
+    resumed = elastic_block().run(0.01, 2e-4, directory=tmp_path, resume=True)
+    np.testing.assert_array_equal(resumed.rows(), elastic_block().run(0.01, 2e-4).rows())

@@ -16,7 +16,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 #: One colour for each formulation, the same in all figures.
-COLOURS = {"velocity": "C3", "gap": "C0", "lagrange": "C6", "discrete": "C2"}
+COLOURS = {
+    "velocity": "C3",
+    "velocity, impacts located": "C1",
+    "gap": "C0",
+    "lagrange": "C6",
+    "discrete": "C2",
+}
 
 
 def figure(rows: int = 1, columns: int = 1, size: tuple[float, float] = (7, 4)) -> tuple[Any, Any]:

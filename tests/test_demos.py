@@ -33,6 +33,8 @@ def test_rocking_block(tmp_path, monkeypatch, capsys):
             assert np.abs(result["impact_time_error"]).max() < 0.03
             assert result["reason"] == "finished"
             assert result["run_time_s"] > 0 and result["steps"] > 1000
+        # a hundred steps with located impacts
+        assert np.abs(summary[case]["velocity_located"]["ke_max_error"]).max() < 1e-4
         # 2 dt over the quarter period: the last sample before the impact
         assert abs(summary[case]["velocity"]["ke_max_error"][0]) < 0.0037
     kept = summary["elastic"]["energy_ratio"]

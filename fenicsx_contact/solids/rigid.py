@@ -219,6 +219,8 @@ class RigidTrace(Trace):
     def __init__(self, solid: RigidSolid, points: np.ndarray) -> None:
         self._solid = solid
         self._reference = points - solid.centre
+        self._translation = np.zeros((*points.shape, len(solid.velocity)))
+        self._translation[:, range(solid.dim), range(solid.dim)] = 1.0
         self.follow()
         self.accept()
 
@@ -237,10 +239,10 @@ class RigidTrace(Trace):
     def _build(self, turn: np.ndarray) -> np.ndarray:
         d, n = self._solid.dim, len(self._reference)
         self._arm = arm = self._reference @ turn.T
-        operator = np.zeros((n, d, len(self._solid.velocity)))
-        operator[:, range(d), range(d)] = 1.0
+        operator = self._translation.copy()
         if d == 2:
-            operator[:, 0, 2], operator[:, 1, 2] = -arm[:, 1], arm[:, 0]
+            np.negative(arm[:, 1], out=operator[:, 0, 2])
+            operator[:, 1, 2] = arm[:, 0]
         else:
             x, y, z = arm.T
             operator[:, 0, 4], operator[:, 0, 5] = z, -y

@@ -128,7 +128,7 @@ class Gap:
     """GAP: continuous, the classical displacement law ``d_n <= 0, lam <= 0, lam d_n = 0`` at the
     end of the step in place of (1)-(2); same fields and integration as VELOCITY.
 
-    With theta = 1/2 its velocities ring from step to step; theta = 1 does not.
+    With theta = 1/2 a point that lands bounces off again; theta = 1 stops it.
     """
 
     name: ClassVar[str] = "gap"

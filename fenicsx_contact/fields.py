@@ -85,9 +85,9 @@ class FieldWriter:
         for solid in self._solids:
             x = solid.mesh.mesh.geometry.x
             self._write(solid.name, number, x, vtk_cells(solid.mesh.mesh), solid.fields())
+        for contact in self._contacts:
+            self._write_contact(contact, number)
         if self._comm.rank == 0:
-            for contact in self._contacts:
-                self._write_contact(contact, number)
             _replace(self._index, json.dumps(self._times))
             for solid in self._solids:
                 self._collect(solid.name, self._comm.size)
@@ -103,8 +103,9 @@ class FieldWriter:
         data = {"force": contact.force, "gap": contact.gap, "status": contact.status}
         if contact.multiplier is not None:
             data["multiplier"] = contact.multiplier
-        data["displacement"] = contact.trace.positions() - surface.points
-        self._write(contact.name, number, surface.points, cells, data)
+        data["displacement"] = contact.trace.positions() - surface.points  # asks every process
+        if self._comm.rank == 0:
+            self._write(contact.name, number, surface.points, cells, data)
 
     def _write(
         self,

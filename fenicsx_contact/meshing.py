@@ -50,6 +50,8 @@ class NamedMesh:
             raise checks.InputError(f"mesh: {problem}")
 
     def _problem(self) -> str:
+        if not compat.num_local_cells(self.mesh):
+            return ""
         x = self.mesh.geometry.x[:, : self.dim]
         if not np.isfinite(x).all():
             return "has a node with a coordinate that is not finite"

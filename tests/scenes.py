@@ -15,10 +15,12 @@ from fenicsx_contact import (
     ElasticSolid,
     HalfSpace,
     History,
+    HyperelasticSolid,
     NamedMesh,
     RigidSolid,
     Scene,
     name_facets,
+    neo_hookean,
 )
 
 G = 9.81
@@ -112,6 +114,11 @@ def rocking_block(**scene: Any) -> Scene:
     return Scene([block], [Contact(block, "base", FLOOR, friction=0.9, name="c")], **scene)
 
 
+def located_block(**scene: Any) -> Scene:
+    """The same with its impacts located within the steps."""
+    return rocking_block(locate_impacts=True, **scene)
+
+
 def elastic_block(**scene: Any) -> Scene:
     """A soft elastic block thrown obliquely at the floor: it strikes, slips, sticks, turns."""
     block = ElasticSolid(
@@ -122,6 +129,19 @@ def elastic_block(**scene: Any) -> Scene:
         gravity=(0, -G),
         displacement=lambda x: np.stack([-0.02 * x[1], 0.02 * x[0] + 0.006]),
         velocity=lambda x: np.stack([0.5 + 0 * x[0], -1.0 - 0.2 * x[0]]),
+    )
+    return Scene([block], [Contact(block, "base", FLOOR, friction=0.3, name="c")], **scene)
+
+
+def soft_block(**scene: Any) -> Scene:
+    """A hyperelastic block that strikes the floor and is squeezed."""
+    block = HyperelasticSolid(
+        rectangle((2, 3)),
+        energy=neo_hookean(1e6, 0.3),
+        density=1000.0,
+        gravity=(0, -G),
+        displacement=lambda x: np.stack([-0.02 * x[1], 0.02 * x[0] + 0.006]),
+        velocity=lambda x: np.stack([1 + 0 * x[0], -3 + 0 * x[0]]),
     )
     return Scene([block], [Contact(block, "base", FLOOR, friction=0.3, name="c")], **scene)
 

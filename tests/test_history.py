@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import cache
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -39,6 +40,7 @@ from fenicsx_contact.newton import NotConverged
 # name: builder in scenes.py, end, step
 RUNS = {
     "rocking_block": (0.12, 2e-4),
+    "located_block": (0.12, 1e-3),
     "elastic_block": (0.06, 2e-4),
     "rigid_box": (0.2, 1e-3),
 }
@@ -49,12 +51,18 @@ def run(name, **others):
     return getattr(scenes, name)().run(until, dt, **others)
 
 
+@cache
+def whole_run(name):
+    """The uninterrupted run, made once."""
+    return run(name)
+
+
 # -- the same numbers twice --
 
 
 @pytest.mark.parametrize("name", RUNS)
 def test_the_same_run_twice_gives_the_same_bits(name):
-    first, second = run(name), run(name)
+    first, second = whole_run(name), run(name)
     assert first.finished, first.reason
     np.testing.assert_array_equal(first.rows(), second.rows())
     assert first["c.bearing"].max() > 0 and first["friction"].any()
@@ -63,7 +71,7 @@ def test_the_same_run_twice_gives_the_same_bits(name):
 @pytest.mark.parametrize("name", RUNS)
 def test_a_run_in_two_parts(name):
     until, dt = RUNS[name]
-    whole = run(name)
+    whole = whole_run(name)
     scene = getattr(scenes, name)()
     first = scene.run(until / 2, dt)
     second = scene.run(until, dt)
@@ -138,11 +146,11 @@ def killed(process):
 @pytest.mark.parametrize("name", RUNS)
 def test_killed_run_is_read_and_resumed_to_the_same_bits(name, way, tmp_path):
     """Killed between checkpoints, between the rows and their checkpoint, in the midst of rows."""
-    whole = run(name)
+    whole = whole_run(name)
     killed(child(name, tmp_path, way, saves=100))
     part = read_history(tmp_path)
     assert part.columns == whole.columns and part.reason == "not finished"
-    assert 99 <= len(part) <= 102
+    assert 99 <= len(part) < len(whole) - 10
     np.testing.assert_array_equal(part.rows(), whole.rows()[: len(part)])
 
     resumed = run(name, directory=tmp_path, resume=True)
@@ -160,7 +168,7 @@ def test_run_killed_from_outside(tmp_path):
         time.sleep(0.002)
     process.send_signal(signal.SIGKILL)
     killed(process)
-    part, whole = read_history(tmp_path), run("rocking_block")
+    part, whole = read_history(tmp_path), whole_run("rocking_block")
     assert 1 < len(part) < len(whole)
     np.testing.assert_array_equal(part.rows(), whole.rows()[: len(part)])
     np.testing.assert_array_equal(
@@ -183,7 +191,7 @@ def test_fields_of_a_killed_run(tmp_path):
 
 def test_resume_without_a_run_starts_one(tmp_path):
     resumed = run("rigid_box", directory=tmp_path / "new", resume=True)
-    np.testing.assert_array_equal(resumed.rows(), run("rigid_box").rows())
+    np.testing.assert_array_equal(resumed.rows(), whole_run("rigid_box").rows())
 
 
 def test_resume_of_a_finished_run_gives_it_back(tmp_path):
@@ -413,7 +421,7 @@ def test_springs_have_no_multiplier():
 
 
 def test_linear_scene_linearises_once_a_step():
-    history = run("elastic_block")
+    history = whole_run("elastic_block")
     assert history["geometry"][1:].max() == 1
     assert history["newton"].max() > 1
 
@@ -472,7 +480,7 @@ def test_probes():
 def test_columns_are_those_of_the_docstring():
     documented = set(re.findall(r"``([\w<>.]+)``", History.__doc__ or "")) - {"finished"}
     documented = {name.removeprefix("<contact>.") for name in documented}
-    history = run("rigid_box")
+    history = whole_run("rigid_box")
     columns = {name.removeprefix("c.") for name in history.columns}
     assert documented <= columns
     assert columns - documented == {"force_y", "force_z"}  # "..."
@@ -493,7 +501,7 @@ def test_impulse_is_the_change_of_momentum():
 
 
 def test_summary_and_times():
-    history = run("elastic_block")
+    history = whole_run("elastic_block")
     summary = history.summary()
     assert summary["reason"] == "finished" and summary["steps"] == 300
     assert summary["newton"] == history["newton"].sum()
@@ -547,7 +555,7 @@ def test_hopeless_step_stops_the_run_with_a_reason(tmp_path):
     assert history.reason.startswith("stopped at t = 0.008 s: it is stubborn")
     assert "steps down to 1.95e-07 s fail" in history.reason
     assert len(history.remarks) == 10 and "step halved to 0.0001 s" in history.remarks[0][1]
-    np.testing.assert_array_equal(history.rows(), run("elastic_block").rows()[:41])
+    np.testing.assert_array_equal(history.rows(), whole_run("elastic_block").rows()[:41])
     # the scene stands in the state of the last good step
     assert scene.time == history.time[-1]
     assert scene.solids[0].energies()[0] == history["kinetic"][-1]
@@ -566,7 +574,7 @@ def test_tolerance_that_cannot_be_reached():
     assert "row stalls at a scaled residual of" in history.reason
     assert "steps down to 1.95e-07 s fail" in history.reason
     assert np.isfinite(history.rows()).all()
-    whole = run("elastic_block")
+    whole = whole_run("elastic_block")
     contact = np.flatnonzero(whole["c.force_y"])[0]
     assert len(history) > contact > 5
     np.testing.assert_array_equal(history.rows()[:contact], whole.rows()[:contact])

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Two processes give the numbers of one."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+
+import fenicsx_contact
+from fenicsx_contact import History, read_history
+
+pytestmark = pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
+
+SCRIPT = """
+import sys, traceback
+sys.path.insert(0, {tests!r})
+import scenes
+from mpi4py import MPI
+try:
+    assert MPI.COMM_WORLD.size == {processes}
+    scene = scenes.{name}()
+    {check}
+    history = scene.run({until}, {dt}, directory={directory!r}, fields_every={fields_every})
+    assert history.finished, history.reason
+except BaseException:
+    traceback.print_exc()
+    sys.stderr.flush()
+    MPI.COMM_WORLD.Abort(1)  # what one process raises ends all
+"""
+DISTRIBUTED = """
+    solid = scene.solids[0]
+    shares = MPI.COMM_WORLD.allgather(solid.owned)
+    assert min(shares) > 0 and sum(shares) == solid.unknowns, shares
+"""
+RUNS = {
+    "elastic_block": (0.06, 2e-4),
+    "soft_block": (0.02, 5e-4),
+    "rigid_box": (0.2, 1e-3),
+    "rocking_block": (0.1, 5e-4),
+}
+
+
+def start(name: str, processes: int, directory: Path, fields_every: int = 0) -> subprocess.Popen:
+    until, dt = RUNS[name]
+    code = SCRIPT.format(
+        tests=str(Path(__file__).parent),
+        processes=processes,
+        name=name,
+        check=DISTRIBUTED if name in ("elastic_block", "soft_block") else "",
+        until=until,
+        dt=dt,
+        directory=str(directory),
+        fields_every=fields_every,
+    )
+    path = [str(Path(fenicsx_contact.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join(filter(None, path)),
+        "OMP_NUM_THREADS": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "OMPI_MCA_rmaps_base_oversubscribe": "1",
+        "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+    }
+    command = ["mpirun", "-n", str(processes), sys.executable, "-c", code]
+    return subprocess.Popen(
+        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+
+
+def finish(process: subprocess.Popen, directory: Path) -> History:
+    try:
+        output, _ = process.communicate(timeout=60)
+    except subprocess.TimeoutExpired:
+        process.terminate()
+        process.communicate(timeout=10)
+        raise
+    assert process.returncode == 0, output
+    return read_history(directory)
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_two_processes_give_the_numbers_of_one(name, tmp_path):
+    one, two = (finish(start(name, n, tmp_path / str(n)), tmp_path / str(n)) for n in (1, 2))
+    assert one.columns == two.columns and len(one) == len(two)
+    assert one["c.bearing"].max() > 0
+    energy = max(one["kinetic"].max(), one["strain"].max())
+    sizes = dict.fromkeys(
+        ("kinetic", "strain", "potential", "impact", "friction", "scheme"), energy
+    )
+    forces = [column for column in one.columns if ".force_" in column]
+    sizes |= dict.fromkeys(forces, max(np.abs(one[column]).max() for column in forces))
+    sizes |= {"time": 1.0, "dt": 1.0, "c.penetration": 0.4}
+    for column, size in sizes.items():
+        np.testing.assert_allclose(
+            two[column], one[column], rtol=0, atol=1e-9 * size, err_msg=column
+        )
+    for column in ("c.bearing", "geometry"):
+        np.testing.assert_array_equal(two[column], one[column], err_msg=column)
+    assert np.abs(two["balance"]).max() < 1e-7 * energy
+
+
+@pytest.mark.parametrize(("name", "cells"), [("elastic_block", 16), ("rocking_block", 1)])
+def test_each_process_writes_its_part_of_the_fields(name, cells, tmp_path):
+    """A process may have no cell at all."""
+    finish(start(name, 2, tmp_path, fields_every=50), tmp_path)
+    collections = sorted((tmp_path / "fields").glob("*.pvd"))
+    assert len(collections) == 2 and collections[0].name == "c.pvd"
+    solid = collections[1]
+    parts = sorted(solid.parent.glob(f"{solid.stem}_000003_*.vtu"))
+    assert len(parts) == 2
+    area, found, low = 0.0, 0, []
+    for part in parts:
+        assert part.name in solid.read_text()
+        grid = meshio.read(part)
+        if not grid.cells or not len(grid.cells[0].data):
+            continue
+        x = grid.points[grid.cells[0].data][:, :, :2]
+        diagonals = x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]
+        area += np.linalg.det(np.stack(diagonals, axis=1)).sum() / 2
+        found += len(x)
+        used = np.unique(grid.cells[0].data)
+        low.append((grid.points + grid.point_data["displacement"])[used, 1].min())
+    assert found == cells
+    assert area == pytest.approx(0.16 if cells == 16 else 0.36 * 0.8, rel=1e-12)
+    assert -0.01 < min(low) < 0.02

@@ -24,19 +24,19 @@ def test_rocking_block(tmp_path, monkeypatch, capsys):
     demo.main(quick=True)
     summary = json.loads((demo.RESULTS / "summary.json").read_text())
     # bounds of a step that is 8 times the full demo's; errors are of first order in the step
-    bounds = {"velocity": 0.09, "gap": 0.13, "lagrange": 0.13, "discrete": 0.17}
+    bounds = {"velocity": 0.09, "gap": 0.14, "lagrange": 0.14, "discrete": 0.14}
     for case in ("degree", "radian"):
         for name, bound in bounds.items():
             result = summary[case][name]
             assert len(result["ke_max_error"]) == len(result["impact_time_error"]) == 6
             assert np.abs(result["ke_max_error"]).max() < bound
-            assert np.abs(result["impact_time_error"]).max() < 0.03
+            assert np.abs(result["impact_time_error"]).max() < 0.02
             assert result["reason"] == "finished"
             assert result["run_time_s"] > 0 and result["steps"] > 1000
         # a hundred steps with located impacts
         assert np.abs(summary[case]["velocity_located"]["ke_max_error"]).max() < 1e-4
         # 2 dt over the quarter period: the last sample before the impact
-        assert abs(summary[case]["velocity"]["ke_max_error"][0]) < 0.0037
+        assert abs(summary[case]["velocity"]["ke_max_error"][0]) < 0.0046
     kept = summary["elastic"]["energy_ratio"]
     assert kept[0] > kept[1] > kept[2]
     assert kept[2] == pytest.approx(0.5586, abs=0.006)

@@ -249,6 +249,8 @@ class Contact:
         """The arrays from which :meth:`restore` continues identically."""
         return {
             "unknowns": self.equations.values,
+            "status": self.status,
+            "force": self.force,
             "stretch": self._stretch,
             "unit": np.array(self._unit),
         }
@@ -256,6 +258,7 @@ class Contact:
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave; the solid has been restored before."""
         self.equations.values = np.array(state["unknowns"])
+        self.status, self.force = np.array(state["status"]), np.array(state["force"])
         self._stretch = np.array(state["stretch"])
         self._unit = (float(state["unit"][0]), float(state["unit"][1]))
         self.trace.follow()

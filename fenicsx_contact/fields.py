@@ -42,7 +42,7 @@ def vtk_cells(mesh: Any) -> list[tuple[str, np.ndarray]]:
     x = mesh.geometry.x[nodes, :d]
     neighbours = [1, 2, 4] if name == "hexahedron" else list(range(1, d + 1))
     turned = np.linalg.det(x[:, neighbours] - x[:, :1]) < 0
-    nodes = nodes[:, _PERMUTATION.get(name, slice(None))]
+    nodes = nodes[:, _PERMUTATION.get(name, slice(None))].copy()
     nodes[turned] = nodes[turned][:, _REVERSED[name]]
     return [(_VTK_NAME[name], nodes)]
 
@@ -70,6 +70,11 @@ class FieldWriter:
         self._comm = solids[0].mesh.mesh.comm
         self._path = directory / "fields"
         self._path.mkdir(parents=True, exist_ok=True)
+        # a process without cells of a solid writes nothing of it
+        self._parts = {}
+        for solid in solids:
+            cells = self._comm.allgather(compat.num_local_cells(solid.mesh.mesh))
+            self._parts[solid.name] = [rank for rank, n in enumerate(cells) if n]
         self._times: list[float] = []
         self._index = self._path / "times.json"
         if resumed is not None and self._index.is_file():
@@ -83,16 +88,17 @@ class FieldWriter:
         number = len(self._times)
         self._times.append(time)
         for solid in self._solids:
-            x = solid.mesh.mesh.geometry.x
-            self._write(solid.name, number, x, vtk_cells(solid.mesh.mesh), solid.fields())
+            x, fields = solid.mesh.mesh.geometry.x, solid.fields()  # asks every process
+            if self._comm.rank in self._parts[solid.name]:
+                self._write(solid.name, number, x, vtk_cells(solid.mesh.mesh), fields)
         for contact in self._contacts:
             self._write_contact(contact, number)
         if self._comm.rank == 0:
             _replace(self._index, json.dumps(self._times))
             for solid in self._solids:
-                self._collect(solid.name, self._comm.size)
+                self._collect(solid.name, self._parts[solid.name])
             for contact in self._contacts:
-                self._collect(contact.name, 1)
+                self._collect(contact.name, [0])
         self._comm.barrier()
 
     def _write_contact(self, contact: Contact, number: int) -> None:
@@ -123,14 +129,14 @@ class FieldWriter:
     def _file(name: str, number: int, rank: int) -> str:
         return f"{name}_{number:06d}_{rank}.vtu"
 
-    def _collect(self, name: str, parts: int) -> None:
+    def _collect(self, name: str, parts: Sequence[int]) -> None:
         lines = [
             '<?xml version="1.0"?>',
             '<VTKFile type="Collection" version="0.1">',
             "<Collection>",
         ]
         for number, time in enumerate(self._times):
-            for part in range(parts):
+            for part in parts:
                 file = self._file(name, number, part)
                 lines.append(f'<DataSet timestep="{time!r}" part="{part}" file="{file}"/>')
         lines += ["</Collection>", "</VTKFile>", ""]

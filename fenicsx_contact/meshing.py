@@ -86,10 +86,12 @@ class NamedMesh:
         mesh, comm = self.mesh, self.mesh.comm
         facets = self.facets(name)
         owned = mesh.topology.index_map(mesh.topology.dim - 1).size_local
-        nodes = compat.facet_geometry(mesh, facets[facets < owned])
         cell = _FACET_CELL[compat.cell_name(mesh)]
         corners = {"interval": 2, "triangle": 3, "quadrilateral": 4}[cell]
-        nodes = nodes.reshape(-1, nodes.shape[1] if nodes.ndim == 2 else corners)[:, :corners]
+        mine = facets[facets < owned]
+        nodes = np.empty((0, corners), dtype=np.int32)
+        if len(mine):  # dolfinx divides by the number of facets
+            nodes = compat.facet_geometry(mesh, mine)[:, :corners]
         ids = mesh.geometry.index_map().local_to_global(np.ascontiguousarray(nodes.ravel()))
         x = mesh.geometry.x[nodes.ravel(), : self.dim]
         all_ids = np.concatenate(comm.allgather(np.asarray(ids)))

@@ -351,7 +351,9 @@ def test_fields(cell, kind, tmp_path):
         )
     floor = HalfSpace(0.0 * down, -down)
     scene = Scene([solid], [Contact(solid, "base", floor, friction=0.3, name="contact")])
+    cells = fenicsx_contact.compat.cell_geometry(mesh.mesh).copy()
     history = scene.run(0.012, 1e-3, directory=tmp_path, fields_every=4)
+    np.testing.assert_array_equal(fenicsx_contact.compat.cell_geometry(mesh.mesh), cells)
 
     times, files = collection(tmp_path / "fields" / f"{kind}.pvd")
     np.testing.assert_array_equal(times, history.time[::4])

@@ -115,13 +115,11 @@ def test_each_process_writes_its_part_of_the_fields(name, cells, tmp_path):
     assert len(collections) == 2 and collections[0].name == "c.pvd"
     solid = collections[1]
     parts = sorted(solid.parent.glob(f"{solid.stem}_000003_*.vtu"))
-    assert len(parts) == 2
+    assert len(parts) == min(cells, 2)
     area, found, low = 0.0, 0, []
     for part in parts:
         assert part.name in solid.read_text()
         grid = meshio.read(part)
-        if not grid.cells or not len(grid.cells[0].data):
-            continue
         x = grid.points[grid.cells[0].data][:, :, :2]
         diagonals = x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]
         area += np.linalg.det(np.stack(diagonals, axis=1)).sum() / 2

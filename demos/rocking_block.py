@@ -79,7 +79,7 @@ CORNERS = [(-0.18, 0.0), (0.18, 0.0)]
 # | name | what it is | time scheme |
 # |---|---|---|
 # | velocity | the weak form (7) | theta = 1/2, forces at the theta-point |
-# | gap | the same fields, but $d_n \le 0$ at the end of the step | theta = 1: below, corners bounce |
+# | gap | the same fields, but $d_n \le 0$ at the end of the step | theta = 1, else it bounces |
 # | lagrange | point multipliers at the corners, gap law | theta = 1 |
 # | discrete | springs and dashpots at the corners, 1e12 N/m, twice critical | theta = 1 |
 

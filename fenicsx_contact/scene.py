@@ -95,6 +95,12 @@ class Scene:
                     "locate_impacts = True: an impact of no length needs the velocity law; "
                     f"contact {contact.name!r} has {contact.formulation.name}"
                 )
+            if contact.solid.massless and isinstance(contact.formulation, Velocity):
+                raise checks.InputError(
+                    f"mass_redistribution: a boundary of {contact.solid.name!r} without mass has "
+                    f"no velocity of its own; contact {contact.name!r} needs a law of positions "
+                    "(gap, lagrange, springs) there"
+                )
             depth = float(contact.gap.max())
             if depth > deepest * contact.extent:
                 raise checks.InputError(

@@ -72,6 +72,7 @@ class Solid(ABC):
         mesh: its shape.
         dim: dimension of space.
         linear: one linearisation serves a whole step.
+        massless: some of its boundary has no mass, and so no velocity of its own.
         supported: something holds it even without contact.
         moves_operator: the trace operator depends on the position (finite rotation).
         velocity, trial_velocity: at the start and at the end of the step.
@@ -82,6 +83,7 @@ class Solid(ABC):
     dim: int
     linear: bool
     supported: bool
+    massless = False
     moves_operator: bool
     velocity: np.ndarray
     trial_velocity: np.ndarray

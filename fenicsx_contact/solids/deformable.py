@@ -23,6 +23,7 @@ from ..linear import Factorisation
 from ..meshing import NamedMesh
 from ..theta import Step
 from .base import Solid, Trace
+from .redistribution import move_mass_inwards, relax
 
 #: A field given as a function of ``x`` (3, n) with values (d, n).
 Field = Callable[[np.ndarray], np.ndarray]
@@ -37,6 +38,8 @@ class DeformableSolid(Solid):
         degree: of the displacement, 1 or 2.
         gravity: acceleration, d numbers, m/s².
         fixed: names of facets held fast.
+        mass_redistribution: names of facets whose mass is moved inwards, so that their impacts
+            lose no energy; for laws of positions (GAP, ...).
         displacement, velocity: initial fields in m and m/s, functions of ``x`` (3, n) with values
             (d, n).
         name: for messages, files and the prefix of PETSc options.
@@ -58,6 +61,7 @@ class DeformableSolid(Solid):
         degree: int = 1,
         gravity: Sequence[float] | None = None,
         fixed: Sequence[str] = (),
+        mass_redistribution: Sequence[str] = (),
         displacement: Field | None = None,
         velocity: Field | None = None,
         name: str = "deformable",
@@ -75,6 +79,7 @@ class DeformableSolid(Solid):
         index_map = self.space.dofmap.index_map
         self.owned = index_map.size_local * d
         self.unknowns = index_map.size_global * d
+        self.first_unknown = index_map.local_range[0] * d
         self._bcs = self._supports(fixed)
 
         u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
@@ -82,6 +87,11 @@ class DeformableSolid(Solid):
         rho = fem.Constant(mesh.mesh, density)
         self._mass = self._assemble(rho * ufl.dot(u, v) * self._dx, diagonal=1.0)
         self._x, self._y = self._mass.createVecs()
+        massless = self._nodes(mass_redistribution)
+        self.massless = self.comm.allreduce(len(massless)) > 0
+        if self.massless:
+            move_mass_inwards(self, self._mass, massless)
+        self._massless = (massless[:, None] * d + np.arange(d)).ravel()
         self._load = np.zeros(self.owned)
         self.parameters = f"density {density!r}"
         if gravity is not None:
@@ -96,23 +106,28 @@ class DeformableSolid(Solid):
         self.trial_displacement = self.displacement.copy()
         self.trial_velocity = self.velocity.copy()
         self._force = np.zeros(self.owned)
-        self._momentum = self._multiply(self._mass, self.velocity)
+        self._momentum = self.multiply(self._mass, self.velocity)
         self.linearisation = 0  # counts the changes of A, for those who keep columns of A^-1
 
-    def _supports(self, names: Sequence[str]) -> list[Any]:
-        mesh, fdim = self.mesh.mesh, self.dim - 1
-        if isinstance(names, str):
-            names = [names]
-        zero = fem.Function(self.space)
-        bcs, blocks = [], [np.empty(0, dtype=np.int32)]
-        for name in names:
-            dofs = fem.locate_dofs_topological(self.space, fdim, self.mesh.facets(name))
-            bcs.append(fem.dirichletbc(zero, dofs))
-            blocks.append(dofs)
+    def _nodes(self, names: Sequence[str]) -> np.ndarray:
+        """The nodes of the named facets that this process owns."""
+        blocks = [np.empty(0, dtype=np.int32)]
+        for name in [names] if isinstance(names, str) else names:
+            facets = self.mesh.facets(name)
+            blocks.append(fem.locate_dofs_topological(self.space, self.dim - 1, facets))
         nodes = np.unique(np.concatenate(blocks))
-        nodes = nodes[nodes < self.owned // self.dim]
+        return nodes[nodes < self.owned // self.dim]
+
+    def _supports(self, names: Sequence[str]) -> list[Any]:
+        zero = fem.Function(self.space)
+        bcs = []
+        for name in [names] if isinstance(names, str) else names:
+            facets = self.mesh.facets(name)
+            dofs = fem.locate_dofs_topological(self.space, self.dim - 1, facets)
+            bcs.append(fem.dirichletbc(zero, dofs))
+        nodes = self._nodes(names)
         self.fixed_unknowns = (nodes[:, None] * self.dim + np.arange(self.dim)).ravel()
-        self.supported = mesh.comm.allreduce(len(nodes)) > 0
+        self.supported = self.comm.allreduce(len(nodes)) > 0
         return bcs
 
     def _initial(self, what: str, field: Field | None) -> np.ndarray:
@@ -142,13 +157,30 @@ class DeformableSolid(Solid):
     def _assemble(self, form: ufl.Form, diagonal: float) -> PETSc.Mat:
         return compat.assemble_petsc_matrix(form, self._bcs, diagonal)
 
-    def _multiply(self, matrix: PETSc.Mat, values: np.ndarray) -> np.ndarray:
+    def multiply(self, matrix: PETSc.Mat, values: np.ndarray) -> np.ndarray:
+        """A matrix of the solid times values of the owned unknowns."""
         self._x.setArray(values)
         matrix.mult(self._x, self._y)
         return self._y.array_r.copy()
 
     def _sum(self, value: float) -> float:
         return float(self.comm.allreduce(value)) if self.comm.size > 1 else float(value)
+
+    def _relax(self) -> None:
+        """Bring a boundary without mass into equilibrium with what is behind it."""
+        if self.massless:
+            relax(
+                np.setdiff1d(self._massless, self.fixed_unknowns),
+                self.displacement,
+                lambda u: self.internal_force(u) - self._load,
+                self.stiffness,
+                self.first_unknown,
+            )
+            self.trial_displacement = self.displacement.copy()
+
+    @abstractmethod
+    def stiffness(self, displacement: np.ndarray) -> PETSc.Mat:
+        """Derivative of the internal forces at a displacement; the solid keeps the matrix."""
 
     @abstractmethod
     def strain_energy(self) -> float:
@@ -187,7 +219,7 @@ class DeformableSolid(Solid):
 
     def works(self, step: Step) -> tuple[float, float]:
         mean = 0.5 * (self.velocity + self.trial_velocity)
-        self._trial_momentum = self._multiply(self._mass, self.trial_velocity)
+        self._trial_momentum = self.multiply(self._mass, self.trial_velocity)
         internal = self.internal_force(self._force_point(step))
         return (
             self._sum(mean @ (self._trial_momentum - self._momentum)),
@@ -209,7 +241,7 @@ class DeformableSolid(Solid):
         self.velocity = np.array(state["velocity"])
         self.trial_displacement = self.displacement.copy()
         self.trial_velocity = self.velocity.copy()
-        self._momentum = self._multiply(self._mass, self.velocity)
+        self._momentum = self.multiply(self._mass, self.velocity)
         self._state_changed()
 
     def field(self, values: np.ndarray) -> Any:

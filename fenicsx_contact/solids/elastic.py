@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx import fem
+from petsc4py import PETSc
 
 from .. import checks
 from ..linear import Factorisation
@@ -52,6 +53,7 @@ class ElasticSolid(DeformableSolid):
         self._stiffness = self._assemble(self._stiffness_form(), diagonal=0.0)
         self._factors: dict[tuple[float, float], tuple[int, Factorisation]] = {}
         self._made = 0
+        self._relax()
         self._state_changed()
 
     def _stiffness_form(self) -> ufl.Form:
@@ -67,8 +69,8 @@ class ElasticSolid(DeformableSolid):
         return ufl.inner(stress, strain(v)) * self._dx
 
     def _state_changed(self) -> None:
-        self._internal = self._multiply(self._stiffness, self.displacement)
-        self._internal_rate = self._multiply(self._stiffness, self.velocity)
+        self._internal = self.multiply(self._stiffness, self.displacement)
+        self._internal_rate = self.multiply(self._stiffness, self.velocity)
 
     def linearise(self, step: Step) -> None:
         key = (step.span, step.force_rate)
@@ -91,8 +93,11 @@ class ElasticSolid(DeformableSolid):
     def imbalance(self, step: Step) -> float:
         return 0.0
 
+    def stiffness(self, displacement: np.ndarray) -> PETSc.Mat:
+        return self._stiffness
+
     def internal_force(self, displacement: np.ndarray) -> np.ndarray:
-        return self._multiply(self._stiffness, displacement)
+        return self.multiply(self._stiffness, displacement)
 
     def strain_energy(self) -> float:
         """Strain energy of the state, J."""

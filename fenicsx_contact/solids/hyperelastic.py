@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx import fem
+from petsc4py import PETSc
 
 from .. import checks, compat
 from ..linear import Factorisation
@@ -96,6 +97,7 @@ class HyperelasticSolid(DeformableSolid):
                 f"displacement: with the initial field an element of solid {self.name!r} is "
                 "inverted; its gradient must keep det(1 + grad u) > 0"
             )
+        self._relax()
         self._state_changed()
 
     def _set(self, displacement: np.ndarray) -> None:
@@ -112,9 +114,14 @@ class HyperelasticSolid(DeformableSolid):
         self._set(displacement)
         return compat.assemble_scalar(self._potential_form, self.comm)
 
+    def stiffness(self, displacement: np.ndarray) -> PETSc.Mat:
+        self._set(displacement)
+        compat.refill_petsc_matrix(self._tangent, self._tangent_form, self._bcs)
+        return self._tangent
+
     def linearise(self, step: Step) -> None:
         internal = self.internal_force(self._force_point(step))
-        compat.refill_petsc_matrix(self._tangent, self._tangent_form, self._bcs)
+        self.stiffness(self._force_point(step))
         if self._factor is None:
             self._factor = Factorisation(self._mass.copy(), self.name)
         matrix = self._factor.matrix
@@ -125,15 +132,15 @@ class HyperelasticSolid(DeformableSolid):
         self.factorisation = self._factor
         self.linearisation += 1
         # A v+ = A v - r(v) + J' f
-        self.free_load = self._multiply(matrix, self.trial_velocity)
-        new = self._multiply(self._mass, self.trial_velocity)
+        self.free_load = self.multiply(matrix, self.trial_velocity)
+        new = self.multiply(self._mass, self.trial_velocity)
         self.free_load -= (new - self._momentum) / step.span
         self.free_load += step.loaded * (self._load - internal)
         self._force[:] = 0.0
 
     def imbalance(self, step: Step) -> float:
         internal = self.internal_force(self._force_point(step))
-        new = self._multiply(self._mass, self.trial_velocity)
+        new = self.multiply(self._mass, self.trial_velocity)
         acting = (internal, -self._load) if step.dt else ()
         terms = [(new - self._momentum) / step.span, *acting, -self._force]
         own = np.array([[np.abs(t).max(initial=0.0) for t in (sum(terms), *terms)]])

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Mass redistribution: mass kept, boundary in equilibrium, impacts without loss."""
+
+import numpy as np
+import pytest
+from scenes import FLOOR, box, rectangle, total_energy
+
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    HalfSpace,
+    HyperelasticSolid,
+    InputError,
+    Scene,
+    neo_hookean,
+)
+
+
+def matrix(solid):
+    return np.array([solid.multiply(solid._mass, e) for e in np.eye(solid.owned)])
+
+
+@pytest.mark.parametrize(
+    "mesh", [rectangle((4, 5)), rectangle((4, 5), cell="triangle"), box((2, 2, 3))], ids=str
+)
+def test_mass_is_moved_not_lost(mesh):
+    data = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}
+    plain = ElasticSolid(mesh, **data)
+    moved = ElasticSolid(mesh, mass_redistribution=["base"], **data)
+    d, M = mesh.dim, matrix(moved)
+    np.testing.assert_allclose(M, M.T, atol=1e-12 * M.max())
+    x = moved.space.tabulate_dof_coordinates()
+    base = np.isclose(x[:, d - 1], 0)
+    assert not M[np.repeat(base, d)].any()
+    rest = M[np.ix_(~np.repeat(base, d), ~np.repeat(base, d))]
+    assert np.linalg.eigvalsh(rest).min() > 0
+    for k in range(d):
+        uniform = np.zeros(moved.owned)
+        uniform[k::d] = 1.0
+        assert uniform @ M @ uniform == pytest.approx(uniform @ matrix(plain) @ uniform, rel=1e-9)
+
+
+def bar(cells, length, gap, speed, until, **state):
+    solid = ElasticSolid(
+        rectangle((cells, 1), (length, 1.0)),
+        youngs_modulus=speed**2,
+        poisson_ratio=0.0,
+        density=1.0,
+        mass_redistribution=["left"],
+        **state,
+    )
+    contact = Contact(solid, "left", HalfSpace((-length / 2 - gap, 0), (1, 0)), "gap", name="c")
+    history = Scene([solid], [contact]).run(until, length / cells / speed)
+    assert history.finished
+    return history
+
+
+def test_bar_thrown_at_a_wall_keeps_its_energy():
+    velocity = {"velocity": lambda x: np.stack([-10 + 0 * x[0], 0 * x[1]])}
+    history = bar(200, 10.0, 5.0, 30.0, 2.0, **velocity)
+    np.testing.assert_allclose(total_energy(history), 500, rtol=1e-10)
+    time, force = history.time, history["c.force_x"]
+    assert time[force > 1][[0, -1]] == pytest.approx([0.5, 7 / 6], rel=0.01)
+    inside = (time > 0.55) & (time < 1.1)
+    np.testing.assert_allclose(force[inside], 300, rtol=1e-4)  # no ripple
+
+
+def test_bar_released_stretched_keeps_its_energy():
+    stretched = {"displacement": lambda x: np.stack([(0.5 - x[0]) / 2, 0 * x[1]])}
+    history = bar(200, 1.0, 0.0, 1.0, 9.0, fixed=["right"], **stretched)
+    kept = total_energy(history)
+    assert np.abs(kept / kept[0] - 1).max() < 1e-3
+    assert kept[0] == pytest.approx(1 / 8, rel=0.006)  # the last cell relaxes: O(h)
+    time, force = history.time, history["c.force_x"]
+    for start in (1, 4, 7):
+        inside = (time > start + 0.1) & (time < start + 0.9)
+        assert force[inside].mean() == pytest.approx(0.5, rel=0.01)
+
+
+@pytest.mark.parametrize("hyperelastic", [False, True])
+def test_boundary_without_mass_starts_in_equilibrium(hyperelastic):
+    common = {
+        "density": 1000.0,
+        "gravity": (0, -9.81),
+        "mass_redistribution": ["base"],
+        "displacement": lambda x: np.stack([0.01 * x[0] * x[1], 0.02 * x[1]]),
+    }
+    if hyperelastic:
+        solid = HyperelasticSolid(rectangle((2, 4)), energy=neo_hookean(1e6, 0.3), **common)
+    else:
+        solid = ElasticSolid(rectangle((2, 4)), youngs_modulus=1e6, poisson_ratio=0.3, **common)
+    out_of_balance = solid.internal_force(solid.displacement) - solid._load
+    base = np.isclose(solid.space.tabulate_dof_coordinates()[:, 1], 0)
+    at_base = np.repeat(base, 2)
+    assert np.abs(out_of_balance[at_base]).max() < 1e-9 * np.abs(out_of_balance).max()
+
+
+def test_refusals():
+    data = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}
+    solid = ElasticSolid(rectangle((2, 4)), mass_redistribution=["base"], **data)
+    with pytest.raises(InputError, match=r"mass_redistribution.*law of positions"):
+        Scene([solid], [Contact(solid, "base", FLOOR, "velocity")])
+    with pytest.raises(InputError, match=r"mass_redistribution.*degree 1"):
+        ElasticSolid(rectangle((2, 4)), mass_redistribution=["base"], degree=2, **data)
+    with pytest.raises(InputError, match="'floor'"):
+        ElasticSolid(rectangle((2, 4)), mass_redistribution=["floor"], **data)
+    with pytest.raises(InputError, match="no free nodes"):
+        ElasticSolid(rectangle((1, 1)), mass_redistribution=["base"], fixed=["top"], **data)

@@ -169,8 +169,10 @@ def animate() -> None:
         RESULTS / "run" / "fields" / "bar.pvd",
         RESULTS / "bar.gif",
         colour_by="velocity",
+        line=[(-10.0, -0.5), (-10.0, 1.5)],
+        edges=False,
         title="bar thrown at a wall",
-        size=(640, 240),
+        size=(800, 240),
     )
 
 

@@ -295,7 +295,7 @@ def draw_block(quick: bool) -> None:
         run / "fields" / "block.pvd",
         RESULTS / "block.gif",
         magnify=1000,
-        floor=0.0,
+        line=[(-0.35, 0.0), (0.35, 0.0)],
         title="0.01 degree, motion x 1000",
     )
 

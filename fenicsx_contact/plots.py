@@ -92,7 +92,8 @@ def animate(
     path: Path,
     *,
     magnify: float = 1.0,
-    floor: float | None = None,
+    line: Sequence[Sequence[float]] | None = None,
+    edges: bool = True,
     colour_by: str = "velocity",
     title: str = "",
     size: tuple[int, int] = (480, 480),
@@ -104,7 +105,8 @@ def animate(
         pvd: the solid's collection, ``<run>/fields/<solid>.pvd``.
         path: of the GIF; a PNG of the first frame is put beside it.
         magnify: factor on the displacements.
-        floor: height of a floor to be drawn, m.
+        line: two points, an obstacle to be drawn between them, m.
+        edges: draw the edges of the cells.
         colour_by: field whose size gives the colour.
         title: text in the picture.
         size: pixels.
@@ -131,18 +133,18 @@ def animate(
             scalars=colour_by,
             clim=(0, limit),
             cmap="viridis",
-            show_edges=True,
+            show_edges=edges,
             scalar_bar_args={"title": f"{colour_by} [m/s]", "color": "black"},
         )
-        if floor is not None:
-            wide = 0.3 * (high[0] - low[0])
-            ends = ([low[0] - wide, floor, 0], [high[0] + wide, floor, 0])
+        if line is not None:
+            ends = [[*point, 0.0] for point in line]
             plotter.add_mesh(pyvista.Line(*ends), color="black", line_width=4)
         plotter.add_text(f"{title}\nt = {times[i] * 1e3:.2f} ms", color="black", font_size=9)
         plotter.camera.focal_point = (*(0.5 * (low + high))[:2], 0)
         plotter.camera.position = (*(0.5 * (low + high))[:2], 1)
         plotter.camera.up = (0, 1, 0)
-        plotter.camera.parallel_scale = 0.75 * float((high - low).max())
+        wide, tall = (high - low)[:2]
+        plotter.camera.parallel_scale = 0.75 * float(max(tall, wide * size[1] / size[0]))
         plotter.write_frame()
         if i == 0:
             plotter.screenshot(str(path.with_suffix(".png")))

@@ -57,6 +57,8 @@ def facet_geometry(mesh: Any, facets: np.ndarray) -> np.ndarray:
     facets = np.asarray(facets, dtype=np.int32)
     mesh.topology.create_connectivity(fdim, mesh.topology.dim)
     mesh.topology.create_connectivity(mesh.topology.dim, fdim)
+    if not len(facets):  # dolfinx divides by their number
+        return np.empty((0, mesh.topology.dim + 1), dtype=np.int32)
     if MODERN:
         return dolfinx.mesh.entities_to_geometry(mesh, fdim, facets)
     return dolfinx.cpp.mesh.entities_to_geometry(mesh._mesh, fdim, facets, False)
@@ -75,7 +77,7 @@ def cell_geometry(mesh: Any) -> np.ndarray:
     dofmap = mesh.geometry.dofmap
     if MODERN:
         return np.asarray(dofmap)
-    return dofmap.array.reshape(dofmap.num_nodes, -1)
+    return _table(dofmap)
 
 
 def num_local_cells(mesh: Any) -> int:
@@ -111,7 +113,12 @@ def cell_dofs(space: Any) -> np.ndarray:
     dofs = space.dofmap.list
     if MODERN:
         return np.asarray(dofs)
-    return dofs.array.reshape(dofs.num_nodes, -1)
+    return _table(dofs)
+
+
+def _table(lists: Any) -> np.ndarray:
+    """0.5.2's lists of equal length as an array, also where a process has none."""
+    return lists.array.reshape(lists.num_nodes, -1 if lists.num_nodes else 1)
 
 
 # -- forms --------------------------------------------------------------------------------------

@@ -39,7 +39,8 @@ class History:
 
     * ``kinetic``, ``strain``, ``potential``: of the state at ``time`` [s];
     * ``impact``, ``friction``: work of the normal and tangential contact forces since the start
-      (negative: a loss);
+      (negative: a loss). In a step in which slip turns round one of them may gain a little on
+      behalf of the other; their sum does not;
     * ``scheme``: energy that the time scheme has made (positive) or damped since the start;
     * ``balance``: what is left of the sum, as a check of the whole; a small residual;
     * ``dt``, ``newton``, ``geometry``: length of the step, iterations, linearisations;

@@ -88,10 +88,7 @@ class NamedMesh:
         owned = mesh.topology.index_map(mesh.topology.dim - 1).size_local
         cell = _FACET_CELL[compat.cell_name(mesh)]
         corners = {"interval": 2, "triangle": 3, "quadrilateral": 4}[cell]
-        mine = facets[facets < owned]
-        nodes = np.empty((0, corners), dtype=np.int32)
-        if len(mine):  # dolfinx divides by the number of facets
-            nodes = compat.facet_geometry(mesh, mine)[:, :corners]
+        nodes = compat.facet_geometry(mesh, facets[facets < owned])[:, :corners]
         ids = mesh.geometry.index_map().local_to_global(np.ascontiguousarray(nodes.ravel()))
         x = mesh.geometry.x[nodes.ravel(), : self.dim]
         all_ids = np.concatenate(comm.allgather(np.asarray(ids)))

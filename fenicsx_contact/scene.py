@@ -149,7 +149,7 @@ class Scene:
         shortest: float = 2.0**-10,
         probes: Mapping[str, Callable[[], float]] | None = None,
     ) -> History:
-        """Run by uniform steps to the time ``until``.
+        """Run by uniform steps to the multiple of ``dt`` that is nearest to ``until``.
 
         A step that fails is tried again at half its length, down to ``shortest`` of it; below
         that the run stops and its history says why.

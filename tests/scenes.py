@@ -162,3 +162,32 @@ def rigid_box(**scene: Any) -> Scene:
         [Contact(block, "base", HalfSpace((0, 0, -0.03), (0, 0, 1)), friction=0.3, name="c")],
         **scene,
     )
+
+
+def elastic_cell() -> Scene:
+    """One elastic cell that falls on the floor: with two processes one of them has nothing."""
+    solid = ElasticSolid(
+        rectangle(),
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1000.0,
+        gravity=(0, -G),
+        velocity=lambda x: np.stack([0.1 + 0 * x[0], -0.5 + 0 * x[0]]),
+        name="cell",
+    )
+    return Scene([solid], [Contact(solid, "base", FLOOR, friction=0.3, name="c")])
+
+
+def light_footed_block() -> Scene:
+    """An elastic block, its base without mass, thrown on the floor under the gap law."""
+    solid = ElasticSolid(
+        rectangle((4, 6)),
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1000.0,
+        gravity=(0, -G),
+        mass_redistribution=["base"],
+        velocity=lambda x: np.stack([0.1 + 0 * x[0], -0.5 + 0 * x[0]]),
+        name="block",
+    )
+    return Scene([solid], [Contact(solid, "base", FLOOR, "gap", friction=0.3, name="c")])

@@ -44,6 +44,8 @@ RUNS = {
     "soft_block": (0.02, 5e-4),
     "rigid_box": (0.2, 1e-3),
     "rocking_block": (0.1, 5e-4),
+    "elastic_cell": (0.04, 2e-4),
+    "light_footed_block": (0.02, 2e-4),
 }
 
 
@@ -53,7 +55,7 @@ def start(name: str, processes: int, directory: Path, fields_every: int = 0) -> 
         tests=str(Path(__file__).parent),
         processes=processes,
         name=name,
-        check=DISTRIBUTED if name in ("elastic_block", "soft_block") else "",
+        check=DISTRIBUTED if name in ("elastic_block", "soft_block", "light_footed_block") else "",
         until=until,
         dt=dt,
         directory=str(directory),
@@ -107,7 +109,9 @@ def test_two_processes_give_the_numbers_of_one(name, tmp_path):
     assert np.abs(two["balance"]).max() < 1e-7 * energy
 
 
-@pytest.mark.parametrize(("name", "cells"), [("elastic_block", 16), ("rocking_block", 1)])
+@pytest.mark.parametrize(
+    ("name", "cells"), [("elastic_block", 16), ("rocking_block", 1), ("elastic_cell", 1)]
+)
 def test_each_process_writes_its_part_of_the_fields(name, cells, tmp_path):
     """A process may have no cell at all."""
     finish(start(name, 2, tmp_path, fields_every=50), tmp_path)

@@ -13,14 +13,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import ufl
-from dolfinx import fem
 from scipy.spatial.transform import Rotation
 
-from .. import checks, compat
+from .. import checks
 from ..meshing import NamedMesh
 from ..theta import Step
 from .base import Solid, Trace
+from .moments import moments
 
 #: A spin that changes by less than this share of it has settled; at most so many turns.
 ROUND_OFF = 1e-15
@@ -65,7 +64,7 @@ class RigidSolid(Solid):
         self.name, self.mesh, self.dim = name, mesh, mesh.dim
         if (density is None) == (mass is None):
             raise checks.InputError(f"density = {density!r}, mass = {mass!r}: give one of them")
-        size, self.centre, second = _moments(mesh)
+        size, self.centre, second = moments(mesh)
         rho = (
             checks.number("density", density, above=0)
             if mass is None
@@ -293,23 +292,3 @@ def _cross(spin: np.ndarray, arm: np.ndarray) -> np.ndarray:
     if len(spin) == 1:
         return spin[0] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
     return np.cross(spin, arm)
-
-
-def _moments(mesh: NamedMesh) -> tuple[float, np.ndarray, np.ndarray]:
-    """Size, centre and second moments about the centre of the meshed shape."""
-    domain, d = mesh.mesh, mesh.dim
-    x = ufl.SpatialCoordinate(domain)
-    dx = ufl.Measure("dx", domain=domain, metadata={"quadrature_degree": 3})
-    one = fem.Constant(domain, 1.0)
-
-    def integral(f: Any) -> float:
-        return compat.assemble_scalar(fem.form(f * dx), domain.comm)
-
-    size = integral(one)
-    centre = np.array([integral(x[i]) for i in range(d)]) / size
-    c = [fem.Constant(domain, float(value)) for value in centre]
-    second = np.zeros((d, d))
-    for i in range(d):
-        for j in range(i + 1):
-            second[i, j] = second[j, i] = integral((x[i] - c[i]) * (x[j] - c[j]))
-    return size, centre, second

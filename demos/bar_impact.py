@@ -24,13 +24,10 @@
 # the node's *mass*. Mass redistribution (Khenous, Laborde & Renard 2008) moves it inwards.
 
 # %%
-import json
-import platform
 import sys
 from pathlib import Path
 from typing import Any
 
-import dolfinx
 import numpy as np
 
 from fenicsx_contact import (
@@ -42,6 +39,7 @@ from fenicsx_contact import (
     ThetaScheme,
     mesh_from_gmsh,
 )
+from fenicsx_contact.report import write_summary
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
 RESULTS = Path("results") / "bar_impact"
@@ -196,15 +194,8 @@ def main(quick: bool = False) -> dict[str, Any]:
     summary: dict[str, Any] = {
         "wall": {name: figures_of_thrown(history) for name, history in histories.items()},
         "released": {name: figures_of_released(released(name)) for name in SCHEMES},
-        "environment": {
-            "dolfinx": dolfinx.__version__,
-            "python": platform.python_version(),
-            "machine": f"{platform.machine()}, {platform.system()}",
-            "cells": CELLS,
-        },
     }
-    RESULTS.mkdir(parents=True, exist_ok=True)
-    (RESULTS / "summary.json").write_text(json.dumps(summary, indent=1))
+    write_summary(RESULTS, summary)
     draw(histories)
     if not quick:
         animate()

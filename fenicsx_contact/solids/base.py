@@ -74,7 +74,6 @@ class Solid(ABC):
         linear: one linearisation serves a whole step.
         massless: some of its boundary has no mass, and so no velocity of its own.
         supported: something holds it even without contact.
-        moves_operator: the trace operator depends on the position (finite rotation).
         velocity, trial_velocity: at the start and at the end of the step.
     """
 
@@ -84,7 +83,6 @@ class Solid(ABC):
     linear: bool
     supported: bool
     massless = False
-    moves_operator: bool
     velocity: np.ndarray
     trial_velocity: np.ndarray
 

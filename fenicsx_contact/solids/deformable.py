@@ -47,7 +47,6 @@ class DeformableSolid(Solid):
         InputError: numbers out of range, a name that the mesh lacks.
     """
 
-    moves_operator = False
     parameters: str  # for describe()
     factorisation: Factorisation
     free_load: np.ndarray

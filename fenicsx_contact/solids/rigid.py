@@ -44,7 +44,6 @@ class RigidSolid(Solid):
     """
 
     linear = False
-    moves_operator = True
     supported = False
 
     def __init__(

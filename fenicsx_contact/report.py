@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Summaries of computed figures: JSON with the versions and the machine they come from."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def environment() -> dict[str, str]:
+    """Versions and machine."""
+    import dolfinx
+    from petsc4py import PETSc
+
+    try:
+        own = version("fenicsx_contact")
+    except PackageNotFoundError:  # run from the source tree
+        own = "source tree"
+    return {
+        "fenicsx_contact": own,
+        "dolfinx": dolfinx.__version__,
+        "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
+        "numpy": np.__version__,
+        "python": platform.python_version(),
+        "system": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
+    }
+
+
+def write_summary(directory: Path, figures: dict[str, Any]) -> None:
+    """Write ``summary.json``: the figures and, under ``environment``, where they were made.
+
+    NaN, which JSON does not know, becomes null: a figure that there is not.
+    """
+    directory.mkdir(parents=True, exist_ok=True)
+    plain = _plain({**figures, "environment": environment()})
+    (directory / "summary.json").write_text(json.dumps(plain, indent=1, allow_nan=False))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [_plain(v) for v in value]
+    if isinstance(value, (float, np.floating)):
+        return float(value) if math.isfinite(value) else None
+    return value.item() if isinstance(value, np.generic) else value

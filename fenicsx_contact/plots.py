@@ -134,17 +134,23 @@ def animate(
             clim=(0, limit),
             cmap="viridis",
             show_edges=edges,
-            scalar_bar_args={"title": f"{colour_by} [m/s]", "color": "black"},
+            scalar_bar_args={
+                "title": f"{colour_by} [m/s]",
+                "color": "black",
+                "position_y": 0.01,
+                "height": 0.1,
+            },
         )
         if line is not None:
             ends = [[*point, 0.0] for point in line]
-            plotter.add_mesh(pyvista.Line(*ends), color="black", line_width=4)
+            plotter.add_lines(np.array(ends), color="black", width=4)
         plotter.add_text(f"{title}\nt = {times[i] * 1e3:.2f} ms", color="black", font_size=9)
         plotter.camera.focal_point = (*(0.5 * (low + high))[:2], 0)
         plotter.camera.position = (*(0.5 * (low + high))[:2], 1)
         plotter.camera.up = (0, 1, 0)
         wide, tall = (high - low)[:2]
-        plotter.camera.parallel_scale = 0.75 * float(max(tall, wide * size[1] / size[0]))
+        plotter.camera.parallel_scale = 0.8 * float(max(tall, wide * size[1] / size[0]))
+        plotter.reset_camera_clipping_range()
         plotter.write_frame()
         if i == 0:
             plotter.screenshot(str(path.with_suffix(".png")))

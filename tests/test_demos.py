@@ -65,3 +65,23 @@ def test_bar_impact(tmp_path, monkeypatch, capsys):
         assert case["gap, mass redistributed"]["energy_kept"] == pytest.approx(1, abs=1e-3)
     assert (demo.RESULTS / "reaction_and_energy.png").stat().st_size > 5000
     assert capsys.readouterr().out.strip().splitlines()[-1].startswith("bar at the wall: 0.99")
+
+
+def test_stick_slip(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    demo = load("stick_slip")
+    demo.main(quick=True)
+    summary = json.loads((demo.RESULTS / "summary.json").read_text())
+    turns, exact = summary["turning_points_m"], [-0.65e-3, 0.45e-3, -0.25e-3, 0.05e-3]
+    np.testing.assert_allclose(turns, exact, rtol=0.005)
+    assert summary["motion_after_m"] < 1e-12
+    assert abs(summary["stop_time_error"]) < 1e-3
+    assert abs(summary["stop_distance_error"]) < 1e-3
+    assert summary["normal_force_spread"] < 0.02
+    assert summary["steps_shortened"] == 0
+    assert abs(summary["rigid"]["stop_time_error"]) < 1e-3
+    assert abs(summary["rigid"]["stop_distance_error"]) < 1e-3
+    slope = summary["incline"]
+    np.testing.assert_allclose(slope["acceleration"], slope["exact"], rtol=1e-9, atol=1e-12)
+    assert (demo.RESULTS / "oscillator.png").stat().st_size > 5000
+    assert capsys.readouterr().out.startswith("turning points -0.65")

@@ -242,6 +242,16 @@ class DeformableSolid(Solid):
         self._momentum = self.multiply(self._mass, self.velocity)
         self._state_changed()
 
+    def mean(self, values: np.ndarray) -> np.ndarray:
+        """Mean of a field over the mass, (d,), from its owned unknowns: of the displacement [m],
+        that of the centre of mass; of the velocity [m/s], momentum over mass."""
+        weighted, total = self.multiply(self._mass, values), np.zeros(self.dim)
+        uniform = np.zeros(self.owned)
+        uniform[:: self.dim] = 1.0
+        for k in range(self.dim):
+            total[k] = self._sum(weighted[k :: self.dim].sum())
+        return total / self._sum(uniform @ self.multiply(self._mass, uniform))
+
     def field(self, values: np.ndarray) -> Any:
         """A function of the solid's space from the values of its owned unknowns."""
         function = fem.Function(self.space)

@@ -66,8 +66,7 @@ def facet_geometry(mesh: Any, facets: np.ndarray) -> np.ndarray:
 
 def cell_name(mesh: Any) -> str:
     """Name of the cell type, e.g. ``"triangle"``."""
-    cell_type = mesh.topology.cell_type if VERSION < (0, 10) else mesh.topology.cell_types[-1]
-    return str(dolfinx.mesh.to_string(cell_type)) if MODERN else cell_type.name
+    return mesh.basix_cell().name if MODERN else mesh.topology.cell_type.name
 
 
 def cell_geometry(mesh: Any) -> np.ndarray:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The only module that knows dolfinx versions: 0.5.2 (Debian 12), 0.9 (Debian 13), up to 0.11."""
+"""The only module that knows dolfinx versions: 0.5.2 (Debian 12), 0.9 (Debian 13) and 0.11."""
 
 from __future__ import annotations
 

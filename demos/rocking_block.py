@@ -173,7 +173,7 @@ def summarise(history: History, angle: float) -> dict[str, Any]:
 # %% [markdown]
 # ## Error against run time
 #
-# The same scene with longer steps: all four are of first order, for a uniform step rounds the
+# The same scene with longer steps: all four are of about first order, for a uniform step rounds the
 # instant of an impact to its end. `Scene(..., locate_impacts=True)` finds the instant, steps
 # exactly there and lets the impact happen as a step of no length, $M(v^+ - v^-) = J^T P$. Between
 # impacts the motion is smooth and $\theta = 1/2$ follows it at second order: a hundred steps then

@@ -11,9 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
 from scipy.optimize import brentq
 
-from .stepper import Stepper
+from .stepper import Stepper, Trial
 from .theta import Step, ThetaScheme
 
 #: A body comes to rest by infinitely many impacts; after so many in one step the rest of the step
@@ -31,26 +32,33 @@ def cross_impacts(
     """
     left = dt
 
-    def take(length: float, closing: bool) -> list[float]:
-        trial = stepper.attempt(Step(length, scheme), closing)
+    def fly(length: float) -> tuple[Trial, float]:
+        """The step as if no open point could close, and how deep the deepest of them then is."""
+        trial = stepper.attempt(Step(length, scheme), closing=False)
+        depths = (contact.arrival(moved=True) for contact in stepper.contacts)
+        return trial, max(depths, default=-np.inf)
+
+    def accept(trial: Trial) -> list[float]:
         remarks.extend(trial.remarks)
         return stepper.accept(trial)
 
-    def arrival(share: float) -> float:
-        """Depth of the open points after a share of what is left, m; negative: still above."""
-        if share > 0:
-            stepper.attempt(Step(share * left, scheme), closing=False)
-        return max(contact.arrival(moved=share > 0) for contact in stepper.contacts)
-
     for _ in range(MAX_IMPACTS):
-        if not stepper.contacts or arrival(1.0) <= 0:
-            yield take(left, closing=False)
+        trial, depth = fly(left)
+        if depth <= 0:
+            yield accept(trial)
             return
-        share = brentq(arrival, 0.0, 1.0, xtol=1e-13, rtol=1e-13)
+        start = max(contact.arrival(moved=False) for contact in stepper.contacts)
+        share = brentq(
+            lambda share, whole=left, start=start: fly(share * whole)[1] if share else start,
+            0.0,
+            1.0,
+            xtol=1e-13,
+            rtol=1e-13,
+        )
         if share > 0:
-            yield take(share * left, closing=False)
-        yield take(0.0, closing=True)
+            yield accept(fly(share * left)[0])
+        yield accept(stepper.attempt(Step(0.0, scheme)))
         left *= 1 - share
         if left <= 1e-9 * dt:
             return
-    yield take(left, closing=True)
+    yield accept(stepper.attempt(Step(left, scheme)))

@@ -1,23 +1,28 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""A contact: one solid's facets against an obstacle, under a formulation, with or without friction.
+"""A contact: a solid's facets against an obstacle or another solid's, with or without friction.
 
-It follows the solid through a step and feeds its gaps and normals to the equations of its surface.
+It follows the solids through a step and feeds gaps and normals to the equations of its surface.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from . import checks
+from .coupling import Coupling, ObstacleCoupling, PairCoupling, sides_of
 from .equations import SurfaceEquations
-from .formulations import Discrete, Formulation, Lagrange
+from .formulations import Discrete, Formulation, Lagrange, Velocity
 from .formulations import formulation as as_formulation
 from .obstacles import Obstacle
 from .solids import Solid
 from .surface import Surface
 from .theta import Step
+
+#: What a solid's facets may meet: an obstacle, or the named facets of another solid.
+Master = Obstacle | tuple[Solid, str]
 
 #: Distances below this share of the coordinates are noise.
 ROUND_OFF = 1e-14
@@ -26,12 +31,12 @@ HAIR = 1e-6
 
 
 class Contact:
-    """A contact between the named facets of a solid (slave) and an obstacle (master).
+    """A contact between the named facets of a solid (slave) and what they may touch (master).
 
     Args:
-        solid: the solid.
+        solid: the slave; between two solids better the softer one, or the one of the finer mesh.
         facets: the name of its facets in contact.
-        obstacle: what they may touch.
+        master: an obstacle, or another solid and the name of its facets.
         formulation: a formulation or its name; see :mod:`fenicsx_contact.formulations`.
         friction: Coulomb's coefficient; 0 leaves friction out, unknowns and all.
         normal_augmentation, tangential_augmentation: pure numbers; rho_n and rho_t are these
@@ -41,14 +46,15 @@ class Contact:
 
     Raises:
         InputError: friction < 0 or NaN, unknown formulation or facets, dimensions that differ,
-            points of a formulation that are no nodes of the facets.
+            points of a formulation that are no nodes of the facets, surfaces that do not face
+            each other anywhere or are the same.
     """
 
     def __init__(
         self,
         solid: Solid,
         facets: str,
-        obstacle: Obstacle,
+        master: Master,
         formulation: Formulation | str = "velocity",
         friction: float = 0.0,
         *,
@@ -58,12 +64,8 @@ class Contact:
         name: str | None = None,
     ) -> None:
         checks.instance("solid", solid, Solid, "a solid")
-        checks.instance("obstacle", obstacle, Obstacle, "an obstacle (HalfSpace, ...)")
-        if obstacle.dim != solid.dim:
-            raise checks.InputError(
-                f"obstacle = {obstacle!r}: has dimension {obstacle.dim}, the solid {solid.dim}"
-            )
-        self.solid, self.facets, self.obstacle = solid, facets, obstacle
+        other = _check_master(solid, facets, master)
+        self.solid, self.facets = solid, facets
         self.formulation = as_formulation(formulation)
         self.friction = checks.number("friction", friction, at_least=0)
         augmentation = (
@@ -76,18 +78,39 @@ class Contact:
         self.tolerance = checks.number("gap_tolerance", gap_tolerance, at_least=0) * self.extent
 
         self.chosen, weight = self._points()
+        self._paired = isinstance(other, tuple)
+        if self._paired and weight is self.surface.area:
+            weight = weight.copy()  # by what of it is paired
         self.equations = SurfaceEquations(
             self.surface, self.formulation, self.friction, self.chosen, weight, augmentation
         )
-        self.trace = solid.trace(self.surface.points)
+        self.coupling = self._couple(other)
+        self.solids, self.traces = self.coupling.solids, self.coupling.traces
+        self.part = self.coupling.part
         self.force = np.zeros(self.surface.points.shape)  # mean of the last step, on the solid
         self.status = np.zeros(self.surface.size)
         self._closed = np.zeros(self.surface.size, dtype=bool)
         self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
         self._unit = (0.0, 1.0)
+        self._at_points = isinstance(self.formulation, (Lagrange, Discrete))
         self._remembers = isinstance(self.formulation, Discrete) and self.friction > 0
-        self._set_normal(-self.obstacle.normals(self.trace.positions()))
+        self._set_normal(self.coupling.normals())
         self._locate()
+
+    def _couple(self, other: Obstacle | tuple[Solid, str]) -> Coupling:
+        if not isinstance(other, tuple):
+            return ObstacleCoupling(self.solid, self.equations, other)
+        slave = sides_of(
+            self.solid, self.facets, points=self.surface.points, cells=self.surface.cell_nodes
+        )
+        solid, facets = other
+        pair = PairCoupling((self.solid, solid), (slave, sides_of(solid, facets)), self.equations)
+        if not pair.faces:
+            raise checks.InputError(
+                f"master = ({solid.name!r}, {facets!r}): nowhere faces {self.facets!r} of "
+                f"{self.solid.name!r}; the outward normals of the two must point at each other"
+            )
+        return pair
 
     def _points(self) -> tuple[np.ndarray, np.ndarray]:
         """The points that the formulation acts on, and their weights in the integrals."""
@@ -110,31 +133,32 @@ class Contact:
             chosen[nodes] = True
         return chosen, chosen.astype(float)
 
-    def _gaps(self) -> np.ndarray:
-        return -self.obstacle.distance(self.trace.positions())
-
-    def _jump(self, velocity: np.ndarray) -> np.ndarray:
-        return self.trace.jump(velocity).reshape(self.surface.points.shape)
-
     def _locate(self) -> None:
         """Gap (n,) and jump (n, d) at the start of a step."""
-        self.gap = self._gaps()
-        self.jump = self._jump(self.solid.velocity)
+        self.gap = self.coupling.gaps()
+        self.jump = self.coupling.jump("velocity")
 
     # -- the step -------------------------------------------------------------------------------
 
     def predict(self, step: Step, closing: bool = True) -> None:
-        """Choose the candidates by the gaps of the solid's explicit prediction; those that are
+        """Choose the candidates by the gaps of the solids' explicit prediction; those that are
         open now only if ``closing``."""
-        self.trace.follow()
+        self.coupling.follow()
         if step.dt:  # an impact sees as closed what the step that led to it did
-            turned = self.extent * self.solid.turn(step) ** 2
+            lift = self.coupling.lift(step, self.extent)
             # a point that bore stays closed, though finite rotation lifts it by a hair: whether
             # it opens is then for the law to say, not for round-off
-            bore = (self.status > 0) & (self.gap >= -HAIR * self.extent - turned)
-            self._closed = (self.gap >= -self.tolerance - turned) | bore
-        candidates = self.formulation.candidates(self._gaps(), self.tolerance)
-        self.equations.choose((candidates & (closing | self._closed)) | self._bore())
+            bore = (self.status > 0) & (self.gap >= -HAIR * self.extent - lift)
+            self._closed = (self.gap >= -self.tolerance - lift) | bore
+        self._allowed = closing | self._closed
+        candidates = self.formulation.candidates(self.coupling.gaps(), self.tolerance)
+        self._choose(candidates)
+
+    def _choose(self, candidates: np.ndarray) -> None:
+        candidates = (candidates & self._allowed) | self._bore()
+        if isinstance(self.coupling, PairCoupling):
+            candidates &= self.coupling.near()
+        self.equations.choose(candidates)
 
     def _bore(self) -> np.ndarray:
         return self._closed & (self.status > 0)
@@ -142,26 +166,39 @@ class Contact:
     def arrival(self, moved: bool) -> float:
         """Largest gap [m] of the points that were open at the start of the step, there or, if
         ``moved``, in the trial state."""
-        gap = self._gaps() if moved else self.gap
+        gap = self.coupling.gaps() if moved else self.gap
         return float(gap[self.chosen & ~self._closed].max(initial=-np.inf))
 
-    def linearise(self, step: Step) -> None:
-        """Take up the trial state of the solid: operator, normals and gaps."""
-        self.trace.linearise(step)
+    def linearise(self, step: Step, exact: bool = False) -> None:
+        """Take up the trial states of the solids: operators, normals and gaps; if ``exact`` with
+        the derivatives of all these."""
+        for trace in self.traces:
+            trace.linearise(step)
         k, share = self.equations.fields, self._share(step)
-        if not self.obstacle.flat:
-            self._set_normal(-self.obstacle.normals(self.trace.positions()))
+        if self._paired:
+            self._take_pairs()
+        if not self.coupling.fixed_normal:
+            self._set_normal(self.coupling.normals())
         gap = self.gap
         if share:
             # the gap at the end of the step as a function of w: end + gap_rate w_n
-            approach = _dot(self._jump(self.solid.trial_velocity), self.normal)
-            self._end = self._gaps() - step.gap_rate * approach
+            approach = _dot(self.coupling.jump("trial_velocity"), self.normal)
+            self._end = self.coupling.gaps() - step.gap_rate * approach
             gap = (1 - share) * gap + share * self._end
         k.gap.x.array[:] = gap
         self.equations.set_rates(share * step.gap_rate, step.span)
         if self._remembers:
             rate = step.scheme.force_weight * (step.dt - step.gap_rate)
             k.elongation.x.array[:] = (self._stretch + rate * self.jump).ravel()
+        self.coupling.linearise(step, exact, share)
+
+    def _take_pairs(self) -> None:
+        """Weights by the paired area; laws of positions choose their candidates anew."""
+        assert isinstance(self.coupling, PairCoupling)
+        if not self._at_points:
+            self.equations.set_weight(self.coupling.pairing.area)
+        if not isinstance(self.formulation, Velocity):
+            self._choose(np.ones(self.surface.size, dtype=bool))
 
     def _share(self, step: Step) -> float:
         return self.formulation.gap_share(step.scheme.force_weight)
@@ -170,15 +207,24 @@ class Contact:
         self.normal = np.ascontiguousarray(normal)
         self.equations.fields.set_normal(self.normal)
 
-    def unit(self, compliance: np.ndarray, step: Step) -> float:
+    def unit(self, step: Step) -> float:
         """The pressure that stops 1 m/s at a typical point within the step; kept while the
         length of the step does not change."""
         if self._unit[0] != step.span:
-            diagonal = compliance.diagonal().reshape(self.normal.shape)
-            flexible = (diagonal * self.normal**2).sum(axis=1) * self.equations.weight
+            flexible = (self.coupling.mobility() * self.normal**2).sum(axis=1)
+            flexible = flexible * self.equations.weight
             flexible = flexible[flexible > 0]
-            self._unit = (step.span, 1 / float(np.median(flexible)) if len(flexible) else 1.0)
+            if not len(flexible):
+                return 1.0
+            self._unit = (step.span, 1 / float(np.median(flexible)))
         return self._unit[1]
+
+    def start(self, free: np.ndarray) -> None:
+        """Starting values of a step, from the velocities of the points without contact, flat."""
+        if not self._paired:
+            self.equations.start(self.jump.ravel(), free)
+        else:
+            self.equations.start(self.jump.ravel(), self.coupling.to_jump(free).ravel())
 
     def speed_limit(self, step: Step) -> np.ndarray | None:
         """The w_n that the law allows at each point at most, None for springs."""
@@ -186,11 +232,11 @@ class Contact:
         return self.formulation.speed_limit(gap, step.gap_rate, step.dt)
 
     def error(self, step: Step) -> tuple[float, float, float]:
-        """Follow the solid to its trial state, which has just been computed; by how much its
+        """Follow the solids to their trial states, which have just been computed; by how much the
         jumps [m/s] and gaps [m] there differ from the linearised ones over the candidates, and
         the largest speed [m/s] of a point."""
-        self.trace.follow()
-        self.trial_jump = self._jump(self.solid.trial_velocity)
+        self.coupling.follow()
+        self.trial_jump = self.coupling.jump("trial_velocity")
         points = self.equations.candidates
         if not len(points):
             return 0.0, 0.0, 0.0
@@ -199,18 +245,26 @@ class Contact:
         gap = 0.0
         if self._share(step):
             expected = self._end + step.gap_rate * _dot(linear, self.normal)
-            gap = float(np.abs(self._gaps() - expected)[points].max())
-            gap = max(0.0, gap - ROUND_OFF * float(np.abs(self.trace.positions()).max()))
+            gap = float(np.abs(self.coupling.gaps() - expected)[points].max())
+            gap = max(0.0, gap - ROUND_OFF * float(np.abs(self.coupling.positions()).max()))
         return float(jump), gap, float(np.abs(self.trial_jump).max())
 
     def accept(self, force: np.ndarray, step: Step) -> None:
-        """Keep what the next step starts from."""
-        self.force = force.reshape(self.normal.shape)
+        """Keep what the next step starts from; ``force``: on the traces' points, flat."""
+        self.force = self._nodal_force() if self._paired else force.reshape(self.normal.shape)
         self.status = self.equations.statuses()
         if self._remembers:
             self._keep_stretch(step)
-        self.gap, self.jump = self._gaps(), self.trial_jump
-        self.trace.accept()
+        self.gap, self.jump = self.coupling.gaps(), self.trial_jump
+        self.coupling.accept()
+
+    def _nodal_force(self) -> np.ndarray:
+        """Forces on the slave at the nodes of the surface, (n, d) in N."""
+        force = np.zeros(self.equations.jumps)
+        active = self.equations.active_jumps
+        if len(active):
+            force[active] = -self.equations.residual()[active]
+        return force.reshape(self.normal.shape)
 
     def _keep_stretch(self, step: Step) -> None:
         """Stretch of the tangential springs: elastic while they stick, returned on slip."""
@@ -222,12 +276,13 @@ class Contact:
 
     # -- what it tells --------------------------------------------------------------------------
 
-    def work(self, mean_velocity: np.ndarray, span: float) -> tuple[float, float]:
-        """Work of the contact on the solid in the step, J: of the normal and of the friction
-        forces. Both are losses where the obstacle is at rest."""
+    def work(self, means: Mapping[int, np.ndarray], span: float) -> tuple[float, float]:
+        """Work of the contact on its solids in the step, J: of the normal and of the friction
+        forces, from the solids' mean velocities (by id). Both are losses, of an obstacle at rest
+        or between solids."""
         if not self.force.any():
             return 0.0, 0.0
-        jump = self.trace.mean_jump(mean_velocity).reshape(self.normal.shape)
+        jump = self.coupling.mean_jump(means)
         total = span * float((self.force * jump).sum())
         normal = span * float((_dot(self.force, self.normal) * _dot(jump, self.normal)).sum())
         return normal, total - normal
@@ -261,8 +316,8 @@ class Contact:
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
         self._stretch = np.array(state["stretch"])
         self._unit = (float(state["unit"][0]), float(state["unit"][1]))
-        self.trace.follow()
-        self.trace.accept()
+        self.coupling.follow()
+        self.coupling.accept()
         self._locate()
 
     def describe(self) -> str:
@@ -273,6 +328,33 @@ class Contact:
         unknowns = n * (k.components - self.surface.dim)
         parts.append(f"{unknowns} multipliers" if unknowns else "springs (no multipliers)")
         return ", ".join(parts)
+
+
+def _check_master(solid: Solid, facets: str, master: Any) -> Master:
+    """The master as given, or a refusal."""
+    if not isinstance(master, tuple):
+        checks.instance(
+            "master", master, Obstacle, "an obstacle (HalfSpace, ...) or (solid, name of facets)"
+        )
+        if master.dim != solid.dim:
+            raise checks.InputError(
+                f"master = {master!r}: has dimension {master.dim}, the solid {solid.dim}"
+            )
+        return master
+    if len(master) != 2 or not isinstance(master[0], Solid) or not isinstance(master[1], str):
+        raise checks.InputError(f"master = {master!r}: must be (solid, name of facets)")
+    other, theirs = master
+    if other.dim != solid.dim:
+        raise checks.InputError(
+            f"master = ({other.name!r}, {theirs!r}): has dimension {other.dim}, "
+            f"{solid.name!r} has {solid.dim}"
+        )
+    if other is solid and theirs == facets:
+        raise checks.InputError(
+            f"master = ({other.name!r}, {theirs!r}): a surface cannot be in contact with itself; "
+            "name the two parts that may meet"
+        )
+    return other, theirs
 
 
 def _dot(a: Any, b: Any) -> np.ndarray:

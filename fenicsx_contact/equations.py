@@ -7,7 +7,10 @@ component). Only the *candidates* of a step have equations: at the others nothin
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import scipy.sparse as sp
 import ufl
 
 from . import compat
@@ -43,6 +46,7 @@ class SurfaceEquations:
         discrete_sum = None if weight is surface.area else weight / surface.area
         self.fields = k = SurfaceFields(surface, friction, formulation.multipliers, discrete_sum)
         form, status = formulation.form(k)
+        self.form = form
         self._residual = compat.VectorAssembler(form)
         self._tangent = compat.MatrixAssembler(ufl.derivative(form, k.unknowns))
         self._status = compat.PointExpression(status, surface.scalars)
@@ -53,10 +57,11 @@ class SurfaceEquations:
         self.size = k.components * n
         self.semi = self.jumps + n * formulation.multipliers  # where Lam begins
         self._order = np.concatenate([k.dofs[:d].T.ravel(), k.dofs[d:].ravel()])
-        place = np.empty(self.size, dtype=np.int64)
+        self.order_of_rows = place = np.empty(self.size, dtype=np.int64)
         place[self._order] = np.arange(self.size)
         rows = np.repeat(np.arange(self.size), np.diff(self._tangent.indptr))
-        self._entries = place[rows] * self.size + place[self._tangent.indices]
+        self._place = place[rows], place[self._tangent.indices]
+        self._entries = self._place[0] * self.size + self._place[1]
         self._dense = np.zeros((self.size, self.size))
         self._z = k.unknowns.x.array
         self._key, self._scale, self._rates = b"", (0.0, 0.0), (0.0, 0.0)
@@ -76,7 +81,9 @@ class SurfaceEquations:
         n, d = self._surface.points.shape
         self.active_jumps = (self.candidates[:, None] * d + np.arange(d)).ravel()
         blocks = np.arange(self.jumps, self.size, n)[:, None] + self.candidates
+        self.active_multipliers = blocks.ravel()
         self.active = np.concatenate([self.active_jumps, blocks.ravel()]).astype(np.int64)
+        self._block = None if len(self.active) == self.size else np.ix_(self.active, self.active)
 
     def set_scale(self, unit: float, speed: float) -> None:
         """Scale unknowns, rows and augmentation.
@@ -91,7 +98,7 @@ class SurfaceEquations:
             pressure = unit * speed
             k.rho_n.value = self._augmentation[0] * unit
             k.pressure_scale.value = pressure
-            share = np.where(self._chosen, self.weight, 1.0)
+            share = np.where(self._chosen & (self.weight > 0), self.weight, 1.0)
             self.column_scale = np.full(self.size, speed)
             self.row_scale = np.full(self.size, 1 / speed)
             if self.semi > self.jumps:
@@ -107,6 +114,15 @@ class SurfaceEquations:
                 self.row_scale[self.semi :] = np.tile(stick, components)
                 self.slip_weight = rho_t * speed
             self._refresh()
+
+    def set_weight(self, weight: np.ndarray) -> None:
+        """The points weigh otherwise in the integrals than before, (n,)."""
+        if not np.array_equal(weight, self.weight):
+            self.weight = weight
+            self.fields.set_weight(weight / self._surface.area)
+            scale, self._scale = self._scale, (0.0, 0.0)
+            if scale[0]:
+                self.set_scale(*scale)
 
     def set_rates(self, gap_rate: float, dt: float) -> None:
         """Derivative of the gap by w, s, and length of the step, s."""
@@ -141,6 +157,70 @@ class SurfaceEquations:
         """Their derivative by the unknowns; the next call uses the same array again."""
         self._dense.ravel()[self._entries] = self._tangent()
         return self._dense
+
+    # -- as a part of a system: restricted to the candidates --------------------------------------
+
+    @property
+    def places(self) -> int:
+        """Number of velocities of the points that the system may have as unknowns."""
+        return self.jumps
+
+    @property
+    def active_places(self) -> np.ndarray:
+        """Those that it has: the jumps of the candidates."""
+        return self.active_jumps
+
+    @property
+    def multipliers(self) -> int:
+        """Number of its multipliers."""
+        return len(self.active_multipliers)
+
+    def scales(self) -> tuple[np.ndarray, np.ndarray]:
+        """Sizes of the active unknowns, and what makes their rows pure numbers."""
+        return self.column_scale[self.active], self.row_scale[self.active]
+
+    def active_values(self) -> np.ndarray:
+        """The active unknowns."""
+        return self.values[self.active]
+
+    def active_residual(self) -> np.ndarray:
+        """Their rows."""
+        return self.residual()[self.active]
+
+    def active_tangent(self) -> np.ndarray:
+        """And their tangent, dense."""
+        dense = self.tangent()
+        return dense if self._block is None else dense[self._block]
+
+    def move(self, step: np.ndarray) -> None:
+        """Add to the active unknowns."""
+        values = self.values
+        values[self.active] += step
+        self.values = values
+
+    def kind(self, row: int) -> str:
+        """What an active row is."""
+        row -= len(self.active_jumps)
+        return "jump" if row < 0 else "multiplier" if row < len(self.candidates) else "friction"
+
+    def jump_operator(self) -> None:
+        """The unknown velocities are the jumps of the candidates."""
+        return None
+
+    def set_places(self, velocities: np.ndarray) -> None:
+        """Set the active velocities."""
+        values = self.values
+        values[self.active_jumps] = velocities
+        self.values = values
+
+    @property
+    def equations(self) -> SurfaceEquations:
+        """The equations of the surface: these."""
+        return self
+
+    def sparse_tangent(self) -> sp.csr_matrix:
+        """The tangent, sparse."""
+        return sp.csr_matrix((self._tangent(), self._place), (self.size, self.size))
 
     def statuses(self) -> np.ndarray:
         """0 open, 1 stick (or bearing without friction), 2 slip, for each point."""

@@ -109,7 +109,7 @@ class FieldWriter:
         data = {"force": contact.force, "gap": contact.gap, "status": contact.status}
         if contact.multiplier is not None:
             data["multiplier"] = contact.multiplier
-        data["displacement"] = contact.trace.positions() - surface.points  # asks every process
+        data["displacement"] = contact.coupling.positions() - surface.points  # asks every process
         if self._comm.rank == 0:
             self._write(contact.name, number, surface.points, cells, data)
 

@@ -96,6 +96,20 @@ class NamedMesh:
         _, first, cells = np.unique(all_ids, return_index=True, return_inverse=True)
         return all_x[first], cells.reshape(-1, corners), cell
 
+    def behind(self, name: str) -> np.ndarray:
+        """For each named facet its midpoint and that of the cell behind it, (m, 2, d), whole on
+        every process, in no particular order."""
+        mesh, tdim = self.mesh, self.mesh.topology.dim
+        facets = self.facets(name)
+        facets = facets[facets < mesh.topology.index_map(tdim - 1).size_local]
+        nodes = compat.facet_geometry(mesh, facets)
+        mesh.topology.create_connectivity(tdim - 1, tdim)
+        cells = mesh.topology.connectivity(tdim - 1, tdim)
+        first = [cells.links(facet)[0] for facet in facets]
+        x = mesh.geometry.x[:, : self.dim]
+        ends = x[nodes].mean(axis=1), x[compat.cell_geometry(mesh)[first]].mean(axis=1)
+        return np.concatenate(mesh.comm.allgather(np.stack(ends, axis=1)))
+
 
 def name_facets(mesh: Any, where: Mapping[str, Callable[[np.ndarray], np.ndarray]]) -> NamedMesh:
     """Names for the boundary facets of a dolfinx mesh.

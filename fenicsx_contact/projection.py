@@ -32,10 +32,11 @@ def project(
     Returns:
         The number of sweeps.
     """
-    W, free = system.W, system.free
+    J, W, free = system.condensed()
     points = []  # (jump indices, normal, tangents, allowed speed, friction)
     start = 0
-    for surface, allowed in zip(system.surfaces, limits):
+    for part, allowed in zip(system.parts, limits):
+        surface = part.equations
         normals, tangents = surface.fields.frame()
         friction = float(surface.fields.friction.value)
         d = normals.shape[1]
@@ -70,19 +71,21 @@ def project(
             change = max(change, np.abs(block @ (new - old)).max())
         if change <= tolerance * speed:
             break
-    _set_unknowns(system, force, jump)
+    _set_unknowns(system, J, force)
     return sweeps
 
 
-def _set_unknowns(system: SurfaceSystem, force: np.ndarray, jump: np.ndarray) -> None:
-    """Jumps and multipliers that correspond to the forces."""
+def _set_unknowns(system: SurfaceSystem, J: np.ndarray, force: np.ndarray) -> None:
+    """Velocities and multipliers that correspond to the forces at the candidates."""
+    velocities = system.free + system.W @ (J.T @ force)
     start = 0
-    for surface in system.surfaces:
+    for part, place in system.placed:
+        surface = part.equations
+        part.set_places(velocities[place[: len(part.active_places)]])
         normals, tangents = surface.fields.frame()
         d, n = normals.shape[1], len(normals)
         values = surface.values
         count = len(surface.candidates) * d
-        values[surface.active_jumps] = jump[start : start + count]
         f = force[start : start + count].reshape(-1, d)
         p = surface.candidates
         lam = np.einsum("ij,ij->i", f, normals[p]) / surface.weight[p]

@@ -121,11 +121,9 @@ def _fingerprint(scene: Scene, dt: float) -> str:
     lines.append(f"impacts located: {scene.locate_impacts}")
     lines.append("energies " + ", ".join(f"{energy:.9g}" for energy in scene.stepper.energies))
     for contact in scene.contacts:
-        obstacle = contact.obstacle
-        plain = type(obstacle).__repr__ is object.__repr__  # would tell an address in memory
         lines.append(
             f"{contact.name}: {contact.formulation}, friction {contact.friction!r}, "
-            f"{type(obstacle).__name__ if plain else obstacle}, "
+            f"{contact.coupling.describe()}, "
             f"gaps {contact.gap.min():.9g} to {contact.gap.max():.9g}"
         )
     return "\n".join(lines)

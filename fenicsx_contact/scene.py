@@ -80,11 +80,12 @@ class Scene:
         if len({solid.dim for solid in self.solids}) > 1:
             raise checks.InputError("solids: some are in 2D and some in 3D; use one dimension")
         for contact in self.contacts:
-            if contact.solid not in self.solids:
-                raise checks.InputError(
-                    f"contacts: {contact.name!r} is of solid {contact.solid.name!r}, which is not "
-                    "in the scene"
-                )
+            for solid in contact.solids:
+                if solid not in self.solids:
+                    raise checks.InputError(
+                        f"contacts: {contact.name!r} is of solid {solid.name!r}, which is not in "
+                        "the scene"
+                    )
             if self.scheme.theta == 0 and not isinstance(contact.formulation, Velocity):
                 raise checks.InputError(
                     f"theta = 0.0: the {contact.formulation.name} law of contact {contact.name!r} "
@@ -95,20 +96,21 @@ class Scene:
                     "locate_impacts = True: an impact of no length needs the velocity law; "
                     f"contact {contact.name!r} has {contact.formulation.name}"
                 )
-            if contact.solid.massless and isinstance(contact.formulation, Velocity):
+            light = [solid.name for solid in contact.solids if solid.massless]
+            if light and isinstance(contact.formulation, Velocity):
                 raise checks.InputError(
-                    f"mass_redistribution: a boundary of {contact.solid.name!r} without mass has "
+                    f"mass_redistribution: a boundary of {light[0]!r} without mass has "
                     f"no velocity of its own; contact {contact.name!r} needs a law of positions "
                     "(gap, lagrange, springs) there"
                 )
             depth = float(contact.gap.max())
             if depth > deepest * contact.extent:
                 raise checks.InputError(
-                    f"contacts: {contact.name!r} starts {depth:.4g} inside its obstacle; at most "
+                    f"contacts: {contact.name!r} starts {depth:.4g} inside its master; at most "
                     f"{deepest:g} of the surface's extent ({deepest * contact.extent:.4g}) is "
                     "allowed"
                 )
-        touched = {id(contact.solid) for contact in self.contacts}
+        touched = {id(solid) for contact in self.contacts for solid in contact.solids}
         for solid in self.solids:
             if id(solid) not in touched and not solid.supported and not allow_free:
                 raise checks.InputError(

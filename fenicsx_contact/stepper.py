@@ -7,7 +7,7 @@ Newton's method for their momentum balance. A scene of linear solids passes it o
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -50,11 +50,13 @@ class Stepper:
         self, solids: Sequence[Solid], contacts: Sequence[Contact], newton: Newton
     ) -> None:
         self.solids, self.contacts, self.newton = list(solids), list(contacts), newton
-        bounds = np.cumsum([0, *(c.equations.jumps for c in self.contacts)])
-        self._slices = [slice(a, b) for a, b in zip(bounds[:-1], bounds[1:])]
-        self._compliance = np.zeros((bounds[-1], bounds[-1]))
+        self._parts = _slices(contact.part.places for contact in self.contacts)
+        self._sides = [  # solid and trace of each side of each contact
+            side for c in self.contacts for side in zip(c.solids, c.traces)
+        ]
+        self._slices = _slices(trace.jump(s.velocity).size for s, trace in self._sides)
         self._system = SurfaceSystem(
-            [contact.equations for contact in self.contacts],
+            [contact.part for contact in self.contacts],
             [contact.name for contact in self.contacts],
         )
         self.times: dict[str, float] = {}
@@ -98,8 +100,8 @@ class Stepper:
             iterations += solution.iterations
             remarks += solution.remarks
             clock("newton")
-            for contact, part in zip(self.contacts, self._slices):
-                contact.trace.spread(solution.force[part])
+            for (_, trace), part in zip(self._sides, self._slices):
+                trace.spread(solution.force[part])
             for solid in self.solids:
                 solid.correct(step)
             clock("solids")
@@ -113,31 +115,43 @@ class Stepper:
         )
 
     def _linearise(self, step: Step, first: bool) -> float:
-        """Jumps without contact, compliance and scales; returns a typical speed."""
-        W = self._compliance
+        """Velocities without contact, compliance and scales; returns a typical speed."""
         for contact in self.contacts:
             contact.linearise(step)
-        self._free = []
+        free = [trace.free_jump() for _, trace in self._sides]
+        self._free = free[0] if len(free) == 1 else np.concatenate([*free, np.empty(0)])
         speed = 0.0
-        for contact, a in zip(self.contacts, self._slices):
-            for other, b in zip(self.contacts, self._slices):
-                if other.solid is contact.solid:
-                    W[a, b] = contact.trace.compliance(other.trace)
-            free = contact.trace.free_jump()
-            self._free.append(free)
-            active = contact.equations.active_jumps
-            speed = max(speed, float(np.abs(free[active]).max(initial=0.0)))
+        for contact, part in zip(self.contacts, self._parts):
+            active = contact.part.active_places
+            speed = max(speed, float(np.abs(self._free[part][active]).max(initial=0.0)))
         # powers of two: the scales change rarely, and scaling costs no accuracy
         speed = 2.0 ** np.ceil(np.log2(speed)) if 0 < speed < np.inf else 1.0
-        for contact, free, a in zip(self.contacts, self._free, self._slices):
-            contact.equations.set_scale(contact.unit(W[a, a], step), speed)
+        for contact, part in zip(self.contacts, self._parts):
+            contact.equations.set_scale(contact.unit(step), speed)
             if first:
-                contact.equations.start(contact.jump.ravel(), free)
+                contact.start(self._free[part])
         return speed
+
+    def _compliance(self, active: np.ndarray) -> np.ndarray:
+        """W of the active points."""
+        W = np.zeros((len(active), len(active)))
+        bounds = np.searchsorted(active, [part.start for part in self._slices] + [np.inf])
+        ours = [
+            (solid, trace, slice(a, b), active[a:b] - part.start)
+            for (solid, trace), part, a, b in zip(
+                self._sides, self._slices, bounds[:-1], bounds[1:]
+            )
+        ]
+        for solid, trace, rows, mine in ours:
+            for other_solid, other, columns, theirs in ours:
+                if other_solid is solid and len(mine) and len(theirs):
+                    W[rows, columns] = trace.compliance(mine, other, theirs)
+        return W
 
     def _solve(self, step: Step) -> Solution:
         try:
-            self._system.begin(self._free, self._compliance)
+            active = self._system.arrange()
+            self._system.begin(self._free[active], self._compliance(active))
             return self.newton.solve(
                 self._system, lambda: [contact.speed_limit(step) for contact in self.contacts]
             )
@@ -165,9 +179,9 @@ class Stepper:
         for solid in self.solids:
             solid.accept()
         impact = friction = 0.0
-        for contact, part in zip(self.contacts, self._slices):
+        for contact, part in zip(self.contacts, self._parts):
             contact.accept(trial.force[part], step)
-            normal, tangential = contact.work(means[id(contact.solid)], step.span)
+            normal, tangential = contact.work(means, step.span)
             impact, friction = impact + normal, friction + tangential
         old, self.energies = self.energies, self.sum_energies()
         change = sum(self.energies) - sum(old)
@@ -192,6 +206,11 @@ class Stepper:
         for contact in self.contacts:
             row += [*contact.force.sum(axis=0), *contact.counts(), contact.depth()]
         return row
+
+
+def _slices(sizes: Iterable[int]) -> list[slice]:
+    bounds = np.cumsum([0, *sizes])
+    return [slice(a, b) for a, b in zip(bounds[:-1], bounds[1:])]
 
 
 class _Clock:

@@ -154,8 +154,15 @@ class SurfaceFields:
         if self.surface.dim == 2:
             tangents = [ufl.as_vector((-n[1], n[0]))]
         else:
-            tangents = [self._tangent, ufl.cross(n, self._tangent)]
+            # orthogonal to n also where n is varied
+            first = self._tangent - ufl.dot(self._tangent, n) * n
+            first /= ufl.sqrt(ufl.dot(first, first))
+            tangents = [first, ufl.cross(n, first)]
         return ufl.as_vector([ufl.dot(v, t) for t in tangents])
+
+    def set_weight(self, weight: np.ndarray) -> None:
+        """What the points weigh, as shares of their areas."""
+        self._weight.x.array[:] = weight
 
     def set_normal(self, normal: np.ndarray) -> None:
         """Set the normals (n, d) and, where friction needs it, a first tangent."""

@@ -6,13 +6,15 @@ With F the assembled contact terms of (7), ``w_free`` the jump without contact a
 
     w - w_free + W F_w(w, lam, Lam) = 0          F_lam = 0          F_Lam = 0
 
-over the candidates of the step. Unknowns and rows are scaled (speed, pressure, 1).
+over the candidates of the step. Between two solids the unknowns are the velocities of the nodes
+on both sides that the candidates meet, and J stands in F. Unknowns and rows are scaled (speed,
+pressure, 1).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from scipy.linalg import lapack
@@ -24,12 +26,39 @@ from .equations import SurfaceEquations
 COMPLIANCE = 1e-8
 
 
-class _Part(NamedTuple):
-    """Where the candidates' unknowns of a surface stand: there, in its tangent, in the system."""
+class Part(Protocol):
+    """The equations of one contact, in velocities of points of its solids and in multipliers.
 
-    surface: SurfaceEquations
-    active: np.ndarray
-    block: tuple[np.ndarray, ...] | None
+    Those that are active in a step stand in the order (velocities, multipliers).
+    """
+
+    revision: int
+
+    @property
+    def places(self) -> int: ...
+    @property
+    def active_places(self) -> np.ndarray: ...
+    @property
+    def multipliers(self) -> int: ...
+    def scales(self) -> tuple[np.ndarray, np.ndarray]: ...
+    def active_values(self) -> np.ndarray: ...
+    def active_residual(self) -> np.ndarray: ...
+    def active_tangent(self) -> np.ndarray: ...
+    def move(self, step: np.ndarray) -> None: ...
+    def error(self, scaled: np.ndarray) -> np.ndarray: ...
+    def statuses(self) -> np.ndarray: ...
+    def kind(self, row: int) -> str: ...
+    def jump_operator(self) -> np.ndarray | None: ...
+    def set_places(self, velocities: np.ndarray) -> None: ...
+
+    @property
+    def equations(self) -> SurfaceEquations: ...
+
+
+class _Place(NamedTuple):
+    """Where the active unknowns of a part stand in the system."""
+
+    part: Part
     place: np.ndarray
 
 
@@ -37,84 +66,81 @@ class SurfaceSystem:
     """The stacked equations of the contacts of a scene, restricted to the candidates.
 
     Attributes:
-        surfaces, names: of the contacts.
-        W, free: compliance and free jump of the candidates.
+        parts, names: of the contacts.
+        W, free: compliance of the active points and their velocities without contact.
         worst: the largest error of any row, after :meth:`error`.
+        linear_force: forces after :meth:`iterate` as the linearised equations have them.
     """
 
-    def __init__(self, surfaces: Sequence[SurfaceEquations], names: Sequence[str]) -> None:
-        self.surfaces, self.names = list(surfaces), list(names)
-        self._total = sum(s.jumps for s in self.surfaces)
+    def __init__(self, parts: Sequence[Part], names: Sequence[str]) -> None:
+        self.parts, self.names = list(parts), list(names)
+        self._total = sum(p.places for p in self.parts)
         self._revision = -1
         self.worst = 0.0
 
-    def begin(self, free: Sequence[np.ndarray], compliance: np.ndarray) -> None:
-        """Take up the free jumps (flat, one array a contact) and W (over all jumps)."""
-        revision = sum(s.revision for s in self.surfaces)
+    def arrange(self) -> np.ndarray:
+        """Take up which points are active; their velocities' indices among all."""
+        revision = sum(p.revision for p in self.parts)
         if revision != self._revision:
             self._revision = revision
             self._arrange()
-        everything = len(self.jumps) == self._total
-        self.W = compliance if everything else compliance[self._jump_block]
-        self.free = free[0] if len(free) == 1 else np.concatenate([*free, np.empty(0)])
-        if not everything:
-            self.free = self.free[self.jumps]
+        return self.active
+
+    def begin(self, free: np.ndarray, compliance: np.ndarray) -> None:
+        """Take up the free velocities (flat) and W of the active points, after `arrange`."""
+        self.W, self.free = compliance, free
         self.history: list[np.ndarray] = []
         if self.size:
             self.update()
 
     def _arrange(self) -> None:
-        """Places of the candidates' unknowns: all jumps, then the multipliers by contact."""
-        offset, jumps = 0, [np.empty(0, dtype=np.int64)]
-        for surface in self.surfaces:
-            jumps.append(surface.active_jumps + offset)
-            offset += surface.jumps
-        self.jumps = np.concatenate(jumps)
-        self._jump_block = np.ix_(self.jumps, self.jumps)
-        self.parts: list[_Part] = []
-        w, m = 0, len(self.jumps)
-        for s in self.surfaces:
-            count, extra = len(s.active_jumps), len(s.active) - len(s.active_jumps)
+        """Places of the active unknowns: all velocities, then the multipliers by contact."""
+        offset, active = 0, [np.empty(0, dtype=np.int64)]
+        for part in self.parts:
+            active.append(part.active_places + offset)
+            offset += part.places
+        self.active = np.concatenate(active)
+        self.placed: list[_Place] = []
+        w, m = 0, len(self.active)
+        for part in self.parts:
+            count, extra = len(part.active_places), part.multipliers
             place = np.concatenate([np.arange(w, w + count), np.arange(m, m + extra)])
-            whole = len(s.active) == s.size
-            block = None if whole else np.ix_(s.active, s.active)
-            self.parts.append(_Part(s, s.active, block, place))
+            self.placed.append(_Place(part, place))
             w, m = w + count, m + extra
         self.size = m
         if m:
-            self._columns, self._rows = (
-                self._gather([getattr(s, what) for s in self.surfaces])
-                for what in ("column_scale", "row_scale")
-            )
-            self._scaling = self._rows[:, None] * self._columns
+            columns, rows = np.empty(m), np.empty(m)
+            for part, place in self.placed:
+                columns[place], rows[place] = part.scales()
+            self._columns, self._rows = columns, rows
+            self._scaling = rows[:, None] * columns
 
     def _gather(self, arrays: Sequence[np.ndarray]) -> np.ndarray:
         result = np.empty(self.size)
-        for part, array in zip(self.parts, arrays):
-            result[part.place] = array[part.active]
+        for (_, place), array in zip(self.placed, arrays):
+            result[place] = array
         return result
 
     def update(self) -> None:
-        """Assemble the residual from the unknowns that the surfaces hold."""
-        nw = len(self.jumps)
-        self.assembled = self._gather([s.residual() for s in self.surfaces])
-        w = self._gather([s.values for s in self.surfaces])[:nw]
+        """Assemble the residual from the unknowns that the parts hold."""
+        nw = len(self.active)
+        self.assembled = self._gather([p.active_residual() for p in self.parts])
+        w = self._gather([p.active_values() for p in self.parts])[:nw]
         self.residual = self.assembled.copy()
         self.residual[:nw] = w - self.free + self.W @ self.assembled[:nw]
         self.residual *= self._rows
 
     def iterate(self) -> bool:
         """One Newton step; False where the tangent is singular."""
-        nw = len(self.jumps)
+        nw = len(self.active)
         A = np.zeros((self.size, self.size))
-        for part in self.parts:
-            dense = part.surface.tangent()
-            block = dense if part.block is None else dense[part.block]
+        for part, place in self.placed:
             if len(self.parts) == 1:
-                A[:] = block
+                A[:] = part.active_tangent()
             else:
-                A[np.ix_(part.place, part.place)] = block
-        A[:nw] = self.W @ A[:nw]
+                A[np.ix_(place, place)] = part.active_tangent()
+        stiffness = A[:nw].copy()
+        A[:nw] = self.W @ stiffness
         A.flat[: nw * self.size : self.size + 1] += 1.0
         A *= self._scaling
         regular = A.copy()
@@ -125,29 +151,42 @@ class SurfaceSystem:
         step, _ = lapack.dgetrs(factors, pivots, self.residual)
         step += lapack.dgetrs(factors, pivots, self.residual - A @ step)[0]
         step *= self._columns
-        for part in self.parts:
-            values = part.surface.values
-            values[part.active] -= step[part.place]
-            part.surface.values = values
+        self.linear_force = self._spread(stiffness @ step - self.assembled[:nw])
+        for part, place in self.placed:
+            part.move(-step[place])
         self.update()
         return True
 
     def error(self) -> float:
         """The largest error that the residual of any row stands for."""
-        errors = (p.surface.error(self.residual[p.place]).max(initial=0.0) for p in self.parts)
+        errors = (p.error(self.residual[place]).max(initial=0.0) for p, place in self.placed)
         self.worst = float(max(errors))
         return self.worst if np.isfinite(self.worst) else np.inf
 
     def force(self) -> np.ndarray:
         """Forces on the solids at all points, flat, N."""
+        return self._spread(-self.assembled[: len(self.active)] if self.size else np.empty(0))
+
+    def _spread(self, force: np.ndarray) -> np.ndarray:
         result = np.zeros(self._total)
-        if self.size:
-            result[self.jumps] = -self.assembled[: len(self.jumps)]
+        result[self.active] = force
         return result
+
+    def condensed(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """J, W and free jumps of all candidates, as the projected solver asks."""
+        blocks = []
+        for part, place in self.placed:
+            operator = part.jump_operator()
+            columns = place[: len(part.active_places)]
+            full = np.zeros((len(columns) if operator is None else len(operator), len(self.active)))
+            full[:, columns] = np.eye(len(columns)) if operator is None else operator
+            blocks.append(full)
+        J = np.concatenate(blocks)
+        return J, J @ self.W @ J.T, J @ self.free
 
     def remember(self) -> np.ndarray:
         """Statuses of all points of all contacts, kept to tell which ones flip."""
-        self.history.append(np.concatenate([s.statuses() for s in self.surfaces]))
+        self.history.append(np.concatenate([p.statuses() for p in self.parts]))
         return self.history[-1]
 
     def flips(self) -> str:
@@ -159,8 +198,7 @@ class SurfaceSystem:
         if not len(flipping):
             return "no status changes"
         parts, offset = [], 0
-        for surface, name in zip(self.surfaces, self.names):
-            n = surface.size // surface.fields.components
+        for n, name in zip((len(p.statuses()) for p in self.parts), self.names):
             mine = [int(p - offset) for p in flipping if offset <= p < offset + n]
             if mine:
                 shown = ", ".join(map(str, mine[:8])) + (", ..." if len(mine) > 8 else "")
@@ -172,9 +210,8 @@ class SurfaceSystem:
         """Which residual is largest."""
         if not np.isfinite(self.residual).all():
             return "the contact equations have no finite solution"
-        row, kind = int(np.abs(self.residual).argmax()), "jump"
-        for part in self.parts:
-            if row >= len(self.jumps) and row in part.place:
-                own = part.active[part.place == row][0]
-                kind = "multiplier" if own < part.surface.semi else "friction"
-        return f"a {kind} row stalls at a scaled residual of {self.worst:.3g}"
+        row = int(np.abs(self.residual).argmax())
+        kinds = (
+            p.kind(int(np.flatnonzero(place == row)[0])) for p, place in self.placed if row in place
+        )
+        return f"a {next(kinds)} row stalls at a scaled residual of {self.worst:.3g}"

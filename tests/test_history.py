@@ -435,7 +435,7 @@ def test_tiny_friction_is_no_friction(name):
     for friction in (0.0, 1e-13):
         scene = getattr(scenes, name)()
         old = scene.contacts[0]
-        new = Contact(old.solid, old.facets, old.obstacle, friction=friction, name="c")
+        new = Contact(old.solid, old.facets, old.coupling.obstacle, friction=friction, name="c")
         runs.append(Scene(scene.solids, [new]).run(until, dt))
     without, tiny = runs
     assert without["c.bearing"].max() > 0
@@ -443,7 +443,7 @@ def test_tiny_friction_is_no_friction(name):
     assert not without["c.slipping"].any()
     energy, weight = (
         without["kinetic"].max(),
-        without["c.force_" + "xyz"[old.obstacle.dim - 1]].max(),
+        without["c.force_" + "xyz"[old.coupling.obstacle.dim - 1]].max(),
     )
     sizes = {"kinetic": energy, "strain": energy, "potential": energy, "impact": energy}
     sizes |= {name: weight for name in without.columns if "force" in name}

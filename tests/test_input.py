@@ -216,12 +216,12 @@ def test_solid_of_a_contact(solid):
 
 @pytest.mark.parametrize("obstacle", ["floor", None, (0, 1)])
 def test_obstacle_of_a_contact(obstacle):
-    refused(lambda: Contact(rigid(), "base", obstacle), "obstacle", repr(obstacle))
+    refused(lambda: Contact(rigid(), "base", obstacle), "master", repr(obstacle))
 
 
 def test_obstacle_of_another_dimension():
-    refused(lambda: Contact(rigid_3d(), "base", FLOOR), "obstacle", "HalfSpace", "2", "3")
-    refused(lambda: Contact(rigid(), "base", FLOOR_3D), "obstacle", "HalfSpace", "2", "3")
+    refused(lambda: Contact(rigid_3d(), "base", FLOOR), "master", "HalfSpace", "2", "3")
+    refused(lambda: Contact(rigid(), "base", FLOOR_3D), "master", "HalfSpace", "2", "3")
 
 
 @pytest.mark.parametrize("formulation", [Lagrange, lambda points: Discrete(1e6, points=points)])

@@ -132,7 +132,7 @@ def test_8_unknowns_are_scaled(size):
     scene = Scene([block], [contact])
     history = scene.run(0.05, 1e-3)
     assert history.finished
-    pivot = contact.trace.positions()[np.argmin(contact.surface.points[:, 0])]
+    pivot = contact.coupling.positions()[np.argmin(contact.surface.points[:, 0])]
     np.testing.assert_allclose(pivot, [-0.18 * size, 0], atol=1e-7 * size)
 
 
@@ -154,7 +154,7 @@ def test_10_hyperstatic_landing(friction):
     assert history.finished
     vertical = 98.1
     assert contact.force[:, 1].sum() == pytest.approx(vertical, rel=1e-9)
-    arm = contact.trace.positions() - scene.solids[0].place
+    arm = contact.coupling.positions() - scene.solids[0].place
     moment = arm[:, 0] @ contact.force[:, 1] - arm[:, 1] @ contact.force[:, 0]
     assert abs(moment) < 1e-9 * vertical * 0.36
     assert (contact.force[:, 1] >= -1e-9 * vertical).all()
@@ -170,7 +170,7 @@ def test_11_finite_rotation_does_not_open_a_closed_point():
     history = Scene([block], [contact]).run(0.25, 1e-3)
     assert history.finished
     assert history["rigid.base.bearing"][1:].min() >= 1
-    assert np.abs(contact.trace.positions()[:, 1].min()) < 1e-5
+    assert np.abs(contact.coupling.positions()[:, 1].min()) < 1e-5
 
 
 @pytest.mark.parametrize("friction", [1.0, 3.0, 10.0])
@@ -183,7 +183,7 @@ def test_12_large_friction_lands_or_says_why(friction):
         rotation=-0.5,
         velocity=(3.0, 0.0),
     )
-    lowest = Contact(rod, "base", FLOOR).trace.positions()[:, 1].min()
+    lowest = Contact(rod, "base", FLOOR).coupling.positions()[:, 1].min()
     contact = Contact(rod, "base", HalfSpace((0, lowest - 1e-3), (0, 1)), friction=friction)
     history = Scene([rod], [contact], ThetaScheme(1.0)).run(0.3, 1e-3)
     assert history.finished or history.reason.startswith("stopped at")

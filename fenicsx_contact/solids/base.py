@@ -56,8 +56,13 @@ class Trace(ABC):
         """Velocities of the points that the step would end with if no contact acted."""
 
     @abstractmethod
-    def compliance(self, other: Trace) -> np.ndarray:
-        """J A^-1 J' of ``other`` (a trace of the same solid): the Delassus operator."""
+    def compliance(self, mine: np.ndarray, other: Trace, theirs: np.ndarray) -> np.ndarray:
+        """J A^-1 J' between components ``mine`` and ``theirs`` of ``other``, a trace of the same
+        solid: the Delassus operator."""
+
+    @abstractmethod
+    def mobility(self) -> np.ndarray:
+        """About the diagonal of J A^-1 J', flat: it scales, it decides nothing."""
 
     @abstractmethod
     def spread(self, force: np.ndarray) -> None:

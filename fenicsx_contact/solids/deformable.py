@@ -50,6 +50,7 @@ class DeformableSolid(Solid):
     parameters: str  # for describe()
     factorisation: Factorisation
     free_load: np.ndarray
+    _free_velocity: np.ndarray | None = None
 
     def __init__(
         self,
@@ -204,6 +205,12 @@ class DeformableSolid(Solid):
         """The displacement at which the scheme takes the internal forces."""
         weight = step.scheme.force_weight
         return weight * self.trial_displacement + (1 - weight) * self.displacement
+
+    def free_velocity(self) -> np.ndarray:
+        """Velocity at the end of the step if no contact acted."""
+        if self._free_velocity is None:
+            self._free_velocity = self.factorisation.solve(self.free_load)
+        return self._free_velocity
 
     def correct(self, step: Step) -> None:
         self.trial_velocity = self.factorisation.solve(self.free_load + self._force)

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from .deformable import DeformableSolid
 
 
+#: Up to so many components the mobility is computed, above estimated.
+FEW = 400
+
+
 class DeformableTrace(Trace):
     """A deformable solid seen from points that are nodes of its mesh; the operator is constant."""
 
@@ -37,10 +41,13 @@ class DeformableTrace(Trace):
         columns = (node[:, None] * d + np.arange(d)).ravel()
         free = ~np.isin(columns, solid.fixed_unknowns)  # what is held fast does not move
         entries = (np.ones(free.sum()), (rows[free], columns[free]))
-        self._operator = scipy.sparse.csr_matrix(entries, (n * d, solid.owned))
-        self._transpose = self._operator.T.tocsr()
+        self._spreading = scipy.sparse.csr_matrix(entries, (n * d, solid.owned)).T.tocsr()
+        every = (np.ones(len(rows)), (rows, columns))
+        self._operator = scipy.sparse.csr_matrix(every, (n * d, solid.owned))
         self._linearisation = 0
-        self._compliance: dict[int, np.ndarray] = {}
+        self._known = np.zeros(n * d, dtype=bool)  # columns of A^-1 J' that are computed
+        self._columns = np.empty((0, 0))
+        self._compliance: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
     def _sum(self, values: np.ndarray) -> np.ndarray:
         comm = self._solid.comm
@@ -53,16 +60,21 @@ class DeformableTrace(Trace):
         """Nothing to do: the operator is constant."""
 
     def linearise(self, step: Step) -> None:
-        if self._linearisation == self._solid.linearisation:
-            return
-        self._linearisation = self._solid.linearisation
-        self._columns = np.empty((self._operator.shape[1], self._operator.shape[0]))
-        unit = np.zeros(self._operator.shape[0])
-        for i in range(len(unit)):
+        if self._linearisation != self._solid.linearisation:
+            self._linearisation = self._solid.linearisation
+            self._known[:] = False
+            self._compliance.clear()
+
+    def _solve_for(self, columns: np.ndarray) -> None:
+        """Compute those of these columns of A^-1 J' that are not known."""
+        if not self._columns.size:
+            self._columns = np.empty(self._spreading.shape)
+        unit = np.zeros(self._spreading.shape[1])
+        for i in columns[~self._known[columns]]:
             unit[i] = 1.0
-            self._columns[:, i] = self._solid.factorisation.solve(self._transpose @ unit)
+            self._columns[:, i] = self._solid.factorisation.solve(self._spreading @ unit)
             unit[i] = 0.0
-        self._compliance.clear()
+        self._known[columns] = True
 
     def positions(self) -> np.ndarray:
         moved = self._sum(self._operator @ self._solid.trial_displacement)
@@ -75,14 +87,30 @@ class DeformableTrace(Trace):
         return self.jump(velocity)
 
     def free_jump(self) -> np.ndarray:
-        # J A^-1 b = (A^-1 J')' b, for A is symmetric: no solve
-        return self._sum(self._columns.T @ self._solid.free_load)
+        return self._sum(self._operator @ self._solid.free_velocity())
 
-    def compliance(self, other: Trace) -> np.ndarray:
+    def compliance(self, mine: np.ndarray, other: Trace, theirs: np.ndarray) -> np.ndarray:
         assert isinstance(other, DeformableTrace)
-        if id(other) not in self._compliance:
-            self._compliance[id(other)] = self._sum(self._operator @ other._columns)
-        return self._compliance[id(other)]
+        shape = self._spreading.shape[1], other._spreading.shape[1]
+        matrix, known = self._compliance.setdefault(
+            id(other), (np.zeros(shape), np.zeros(shape[1], dtype=bool))
+        )
+        new = theirs[~known[theirs]]
+        if len(new):
+            other._solve_for(new)
+            matrix[:, new] = self._sum(self._spreading.T @ other._columns[:, new])
+            known[new] = True
+        everything = len(mine) == shape[0] and len(theirs) == shape[1]
+        return matrix if everything else matrix[np.ix_(mine, theirs)]
+
+    def mobility(self) -> np.ndarray:
+        size = self._spreading.shape[1]
+        if size <= FEW:
+            return self.compliance(np.arange(size), self, np.arange(size)).diagonal()
+        diagonal = self._solid.factorisation.matrix.getDiagonal()
+        mobility = self._spreading.T @ (1 / diagonal.array_r)
+        diagonal.destroy()
+        return self._sum(mobility)
 
     def spread(self, force: np.ndarray) -> None:
-        self._solid._force += self._transpose @ force
+        self._solid._force += self._spreading @ force

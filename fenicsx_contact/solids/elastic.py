@@ -89,6 +89,7 @@ class ElasticSolid(DeformableSolid):
         if known:
             self.free_load -= known * self._internal_rate
         self._force[:] = 0.0
+        self._free_velocity = None
 
     def imbalance(self, step: Step) -> float:
         return 0.0

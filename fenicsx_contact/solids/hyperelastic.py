@@ -137,6 +137,7 @@ class HyperelasticSolid(DeformableSolid):
         self.free_load -= (new - self._momentum) / step.span
         self.free_load += step.loaded * (self._load - internal)
         self._force[:] = 0.0
+        self._free_velocity = None
 
     def imbalance(self, step: Step) -> float:
         internal = self.internal_force(self._force_point(step))

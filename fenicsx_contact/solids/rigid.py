@@ -260,9 +260,14 @@ class RigidTrace(Trace):
     def free_jump(self) -> np.ndarray:
         return self._operator @ self._solid.free_velocity
 
-    def compliance(self, other: Trace) -> np.ndarray:
+    def compliance(self, mine: np.ndarray, other: Trace, theirs: np.ndarray) -> np.ndarray:
         assert isinstance(other, RigidTrace)
-        return self._operator @ other._columns
+        if len(mine) == len(self._operator) and len(theirs) == len(other._operator):
+            return self._operator @ other._columns
+        return self._operator[mine] @ other._columns[:, theirs]
+
+    def mobility(self) -> np.ndarray:
+        return np.einsum("ij,ji->i", self._operator, self._columns)
 
     def spread(self, force: np.ndarray) -> None:
         self._solid._force += force @ self._force_operator

@@ -1,0 +1,7 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""How two surfaces see each other: sides, integration points, partners, and the operators."""
+
+from .mortar import Pairing
+from .side import Side
+
+__all__ = ["Pairing", "Side"]

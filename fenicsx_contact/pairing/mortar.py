@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The operator of a pair: nodal velocity jumps, gaps and normals on the slave surface.
+
+The jump at node i of the slave is a mean weighted by its P1 shape function phi_i,
+
+    w_i = 1/a_i  int phi_i (v_slave - v_master o pi)        a_i = int phi_i,
+
+over the part of the surface that has a partner; gaps likewise. With these nodal values the weak
+form (7) needs no change: integrated by the values at the nodes with weights a_i, it is the mortar
+form  int lam_h n . [[v*]]  with lam_h = sum lam_i phi_i. Forces go to the solids by the transpose,
+so they balance exactly, and a constant pressure is transmitted as such (patch test).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+
+from .integration import pieces, whole
+from .partners import meet
+from .side import Side
+
+#: A node with less than this share of its area paired has no partner.
+COVERED = 1e-4
+
+
+class Pairing:
+    """Slave and master surface in the places where they are.
+
+    Arrays of positions and velocities are (N, d), the slave's nodes before the master's.
+
+    Args:
+        slave, master: the sides.
+
+    Attributes:
+        operator: J of one component, sparse (n, N).
+        gap: weighted d_n, positive: penetration, (n,) in m; -reach where there is no partner.
+        normal: outward unit normals of the slave at its corners, (n, d).
+        area: paired share of the surface of each node, (n,).
+        paired: nodes that have a partner.
+    """
+
+    def __init__(self, slave: Side, master: Side) -> None:
+        self.slave, self.master = slave, master
+        self.n = int(slave.corners.max()) + 1
+        self.total = len(slave.nodes) + len(master.nodes)
+        self._rule = whole(slave)
+        self._rule_shapes = self._shapes(self._rule.xi)
+        self._rule_weight = self._rule.weight * slave.reference_measure(
+            self._rule.facet, self._rule.xi
+        )
+        phi = self._rule_shapes[2] * self._rule_weight[:, None]
+        self.full_area = self.collect(phi, self._rule.facet)
+
+    def _shapes(self, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return *self.slave.shape(xi), self.slave.linear_shape(xi)
+
+    def collect(self, values: np.ndarray, facet: np.ndarray) -> np.ndarray:
+        """Sum values (q, corners, ...) of points on slave facets to the corners, (n, ...)."""
+        rows = self.slave.corners[facet].ravel()
+        flat = values.reshape(len(rows), -1)
+        columns = [np.bincount(rows, column, self.n) for column in flat.T]
+        return np.stack(columns, axis=-1).reshape(self.n, *values.shape[2:])
+
+    def update(self, places: np.ndarray, reach: float) -> None:
+        """Take up new places (N, d) of the nodes; partners are sought up to ``reach`` [m]."""
+        slave, master = self.slave, self.master
+        xs, xm = places[: len(slave.nodes)], places[len(slave.nodes) :]
+        if slave.dim == 2:
+            points = pieces(slave, xs, master, xm)
+            values, slopes, phi = self._shapes(points.xi)
+            weight = points.weight * slave.reference_measure(points.facet, points.xi)
+        else:
+            points, weight = self._rule, self._rule_weight
+            values, slopes, phi = self._rule_shapes
+        x = np.einsum("qk,qkj->qj", values, xs[slave.cells[points.facet]])
+        normal = slave.normals(xs, points.facet, slopes)
+        length = np.linalg.norm(normal, axis=1)
+        hits = meet(x, normal / length[:, None], master, xm, reach)
+
+        on = np.flatnonzero(hits.facet >= 0)
+        self.facet, self.phi = points.facet[on], phi[on]
+        self.values, self.slopes = values[on], slopes[:, on]
+        self.unit, self.length = (normal / length[:, None])[on], length[on]
+        self.distance, self.inverse = hits.distance[on], hits.inverse[on]
+        partner = hits.facet[on]
+        self.their_values, self.their_slopes = master.shape(hits.xi[on])
+        self.nodes = np.concatenate(
+            [slave.cells[self.facet], master.cells[partner] + len(slave.nodes)], axis=1
+        )
+        self.places = places
+
+        weighted = self.phi * weight[on, None]
+        area = self.collect(weighted, self.facet)
+        self.paired = area > COVERED * self.full_area
+        self.area = np.where(self.paired, area, 0.0)
+        share = 1 / np.where(self.paired, area, np.inf)
+        self.shares = weighted * share[slave.corners[self.facet]]  # phi_i w / a_i at the points
+        gap = self.collect(self.shares * -self.distance[:, None], self.facet)
+        self.gap = np.where(self.paired, gap, -reach)
+        both = np.concatenate([self.values, -self.their_values], axis=1)
+        self.operator = self.sparse(self.shares[:, :, None] * both[:, None, :])
+        self._turn_normals(xs)
+
+    def sparse(self, entries: np.ndarray) -> sp.csr_matrix:
+        """Sparse (n, N) from entries (q, corners, k) at the points; what falls together adds."""
+        q, corners, k = entries.shape
+        rows = np.repeat(self.slave.corners[self.facet], k)
+        columns = np.broadcast_to(self.nodes[:, None], (q, corners, k)).ravel()
+        return sp.csr_matrix((entries.ravel(), (rows, columns)), (self.n, self.total))
+
+    def _turn_normals(self, xs: np.ndarray) -> None:
+        """Normals at the corners: means of the facets' normals."""
+        _, slopes, phi = self._rule_shapes
+        normal = self.slave.normals(xs, self._rule.facet, slopes)
+        self.mean_weight = phi * self._rule.weight[:, None]
+        mean = self.collect(self.mean_weight[:, :, None] * normal[:, None], self._rule.facet)
+        self.mean_length = np.linalg.norm(mean, axis=1)
+        self.normal = mean / self.mean_length[:, None]
+
+    @property
+    def rule_facets(self) -> np.ndarray:
+        """Facets of the points at which the normals are averaged."""
+        return self._rule.facet
+
+    @property
+    def rule_slopes(self) -> np.ndarray:
+        """Slopes of the slave's shape functions there."""
+        return self._rule_shapes[1]

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""One side of a pair: the facets of a solid's boundary with the shape functions of its trace."""
+
+from __future__ import annotations
+
+import basix
+import numpy as np
+from scipy.spatial import cKDTree
+
+_CELLS = {
+    "interval": basix.CellType.interval,
+    "triangle": basix.CellType.triangle,
+    "quadrilateral": basix.CellType.quadrilateral,
+}
+#: Rotation by -90 degrees: from the tangent of a line to its normal.
+_TURN = np.array([[0.0, 1.0], [-1.0, 0.0]])
+
+
+class Side:
+    """Facets of a boundary, whole on every process.
+
+    Args:
+        points: corners of the facets, (n, d) in m.
+        cells: facets, (m, corners) indices of points.
+        cell: "interval", "triangle" or "quadrilateral".
+        inside: for each facet, in any order, its midpoint and a point of the solid behind it,
+            (m, 2, d): they tell which way is out.
+        degree: of the displacement, 1 or 2.
+
+    Attributes:
+        nodes: reference coordinates of the nodes of the trace, (N, d); the first n are ``points``.
+        cells: nodes of each facet, (m, k), in basix's order.
+        corners: corners of each facet, (m, corners).
+        sign: +1 where the parametrisation of a facet makes its normal point outwards, else -1.
+    """
+
+    def __init__(
+        self, points: np.ndarray, cells: np.ndarray, cell: str, inside: np.ndarray, degree: int = 1
+    ) -> None:
+        self.dim, self.cell, self.degree = points.shape[1], cell, degree
+        self.corners = cells
+        self._linear = self._element(1)
+        self.element = self._element(degree)
+        if degree == 1:
+            self.nodes, self.cells = points, cells
+        else:
+            at = self.linear_shape(self.element.points) @ points[cells]
+            self.nodes, self.cells = _number(points, at)
+        self.midpoint = self._midpoint(cell)
+        self.size = float(self._diameters(points).max())
+        _, nearest = cKDTree(inside[:, 0]).query(points[cells].mean(axis=1))
+        self.sign = np.ones(len(cells))
+        middle = np.tile(self.midpoint, (len(cells), 1))
+        normal = self.normals(self.nodes, np.arange(len(cells)), self.shape(middle)[1])
+        outwards = points[cells].mean(axis=1) - inside[nearest, 1]
+        self.sign = np.where(np.einsum("ij,ij->i", normal, outwards) < 0, -1.0, 1.0)
+
+    def _element(self, degree: int) -> basix.finite_element.FiniteElement:
+        return basix.create_element(basix.ElementFamily.P, _CELLS[self.cell], degree, _EQUISPACED)
+
+    @staticmethod
+    def _midpoint(cell: str) -> np.ndarray:
+        return {"interval": np.array([0.5]), "triangle": np.full(2, 1 / 3)}.get(
+            cell, np.full(2, 0.5)
+        )
+
+    def _diameters(self, points: np.ndarray) -> np.ndarray:
+        corners = points[self.corners]
+        return np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max(axis=1) * 2
+
+    def shape(self, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Shape functions at local coordinates (q, d - 1): values (q, k) and derivatives
+        (d - 1, q, k)."""
+        table = self.element.tabulate(1, xi)[:, :, :, 0]
+        return table[0], table[1:]
+
+    def linear_shape(self, xi: np.ndarray) -> np.ndarray:
+        """Shape functions of the corners at local coordinates, (q, corners)."""
+        return self._linear.tabulate(0, xi)[0, :, :, 0]
+
+    def reference_measure(self, facet: np.ndarray, xi: np.ndarray) -> np.ndarray:
+        """Surface element of the reference placement at points of the facets, (q,)."""
+        normal = self.normals(self.nodes, facet, self.shape(xi)[1])
+        return np.linalg.norm(normal, axis=1)
+
+    def tangents(self, nodes: np.ndarray, facets: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+        """Covariant tangents at points of the facets, (d - 1, q, d), from the places of the nodes
+        and the derivatives of the shape functions."""
+        return np.einsum("tqk,qkj->tqj", slopes, nodes[self.cells[facets]])
+
+    def normals(self, nodes: np.ndarray, facets: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+        """Outward normals, not of unit length but of the length of the surface element, (q, d)."""
+        g = self.tangents(nodes, facets, slopes)
+        normal = g[0] @ _TURN.T if self.dim == 2 else np.cross(g[0], g[1])
+        return normal * self.sign[facets, None]
+
+    def normal_rates(self, nodes: np.ndarray, facets: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+        """Derivatives of :meth:`normals` by the places of the facet's nodes, (q, k, d, d)."""
+        if self.dim == 2:
+            return np.einsum("q,qk,ij->qkij", self.sign[facets], slopes[0], _TURN)
+        g = self.tangents(nodes, facets, slopes)
+        cross = [_cross_matrix(g[0]), _cross_matrix(g[1])]
+        rates = np.einsum("qk,qij->qkij", slopes[1], cross[0])
+        rates -= np.einsum("qk,qij->qkij", slopes[0], cross[1])
+        return rates * self.sign[facets, None, None, None]
+
+    def holds(self, xi: np.ndarray, tolerance: float) -> np.ndarray:
+        """Whether local coordinates (q, d - 1) are those of a point of a facet."""
+        inside = (xi >= -tolerance).all(axis=1)
+        if self.cell == "triangle":
+            return inside & (xi.sum(axis=1) <= 1 + tolerance)
+        return inside & (xi <= 1 + tolerance).all(axis=1)
+
+
+_EQUISPACED = basix.LagrangeVariant.equispaced
+
+
+def _cross_matrix(a: np.ndarray) -> np.ndarray:
+    """[a]x, so that [a]x b = a x b, (q, 3, 3)."""
+    zero = np.zeros(len(a))
+    rows = [[zero, -a[:, 2], a[:, 1]], [a[:, 2], zero, -a[:, 0]], [-a[:, 1], a[:, 0], zero]]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def _number(points: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Number the nodes at places (m, k, d), coinciding ones once, ``points`` first."""
+    flat = at.reshape(-1, points.shape[1])
+    reach = 1e-8 * np.ptp(points, axis=0).max()
+    every = np.concatenate([points, flat])
+    first = np.arange(len(every))
+    for a, b in cKDTree(every).query_pairs(reach, output_type="ndarray"):
+        first[max(a, b)] = min(first[max(a, b)], first[min(a, b)])
+    first = first[first]
+    kept, number = np.unique(first, return_inverse=True)
+    return every[kept], number[len(points) :].reshape(at.shape[:2])

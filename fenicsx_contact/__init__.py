@@ -21,7 +21,7 @@ from .solids import (  # noqa: E402
     st_venant_kirchhoff,
 )
 from .storage import read_history  # noqa: E402
-from .theta import ThetaScheme  # noqa: E402
+from .theta import QuasiStatic, ThetaScheme  # noqa: E402
 
 __version__ = "0.1.0"
 
@@ -40,6 +40,7 @@ __all__ = [
     "Lagrange",
     "NamedMesh",
     "Newton",
+    "QuasiStatic",
     "RigidSolid",
     "Scene",
     "ThetaScheme",

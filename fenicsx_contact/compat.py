@@ -212,25 +212,21 @@ class PointExpression:
         return np.asarray(values).reshape(len(self._cells), -1)
 
 
-def assemble_petsc_matrix(form: ufl.Form, bcs: Sequence[Any], diagonal: float) -> PETSc.Mat:
-    """Assemble into a new PETSc matrix; rows and columns of ``bcs`` cleared."""
+def assemble_petsc_matrix(form: ufl.Form) -> PETSc.Mat:
+    """Assemble into a new PETSc matrix."""
     from dolfinx.fem import petsc
 
-    compiled = fem.form(form)
-    if VERSION >= (0, 10):
-        matrix = petsc.assemble_matrix(compiled, bcs=list(bcs), diag=diagonal)
-    else:
-        matrix = petsc.assemble_matrix(compiled, list(bcs), diagonal)
+    matrix = petsc.assemble_matrix(fem.form(form))
     matrix.assemble()
     return matrix
 
 
-def refill_petsc_matrix(matrix: PETSc.Mat, form: Any, bcs: Sequence[Any]) -> None:
-    """Assemble a compiled form into an existing matrix, 1 on the diagonal of ``bcs``."""
+def refill_petsc_matrix(matrix: PETSc.Mat, form: Any) -> None:
+    """Assemble a compiled form into an existing matrix."""
     from dolfinx.fem import petsc
 
     matrix.zeroEntries()
-    petsc.assemble_matrix(matrix, form, bcs=list(bcs))
+    petsc.assemble_matrix(matrix, form)
     matrix.assemble()
 
 

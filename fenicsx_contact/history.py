@@ -18,6 +18,7 @@ COLUMNS = (
     "potential",
     "impact",
     "friction",
+    "drive",
     "scheme",
     "balance",
     "newton",
@@ -41,6 +42,7 @@ class History:
     * ``impact``, ``friction``: work of the normal and tangential contact forces since the start
       (negative: a loss). In a step in which slip turns round one of them may gain a little on
       behalf of the other; their sum does not;
+    * ``drive``: work of prescribed motions and tractions since the start;
     * ``scheme``: energy that the time scheme has made (positive) or damped since the start;
     * ``balance``: what is left of the sum, as a check of the whole; a small residual;
     * ``dt``, ``newton``, ``geometry``: length of the step, iterations, linearisations;

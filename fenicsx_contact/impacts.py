@@ -34,7 +34,7 @@ def cross_impacts(
 
     def fly(length: float) -> tuple[Trial, float]:
         """The step as if no open point could close, and how deep the deepest of them then is."""
-        trial = stepper.attempt(Step(length, scheme), closing=False)
+        trial = stepper.attempt(Step(length, scheme, stepper.time), closing=False)
         depths = (contact.arrival(moved=True) for contact in stepper.contacts)
         return trial, max(depths, default=-np.inf)
 
@@ -57,8 +57,8 @@ def cross_impacts(
         )
         if share > 0:
             yield accept(fly(share * left)[0])
-        yield accept(stepper.attempt(Step(0.0, scheme)))
+        yield accept(stepper.attempt(Step(0.0, scheme, stepper.time)))
         left *= 1 - share
         if left <= 1e-9 * dt:
             return
-    yield accept(stepper.attempt(Step(left, scheme)))
+    yield accept(stepper.attempt(Step(left, scheme, stepper.time)))

@@ -33,7 +33,6 @@ class Factorisation:
         preconditioner.setFactorSolverType("mumps" if large else "petsc")
         self._solver.setOperators(matrix)
         self._solver.setFromOptions()
-        self._solver.setUp()
         self._x, self._b = matrix.createVecs()
 
     def solve(self, values: np.ndarray) -> np.ndarray:
@@ -45,9 +44,8 @@ class Factorisation:
         return self._x.array_r.copy()
 
     def refactor(self) -> None:
-        """The matrix has new values."""
+        """The matrix has new values; it is factored when it is next needed."""
         self._solver.setOperators(self._matrix)
-        self._solver.setUp()
 
     @property
     def matrix(self) -> PETSc.Mat:

@@ -133,7 +133,7 @@ class Scene:
         if self.locate_impacts:
             yield from cross_impacts(self.stepper, self.scheme, dt, self.remarks)
         else:
-            trial = self.stepper.attempt(Step(dt, self.scheme))
+            trial = self.stepper.attempt(Step(dt, self.scheme, self.time))
             self.remarks += trial.remarks
             yield self.stepper.accept(trial)
 

@@ -41,7 +41,7 @@ class Stepper:
 
     Attributes:
         time: s.
-        work: impact, friction and scheme work since the start, J; ``balance``, what they and the
+        work: of impacts, friction, drives and the scheme since the start, J; ``balance``, what they and the
             energies leave unexplained.
         times: seconds spent by phase.
     """
@@ -61,7 +61,7 @@ class Stepper:
         )
         self.times: dict[str, float] = {}
         self.time = 0.0
-        self.work, self.balance = np.zeros(3), 0.0
+        self.work, self.balance = np.zeros(4), 0.0
         self.energies = self.sum_energies()
 
     def attempt(self, step: Step, closing: bool = True) -> Trial:
@@ -174,8 +174,11 @@ class Stepper:
     def accept(self, trial: Trial) -> list[float]:
         """Make the trial state the state; returns the row of the history."""
         clock, step = _Clock(self.times), trial.step
-        momentum, loads = np.sum([solid.works(step) for solid in self.solids], axis=0)
-        means = {id(solid): 0.5 * (solid.velocity + solid.trial_velocity) for solid in self.solids}
+        momentum, loads, supports, tractions = np.sum(
+            [solid.works(step) for solid in self.solids], axis=0
+        )
+        mean = step.scheme.mean
+        means = {id(solid): mean(solid.velocity, solid.trial_velocity) for solid in self.solids}
         for solid in self.solids:
             solid.accept()
         impact = friction = 0.0
@@ -186,8 +189,9 @@ class Stepper:
         old, self.energies = self.energies, self.sum_energies()
         change = sum(self.energies) - sum(old)
         # what the scheme makes: energies change otherwise than forces and momenta work
-        self.work += (impact, friction, change - momentum + loads)
-        self.balance += momentum - loads - impact - friction
+        scheme = change - momentum + loads - tractions
+        self.work += (impact, friction, supports + tractions, scheme)
+        self.balance += momentum - loads - impact - friction - supports
         self.time += step.dt
         row = self.row(step.dt, trial.newton, trial.geometry)
         clock("history")

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -27,6 +28,7 @@ class ThetaScheme:
 
     theta: float = 0.5
     forces: str = "theta"
+    inertia: ClassVar[float] = 1.0
 
     def __post_init__(self) -> None:
         checks.number("theta", self.theta, at_least=0, at_most=1)
@@ -37,9 +39,30 @@ class ThetaScheme:
         """Share of u+ in the displacement at which the forces are taken."""
         return self.theta if self.forces == "theta" else 1.0
 
+    def mean(self, v_old: np.ndarray, v_new: np.ndarray) -> np.ndarray:
+        """The velocity by which works are counted: what multiplies a change of momentum to give
+        that of the kinetic energy."""
+        return 0.5 * (v_old + v_new)
+
     def increment(self, dt: float, v_old: np.ndarray, v_new: np.ndarray) -> np.ndarray:
         """The displacement increment u+ - u- of a step."""
         return dt * ((1 - self.theta) * v_old + self.theta * v_new)
+
+
+@dataclass(frozen=True)
+class QuasiStatic(ThetaScheme):
+    """No inertia: every step ends in equilibrium (theta = 1, forces at the end).
+
+    Time only orders the loads; velocities are increments per step over its length.
+    """
+
+    theta: float = field(default=1.0, init=False)
+    forces: str = field(default="end", init=False)
+    inertia: ClassVar[float] = 0.0
+
+    def mean(self, v_old: np.ndarray, v_new: np.ndarray) -> np.ndarray:
+        """The increments of the step over its length."""
+        return v_new
 
 
 @dataclass(frozen=True)
@@ -52,6 +75,17 @@ class Step:
 
     dt: float
     scheme: ThetaScheme
+    start: float = 0.0
+
+    @property
+    def end(self) -> float:
+        """Time at which it ends, s."""
+        return self.start + self.dt
+
+    @property
+    def force_time(self) -> float:
+        """Time at which its forces are taken, s."""
+        return self.start + self.scheme.force_weight * self.dt
 
     @property
     def span(self) -> float:

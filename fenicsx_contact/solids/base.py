@@ -128,9 +128,10 @@ class Solid(ABC):
         """Kinetic, strain and potential energy of the state, J (J/m in 2D)."""
 
     @abstractmethod
-    def works(self, step: Step) -> tuple[float, float]:
-        """Work on the mean velocity of the step of the change of momentum, and of internal
-        forces and loads, J; in the trial state."""
+    def works(self, step: Step) -> tuple[float, float, float, float]:
+        """Work on the mean velocity of the step in J, in the trial state: of the change of
+        momentum, of internal forces and all loads, of the supports, of the tractions among the
+        loads."""
 
     @abstractmethod
     def state(self) -> dict[str, np.ndarray]:

@@ -8,7 +8,7 @@ travel between processes.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from ..linear import Factorisation
 from ..meshing import NamedMesh
 from ..theta import Step
 from .base import Solid
+from .boundary import Motion, Supports, Traction, Tractions
 from .deformable_trace import DeformableTrace
 from .redistribution import move_mass_inwards, relax
 
@@ -37,6 +38,9 @@ class DeformableSolid(Solid):
         degree: of the displacement, 1 or 2.
         gravity: acceleration, d numbers, m/s².
         fixed: names of facets held fast.
+        prescribed: motions of named facets: displacements in m by direction, None where it is
+            free, or a function of time that gives them.
+        tractions: dead loads on named facets, Pa, or functions of time that give them.
         mass_redistribution: names of facets whose mass is moved inwards, so that their impacts
             lose no energy; for laws of positions (GAP, ...).
         displacement, velocity: initial fields in m and m/s, functions of ``x`` (3, n) with values
@@ -60,6 +64,8 @@ class DeformableSolid(Solid):
         degree: int = 1,
         gravity: Sequence[float] | None = None,
         fixed: Sequence[str] = (),
+        prescribed: Mapping[str, Motion] | None = None,
+        tractions: Mapping[str, Traction] | None = None,
         mass_redistribution: Sequence[str] = (),
         displacement: Field | None = None,
         velocity: Field | None = None,
@@ -79,14 +85,17 @@ class DeformableSolid(Solid):
         self.owned = index_map.size_local * d
         self.unknowns = index_map.size_global * d
         self.first_unknown = index_map.local_range[0] * d
-        self._bcs = self._supports(fixed)
+        self.supports = Supports(self, fixed, {} if prescribed is None else prescribed)
+        self.fixed_unknowns = self.supports.unknowns
+        self._tractions = Tractions(self, tractions) if tractions else None
+        self._traction = self._tractions.total(0.0) if self._tractions else 0.0
 
         u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
         self._dx = ufl.Measure("dx", domain=mesh.mesh)
         rho = fem.Constant(mesh.mesh, density)
-        self._mass = self._assemble(rho * ufl.dot(u, v) * self._dx, diagonal=1.0)
+        self._mass = compat.assemble_petsc_matrix(rho * ufl.dot(u, v) * self._dx)
         self._x, self._y = self._mass.createVecs()
-        massless = self._nodes(mass_redistribution)
+        massless = self.nodes_of(mass_redistribution)
         self.massless = self.comm.allreduce(len(massless)) > 0
         if self.massless:
             move_mass_inwards(self, self._mass, massless)
@@ -98,36 +107,30 @@ class DeformableSolid(Solid):
             self.parameters += f", gravity {acceleration.tolist()}"
             g = fem.Constant(mesh.mesh, acceleration)
             compat.assemble_owned(fem.form(rho * ufl.dot(g, v) * self._dx), self._load)
-            self._load[self.fixed_unknowns] = 0.0
 
         self.displacement = self._initial("displacement", displacement)
         self.velocity = self._initial("velocity", velocity)
         self.trial_displacement = self.displacement.copy()
         self.trial_velocity = self.velocity.copy()
         self._force = np.zeros(self.owned)
+        self._target: np.ndarray | None = None
+        self._reaction = np.zeros(len(self.fixed_unknowns))
         self._momentum = self.multiply(self._mass, self.velocity)
         self.linearisation = 0  # counts the changes of A, for those who keep columns of A^-1
 
-    def _nodes(self, names: Sequence[str]) -> np.ndarray:
+    def nodes_of(self, names: Sequence[str]) -> np.ndarray:
         """The nodes of the named facets that this process owns."""
         blocks = [np.empty(0, dtype=np.int32)]
         for name in [names] if isinstance(names, str) else names:
             facets = self.mesh.facets(name)
             blocks.append(fem.locate_dofs_topological(self.space, self.dim - 1, facets))
-        nodes = np.unique(np.concatenate(blocks))
+        nodes = np.unique(np.concatenate(blocks)).astype(np.int64)
         return nodes[nodes < self.owned // self.dim]
 
-    def _supports(self, names: Sequence[str]) -> list[Any]:
-        zero = fem.Function(self.space)
-        bcs = []
-        for name in [names] if isinstance(names, str) else names:
-            facets = self.mesh.facets(name)
-            dofs = fem.locate_dofs_topological(self.space, self.dim - 1, facets)
-            bcs.append(fem.dirichletbc(zero, dofs))
-        nodes = self._nodes(names)
-        self.fixed_unknowns = (nodes[:, None] * self.dim + np.arange(self.dim)).ravel()
-        self.supported = self.comm.allreduce(len(nodes)) > 0
-        return bcs
+    @property
+    def supported(self) -> bool:
+        """Whether something holds it even without contact."""
+        return bool(self.supports.directions.any())
 
     def _initial(self, what: str, field: Field | None) -> np.ndarray:
         function = fem.Function(self.space)
@@ -150,11 +153,21 @@ class DeformableSolid(Solid):
             raise checks.InputError(
                 f"{what}: the initial field is not finite everywhere, or above {checks.LARGEST:g}"
             )
-        values[self.fixed_unknowns] = 0.0
+        starts = {"displacement": self.supports.values, "velocity": self._held_speed}
+        values[self.fixed_unknowns] = starts[what](0.0)
         return values
 
-    def _assemble(self, form: ufl.Form, diagonal: float) -> PETSc.Mat:
-        return compat.assemble_petsc_matrix(form, self._bcs, diagonal)
+    def _held_speed(self, time: float, span: float = 1e-6) -> np.ndarray:
+        """Velocity of the held unknowns at the start."""
+        if not self.supports.moving:
+            return np.zeros(len(self.fixed_unknowns))
+        return (self.supports.values(time + span) - self.supports.values(time)) / span
+
+    def hold(self, matrix: PETSc.Mat) -> PETSc.Mat:
+        """Clear the rows and columns of the held unknowns, 1 on the diagonal."""
+        rows = self.first_unknown + self.fixed_unknowns
+        matrix.zeroRowsColumns(rows.astype(np.int32), 1.0)
+        return matrix
 
     def multiply(self, matrix: PETSc.Mat, values: np.ndarray) -> np.ndarray:
         """A matrix of the solid times values of the owned unknowns."""
@@ -171,7 +184,7 @@ class DeformableSolid(Solid):
             relax(
                 np.setdiff1d(self._massless, self.fixed_unknowns),
                 self.displacement,
-                lambda u: self.internal_force(u) - self._load,
+                lambda u: self.internal_force(u) - self._load - self._traction,
                 self.stiffness,
                 self.first_unknown,
             )
@@ -195,11 +208,24 @@ class DeformableSolid(Solid):
 
     def predict(self, step: Step) -> None:
         self.trial_velocity = self.velocity.copy()
+        self._target = None
+        if self.supports.moving and step.dt:
+            self._target = self.supports.values(step.end)
+            way = self._target - self.displacement[self.fixed_unknowns]
+            self.trial_velocity[self.fixed_unknowns] = way / step.dt
         self._move(step)
 
     def _move(self, step: Step) -> None:
         increment = step.scheme.increment(step.dt, self.velocity, self.trial_velocity)
         self.trial_displacement = self.displacement + increment
+        if self._target is not None:
+            self.trial_displacement[self.fixed_unknowns] = self._target
+
+    def _loads(self, step: Step) -> np.ndarray:
+        """Gravity and tractions where the scheme takes the forces."""
+        if self._tractions:
+            self._traction = self._tractions.total(step.force_time)
+        return self._load + self._traction
 
     def _force_point(self, step: Step) -> np.ndarray:
         """The displacement at which the scheme takes the internal forces."""
@@ -213,8 +239,31 @@ class DeformableSolid(Solid):
         return self._free_velocity
 
     def correct(self, step: Step) -> None:
-        self.trial_velocity = self.factorisation.solve(self.free_load + self._force)
+        load = self.free_load + self._force
+        load[self.fixed_unknowns] = self.free_load[self.fixed_unknowns]
+        self.trial_velocity = self.factorisation.solve(load)
         self._move(step)
+
+    def _balance(self, step: Step) -> list[np.ndarray]:
+        """The terms of the momentum balance in the trial state, for the owned unknowns; their sum
+        vanishes but at the supports, where it is the reaction."""
+        terms = [-self._force]
+        if step.scheme.inertia:
+            self._trial_momentum = self.multiply(self._mass, self.trial_velocity)
+            terms.append((self._trial_momentum - self._momentum) / step.span)
+        else:
+            self._trial_momentum = self._momentum
+        if step.dt:
+            terms += [self.internal_force(self._force_point(step)), -self._loads(step)]
+        return terms
+
+    def imbalance(self, step: Step) -> float:
+        terms = self._balance(step)
+        total = np.sum(terms, axis=0)
+        total[self.fixed_unknowns] = 0.0
+        own = np.array([[np.abs(t).max(initial=0.0) for t in (total, *terms)]])
+        largest = np.max(self.comm.allgather(own), axis=0).ravel()
+        return float(largest[0] / (largest[1:].max() or 1.0))
 
     def accept(self) -> None:
         self.velocity = self.trial_velocity.copy()
@@ -222,14 +271,29 @@ class DeformableSolid(Solid):
         self._momentum = self._trial_momentum
         self._state_changed()
 
-    def works(self, step: Step) -> tuple[float, float]:
-        mean = 0.5 * (self.velocity + self.trial_velocity)
-        self._trial_momentum = self.multiply(self._mass, self.trial_velocity)
-        internal = self.internal_force(self._force_point(step))
+    def works(self, step: Step) -> tuple[float, float, float, float]:
+        mean = step.scheme.mean(self.velocity, self.trial_velocity)
+        contact, *terms = self._balance(step)
+        held = self.fixed_unknowns
+        self._reaction = (contact + np.sum(terms, axis=0))[held] if terms else -contact[held]
+        acting = -step.dt * (mean @ np.sum(terms[-2:], axis=0)) if step.dt else 0.0
+        driven = step.span * (mean[held] @ self._reaction)
+        pulled = step.dt * (mean @ (self._traction + np.zeros(self.owned)))
         return (
             self._sum(mean @ (self._trial_momentum - self._momentum)),
-            self._sum(step.dt * mean @ (self._load - internal)),
+            self._sum(acting),
+            self._sum(driven),
+            self._sum(pulled),
         )
+
+    def reaction(self, name: str) -> np.ndarray:
+        """Force of the support of the named facets on the solid in the last step, (d,) in N."""
+        nodes, d = self.nodes_of([name]), self.dim
+        total = np.zeros(d)
+        for i in range(d):
+            mine = np.isin(self.fixed_unknowns, nodes * d + i)
+            total[i] = self._sum(self._reaction[mine].sum())
+        return total
 
     def energies(self) -> tuple[float, float, float]:
         kinetic = 0.5 * self._sum(self.velocity @ self._momentum)

@@ -14,7 +14,7 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
-from .. import checks
+from .. import checks, compat
 from ..linear import Factorisation
 from ..meshing import NamedMesh
 from ..theta import Step
@@ -50,7 +50,7 @@ class ElasticSolid(DeformableSolid):
     ) -> None:
         self.youngs_modulus, self.poisson_ratio = elastic_constants(youngs_modulus, poisson_ratio)
         super().__init__(mesh, **{"name": "elastic", **others})
-        self._stiffness = self._assemble(self._stiffness_form(), diagonal=0.0)
+        self._stiffness = compat.assemble_petsc_matrix(self._stiffness_form())
         self._factors: dict[tuple[float, float], tuple[int, Factorisation]] = {}
         self._made = 0
         self._relax()
@@ -73,23 +73,38 @@ class ElasticSolid(DeformableSolid):
         self._internal_rate = self.multiply(self._stiffness, self.velocity)
 
     def linearise(self, step: Step) -> None:
-        key = (step.span, step.force_rate)
+        key = (step.span, step.force_rate, step.scheme.inertia)
         if key not in self._factors:
             if len(self._factors) > 8:  # steps of many lengths: do not hoard factors
                 self._factors.pop(next(iter(self._factors)))[1].destroy()
             matrix = self._mass.copy()
-            matrix.scale(1 / step.span)
+            matrix.scale(step.scheme.inertia / step.span)
             matrix.axpy(step.force_rate, self._stiffness)
             self._made += 1
-            factor = Factorisation(matrix, self.name)
+            factor = Factorisation(self.hold(matrix), self.name)
             self._factors[key] = (self._made, factor)
         self.linearisation, self.factorisation = self._factors[key]
         known = step.scheme.force_weight * step.dt * (1 - step.scheme.theta)
-        self.free_load = self._momentum / step.span + step.loaded * (self._load - self._internal)
+        load = self._loads(step) - self._internal if step.dt else 0.0
+        self.free_load = step.scheme.inertia / step.span * self._momentum + load
         if known:
             self.free_load -= known * self._internal_rate
-        self._force[:] = 0.0
+        if self._target is not None:
+            self._drive(step)
+        self.free_load[self.fixed_unknowns] = self.trial_velocity[self.fixed_unknowns]
+        self._force = np.zeros(self.owned)
         self._free_velocity = None
+
+    def _drive(self, step: Step) -> None:
+        """What the motion of the supports pulls along."""
+        held = self.fixed_unknowns
+        speed, way = np.zeros(self.owned), np.zeros(self.owned)
+        speed[held] = step.scheme.inertia / step.span * self.trial_velocity[held]
+        way[held] = step.scheme.force_weight * (self._target - self.displacement[held])
+        way[held] -= (
+            step.scheme.force_weight * step.dt * (1 - step.scheme.theta) * self.velocity[held]
+        )
+        self.free_load -= self.multiply(self._mass, speed) + self.multiply(self._stiffness, way)
 
     def imbalance(self, step: Step) -> float:
         return 0.0

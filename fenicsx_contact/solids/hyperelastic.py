@@ -88,9 +88,7 @@ class HyperelasticSolid(DeformableSolid):
         self._force_form = fem.form(residual)
         self._tangent_form = fem.form(ufl.derivative(residual, u, du))
         self._buffer = np.zeros(self.owned)
-        self._tangent = compat.assemble_petsc_matrix(
-            ufl.derivative(residual, u, du), self._bcs, 0.0
-        )
+        self._tangent = compat.assemble_petsc_matrix(ufl.derivative(residual, u, du))
         self._factor: Factorisation | None = None
         if self.broken():
             raise checks.InputError(
@@ -107,7 +105,6 @@ class HyperelasticSolid(DeformableSolid):
     def internal_force(self, displacement: np.ndarray) -> np.ndarray:
         self._set(displacement)
         compat.assemble_owned(self._force_form, self._buffer)
-        self._buffer[self.fixed_unknowns] = 0.0
         return self._buffer.copy()
 
     def _stored_energy(self, displacement: np.ndarray) -> float:
@@ -116,37 +113,27 @@ class HyperelasticSolid(DeformableSolid):
 
     def stiffness(self, displacement: np.ndarray) -> PETSc.Mat:
         self._set(displacement)
-        compat.refill_petsc_matrix(self._tangent, self._tangent_form, self._bcs)
+        compat.refill_petsc_matrix(self._tangent, self._tangent_form)
         return self._tangent
 
     def linearise(self, step: Step) -> None:
-        internal = self.internal_force(self._force_point(step))
         self.stiffness(self._force_point(step))
         if self._factor is None:
             self._factor = Factorisation(self._mass.copy(), self.name)
         matrix = self._factor.matrix
         self._mass.copy(matrix)
-        matrix.scale(1 / step.span)
+        matrix.scale(step.scheme.inertia / step.span)
         matrix.axpy(step.force_rate, self._tangent)
+        self.hold(matrix)
         self._factor.refactor()
         self.factorisation = self._factor
         self.linearisation += 1
         # A v+ = A v - r(v) + J' f
-        self.free_load = self.multiply(matrix, self.trial_velocity)
-        new = self.multiply(self._mass, self.trial_velocity)
-        self.free_load -= (new - self._momentum) / step.span
-        self.free_load += step.loaded * (self._load - internal)
-        self._force[:] = 0.0
+        self._force = np.zeros(self.owned)
+        residual = np.sum(self._balance(step), axis=0)
+        self.free_load = self.multiply(matrix, self.trial_velocity) - residual
+        self.free_load[self.fixed_unknowns] = self.trial_velocity[self.fixed_unknowns]
         self._free_velocity = None
-
-    def imbalance(self, step: Step) -> float:
-        internal = self.internal_force(self._force_point(step))
-        new = self.multiply(self._mass, self.trial_velocity)
-        acting = (internal, -self._load) if step.dt else ()
-        terms = [(new - self._momentum) / step.span, *acting, -self._force]
-        own = np.array([[np.abs(t).max(initial=0.0) for t in (sum(terms), *terms)]])
-        largest = np.max(self.comm.allgather(own), axis=0).ravel()
-        return float(largest[0] / (largest[1:].max() or 1.0))
 
     def _state_changed(self) -> None:
         self._strain = self._stored_energy(self.displacement)

@@ -65,7 +65,7 @@ def move_mass_inwards(solid: DeformableSolid, mass: PETSc.Mat, nodes: np.ndarray
         near = np.abs(solid.multiply(mass, component(near))[::d]) > 0
         near = near.astype(float)
     near[nodes] = 0.0
-    near[solid.fixed_unknowns[::d] // d] = 0.0
+    near[solid.fixed_unknowns // d] = 0.0
     behind = np.flatnonzero(near)
     places = np.concatenate(comm.allgather(x[behind]))
     if not len(places):

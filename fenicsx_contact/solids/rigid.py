@@ -170,10 +170,10 @@ class RigidSolid(Solid):
         kinetic = 0.5 * self.velocity @ self._momentum
         return float(kinetic), 0.0, float(-self._load[: self.dim] @ self._place)
 
-    def works(self, step: Step) -> tuple[float, float]:
-        mean = 0.5 * (self.velocity + self.trial_velocity)
+    def works(self, step: Step) -> tuple[float, float, float, float]:
+        mean = step.scheme.mean(self.velocity, self.trial_velocity)
         change = self._trial_momentum - self._momentum
-        return float(mean @ change), float(step.dt * mean @ self._load)
+        return float(mean @ change), float(step.dt * mean @ self._load), 0.0, 0.0
 
     def state(self) -> dict[str, np.ndarray]:
         return {"velocity": self.velocity, "place": self._place, "turn": self._turn}

@@ -231,12 +231,16 @@ class Contact:
         gap = self.equations.fields.gap.x.array
         return self.formulation.speed_limit(gap, step.gap_rate, step.dt)
 
+    def follow(self) -> None:
+        """Follow the solids to their trial states, which have just been computed."""
+        self.coupling.follow()
+        self.trial_jump = self.coupling.jump("trial_velocity")
+
     def error(self, step: Step) -> tuple[float, float, float]:
         """Follow the solids to their trial states, which have just been computed; by how much the
         jumps [m/s] and gaps [m] there differ from the linearised ones over the candidates, and
         the largest speed [m/s] of a point."""
-        self.coupling.follow()
-        self.trial_jump = self.coupling.jump("trial_velocity")
+        self.follow()
         points = self.equations.candidates
         if not len(points):
             return 0.0, 0.0, 0.0

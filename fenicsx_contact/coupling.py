@@ -59,6 +59,7 @@ class Coupling(ABC):
     def to_points(self, force: np.ndarray) -> np.ndarray:
         """Forces on the traces' points, flat, from nodal forces (n, d) on the slave."""
 
+    @abstractmethod
     def linearise(self, step: Step, exact: bool, share: float) -> None:
         """Take up the geometry where it is; see :class:`PairedEquations`."""
 
@@ -103,7 +104,8 @@ class ObstacleCoupling(Coupling):
     """Nodes of a solid before an obstacle: their velocities are the jumps."""
 
     def __init__(self, solid: Solid, equations: SurfaceEquations, obstacle: Obstacle) -> None:
-        self.obstacle, self.part = obstacle, equations
+        self.obstacle = obstacle
+        self.part = self.equations = equations
         self.solids = [solid]
         self.traces = [solid.trace(equations.fields.surface.points)]
         self.fixed_normal = obstacle.flat
@@ -123,6 +125,12 @@ class ObstacleCoupling(Coupling):
 
     def to_points(self, force: np.ndarray) -> np.ndarray:
         return force.ravel()
+
+    def linearise(self, step: Step, exact: bool, share: float) -> None:
+        if exact:
+            values = self.equations.values
+            values[: self.equations.jumps] = self.velocities("trial_velocity")
+            self.equations.values = values
 
     def mobility(self) -> np.ndarray:
         return self.traces[0].mobility().reshape(self._shape)

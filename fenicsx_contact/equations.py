@@ -218,9 +218,13 @@ class SurfaceEquations:
         """The equations of the surface: these."""
         return self
 
-    def sparse_tangent(self) -> sp.csr_matrix:
-        """The tangent, sparse."""
+    def whole_tangent(self) -> sp.csr_matrix:
+        """The tangent of all points, sparse."""
         return sp.csr_matrix((self._tangent(), self._place), (self.size, self.size))
+
+    def sparse_tangent(self) -> sp.csr_matrix:
+        """The tangent of the active unknowns, sparse."""
+        return self.whole_tangent()[self.active][:, self.active]
 
     def statuses(self) -> np.ndarray:
         """0 open, 1 stick (or bearing without friction), 2 slip, for each point."""

@@ -14,6 +14,18 @@ import numpy as np
 from petsc4py import PETSc
 
 
+def direct_solver(matrix: PETSc.Mat, prefix: str) -> PETSc.KSP:
+    """A direct solver for any regular matrix, with PETSc options of the prefix."""
+    solver = PETSc.KSP().create(matrix.comm)
+    solver.setOptionsPrefix(re.sub(r"\W+", "_", prefix) + "_")
+    solver.setType("preonly")
+    solver.getPC().setType("lu")
+    solver.getPC().setFactorSolverType("mumps")
+    solver.setOperators(matrix)
+    solver.setFromOptions()
+    return solver
+
+
 class Factorisation:
     """A direct factorisation of a PETSc matrix, which it owns.
 

@@ -116,7 +116,7 @@ class PairedEquations:
     def sparse_tangent(self) -> sp.csr_matrix:
         """Their tangent."""
         e, mine = self.equations, self.active_places
-        F = e.sparse_tangent()[e.active][:, e.active]
+        F = e.sparse_tangent()
         w = len(e.active_jumps)
         rows = F[:, :w] @ self._jump_rate
         if self._rates is not None:

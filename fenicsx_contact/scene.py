@@ -20,6 +20,9 @@ from .solids import Solid
 from .stepper import Stepper
 from .theta import Step, ThetaScheme
 
+#: Components of surface points above which no dense system is formed.
+LARGE_SURFACE = 1500
+
 
 class Scene:
     """Solids in contact.
@@ -32,6 +35,11 @@ class Scene:
         locate_impacts: find the instant at which points close, step exactly there, and solve the
             impact as a step of no length; for VELOCITY only. Smooth motion between impacts is
             then of second order, and steps can be long.
+        geometry: "newton": geometry, contact and solids in one Newton loop; "fixed point": the
+            paper's loop around contact with frozen geometry. Default: "newton" where two solids
+            meet or one is hyperelastic.
+        solver: of the linear systems of "newton": "condensed" on the surfaces, or "monolithic".
+            Default: condensed if all solids are linear and the surfaces small.
         allow_free: accept a solid that has neither contact nor support.
         deepest: largest initial penetration, as a share of the surface's extent.
 
@@ -49,6 +57,8 @@ class Scene:
         newton: Newton | None = None,
         *,
         locate_impacts: bool = False,
+        geometry: str | None = None,
+        solver: str | None = None,
         allow_free: bool = False,
         deepest: float = 1e-3,
     ) -> None:
@@ -64,13 +74,27 @@ class Scene:
         self.locate_impacts = locate_impacts
         self._check(allow_free, checks.number("deepest", deepest, at_least=0))
         self.comm = self.solids[0].mesh.mesh.comm
-        self.stepper = Stepper(self.solids, self.contacts, self.newton)
+        self.geometry, self.solver = self._method(geometry, solver)
+        self.stepper = Stepper(self.solids, self.contacts, self.newton, self.geometry, self.solver)
         self.remarks: list[str] = []
         self.stepper.times["set-up"] = perf_counter() - start
         columns = [*COLUMNS]
         for contact in self.contacts:
             columns += contact_columns(contact.name, contact.solid.dim)
         self.columns = tuple(columns)
+
+    def _method(self, geometry: str | None, solver: str | None) -> tuple[str, str]:
+        """How a step is solved, as asked or as the scene needs it."""
+        nonlinear = [s for s in self.solids if not s.linear and hasattr(s, "space")]
+        if geometry is None:
+            pairs = any(len(contact.solids) > 1 for contact in self.contacts)
+            geometry = "newton" if pairs else "fixed point"
+        if solver is None:
+            places = sum(contact.part.places for contact in self.contacts)
+            solver = "monolithic" if nonlinear or places > LARGE_SURFACE else "condensed"
+        checks.choice("geometry", geometry, ["newton", "fixed point"])
+        checks.choice("solver", solver, ["condensed", "monolithic"])
+        return geometry, solver
 
     def _check(self, allow_free: bool, deepest: float) -> None:
         for kind, things in (("solids", self.solids), ("contacts", self.contacts)):

@@ -1,28 +1,21 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""One step of a scene: prediction, linearisations with a surface problem each, acceptance.
-
-The loop over linearisations is the paper's geometric fixed point and, for hyperelastic solids,
-Newton's method for their momentum balance. A scene of linear solids passes it once.
-"""
+"""One step of a scene: solved by a method, then accepted, and the energy books kept."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from time import perf_counter
 
 import numpy as np
 
+from .assembly import Assembly, Clock
 from .checks import StepFailed
 from .contact import Contact
-from .newton import Newton, NotConverged, Solution
+from .fixed_point import FixedPoint
+from .full_newton import FullNewton
+from .newton import Newton
 from .solids import Solid
-from .system import SurfaceSystem
 from .theta import Step
-
-#: Relative error of the linearised operator, gaps and momentum at which the loop ends.
-GEOMETRY_TOLERANCE = 1e-8
-MAX_GEOMETRY = 25
 
 
 @dataclass(frozen=True)
@@ -39,26 +32,34 @@ class Trial:
 class Stepper:
     """Takes the steps of a scene and keeps its books.
 
+    Args:
+        solids, contacts: of the scene.
+        newton: settings of the Newton loop.
+        geometry: "newton" or "fixed point".
+        solver: "condensed" or "monolithic".
+
     Attributes:
         time: s.
-        work: of impacts, friction, drives and the scheme since the start, J; ``balance``, what they and the
-            energies leave unexplained.
+        work: of impacts, friction, drives and the scheme since the start, J; ``balance``, what
+            they and the energies leave unexplained.
         times: seconds spent by phase.
     """
 
     def __init__(
-        self, solids: Sequence[Solid], contacts: Sequence[Contact], newton: Newton
+        self,
+        solids: Sequence[Solid],
+        contacts: Sequence[Contact],
+        newton: Newton,
+        geometry: str,
+        solver: str,
     ) -> None:
-        self.solids, self.contacts, self.newton = list(solids), list(contacts), newton
-        self._parts = _slices(contact.part.places for contact in self.contacts)
-        self._sides = [  # solid and trace of each side of each contact
-            side for c in self.contacts for side in zip(c.solids, c.traces)
-        ]
-        self._slices = _slices(trace.jump(s.velocity).size for s, trace in self._sides)
-        self._system = SurfaceSystem(
-            [contact.part for contact in self.contacts],
-            [contact.name for contact in self.contacts],
-        )
+        self.solids, self.contacts = list(solids), list(contacts)
+        self._assembly = Assembly(self.solids, self.contacts)
+        self._method: FixedPoint | FullNewton
+        if geometry == "newton":
+            self._method = FullNewton(self._assembly, newton, solver)
+        else:
+            self._method = FixedPoint(self._assembly, newton)
         self.times: dict[str, float] = {}
         self.time = 0.0
         self.work, self.balance = np.zeros(4), 0.0
@@ -75,105 +76,22 @@ class Stepper:
             StepFailed: with the reason; the state is as before.
         """
         before = [contact.equations.values for contact in self.contacts]
+        clock = Clock(self.times)
         try:
-            return self._attempt(step, closing)
+            for solid in self.solids:
+                solid.predict(step)
+            for contact in self.contacts:
+                contact.predict(step, closing)
+            clock("pairing")
+            return Trial(step, *self._method.solve(step, clock))
         except StepFailed:
             for contact, values in zip(self.contacts, before):
                 contact.equations.values = values
             raise
 
-    def _attempt(self, step: Step, closing: bool) -> Trial:
-        clock = _Clock(self.times)
-        for solid in self.solids:
-            solid.predict(step)
-        for contact in self.contacts:
-            contact.predict(step, closing)
-        clock("pairing")
-        iterations, remarks = 0, []
-        for sweep in range(1, MAX_GEOMETRY + 1):
-            for solid in self.solids:
-                solid.linearise(step)
-            clock("solids")
-            speed = self._linearise(step, first=sweep == 1)
-            clock("pairing")
-            solution = self._solve(step)
-            iterations += solution.iterations
-            remarks += solution.remarks
-            clock("newton")
-            for (_, trace), part in zip(self._sides, self._slices):
-                trace.spread(solution.force[part])
-            for solid in self.solids:
-                solid.correct(step)
-            clock("solids")
-            error = self._nonlinearity(step, speed)
-            clock("pairing")
-            if error <= GEOMETRY_TOLERANCE:
-                return Trial(step, solution.force, iterations, sweep, remarks)
-        raise StepFailed(
-            f"the geometric fixed point stalls at a relative error of {error:.3g} after "
-            f"{sweep} linearisations"
-        )
-
-    def _linearise(self, step: Step, first: bool) -> float:
-        """Velocities without contact, compliance and scales; returns a typical speed."""
-        for contact in self.contacts:
-            contact.linearise(step)
-        free = [trace.free_jump() for _, trace in self._sides]
-        self._free = free[0] if len(free) == 1 else np.concatenate([*free, np.empty(0)])
-        speed = 0.0
-        for contact, part in zip(self.contacts, self._parts):
-            active = contact.part.active_places
-            speed = max(speed, float(np.abs(self._free[part][active]).max(initial=0.0)))
-        # powers of two: the scales change rarely, and scaling costs no accuracy
-        speed = 2.0 ** np.ceil(np.log2(speed)) if 0 < speed < np.inf else 1.0
-        for contact, part in zip(self.contacts, self._parts):
-            contact.equations.set_scale(contact.unit(step), speed)
-            if first:
-                contact.start(self._free[part])
-        return speed
-
-    def _compliance(self, active: np.ndarray) -> np.ndarray:
-        """W of the active points."""
-        W = np.zeros((len(active), len(active)))
-        bounds = np.searchsorted(active, [part.start for part in self._slices] + [np.inf])
-        ours = [
-            (solid, trace, slice(a, b), active[a:b] - part.start)
-            for (solid, trace), part, a, b in zip(
-                self._sides, self._slices, bounds[:-1], bounds[1:]
-            )
-        ]
-        for solid, trace, rows, mine in ours:
-            for other_solid, other, columns, theirs in ours:
-                if other_solid is solid and len(mine) and len(theirs):
-                    W[rows, columns] = trace.compliance(mine, other, theirs)
-        return W
-
-    def _solve(self, step: Step) -> Solution:
-        try:
-            active = self._system.arrange()
-            self._system.begin(self._free[active], self._compliance(active))
-            return self.newton.solve(
-                self._system, lambda: [contact.speed_limit(step) for contact in self.contacts]
-            )
-        except NotConverged as failure:
-            raise StepFailed(str(failure)) from None
-
-    def _nonlinearity(self, step: Step, speed: float) -> float:
-        """Largest relative error of what was linearised, in the trial state."""
-        error = 0.0
-        for solid in self.solids:
-            if reason := solid.broken():
-                raise StepFailed(reason)
-            if not solid.linear:
-                error = max(error, solid.imbalance(step))
-        for contact in self.contacts:
-            jump, gap, size = contact.error(step)
-            error = max(error, jump / max(speed, size), gap / (max(speed, size) * step.span))
-        return error
-
     def accept(self, trial: Trial) -> list[float]:
         """Make the trial state the state; returns the row of the history."""
-        clock, step = _Clock(self.times), trial.step
+        clock, step = Clock(self.times), trial.step
         momentum, loads, supports, tractions = np.sum(
             [solid.works(step) for solid in self.solids], axis=0
         )
@@ -182,7 +100,7 @@ class Stepper:
         for solid in self.solids:
             solid.accept()
         impact = friction = 0.0
-        for contact, part in zip(self.contacts, self._parts):
+        for contact, part in zip(self.contacts, self._assembly.parts):
             contact.accept(trial.force[part], step)
             normal, tangential = contact.work(means, step.span)
             impact, friction = impact + normal, friction + tangential
@@ -210,20 +128,3 @@ class Stepper:
         for contact in self.contacts:
             row += [*contact.force.sum(axis=0), *contact.counts(), contact.depth()]
         return row
-
-
-def _slices(sizes: Iterable[int]) -> list[slice]:
-    bounds = np.cumsum([0, *sizes])
-    return [slice(a, b) for a, b in zip(bounds[:-1], bounds[1:])]
-
-
-class _Clock:
-    """Adds the time since the last call to a phase."""
-
-    def __init__(self, times: dict[str, float]) -> None:
-        self._times, self._last = times, perf_counter()
-
-    def __call__(self, phase: str) -> None:
-        now = perf_counter()
-        self._times[phase] = self._times.get(phase, 0.0) + now - self._last
-        self._last = now

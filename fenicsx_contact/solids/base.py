@@ -18,6 +18,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 import numpy as np
+import scipy.sparse as sp
+from mpi4py import MPI
 
 from ..meshing import NamedMesh
 from ..theta import Step
@@ -63,6 +65,14 @@ class Trace(ABC):
     @abstractmethod
     def mobility(self) -> np.ndarray:
         """About the diagonal of J A^-1 J', flat: it scales, it decides nothing."""
+
+    @abstractmethod
+    def seeing(self) -> sp.csr_matrix:
+        """J, (components of the points, unknowns of the solid), the same on every process."""
+
+    def spreading(self) -> sp.csr_matrix:
+        """The operator whose transpose spreads forces, likewise."""
+        return self.seeing()
 
     @abstractmethod
     def spread(self, force: np.ndarray) -> None:
@@ -114,6 +124,32 @@ class Solid(ABC):
     @abstractmethod
     def correct(self, step: Step) -> None:
         """Solve for the trial velocity with the forces spread so far, and move there."""
+
+    @abstractmethod
+    def go(self, velocity: np.ndarray, step: Step) -> None:
+        """Move to the trial state of a velocity."""
+
+    @abstractmethod
+    def drop_forces(self) -> None:
+        """Forget the forces spread so far."""
+
+    # for the monolithic system: rows by process
+
+    @abstractmethod
+    def layout(self, comm: MPI.Comm) -> list[int]:
+        """Number of unknowns that each process owns."""
+
+    @abstractmethod
+    def owned_range(self, comm: MPI.Comm) -> slice:
+        """This process's unknowns among all of the solid; ``velocity`` holds them."""
+
+    @abstractmethod
+    def matrix_rows(self, comm: MPI.Comm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """This process's rows of A: row pointers, columns, values."""
+
+    @abstractmethod
+    def residual(self) -> np.ndarray:
+        """This process's rows of ``A v - b - J' f`` in the trial state, after `linearise`."""
 
     @abstractmethod
     def imbalance(self, step: Step) -> float:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx import fem
+from mpi4py import MPI
 from petsc4py import PETSc
 
 from .. import checks, compat
@@ -166,6 +167,7 @@ class DeformableSolid(Solid):
     def hold(self, matrix: PETSc.Mat) -> PETSc.Mat:
         """Clear the rows and columns of the held unknowns, 1 on the diagonal."""
         rows = self.first_unknown + self.fixed_unknowns
+        matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
         matrix.zeroRowsColumns(rows.astype(np.int32), 1.0)
         return matrix
 
@@ -241,8 +243,29 @@ class DeformableSolid(Solid):
     def correct(self, step: Step) -> None:
         load = self.free_load + self._force
         load[self.fixed_unknowns] = self.free_load[self.fixed_unknowns]
-        self.trial_velocity = self.factorisation.solve(load)
+        self.go(self.factorisation.solve(load), step)
+
+    def go(self, velocity: np.ndarray, step: Step) -> None:
+        self.trial_velocity = velocity
         self._move(step)
+
+    def drop_forces(self) -> None:
+        self._force = np.zeros(self.owned)
+
+    def layout(self, comm: MPI.Comm) -> list[int]:
+        return list(comm.allgather(self.owned))
+
+    def owned_range(self, comm: MPI.Comm) -> slice:
+        return slice(self.first_unknown, self.first_unknown + self.owned)
+
+    def matrix_rows(self, comm: MPI.Comm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return self.factorisation.matrix.getValuesCSR()
+
+    def residual(self) -> np.ndarray:
+        moved = self.multiply(self.factorisation.matrix, self.trial_velocity)
+        result = moved - self.free_load - self._force
+        result[self.fixed_unknowns] = 0.0
+        return result
 
     def _balance(self, step: Step) -> list[np.ndarray]:
         """The terms of the momentum balance in the trial state, for the owned unknowns; their sum

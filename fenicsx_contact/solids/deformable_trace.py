@@ -44,6 +44,11 @@ class DeformableTrace(Trace):
         self._spreading = scipy.sparse.csr_matrix(entries, (n * d, solid.owned)).T.tocsr()
         every = (np.ones(len(rows)), (rows, columns))
         self._operator = scipy.sparse.csr_matrix(every, (n * d, solid.owned))
+        # the same in the numbers of all unknowns, on every process; held ones do not answer
+        parts = solid.comm.allgather((rows[free], solid.first_unknown + columns[free]))
+        row, column = (np.concatenate(each) for each in zip(*parts))
+        ones = np.ones(len(row))
+        self._whole = scipy.sparse.csr_matrix((ones, (row, column)), (n * d, solid.unknowns))
         self._linearisation = 0
         self._known = np.zeros(n * d, dtype=bool)  # columns of A^-1 J' that are computed
         self._columns = np.empty((0, 0))
@@ -111,6 +116,9 @@ class DeformableTrace(Trace):
         mobility = self._spreading.T @ (1 / diagonal.array_r)
         diagonal.destroy()
         return self._sum(mobility)
+
+    def seeing(self) -> scipy.sparse.csr_matrix:
+        return self._whole
 
     def spread(self, force: np.ndarray) -> None:
         self._solid._force += self._spreading @ force

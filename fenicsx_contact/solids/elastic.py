@@ -106,9 +106,6 @@ class ElasticSolid(DeformableSolid):
         )
         self.free_load -= self.multiply(self._mass, speed) + self.multiply(self._stiffness, way)
 
-    def imbalance(self, step: Step) -> float:
-        return 0.0
-
     def stiffness(self, displacement: np.ndarray) -> PETSc.Mat:
         return self._stiffness
 

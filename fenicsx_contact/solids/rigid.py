@@ -13,6 +13,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
+from mpi4py import MPI
 from scipy.spatial.transform import Rotation
 
 from .. import checks
@@ -109,7 +111,13 @@ class RigidSolid(Solid):
         self._force = np.zeros_like(self.velocity)
 
     def correct(self, step: Step) -> None:
-        self.trial_velocity = self.free_velocity + self.inverse @ self._force
+        self.go(self.free_velocity + self.inverse @ self._force, step)
+
+    def drop_forces(self) -> None:
+        self._force = np.zeros_like(self.velocity)
+
+    def go(self, velocity: np.ndarray, step: Step) -> None:
+        self.trial_velocity = velocity
         self._move(step)
         if self.dim == 3:
             self._balance_spin(step)
@@ -127,6 +135,24 @@ class RigidSolid(Solid):
             self._move(step)
             if np.abs(new - old).max() <= ROUND_OFF * np.abs(new).max():
                 return
+
+    def layout(self, comm: MPI.Comm) -> list[int]:
+        return [len(self.velocity), *[0] * (comm.size - 1)]
+
+    def owned_range(self, comm: MPI.Comm) -> slice:
+        return slice(0, len(self.velocity))  # every process has them all
+
+    def matrix_rows(self, comm: MPI.Comm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        n = len(self.velocity)
+        if comm.rank:
+            return np.zeros(1, dtype=int), np.empty(0, dtype=int), np.empty(0)
+        matrix = np.linalg.inv(self.inverse)
+        return np.arange(0, n * n + 1, n), np.tile(np.arange(n), n), matrix.ravel()
+
+    def residual(self) -> np.ndarray:
+        return np.linalg.solve(
+            self.inverse, self.trial_velocity - self.free_velocity - self.inverse @ self._force
+        )
 
     def imbalance(self, step: Step) -> float:
         if self.dim == 2:
@@ -268,6 +294,12 @@ class RigidTrace(Trace):
 
     def mobility(self) -> np.ndarray:
         return np.einsum("ij,ji->i", self._operator, self._columns)
+
+    def seeing(self) -> sp.csr_matrix:
+        return sp.csr_matrix(self._operator)
+
+    def spreading(self) -> sp.csr_matrix:
+        return sp.csr_matrix(self._force_operator)
 
     def spread(self, force: np.ndarray) -> None:
         self._solid._force += force @ self._force_operator

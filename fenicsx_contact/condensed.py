@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""One linear system of the full Newton method, condensed on the surfaces.
+
+The solids enter by the compliance of their active points; for linear solids it is known.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .assembly import Assembly
+from .system import SurfaceSystem
+from .theta import Step
+
+
+class Condensed:
+    """Linear systems in the velocities of the active points and the multipliers."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        self._all = assembly
+        contacts = assembly.contacts
+        self._surfaces = SurfaceSystem([c.part for c in contacts], [c.name for c in contacts])
+
+    def begin(self, step: Step) -> tuple[float, np.ndarray]:
+        """Residual of the present state: its largest relative error, and the forces on all points
+        (flat, N)."""
+        active = self._surfaces.arrange()
+        self._surfaces.begin(self._all.free()[active], self._all.compliance(active))
+        force = self._surfaces.force()
+        self._all.spread(force)
+        errors = [solid.imbalance(step) for solid in self._all.solids if not solid.linear]
+        if self._surfaces.size:
+            errors.append(self._surfaces.error())
+            self._surfaces.remember()
+        return max(errors, default=0.0), force
+
+    def iterate(self, step: Step) -> bool:
+        """Solve, and move the solids; False if the system is singular."""
+        for solid in self._all.solids:
+            solid.drop_forces()
+        if self._surfaces.size:
+            if not self._surfaces.iterate():
+                return False
+            self._all.spread(self._surfaces.linear_force)
+        for solid in self._all.solids:
+            solid.correct(step)
+        return True
+
+    def stall(self) -> str:
+        """What stalls or flips."""
+        if not self._surfaces.size:
+            return "the momentum balance stalls"
+        return f"{self._surfaces.stall()}; {self._surfaces.flips()}"

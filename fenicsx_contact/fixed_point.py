@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The paper's geometric fixed point: contact is solved with the geometry frozen, then it is renewed.
+
+The same loop is Newton's method for the momentum balance of hyperelastic solids. A scene of linear
+solids before a flat obstacle passes it once.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .assembly import Assembly, Clock, scale_of
+from .checks import StepFailed
+from .newton import Newton, NotConverged, Solution
+from .system import SurfaceSystem
+from .theta import Step
+
+#: Relative error of the linearised operator, gaps and momentum at which the loop ends.
+GEOMETRY_TOLERANCE = 1e-8
+MAX_GEOMETRY = 25
+
+
+class FixedPoint:
+    """Solves a step by linearisations with a condensed surface problem each."""
+
+    def __init__(self, assembly: Assembly, newton: Newton) -> None:
+        self._all, self._newton = assembly, newton
+        self._system = SurfaceSystem(
+            [contact.part for contact in assembly.contacts],
+            [contact.name for contact in assembly.contacts],
+        )
+
+    def solve(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
+        """Solve a step whose solids and contacts are predicted.
+
+        Returns:
+            Forces on all points (flat, N), Newton iterations, linearisations, remarks.
+
+        Raises:
+            StepFailed: with the reason.
+        """
+        iterations, remarks = 0, []
+        for sweep in range(1, MAX_GEOMETRY + 1):
+            for solid in self._all.solids:
+                solid.linearise(step)
+            clock("solids")
+            speed = self._linearise(step, first=sweep == 1)
+            clock("pairing")
+            solution = self._solve(step)
+            iterations += solution.iterations
+            remarks += solution.remarks
+            clock("newton")
+            self._all.spread(solution.force)
+            for solid in self._all.solids:
+                solid.correct(step)
+            clock("solids")
+            error = self._nonlinearity(step, speed)
+            clock("pairing")
+            if error <= GEOMETRY_TOLERANCE:
+                return solution.force, iterations, sweep, remarks
+        raise StepFailed(
+            f"the geometric fixed point stalls at a relative error of {error:.3g} after "
+            f"{sweep} linearisations"
+        )
+
+    def _linearise(self, step: Step, first: bool) -> float:
+        """Velocities without contact and scales; returns a typical speed."""
+        for contact in self._all.contacts:
+            contact.linearise(step)
+        self._free = self._all.free()
+        speed = scale_of(self._all.fastest(self._free))
+        self._all.set_scale(step, speed)
+        if first:
+            for contact, part in zip(self._all.contacts, self._all.parts):
+                contact.start(self._free[part])
+        return speed
+
+    def _solve(self, step: Step) -> Solution:
+        try:
+            active = self._system.arrange()
+            self._system.begin(self._free[active], self._all.compliance(active))
+            return self._newton.solve(
+                self._system, lambda: [contact.speed_limit(step) for contact in self._all.contacts]
+            )
+        except NotConverged as failure:
+            raise StepFailed(str(failure)) from None
+
+    def _nonlinearity(self, step: Step, speed: float) -> float:
+        """Largest relative error of what was linearised, in the trial state."""
+        self._all.refuse_broken()
+        errors = [solid.imbalance(step) for solid in self._all.solids if not solid.linear]
+        for contact in self._all.contacts:
+            jump, gap, size = contact.error(step)
+            errors += [jump / max(speed, size), gap / (max(speed, size) * step.span)]
+        return max(errors, default=0.0)

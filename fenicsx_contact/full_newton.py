@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Newton's method for everything at once: the paper's own wish, no geometric loop.
+
+Each iteration renews the solids' tangents, the pairing with its derivatives and the contact
+statuses, and solves one linear system, condensed on the surfaces or monolithic.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .assembly import Assembly, Clock, scale_of
+from .checks import StepFailed
+from .condensed import Condensed
+from .monolithic import Monolithic
+from .newton import Newton
+from .theta import Step
+
+#: Relative error of the momentum balances, and of the contact rows, at which it ends.
+TOLERANCE = 1e-9
+#: How often a correction that inverts an element is halved.
+HALVINGS = 5
+
+
+class FullNewton:
+    """Solves a step by Newton's method for solids, contact and geometry together."""
+
+    def __init__(self, assembly: Assembly, newton: Newton, solver: str) -> None:
+        self._all, self._newton = assembly, newton
+        self._system = (Condensed if solver == "condensed" else Monolithic)(assembly)
+
+    def solve(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
+        """See :meth:`~fenicsx_contact.fixed_point.FixedPoint.solve`."""
+        speed = 0.0
+        errors = []
+        for iteration in range(self._newton.max_iterations + 1):
+            for solid in self._all.solids:
+                solid.linearise(step)
+            clock("solids")
+            for contact in self._all.contacts:
+                contact.linearise(step, exact=True)
+            speed = speed or self._speed()
+            self._all.set_scale(step, speed)
+            clock("pairing")
+            error, force = self._system.begin(step)
+            errors.append(error)
+            clock("newton")
+            if iteration and error <= TOLERANCE:
+                return force, iteration, 1, []
+            if not np.isfinite(error):
+                break
+            self._advance(step, clock)
+        raise StepFailed(f"{self._system.stall()} after {len(errors) - 1} Newton iterations")
+
+    def _speed(self) -> float:
+        solids = [contact.coupling.velocities("trial_velocity") for contact in self._all.contacts]
+        moving = self._all.fastest(np.concatenate([*solids, np.empty(0)]))
+        every = max((float(np.abs(v).max(initial=0.0)) for v in solids), default=0.0)
+        return scale_of(max(moving, every))
+
+    def _advance(self, step: Step, clock: Clock) -> None:
+        """One correction, shortened where it would invert an element."""
+        before = [solid.trial_velocity.copy() for solid in self._all.solids]
+        if not self._system.iterate(step):
+            raise StepFailed("the linearised problem is singular: is a body without support?")
+        clock("linear solve")
+        for _ in range(HALVINGS):
+            if not any(solid.broken() for solid in self._all.solids):
+                break
+            for solid, old in zip(self._all.solids, before):
+                solid.go(0.5 * (old + solid.trial_velocity), step)
+        self._all.refuse_broken()
+        for contact in self._all.contacts:
+            contact.follow()
+        clock("pairing")

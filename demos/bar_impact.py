@@ -39,11 +39,15 @@ from fenicsx_contact import (
     ThetaScheme,
     mesh_from_gmsh,
 )
+from fenicsx_contact.references.bars import ReleasedBar, ThrownBar
 from fenicsx_contact.report import write_summary
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
 RESULTS = Path("results") / "bar_impact"
 CELLS = 200
+#: The exact solutions.
+THROWN = ThrownBar(youngs_modulus=900.0, density=1.0, length=10.0, gap=5.0, speed=10.0)
+RELEASED = ReleasedBar(youngs_modulus=1.0, density=1.0, length=1.0, strain=0.5)
 
 # %% [markdown]
 # ## The schemes, one or two arguments apart
@@ -111,7 +115,8 @@ def figures_of_thrown(history: History) -> dict[str, Any]:
     """Contact times, mean reaction between them, share of the energy kept."""
     time, force = history.time, history["wall.force_x"]
     bearing = time[force > 1.0]
-    inside = (time > 0.55) & (time < 1.1)
+    start, end = THROWN.contact
+    inside = (time > start + 0.05) & (time < end - 0.05)
     return {
         "contact_start_s": float(bearing[0]),
         "contact_end_s": float(bearing[-1]),
@@ -125,7 +130,8 @@ def figures_of_thrown(history: History) -> dict[str, Any]:
 def figures_of_released(history: History) -> dict[str, Any]:
     """Mean reactions in the three contacts, share of the energy kept."""
     time, force = history.time, history["wall.force_x"]
-    contacts = [(time > start + 0.1) & (time < start + 0.9) for start in (1, 4, 7)]
+    exact = [RELEASED.contact(number) for number in range(3)]
+    contacts = [(time > start + 0.1) & (time < end - 0.1) for start, end in exact]
     bearing = time[(force > 0.01) & (time < 2.5)]
     return {
         "contact_start_s": float(bearing[0]),
@@ -149,7 +155,7 @@ def draw(histories: dict[str, History]) -> None:
     for ax, (name, history) in zip(np.ravel(axes), histories.items()):
         ax.plot(history.time, history["wall.force_x"], lw=0.8, color="C3", label="reaction [N]")
         ax.plot(history.time, energy(history), color="C0", label="energy [J]")
-        ax.plot([0.5, 0.5, 7 / 6, 7 / 6], [0, 300, 300, 0], "k--", lw=0.8, label="exact reaction")
+        ax.plot(history.time, THROWN.reaction(history.time), "k--", lw=0.8, label="exact reaction")
         ax.set_title(name, fontsize=9)
         ax.set_ylim(-20, 640)
     axes[0, 0].legend(fontsize=7)

@@ -9,6 +9,7 @@ from .checks import InputError  # noqa: E402
 from .contact import Contact  # noqa: E402
 from .formulations import GAP, LAGRANGE, VELOCITY, Discrete, Gap, Lagrange, Velocity  # noqa: E402
 from .history import History  # noqa: E402
+from .mesh_files import mesh_from_file  # noqa: E402
 from .meshing import NamedMesh, mesh_from_gmsh, name_facets  # noqa: E402
 from .newton import Newton  # noqa: E402
 from .obstacles import HalfSpace  # noqa: E402
@@ -45,6 +46,7 @@ __all__ = [
     "Scene",
     "ThetaScheme",
     "Velocity",
+    "mesh_from_file",
     "mesh_from_gmsh",
     "name_facets",
     "neo_hookean",

@@ -7,8 +7,6 @@ component). Only the *candidates* of a step have equations: at the others nothin
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import scipy.sparse as sp
 import ufl

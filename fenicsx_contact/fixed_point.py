@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The paper's geometric fixed point: contact is solved with the geometry frozen, then it is renewed.
+"""The paper's geometric fixed point: contact with frozen geometry, which is then renewed.
 
 The same loop is Newton's method for the momentum balance of hyperelastic solids. A scene of linear
 solids before a flat obstacle passes it once.

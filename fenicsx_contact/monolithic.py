@@ -49,7 +49,7 @@ class Monolithic:
         force, errors = np.zeros(everything), [0.0]
         self._rows = []
         self._worst = ("", 0.0)
-        for contact, part, places in zip(self._all.contacts, self._parts, self._all.parts):
+        for part, places in zip(self._parts, self._all.parts):
             residual, active = part.active_residual(), part.active_places
             force[places.start + active] = -residual[: len(active)]
             rows = residual[len(active) :] * part.scales()[1][len(active) :]

@@ -17,12 +17,15 @@ from .checks import StepFailed
 from .contact import Contact
 from .newton import Newton, NotConverged, Solution
 from .solids import Solid
-from .system import SurfaceSystem
+from .system import SLOW, SurfaceSystem
 from .theta import Step
 
 #: Relative error of the linearised operator, gaps and momentum at which the loop ends.
 GEOMETRY_TOLERANCE = 1e-8
 MAX_GEOMETRY = 25
+#: It ends as well where it falls no more and is below this: the round-off of an ill-conditioned
+#: solve, which shorter steps would not better.
+ROUGH = 1e-6
 
 
 @dataclass(frozen=True)
@@ -87,7 +90,7 @@ class Stepper:
         for contact in self.contacts:
             contact.predict(step, closing)
         clock("pairing")
-        iterations, remarks = 0, []
+        iterations, remarks, last = 0, [], np.inf
         for sweep in range(1, MAX_GEOMETRY + 1):
             for solid in self.solids:
                 solid.linearise(step)
@@ -103,10 +106,11 @@ class Stepper:
             for solid in self.solids:
                 solid.correct(step)
             clock("solids")
-            error = self._nonlinearity(step, speed)
+            error = self._nonlinearity(step, speed, solution.force)
             clock("pairing")
-            if error <= GEOMETRY_TOLERANCE:
+            if error <= GEOMETRY_TOLERANCE or last <= error <= ROUGH:
                 return Trial(step, solution.force, iterations, sweep, remarks)
+            last = error
         raise StepFailed(
             f"the geometric fixed point stalls at a relative error of {error:.3g} after "
             f"{sweep} linearisations"
@@ -126,7 +130,8 @@ class Stepper:
             free = contact.trace.free_jump()
             self._free.append(free)
             active = contact.equations.active_jumps
-            speed = max(speed, float(np.abs(free[active]).max(initial=0.0)))
+            fall = float(np.abs(free[active]).max(initial=0.0))
+            speed = max(speed, fall, SLOW * self._push(a, contact.force))
         # powers of two: the scales change rarely, and scaling costs no accuracy
         speed = 2.0 ** np.ceil(np.log2(speed)) if 0 < speed < np.inf else 1.0
         for contact, free, a in zip(self.contacts, self._free, self._slices):
@@ -134,6 +139,11 @@ class Stepper:
             if first:
                 contact.equations.start(contact.jump.ravel(), free)
         return speed
+
+    def _push(self, part: slice, force: np.ndarray) -> float:
+        """The speed that the forces on a contact's points would give to one alone, m/s."""
+        softest = self._compliance[part, part].diagonal().max(initial=0.0)
+        return float(np.abs(force).max(initial=0.0) * softest)
 
     def _solve(self, step: Step) -> Solution:
         try:
@@ -144,7 +154,7 @@ class Stepper:
         except NotConverged as failure:
             raise StepFailed(str(failure)) from None
 
-    def _nonlinearity(self, step: Step, speed: float) -> float:
+    def _nonlinearity(self, step: Step, speed: float, force: np.ndarray) -> float:
         """Largest relative error of what was linearised, in the trial state."""
         error = 0.0
         for solid in self.solids:
@@ -152,9 +162,10 @@ class Stepper:
                 raise StepFailed(reason)
             if not solid.linear:
                 error = max(error, solid.imbalance(step))
-        for contact in self.contacts:
+        for contact, part in zip(self.contacts, self._slices):
             jump, gap, size = contact.error(step)
-            error = max(error, jump / max(speed, size), gap / (max(speed, size) * step.span))
+            size = max(speed, size, SLOW * self._push(part, force[part]))
+            error = max(error, jump / size, gap / (size * step.span))
         return error
 
     def accept(self, trial: Trial) -> list[float]:

@@ -54,7 +54,7 @@ class Contact:
         *,
         normal_augmentation: float = 1.0,
         tangential_augmentation: float = 1.0,
-        gap_tolerance: float = 1e-9,
+        gap_tolerance: float = 1e-11,
         name: str | None = None,
     ) -> None:
         checks.instance("solid", solid, Solid, "a solid")

@@ -20,7 +20,7 @@ CLASSES = ("within_error", "refused", "off", "stopped", "energy_created", "nonse
 #: only downwards.
 ENERGY = 1e-6
 #: Share of them that the books of a run may leave unexplained.
-BALANCE = 1e-6
+BALANCE = 1e-4
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def judge(build: Callable[[], Problem]) -> Verdict:
     size = max(problem.energy_size, energy_size(history)) if _finite(history) else np.nan
     if fault := _nonsense(problem, history, size):
         return Verdict("nonsense", reason=fault, **facts)
-    rise = float((total_energy(history) - total_energy(history)[0]).max())
+    rise = float((total_energy(history) - total_energy(history)[0]).max()) - problem.supplied
     if rise > ENERGY * size:
         share = rise / size if size else np.inf
         return Verdict("energy_created", reason=f"energy rose by {share:.3g} of itself", **facts)

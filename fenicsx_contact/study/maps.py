@@ -47,7 +47,7 @@ MAPS: list[Map] = [
     Map(
         "rocking_theta_dt",
         "Rocking block, velocity",
-        partial(problems.rocking, tilt=1e-3, impacts=2),
+        partial(problems.rocking, tilt=1e-3, impacts=1),
         Axis("share", decades(-5, -1, 9), DT),
         THETA,
     ),
@@ -55,7 +55,7 @@ MAPS: list[Map] = [
         "rocking_formulation_dt",
         "Rocking block, theta = 1",
         partial(problems.rocking, tilt=1e-3, impacts=2, theta=1.0),
-        Axis("share", decades(-4, -1, 7), DT),
+        Axis("share", decades(-4, -1.5, 6), DT),
         Axis("formulation", ["velocity", "gap", "lagrange", "discrete"], "formulation"),
     ),
     Map(
@@ -115,7 +115,14 @@ MAPS: list[Map] = [
         Axis("speed", decades(-6, 0, 7), "speed / wave speed [-]"),
     ),
     Map("squeezed_young_nu", "Square between planes", problems.squeezed, YOUNG, NU),
-    Map("squeezed_aspect_nu", "Square between planes", problems.squeezed, ASPECT, NU),
+    Map("squeezed_aspect_nu", "Block between planes", problems.squeezed, ASPECT, NU),
+    Map(
+        "squeezed_young_dt",
+        "Square between planes",
+        problems.squeezed,
+        Axis("periods", decades(0.5, 4.5, 5), "step / time of a wave"),
+        YOUNG,
+    ),
     Map(
         "sliding_young_dt",
         "Elastic block sliding to rest",
@@ -163,6 +170,13 @@ MAPS: list[Map] = [
         "dropped",
         "Rigid block falling flat",
         problems.dropped,
+        Axis("share", decades(-4, -1, 4), "step [s]"),
+        Axis("speed", decades(-3, 3, 7), "speed [m/s]"),
+    ),
+    Map(
+        "dropped_located",
+        "Rigid block falling flat, impacts located",
+        partial(problems.dropped, located=True),
         Axis("share", decades(-4, -1, 4), "step [s]"),
         Axis("speed", decades(-3, 3, 7), "speed [m/s]"),
     ),

@@ -26,6 +26,7 @@ class Problem:
         probes: further columns of the history.
         energy_size: scale of the energies, J, where the history does not tell it (a body at
             rest); 0 takes the largest energy that took part.
+        supplied: energy that the obstacles may supply, J (by pushing out what starts inside).
         deepest: the deepest penetration that makes sense, m.
     """
 
@@ -36,6 +37,7 @@ class Problem:
     bound: float = np.inf
     probes: Mapping[str, Callable[[], float]] = field(default_factory=dict)
     energy_size: float = 0.0
+    supplied: float = 0.0
     deepest: float = np.inf
 
     def run(self) -> History:

@@ -53,6 +53,7 @@ def bar_at_wall(
     aspect: float = 1.0,
     hyperelastic: bool = False,
     normal_augmentation: float = 1.0,
+    allow_growth: bool = False,
 ) -> Problem:
     """A bar thrown at a rigid wall: reaction rho c v for 2 L/c, then rigid flight; E = 900 Pa,
     rho = 1 kg/m³, L = 10 m, no gravity. Error: the largest of the wall's impulse at any time.
@@ -63,7 +64,7 @@ def bar_at_wall(
     Args:
         cells: along the bar.
         cfl: cells that a wave crosses in a step.
-        theta, forces, formulation, normal_augmentation: as usual.
+        theta, forces, formulation, normal_augmentation, allow_growth: as usual.
         massless: whether the mass of the contact node is moved inwards.
         speed: of the bar over that of its waves.
         aspect: length over height of a cell.
@@ -96,7 +97,7 @@ def bar_at_wall(
 
     nonlinear = 3 * speed if hyperelastic else 0.0
     return Problem(
-        Scene([bar], [contact], ThetaScheme(theta, forces)),
+        Scene([bar], [contact], ThetaScheme(theta, forces), allow_growth=allow_growth),
         until=1.5 * contact_time,
         dt=length / cells / c * cfl,
         error=lambda history: _impulse_error(history, exact, reaction * contact_time),

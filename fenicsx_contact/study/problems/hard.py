@@ -69,6 +69,7 @@ def klarbring(*, friction: float, dt: float = 1.0, steps: int = 400) -> Problem:
         dt,
         error,
         EXACT,
+        energy_size=float(load @ load) / KT,
         deepest=1e-3,
     )
 

@@ -75,18 +75,19 @@ def rocking(
     Bound: a uniform step rounds each impact to its end and samples the maximum before it, each
     2 dt/T of an energy that grows as t² over the quarter period T; errors add up over the
     impacts; theta away from 1/2 adds its own 4 |theta - 1/2| dt/T. With impacts located nothing
-    is rounded, and what is left is of second order, (dt/T)² for each swing.
+    is rounded, and what is left is of second order, (dt/T)² for each swing. A corner is closed
+    from the gap tolerance on, which is a share of each lift.
 
     Args:
         tilt: rad, below the tipping angle 0.4229.
-        share: step over the time to the first impact.
+        share: step over the time to the first impact; a little less, so that steps fit the run.
         impacts: how many maxima are compared.
         theta, formulation, located, normal_augmentation, tangential_augmentation: as usual.
     """
     exact = housner(BLOCK, tilt, impacts=impacts + 1)
     times = exact.impact_times
     until = times[-2] + 0.75 * (times[-1] - times[-2])
-    dt = share * times[0]
+    dt = until / np.ceil(until / (share * times[0]))
     quarters = np.diff(times[:-1], prepend=-times[0]) / 2
     scene, block = _scene(
         tilt, theta, formulation, located, normal_augmentation, tangential_augmentation
@@ -97,12 +98,13 @@ def rocking(
         return float(np.abs(most / exact.kinetic_before[:-1] - 1).max())
 
     first = (4 + 4 * abs(theta - 0.5)) * dt / quarters
+    early = 2 * scene.contacts[0].tolerance / BLOCK.width / exact.peak_angles[:-1]
     return Problem(
         scene,
         until,
         dt,
         error,
-        bound=float(((dt / quarters) ** 2 if located else first).sum()),
+        bound=float((early + ((dt / quarters) ** 2 if located else first)).sum()),
         probes={"tilt": lambda: float(block.rotation)},
         deepest=BLOCK.width * tilt,
     )

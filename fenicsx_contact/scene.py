@@ -79,9 +79,9 @@ class Scene:
         self._check(allow_free, checks.number("deepest", deepest, at_least=0))
         if self.scheme.theta < 0.5 and not allow_growth:
             raise checks.InputError(
-                f"theta = {self.scheme.theta!r}: must be >= 1/2, below which the scheme makes energy "
-                "in each step, in deformable solids exponentially; pass allow_growth=True if "
-                "that is meant"
+                f"theta = {self.scheme.theta!r}: must be >= 1/2, below which the scheme makes "
+                "energy in each step, in deformable solids exponentially; pass "
+                "allow_growth=True if that is meant"
             )
         self.comm = self.solids[0].mesh.mesh.comm
         self.geometry, self.solver = self._method(geometry, solver)

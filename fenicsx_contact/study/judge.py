@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -51,7 +52,7 @@ def judge(build: Callable[[], Problem]) -> Verdict:
         history = problem.run()
     except InputError as refusal:
         return Verdict("refused", reason=str(refusal))
-    facts = {
+    facts: dict[str, Any] = {
         "bound": float(problem.bound),
         "run_time_s": history.run_time,
         "steps": len(history) - 1,

@@ -134,7 +134,7 @@ def bar_released(
     contact = Contact(bar, "left", HalfSpace((-0.5, 0), (1, 0)), formulation, name="wall")
 
     def exact(time: np.ndarray) -> np.ndarray:
-        return height / 2 * sum(np.clip(time - start, 0, 1) for start in (1, 4, 7))
+        return np.sum([height / 2 * np.clip(time - start, 0, 1) for start in (1, 4, 7)], axis=0)
 
     return Problem(
         Scene([bar], [contact], ThetaScheme(theta, forces)),

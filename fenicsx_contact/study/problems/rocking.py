@@ -11,7 +11,8 @@ from scipy.integrate import solve_ivp
 from ...contact import Contact
 from ...formulations import Discrete, Lagrange
 from ...history import History
-from ...references.housner import Block, rocking as housner
+from ...references.housner import Block
+from ...references.housner import rocking as housner
 from ...references.swings import swings
 from ...scene import Scene
 from ...solids import RigidSolid

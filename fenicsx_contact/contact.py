@@ -16,6 +16,7 @@ from .formulations import Discrete, Formulation, Lagrange
 from .formulations import formulation as as_formulation
 from .obstacles import Obstacle
 from .solids import Solid
+from .solids.base import Trace
 from .surface import Surface
 from .theta import Step
 
@@ -71,7 +72,7 @@ class Contact:
             checks.number("tangential_augmentation", tangential_augmentation, above=0),
         )
         self.name = name or f"{solid.name}.{facets}"
-        self.surface = Surface(*solid.mesh.boundary(facets))
+        self.surface = self._make_surface()
         self.extent = float(np.ptp(self.surface.points, axis=0).max())
         self.tolerance = checks.number("gap_tolerance", gap_tolerance, at_least=0) * self.extent
 
@@ -79,14 +80,14 @@ class Contact:
         self.equations = SurfaceEquations(
             self.surface, self.formulation, self.friction, self.chosen, weight, augmentation
         )
-        self.trace = solid.trace(self.surface.points)
+        self.trace = self._make_trace()
         self.force = np.zeros(self.surface.points.shape)  # mean of the last step, on the solid
         self.status = np.zeros(self.surface.size)
         self._closed = np.zeros(self.surface.size, dtype=bool)
         self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
         self._unit = (0.0, 1.0)
         self._remembers = isinstance(self.formulation, Discrete) and self.friction > 0
-        self._set_normal(-self.obstacle.normals(self.trace.positions()))
+        self._set_normal(self._normals())
         self._locate()
 
     def _points(self) -> tuple[np.ndarray, np.ndarray]:
@@ -109,6 +110,16 @@ class Contact:
             chosen[:] = False
             chosen[nodes] = True
         return chosen, chosen.astype(float)
+
+    # what a contact of another kind has its own way to do
+    def _make_surface(self) -> Surface:
+        return Surface(*self.solid.mesh.boundary(self.facets))
+
+    def _make_trace(self) -> Trace:
+        return self.solid.trace(self.surface.points)
+
+    def _normals(self) -> np.ndarray:
+        return -self.obstacle.normals(self.trace.positions())
 
     def _gaps(self) -> np.ndarray:
         return -self.obstacle.distance(self.trace.positions())
@@ -150,7 +161,7 @@ class Contact:
         self.trace.linearise(step)
         k, share = self.equations.fields, self._share(step)
         if not self.obstacle.flat:
-            self._set_normal(-self.obstacle.normals(self.trace.positions()))
+            self._set_normal(self._normals())
         gap = self.gap
         if share:
             # the gap at the end of the step as a function of w: end + gap_rate w_n

@@ -75,7 +75,7 @@ class GuideContact(Contact):
         self.stations = np.flatnonzero(off > 0.5 * axis.length)
         # in the order of the guide's
         self.stations = self.stations[np.argsort(guide.depth(surface.points[self.stations]))]
-        self._nodes = np.setdiff1d(np.arange(surface.size), self.stations)
+        self._turn = self.solid.frame @ guide.lateral.T
         return surface
 
     def _make_trace(self) -> Trace:
@@ -91,12 +91,10 @@ class GuideContact(Contact):
             return
         self._at = x
         guide, rows = self.obstacle, self.stations
-        self._distances, self._outward = np.empty(len(x)), np.empty(x.shape)
-        nodes = x[self._nodes]
-        self._distances[self._nodes] = guide.distance(nodes)
-        self._outward[self._nodes] = guide.normals(nodes)
-        tangents = self.solid.axis.direction + self.trace.slopes[rows] @ self.solid.frame
-        self._distances[rows], self._outward[rows] = guide.at_stations(x[rows], tangents)
+        self._distances, self._outward = guide.distance(x).copy(), guide.normals(x).copy()
+        # the beam's slopes are by its own s, upwards, and in its own lateral directions
+        slopes = -self.trace.slopes()[rows] @ self._turn
+        self._distances[rows], self._outward[rows] = guide.at_stations(x[rows], slopes)
         self._distances[self.trace.void] = FAR
 
     _at: np.ndarray | None = None

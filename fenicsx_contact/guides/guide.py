@@ -137,21 +137,42 @@ class Guide:
         self.plane = _unit("plane", first if plane is None else plane, d)
         if abs(self.plane @ self.direction) > 1e-12:
             raise checks.InputError(f"plane = {plane!r}: must be perpendicular to the direction")
+        rows = [self.direction, self.plane, np.cross(self.direction, self.plane)][:d]
+        self._axes = np.array(rows)  # depth first, then the lateral directions
         self.tubes = sorted((p for p in pieces if isinstance(p, Tube)), key=lambda p: p.top)
         for upper, lower in zip(self.tubes[:-1], self.tubes[1:]):
             if lower.top < upper.bottom - 1e-12:
                 raise checks.InputError(f"pieces: {upper} and {lower} overlap")
+        self._segments()
         self._stations()
         self._last: np.ndarray | None = None
 
+    def _segments(self) -> None:
+        """Bounds of what lies between two depths; there the clearance is linear: begin, value,
+        slope, and which tube it is (-1: none, nothing is near)."""
+        bounds, parts = [], [(0.0, FAR, 0.0, -1)]
+        for i, tube in enumerate(self.tubes):
+            depth, clearance = tube.table()
+            knots = np.array([tube.top, *(x for x in depth if tube.top < x < tube.bottom)])
+            values = np.interp([*knots, tube.bottom], depth, clearance)
+            slopes = np.diff(values) / np.diff([*knots, tube.bottom])
+            if bounds and abs(bounds[-1] - tube.top) <= 1e-12:
+                bounds.pop()
+                parts.pop()
+            bounds += [*knots, tube.bottom]
+            parts += [*zip(knots, values[:-1], slopes, [i] * len(knots)), (0.0, FAR, 0.0, -1)]
+        self._bounds = np.array(bounds)
+        self._begin, self._value, self._taper, which = np.array(parts).T
+        self._which = which.astype(int)
+
     def _stations(self) -> None:
         """Depth, clearance and centre of the stations; the tighter one where two coincide."""
-        found: dict[float, tuple[float, np.ndarray]] = {}
+        d, found = self.dim, {}
         for piece in self.pieces:
             depths = [piece.depth] if isinstance(piece, Card) else piece.stations()
             for depth in depths:
                 if isinstance(piece, Card):
-                    entry = piece.clearance, piece.centre * self.plane
+                    entry = piece.clearance, np.eye(d - 1)[0] * piece.centre
                 else:
                     at = np.array([depth])
                     centre = self._lateral(piece.curve.offset(at))[0]
@@ -167,53 +188,51 @@ class Guide:
         self.top, self.bottom = min(ends), max(ends)
 
     def _lateral(self, values: np.ndarray) -> np.ndarray:
-        """Values of a curve as vectors (n, d)."""
-        if values.ndim == 1:
-            return values[:, None] * self.plane
-        second = np.cross(self.direction, self.plane)
-        return values @ np.stack([self.plane, second])
+        """Values of a curve as lateral components (n, d - 1)."""
+        if values.ndim == 2:
+            return values
+        result = np.zeros((len(values), self.dim - 1))
+        result[:, 0] = values
+        return result
 
     def depth(self, points: np.ndarray) -> np.ndarray:
         """Depth of the points (n, d), m."""
         return (points - self.origin) @ self.direction
 
     def centre(self, depth: np.ndarray) -> np.ndarray:
-        """Lateral place of the centre line at depths (n,), as vectors (n, d); of the nearest tube
-        where there is none."""
+        """Points (n, d) of the centre line at depths (n,), m; where there is no tube, of the end
+        of the tube above, or below if there is none."""
         tops = np.array([tube.top for tube in self.tubes])
-        which = np.clip(np.searchsorted(tops, depth, side="right") - 1, 0, len(tops) - 1)
-        result = np.zeros((len(depth), self.dim))
+        which = np.maximum(np.searchsorted(tops, depth, side="right") - 1, 0)
+        lateral = np.zeros((len(depth), self.dim - 1))
         for i, tube in enumerate(self.tubes):
             mine = which == i
             inside = np.clip(depth[mine], tube.top, tube.bottom)
-            result[mine] = self._lateral(tube.curve.offset(inside))
-        return result
+            lateral[mine] = self._lateral(tube.curve.offset(inside))
+        return self.origin + np.concatenate([depth[:, None], lateral], axis=1) @ self._axes
 
     def _look(self, points: np.ndarray) -> None:
         """Distances and normals; kept, for both are asked for at the same points."""
         if points is self._last:
             return
-        depth = self.depth(points)
-        lateral = points - self.origin - depth[:, None] * self.direction
-        self._distance = np.full(len(points), FAR)
-        self._normal = np.broadcast_to(self.plane, points.shape).copy()
-        for tube in self.tubes:
-            here = np.flatnonzero((depth >= tube.top) & (depth <= tube.bottom))
-            if not len(here):
-                continue
-            x = depth[here]
-            depths, clearances = tube.table()
-            clearance = np.interp(x, depths, clearances)
-            off = lateral[here] - self._lateral(tube.curve.offset(x))
-            rate = self._lateral(tube.curve.slope(x))
-            size, across = _polar(off, self.plane)
-            axial = np.einsum("ij,ij->i", across, rate)
-            if len(depths) > 2:
-                cell = np.clip(np.searchsorted(depths, x) - 1, 0, len(depths) - 2)
-                axial = axial + (np.diff(clearances) / np.diff(depths))[cell]
-            steep = np.sqrt(1 + axial * axial)
-            self._distance[here] = (clearance - size) / steep
-            self._normal[here] = (axial[:, None] * self.direction - across) / steep[:, None]
+        local = (points - self.origin) @ self._axes.T
+        x, off = local[:, 0], local[:, 1:]
+        segment = self._bounds.searchsorted(x)
+        clearance = self._value[segment] + self._taper[segment] * (x - self._begin[segment])
+        which = self._which[segment]
+        rate = np.zeros_like(off)
+        for i, tube in enumerate(self.tubes):
+            here = (which == i).nonzero()[0]
+            if len(here):
+                depth = x[here]
+                off[here] -= self._lateral(tube.curve.offset(depth))
+                rate[here] = self._lateral(tube.curve.slope(depth))
+        size, across = _polar(off)
+        axial = (across * rate).sum(axis=1) + self._taper[segment]
+        steep = np.sqrt(1 + axial * axial)
+        self._distance = np.where(which < 0, FAR, (clearance - size) / steep)
+        local[:, 0], local[:, 1:] = axial / steep, across / -steep[:, None]
+        self._normal = local @ self._axes
         self._last = points
 
     def distance(self, points: np.ndarray) -> np.ndarray:
@@ -227,24 +246,29 @@ class Guide:
         return self._normal
 
     def at_stations(
-        self, points: np.ndarray, tangents: np.ndarray
+        self, points: np.ndarray, slopes: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Distances and normals of a rod at the stations, one point each.
 
         Args:
             points: of the rod, (k, d).
-            tangents: of the rod there, of any length: a corner has no normal, the rod has one.
+            slopes: derivative of the rod's lateral place by the depth there, in the lateral
+                directions of the guide, (k, d - 1): a corner has no normal, the rod has one.
 
         Returns:
             Distances (k,), positive inside, and unit normals into the corridor, (k, d).
         """
-        x = points - self.origin
-        off = x - (x @ self.direction)[:, None] * self.direction - self._centre
-        size, across = _polar(off, self.plane)
-        slope = np.einsum("ij,ij->i", across, tangents) / np.einsum("ij,ij->i", tangents, tangents)
-        normal = across - slope[:, None] * tangents
-        cosine = np.linalg.norm(normal, axis=1)
-        return (self._clearance - size) * cosine, -normal / cosine[:, None]
+        local = (points - self.origin) @ self._axes.T
+        size, across = _polar(local[:, 1:] - self._centre)
+        axial = (across * slopes).sum(axis=1)
+        steep = np.sqrt(1 + axial * axial)
+        local[:, 0], local[:, 1:] = axial / steep, across / -steep[:, None]
+        return (self._clearance - size) / steep, local @ self._axes
+
+    @property
+    def lateral(self) -> np.ndarray:
+        """The lateral directions, (d - 1, d), rows."""
+        return self._axes[1:]
 
     def __repr__(self) -> str:
         return f"Guide({self.pieces!r}, {self.origin.tolist()}, {self.direction.tolist()})"
@@ -257,9 +281,11 @@ def _unit(name: str, value: Sequence[float], size: int) -> np.ndarray:
     return result / np.linalg.norm(result)
 
 
-def _polar(off: np.ndarray, plane: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _polar(off: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Sizes and directions of lateral vectors; on the centre line any direction will do."""
-    size = np.sqrt(np.einsum("ij,ij->i", off, off))
-    if size.all():
-        return size, off / size[:, None]
-    return size, np.where(size[:, None] > 0, off / np.where(size > 0, size, 1.0)[:, None], plane)
+    if off.shape[1] == 1:
+        return np.abs(off[:, 0]), np.where(off < 0, -1.0, 1.0)
+    size = np.hypot(off[:, 0], off[:, 1])
+    across = off / np.where(size > 0, size, 1.0)[:, None]
+    across[size == 0, 0] = 1.0
+    return size, across

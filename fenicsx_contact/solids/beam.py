@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
+import scipy.sparse
 
 from .. import checks
 from ..axis import AxisMesh
@@ -82,8 +83,11 @@ class BeamSolid(Solid):
         self.gravity = -float(g @ axis.direction)  # along the travel
         self._load = np.zeros(self._bends + len(k.axial_mass))
         bending, axial = self.split(self._load)
-        bending[:, ::2] = (self.frame @ g)[:, None] * k.bending_mass.diagonal()[::2]
-        axial[:] = -self.gravity * k.axial_mass.sum(axis=1)
+        bending[:, ::2] = (self.frame @ g)[:, None] * k.bending_mass[::2]
+        axial[:] = -self.gravity * k.axial_mass
+        self._masses = np.concatenate([np.tile(k.bending_mass, self.planes), k.axial_mass])
+        blocks = [k.bending_stiffness] * self.planes + [k.axial_stiffness]
+        self._stiffness = scipy.sparse.block_diag(blocks, format="csr")
         self._lateral_load = lateral_load
         self._lengths = np.gradient(k.s) * np.where(np.isin(k.s, k.s[[0, -1]]), 0.5, 1.0)
 
@@ -154,12 +158,10 @@ class BeamSolid(Solid):
         self.predictions += 1
 
     def _internal_of(self, values: np.ndarray) -> np.ndarray:
-        k, (bending, axial) = self.matrices, self.split(values)
-        return np.concatenate([(bending @ k.bending_stiffness).ravel(), k.axial_stiffness @ axial])
+        return self._stiffness @ values
 
     def _times(self, values: np.ndarray) -> np.ndarray:
-        k, (bending, axial) = self.matrices, self.split(values)
-        return np.concatenate([(bending @ k.bending_mass).ravel(), k.axial_mass @ axial])
+        return self._masses * values
 
     def predict(self, step: Step) -> None:
         self.trial_velocity = self.velocity
@@ -177,8 +179,8 @@ class BeamSolid(Solid):
                 self._inverses.pop(next(iter(self._inverses)))
             k = self.matrices
             self._inverses[key] = (
-                _inverse(k.bending_mass / key[0] + key[1] * k.bending_stiffness, k.free_bending),
-                _inverse(k.axial_mass / key[0] + key[1] * k.axial_stiffness, k.free_axial),
+                _inverse(np.diag(k.bending_mass) / key[0] + key[1] * k.bending_stiffness, k.free_bending),
+                _inverse(np.diag(k.axial_mass) / key[0] + key[1] * k.axial_stiffness, k.free_axial),
             )
         self.flexibility, axial = self._inverses[key]
         known = step.scheme.force_weight * step.dt * (1 - step.scheme.theta)

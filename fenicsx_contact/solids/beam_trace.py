@@ -10,7 +10,6 @@ import numpy as np
 from .. import checks
 from ..theta import Step
 from .base import Trace
-from .sections import interpolation
 
 if TYPE_CHECKING:
     from .beam import BeamSolid
@@ -31,7 +30,6 @@ class BeamTrace(Trace):
 
     Attributes:
         void: points at which there is no beam (stations that it has not reached, or has passed).
-        slopes: derivative of the deflection by s at the points, (n, d - 1).
     """
 
     def __init__(
@@ -52,6 +50,7 @@ class BeamTrace(Trace):
         if self._s[inside].min(initial=0.0) < -1e-9 or self._s[inside].max(initial=0.0) > knots[-1] * (1 + 1e-9):
             raise checks.InputError("points: each point of a trace must lie on the beam's axis")
         n = len(self._s)
+        self._axes = np.concatenate([solid.frame, solid.axis.direction[None]])
         self._extensible = len(solid.split(solid.velocity)[1]) > 1
         self.void = np.zeros(n, dtype=bool)
         self._dofs, self._w, self._dw = (np.zeros((n, 4), dtype=t) for t in (int, float, float))
@@ -64,21 +63,23 @@ class BeamTrace(Trace):
 
     def _place(self, points: np.ndarray) -> None:
         """Shape functions at the present s of some points."""
-        solid = self._solid
-        knots = solid.matrices.s
-        s = np.clip(self._s[points], knots[0], knots[-1])
-        cell = np.clip(np.searchsorted(knots, s, side="right") - 1, 0, len(knots) - 2)
-        h = knots[cell + 1] - knots[cell]
-        xi = (s - knots[cell]) / h
-        w, dw = interpolation(xi, h, solid.matrices.shear_ratio[cell])
-        real = ~self.void[points]
+        knots, shapes = self._solid.matrices.s, self._solid.matrices.shapes
+        s = np.minimum(np.maximum(self._s[points], knots[0]), knots[-1])
+        cell = np.minimum(knots.searchsorted(s, side="right") - 1, len(knots) - 2)
+        xi = (s - knots[cell]) / (knots[cell + 1] - knots[cell])
+        powers = np.ones((len(s), 1, 4))
+        powers[:, 0, 1] = xi
+        powers[:, 0, 2] = xi * xi
+        powers[:, 0, 3] = powers[:, 0, 2] * xi
+        real = ~self.void[points][:, None]
+        w = powers @ shapes[:, cell]
         self._dofs[points] = 2 * cell[:, None] + np.arange(4)
-        self._w[points], self._dw[points] = w * real[:, None], dw * real[:, None]
+        self._w[points], self._dw[points] = w[:, :, 0] * real
         if self._extensible:
             self._ends[points] = cell[:, None] + np.arange(2)
-            self._u[points] = np.stack([1 - xi, xi], axis=1) * real[:, None]
+            self._u[points] = np.stack([1 - xi, xi], axis=1) * real
         else:
-            self._u[points, 0] = real
+            self._u[points, :1] = real
 
     def follow(self) -> None:
         solid = self._solid
@@ -86,7 +87,7 @@ class BeamTrace(Trace):
             self._seen = solid.predictions
             if len(self._stations):
                 self._slide()
-        self._deflection = None
+        self._positions: np.ndarray | None = None
 
     def _slide(self) -> None:
         """Which material is at the stations."""
@@ -98,22 +99,30 @@ class BeamTrace(Trace):
         self._s[self._stations] = s
         self._place(self._stations)
 
-    def _deflect(self) -> None:
-        bending, axial = self._solid.split(self._solid.trial_displacement)
-        local = bending[:, self._dofs]
-        self._deflection = np.einsum("pnk,nk->np", local, self._w)
-        self.slopes = np.einsum("pnk,nk->np", local, self._dw)
-        along = self._s + np.einsum("nk,nk->n", axial[self._ends], self._u)
-        along[self._stations] = self._at
-        axis = self._solid.axis
-        self._positions = (
-            axis.origin + self._deflection @ self._solid.frame + along[:, None] * axis.direction
-        )
-
     def positions(self) -> np.ndarray:
-        if self._deflection is None:
-            self._deflect()
+        if self._positions is None:
+            local = self._local(self._solid.trial_displacement)
+            local[:, -1] += self._s
+            local[self._stations, -1] = self._at
+            self._positions = self._solid.axis.origin + local @ self._axes
         return self._positions
+
+    def slopes(self) -> np.ndarray:
+        """Derivative of the deflection by s at the points in the trial state, (n, d - 1)."""
+        bending, _ = self._solid.split(self._solid.trial_displacement)
+        return np.stack([(plane[self._dofs] * self._dw).sum(axis=1) for plane in bending], axis=1)
+
+    def _local(self, values: np.ndarray) -> np.ndarray:
+        """A field at the points in the frame of the axis: lateral, then axial, (n, d)."""
+        bending, axial = self._solid.split(values)
+        result = np.empty((len(self._s), len(bending) + 1))
+        for i, plane in enumerate(bending):
+            (plane[self._dofs] * self._w).sum(axis=1, out=result[:, i])
+        if self._extensible:
+            (axial[self._ends] * self._u).sum(axis=1, out=result[:, -1])
+        else:
+            np.multiply(self._u[:, 0], axial[0], out=result[:, -1])
+        return result
 
     def linearise(self, step: Step) -> None:
         """Columns A^-1 J' of bending, (n, 2m), and of axial motion, (n, axial unknowns)."""
@@ -124,6 +133,7 @@ class BeamTrace(Trace):
             n = len(self._s)
             self._columns = np.empty((n, len(solid.flexibility)))
             self._lateral = np.empty((n, n))
+            self._matrix = np.zeros((n, self._axes.shape[1], n, self._axes.shape[1]))
             rows = np.arange(n)
         if len(rows):
             dofs, w = self._dofs[rows], self._w[rows]
@@ -139,11 +149,7 @@ class BeamTrace(Trace):
         )
 
     def _at_points(self, values: np.ndarray) -> np.ndarray:
-        solid = self._solid
-        bending, axial = solid.split(values)
-        across = np.einsum("pnk,nk->np", bending[:, self._dofs], self._w)
-        along = np.einsum("nk,nk->n", axial[self._ends], self._u)
-        return (across @ solid.frame + along[:, None] * solid.axis.direction).ravel()
+        return (self._local(values) @ self._axes).ravel()
 
     def jump(self, velocity: np.ndarray) -> np.ndarray:
         return self._at_points(velocity)
@@ -157,28 +163,36 @@ class BeamTrace(Trace):
     def compliance(self, other: Trace) -> np.ndarray:
         assert isinstance(other, BeamTrace)
         if other is self:
-            lateral = self._lateral
+            lateral, result = self._lateral, self._matrix
         else:
             lateral = np.einsum("ank,nk->an", other._columns[:, self._dofs], self._w).T
-        along = np.einsum("ank,nk->an", self._axial_columns[:, other._ends], other._u)
+            n, m, d = len(self._s), len(other._s), self._axes.shape[1]
+            result = np.zeros((n, d, m, d))
+        if self._extensible:
+            along = np.einsum("ank,nk->an", self._axial_columns[:, other._ends], other._u)
+        else:
+            along = self._axial_columns * other._u[:, 0]
         e = self._solid.axis.direction
-        n, m, d = len(self._s), len(other._s), len(e)
         axial = np.outer(e, e)
-        result = np.empty((n, d, m, d))
-        across = np.eye(d) - axial
-        for i in range(d):
-            for j in range(d):
-                result[:, i, :, j] = across[i, j] * lateral + axial[i, j] * along
+        for (i, j), share in np.ndenumerate(axial):
+            across = (i == j) - share
+            if not across:
+                result[:, i, :, j] = share * along
+            elif not share:
+                result[:, i, :, j] = across * lateral
+            else:
+                result[:, i, :, j] = across * lateral + share * along
+        n, d, m, _ = result.shape
         return result.reshape(n * d, m * d)
 
     def spread(self, force: np.ndarray) -> None:
         if not force.any():
             return
         solid = self._solid
-        local = force.reshape(len(self._s), -1)
+        local = force.reshape(len(self._s), -1) @ self._axes.T
         bending, axial = solid.split(solid._gain)
-        along = local @ solid.axis.direction
-        bending += (local @ solid.frame.T).T @ self._columns
+        along = local[:, -1]
+        bending += local[:, :-1].T @ self._columns
         axial += along @ self._axial_columns
         solid._pushed += float(along @ self._u.sum(axis=1))
 

@@ -97,10 +97,11 @@ class BeamMatrices:
 
     Attributes:
         s: places of the nodes, (m,) in m.
-        bending_mass, bending_stiffness: in a plane, unknowns (w, psi) node by node, (2m, 2m).
-        axial_mass, axial_stiffness: (m, m), or (1, 1) if inextensible.
+        bending_mass: in a plane, unknowns (w, psi) node by node; lumped, a diagonal, (2m,).
+        bending_stiffness: likewise, (2m, 2m).
+        axial_mass, axial_stiffness: (m,) and (m, m), or (1,) and (1, 1) if inextensible.
         free_bending, free_axial: unknowns that no support holds fast.
-        shear_ratio: 12 EI/(GA h²) of each cell, (m - 1,).
+        shapes: of the deflection inside the cells, see :func:`shape_functions`.
         mass: of the beam and its point masses, kg; ``weights``, by node.
     """
 
@@ -133,7 +134,8 @@ class BeamMatrices:
             )
         flexibility = 1 / values["shear"] + h**2 / (12 * values["bending"])
         ratio = 12 * values["bending"] / (values["shear"] * h**2)
-        self.shear_ratio = ratio[np.argsort(middle)]
+        along = np.argsort(middle)
+        self.shapes = shape_functions(h[along], ratio[along])
 
         def field(numbers: np.ndarray) -> ufl.core.expr.Expr:
             return compat.cell_constants(mesh, numbers)
@@ -153,27 +155,28 @@ class BeamMatrices:
         )[np.ix_(both, both)]
         self.bending_mass = compat.dense_matrix(
             field(values["mass"]) * w * w_ * nodal + field(values["rotary"]) * psi * psi_ * nodal
-        )[np.ix_(both, both)]
+        ).diagonal()[both]
         u, u_ = ufl.TrialFunction(scalars), ufl.TestFunction(scalars)
         here = np.ix_(order, order)
-        self.axial_mass = compat.dense_matrix(field(values["mass"]) * u * u_ * nodal)[here]
-        self.axial_stiffness = np.zeros_like(self.axial_mass)
+        mass = compat.dense_matrix(field(values["mass"]) * u * u_ * nodal)
+        self.axial_mass = mass.diagonal()[order]
+        self.axial_stiffness = np.zeros_like(mass)
         if stretches:
             form = field(values["axial"]) * rate(u) * rate(u_) * dx
             self.axial_stiffness = compat.dense_matrix(form)[here]
 
         for place, kilograms in masses:
             i = self._node("masses", place)
-            self.bending_mass[2 * i, 2 * i] += checks.number("masses", kilograms, above=0)
-            self.axial_mass[i, i] += kilograms
-        self.weights = self.axial_mass.sum(axis=1)
+            self.bending_mass[2 * i] += checks.number("masses", kilograms, above=0)
+            self.axial_mass[i] += kilograms
+        self.weights = self.axial_mass
         self.mass = float(self.weights.sum())
         if self.mass <= 0:
             raise checks.InputError(
                 f"sections, masses: the beam has a mass of {self.mass!r} kg; must be > 0"
             )
         if not stretches:
-            self.axial_mass = np.array([[self.mass]])
+            self.axial_mass = np.array([self.mass])
             self.axial_stiffness = np.zeros((1, 1))
         self._ground(supports, stretches)
 
@@ -218,25 +221,25 @@ def _values(
     return values
 
 
-def interpolation(xi: np.ndarray, h: np.ndarray, ratio: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The deflection of a beam without load inside a cell, from (w, psi) at its two ends.
+def shape_functions(h: np.ndarray, ratio: np.ndarray) -> np.ndarray:
+    """The deflection of a beam without load inside its cells, from (w, psi) at their two ends.
 
     Args:
-        xi: places in the cells, in [0, 1], (n,).
         h: lengths of the cells, m.
         ratio: 12 EI/(GA h²) of the cells.
 
     Returns:
-        Weights of the deflection and of its derivative by s, (n, 4) each.
+        Coefficients of 1, x, x², x³ (x in [0, 1] along a cell) in the weights of w, psi, w, psi,
+        of the deflection and of its derivative by s, (2, cells, 4, 4).
     """
+    w = np.zeros((2, len(h), 4, 4))
     q = 1 / (1 + ratio)
-    one = q * (xi**2 * (3 - 2 * xi) + ratio * xi)
-    rise = q / h * (6 * xi * (1 - xi) + ratio)
-    first = q * h * xi * (xi**2 - (2 + ratio / 2) * xi + 1 + ratio / 2)
-    last = q * h * xi * (xi**2 - (1 - ratio / 2) * xi - ratio / 2)
-    d_first = q * (3 * xi**2 - (4 + ratio) * xi + 1 + ratio / 2)
-    d_last = q * (3 * xi**2 - (2 - ratio) * xi - ratio / 2)
-    return (
-        np.stack([1 - one, first, one, last], axis=1),
-        np.stack([-rise, d_first, rise, d_last], axis=1),
-    )
+    rise = q[:, None] * np.stack([0 * h, ratio, 3 + 0 * h, -2 + 0 * h], axis=1)
+    w[0, :, :, 0], w[0, :, :, 2] = -rise, rise
+    w[0, :, 0, 0] += 1
+    first = [0 * h, 1 + ratio / 2, -(2 + ratio / 2), 1 + 0 * h]
+    last = [0 * h, -ratio / 2, -(1 - ratio / 2), 1 + 0 * h]
+    w[0, :, :, 1] = (q * h)[:, None] * np.stack(first, axis=1)
+    w[0, :, :, 3] = (q * h)[:, None] * np.stack(last, axis=1)
+    w[1, :, :3] = np.arange(1, 4)[:, None] * w[0, :, 1:] / h[:, None, None]
+    return w

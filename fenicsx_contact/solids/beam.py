@@ -87,7 +87,8 @@ class BeamSolid(Solid):
         axial[:] = -self.gravity * k.axial_mass
         self._masses = np.concatenate([np.tile(k.bending_mass, self.planes), k.axial_mass])
         blocks = [k.bending_stiffness] * self.planes + [k.axial_stiffness]
-        self._stiffness = scipy.sparse.block_diag(blocks, format="csr")
+        sparse = [scipy.sparse.csr_matrix(block) for block in blocks]
+        self._stiffness = scipy.sparse.block_diag(sparse, format="csr")
         self._lateral_load = lateral_load
         self._lengths = np.gradient(k.s) * np.where(np.isin(k.s, k.s[[0, -1]]), 0.5, 1.0)
 

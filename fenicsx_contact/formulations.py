@@ -184,19 +184,22 @@ class Discrete:
         stiffness: of each spring, N/m.
         damping: of each dashpot, N s/m.
         tangential_stiffness: of the springs that carry friction, N/m (default: ``stiffness``).
-        points: as for :class:`Lagrange`.
+        points, reach: as for :class:`Lagrange`.
     """
 
     stiffness: float
     damping: float = 0.0
     tangential_stiffness: float | None = None
     points: Sequence[Sequence[float]] | np.ndarray | None = None
+    reach: float = math.inf
     name: ClassVar[str] = "discrete"
     multipliers: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         checks.number("stiffness", self.stiffness, above=0)
         checks.number("damping", self.damping, at_least=0)
+        if self.reach != math.inf:
+            checks.number("reach", self.reach, above=0)
         checks.number("tangential_stiffness", self.stiffness_t, above=0)
 
     @property

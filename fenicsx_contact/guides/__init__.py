@@ -4,6 +4,7 @@
 from .contact import GuideContact
 from .curves import AnyCurve, Bow, Curve, Sine, Straight
 from .guide import Card, Guide, Tube
+from .settle import lay_in, settle
 
 __all__ = [
     "AnyCurve",
@@ -15,4 +16,6 @@ __all__ = [
     "Sine",
     "Straight",
     "Tube",
+    "lay_in",
+    "settle",
 ]

@@ -265,6 +265,10 @@ class Guide:
         local[:, 0], local[:, 1:] = axial / steep, across / -steep[:, None]
         return (self._clearance - size) / steep, local @ self._axes
 
+    def clearance(self) -> np.ndarray:
+        """Clearances of the stations, from the top down, (k,) in m."""
+        return self._clearance.copy()
+
     @property
     def lateral(self) -> np.ndarray:
         """The lateral directions, (d - 1, d), rows."""

@@ -94,7 +94,8 @@ class BeamSolid(Solid):
 
         self.displacement = np.zeros_like(self._load)
         self.velocity = np.zeros_like(self._load)
-        self._deflect(displacement, slope)
+        if displacement is not None:
+            self._set_deflection(displacement(k.s), None if slope is None else slope(k.s))
         self.taken: dict[str, float] = {}
         self._forces: Sequence[AxialForce] = ()
         self._inverses: dict[tuple[float, float], tuple[np.ndarray, np.ndarray]] = {}
@@ -108,19 +109,37 @@ class BeamSolid(Solid):
         """Views of the unknowns: (w, psi) by node in each plane, (d - 1, 2m), and axial."""
         return values[: self._bends].reshape(self.planes, -1), values[self._bends :]
 
-    def _deflect(self, displacement: Lateral | None, slope: Lateral | None) -> None:
-        if displacement is None:
-            return
-        s = self.matrices.s
-        bending, _ = self.split(self.displacement)
-        shape = (self.planes, len(s))
-        w = np.asarray(displacement(s), dtype=float)
-        if w.shape != shape or not np.isfinite(w).all():
+    def _set_deflection(self, w: np.ndarray, slope: np.ndarray | None) -> None:
+        s, (bending, _) = self.matrices.s, self.split(self.displacement)
+        w = np.asarray(w, dtype=float)
+        if w.shape != (self.planes, len(s)) or not np.isfinite(w).all():
             raise checks.InputError(
-                f"displacement: must be a function of s (n,) with finite values ({self.planes}, n)"
+                f"displacement: gives values of shape {w.shape}; must be a function of s (n,) with "
+                f"finite values ({self.planes}, n)"
             )
         bending[:, ::2] = w
-        bending[:, 1::2] = np.gradient(w, s, axis=1) if slope is None else slope(s)
+        bending[:, 1::2] = np.gradient(w, s, axis=1) if slope is None else slope
+        bending[:, ~self.matrices.free_bending] = 0.0
+
+    def deflect(self, deflection: np.ndarray) -> None:
+        """Give the beam another deflection, (nodes, d - 1) in m in the order of s, at rest."""
+        self.displacement = self.displacement.copy()
+        self._set_deflection(np.asarray(deflection).T, None)
+        self.rest()
+
+    def slowest_period(self) -> float:
+        """Period of its slowest bending vibration that is not rigid, s; of one on supports."""
+        k = self.matrices
+        keep = k.free_bending & (k.bending_mass > 0)
+        rest = k.free_bending & ~keep
+        stiff = k.bending_stiffness[np.ix_(keep, keep)]
+        if rest.any():  # slopes without inertia follow
+            mixed = k.bending_stiffness[np.ix_(keep, rest)]
+            inner = k.bending_stiffness[np.ix_(rest, rest)]
+            stiff = stiff - mixed @ np.linalg.solve(inner, mixed.T)
+        root = 1 / np.sqrt(k.bending_mass[keep])
+        square = np.linalg.eigvalsh(root[:, None] * stiff * root)
+        return float(2 * np.pi / np.sqrt(square[square > 1e-9 * square[-1]].min(initial=square[-1])))
 
     @property
     def law(self) -> AxialLaw | None:

@@ -22,7 +22,6 @@ from ..solids.beam_trace import BeamTrace
 from ..surface import Surface
 from .guide import FAR, Guide
 
-
 class GuideContact(Contact):
     """A contact between a stretch of a beam and a guide around it.
 
@@ -31,10 +30,11 @@ class GuideContact(Contact):
         facets: the name of the stretch of its axis that is guided.
         obstacle: the guide.
         formulation, friction, others: as for :class:`~fenicsx_contact.contact.Contact`.
+        deepest: penetration that is accepted at the start, as a share of the smallest clearance.
 
     Raises:
         InputError: no beam or guide, axes that are not parallel, a rod that is longer than its
-            guide allows, and what Contact refuses.
+            guide allows, a guide too bent for the rod as it starts, and what Contact refuses.
     """
 
     solid: BeamSolid
@@ -48,6 +48,8 @@ class GuideContact(Contact):
         obstacle: Guide,
         formulation: Formulation | str = "velocity",
         friction: float = 0.0,
+        *,
+        deepest: float = 0.05,
         **others: Any,
     ) -> None:
         checks.instance("solid", solid, BeamSolid, "a BeamSolid")
@@ -55,6 +57,14 @@ class GuideContact(Contact):
         if obstacle.dim == solid.dim:
             _check_place(solid, facets, obstacle)
         super().__init__(solid, facets, obstacle, formulation, friction, **others)
+        worst = int(self.gap.argmax())
+        if self.gap[worst] > deepest * float(obstacle.clearance().min()):
+            depth = float(obstacle.depth(self.trace.positions())[worst])
+            raise checks.InputError(
+                f"obstacle: the guide is too bent for its clearance where the rod starts: at the "
+                f"depth {depth:.4g} m the rod is {self.gap[worst]:.4g} m inside its wall; let the "
+                "rod settle first (guides.settle)"
+            )
 
     def _make_surface(self) -> Surface:
         """The nodes of the stretch, and beside them the stations, joined by cells of their own."""

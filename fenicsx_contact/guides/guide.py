@@ -105,11 +105,11 @@ class Guide:
         pieces: tubes and cards; tubes must not overlap.
         origin: the point at depth 0, d coordinates, m.
         direction: along which the depth grows.
-        plane: in 3D, the lateral direction in which the curves bend.
+        plane: in 3D, the lateral direction in which the curves bend; default: the first one.
 
     Attributes:
         stations: depths of the stations, from the top down, (k,) in m.
-        top, bottom: depths of the whole, m.
+        bottom: depth at which the last tube ends, m; infinite if there are only cards.
 
     Raises:
         InputError: no pieces, tubes that overlap, directions that are zero or not lateral.
@@ -122,7 +122,7 @@ class Guide:
         pieces: Sequence[Tube | Card],
         origin: Sequence[float] = (0.0, 0.0),
         direction: Sequence[float] | None = None,
-        plane: Sequence[float] | None = None,
+        plane: Sequence[float] | np.ndarray | None = None,
     ) -> None:
         if not pieces or not all(isinstance(piece, (Tube, Card)) for piece in pieces):
             raise checks.InputError(f"pieces = {pieces!r}: must be a list of Tube and Card")
@@ -133,8 +133,10 @@ class Guide:
         self.origin = checks.vector("origin", origin, d)
         down = [0.0] * (d - 1) + [-1.0]
         self.direction = _unit("direction", down if direction is None else direction, d)
-        first = [1.0, *[0.0] * (d - 1)]
-        self.plane = _unit("plane", first if plane is None else plane, d)
+        if plane is None:  # the first coordinate that is across
+            first = np.eye(d)[0 if abs(self.direction[0]) < 0.9 else 1]
+            plane = first - (first @ self.direction) * self.direction
+        self.plane = _unit("plane", plane, d)
         if abs(self.plane @ self.direction) > 1e-12:
             raise checks.InputError(f"plane = {plane!r}: must be perpendicular to the direction")
         rows = [self.direction, self.plane, np.cross(self.direction, self.plane)][:d]
@@ -184,8 +186,7 @@ class Guide:
         self.stations = np.array(order)
         self._clearance = np.array([found[depth][0] for depth in order])
         self._centre = np.array([found[depth][1] for depth in order])
-        ends = [e for t in self.tubes for e in (t.top, t.bottom)] + order
-        self.top, self.bottom = min(ends), max(ends)
+        self.bottom = self.tubes[-1].bottom if self.tubes else np.inf
 
     def _lateral(self, values: np.ndarray) -> np.ndarray:
         """Values of a curve as lateral components (n, d - 1)."""
@@ -200,16 +201,14 @@ class Guide:
         return (points - self.origin) @ self.direction
 
     def centre(self, depth: np.ndarray) -> np.ndarray:
-        """Points (n, d) of the centre line at depths (n,), m; where there is no tube, of the end
-        of the tube above, or below if there is none."""
-        tops = np.array([tube.top for tube in self.tubes])
-        which = np.maximum(np.searchsorted(tops, depth, side="right") - 1, 0)
-        lateral = np.zeros((len(depth), self.dim - 1))
-        for i, tube in enumerate(self.tubes):
-            mine = which == i
-            inside = np.clip(depth[mine], tube.top, tube.bottom)
-            lateral[mine] = self._lateral(tube.curve.offset(inside))
-        return self.origin + np.concatenate([depth[:, None], lateral], axis=1) @ self._axes
+        """Points (n, d) of the centre line at depths (n,), m; from station to station on a straight
+        line where there is no tube."""
+        lateral = [np.interp(depth, self.stations, centre) for centre in self._centre.T]
+        local = np.stack([depth, *lateral], axis=1)
+        for tube in self.tubes:
+            inside = (depth >= tube.top) & (depth <= tube.bottom)
+            local[inside, 1:] = self._lateral(tube.curve.offset(depth[inside]))
+        return self.origin + local @ self._axes
 
     def _look(self, points: np.ndarray) -> None:
         """Distances and normals; kept, for both are asked for at the same points."""
@@ -278,7 +277,7 @@ class Guide:
         return f"Guide({self.pieces!r}, {self.origin.tolist()}, {self.direction.tolist()})"
 
 
-def _unit(name: str, value: Sequence[float], size: int) -> np.ndarray:
+def _unit(name: str, value: Sequence[float] | np.ndarray, size: int) -> np.ndarray:
     result = checks.vector(name, value, size)
     if not result.any():
         raise checks.InputError(f"{name} = {value!r}: must not be zero")

@@ -15,11 +15,17 @@ from ..theta import ThetaScheme
 from .contact import GuideContact
 from .guide import Guide
 
-#: Steps of growing length with theta = 1, which damps: number, length as a share of the slowest
-#: period that the rod can have.
-RAMP = ((40, 1e-4), (40, 1e-3), (40, 1e-2), (30, 1e-1), (20, 1.0), (10, 10.0))
-#: The residual speed at rest times the longest step, as a share of the smallest clearance.
-SETTLED = 1e-3
+#: Steps of a block, first length of a step as a share of the rod's slowest period, its growth from
+#: block to block, the longest one, and the blocks after which there is no hope.
+BLOCK, FIRST, GROWTH, LONGEST, MOST = 25, 1e-4, 3.0, 10.0, 80
+#: In space a rod that leaves its place in the annular gap turns its own normal, which steps must
+#: resolve: one that ends deeper than this share of the clearance is taken back, and the steps stay
+#: shorter from then on.
+DEEPEST = 0.05
+#: What is left of the motion at rest, as a share of the smallest clearance.
+SETTLED = 1e-4
+#: A centre line with corners, or coarse cells, may start the rod inside a wall.
+FREELY = 1e3
 
 
 def lay_in(rod: BeamSolid, guide: Guide) -> None:
@@ -34,7 +40,7 @@ def settle(rod: BeamSolid, stretch: str, guide: Guide) -> GuideContact:
     """Bring a rod to rest in its guide, without friction, its travel held.
 
     The rod is laid along the centre line and let go: the same velocity law as everywhere carries it
-    to the walls, in steps so long and so damped that no motion is left.
+    to the walls, in steps that damp (theta = 1) and grow until no motion is left.
 
     Args:
         rod: the beam; its deflection changes, its law and travel do not.
@@ -53,23 +59,38 @@ def settle(rod: BeamSolid, stretch: str, guide: Guide) -> GuideContact:
     if not supported:
         rod.law = Driven(0.0)
     try:
-        contact = GuideContact(rod, stretch, guide, Velocity(drift_correction=0.2))
-        period = rod.slowest_period()
-        for steps, share in RAMP:
-            dt = share * period
-            scene = Scene([rod], [contact], ThetaScheme(1.0, forces="end"), allow_free=True)
-            history = scene.run(scene.time + steps * dt, dt, progress=False)
-            if not history.finished:
-                raise checks.InputError(
-                    f"guide = {guide!r}: the rod finds no rest in it; {history.reason}"
-                )
-        left = float(np.abs(rod.velocity).max()) * dt
-        if left > SETTLED * float(guide.clearance().min()):
-            raise checks.InputError(
-                f"guide = {guide!r}: the rod finds no rest in it; it still moves by {left:.3g} m "
-                f"in {dt:.3g} s"
-            )
+        contact = _relax(rod, stretch, guide)
     finally:
         rod.law = law
     rod.rest()
     return contact
+
+
+def _relax(rod: BeamSolid, stretch: str, guide: Guide) -> GuideContact:
+    """Blocks of steps, each from rest."""
+
+    def touch() -> GuideContact:
+        return GuideContact(rod, stretch, guide, Velocity(drift_correction=0.2), deepest=FREELY)
+
+    contact, period = touch(), rod.slowest_period()
+    clearance = float(guide.clearance().min())
+    share, longest = FIRST, LONGEST
+    for _ in range(MOST):
+        rod.rest()
+        start, dt = rod.displacement, share * period
+        scene = Scene([rod], [contact], ThetaScheme(1.0, forces="end"), deepest=FREELY)
+        history = scene.run(scene.time + BLOCK * dt, dt, progress=False)
+        moved = float(np.abs(rod.displacement - start).max())
+        if not history.finished or (contact.depth() > DEEPEST * clearance and share > FIRST):
+            share = longest = share / (2 * GROWTH)
+            rod.displacement = start
+            rod.rest()
+            contact = touch()
+        elif moved * max(1.0, period / (BLOCK * dt)) <= SETTLED * clearance:
+            return contact
+        else:
+            share = min(GROWTH * share, longest)
+    raise checks.InputError(
+        f"guide = {guide!r}: the rod finds no rest in it; it still moves by {moved:.3g} m in "
+        f"{BLOCK * dt:.3g} s"
+    )

@@ -157,6 +157,10 @@ class BeamSolid(Solid):
                 f"law = {law!r}: a driven axis must be inextensible and not supported along itself"
             )
         self._law = law
+        if isinstance(law, Driven):  # the drive has no inertia
+            self.velocity = self.velocity.copy()
+            self.split(self.velocity)[1][:] = -law.speed
+            self._begin()
 
     @property
     def travel(self) -> float:

@@ -156,7 +156,7 @@ def test_drop_in_smooth_and_kinked_tubes(smooth, kinked):
 def test_one_dof_law_fed_with_static_forces(case, smooth, kinked):
     """Lateral dynamics hardly matter: mu N(z) and the walls' push of a slow insertion give T5."""
     drop, a = {"smooth": (smooth, SMOOTH), "kinked": (kinked, KINKED)}[case]
-    slow = demo.insertion(replace(a, friction=0.0), step=1e-2)
+    slow = demo.insertion(replace(a, friction=0.0))
     assert slow.finished
 
     def held(z):

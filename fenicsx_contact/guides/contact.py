@@ -57,6 +57,8 @@ class GuideContact(Contact):
         if obstacle.dim == solid.dim:
             _check_place(solid, facets, obstacle)
         super().__init__(solid, facets, obstacle, formulation, friction, **others)
+        # what touches at the start bears: whether it opens is for the law to say
+        self.status = (self.gap >= -self.tolerance).astype(float)
         worst = int(self.gap.argmax())
         if self.gap[worst] > deepest * float(obstacle.clearance().min()):
             depth = float(obstacle.depth(self.trace.positions())[worst])

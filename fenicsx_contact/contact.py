@@ -73,7 +73,7 @@ class Contact:
             checks.number("tangential_augmentation", tangential_augmentation, above=0),
         )
         self.name = name or f"{solid.name}.{facets}"
-        self.surface = Surface(*solid.mesh.boundary(facets))
+        self.surface = self._make_surface()
         self.extent = float(np.ptp(self.surface.points, axis=0).max())
         self.tolerance = checks.number("gap_tolerance", gap_tolerance, at_least=0) * self.extent
 
@@ -132,6 +132,9 @@ class Contact:
             chosen[:] = False
             chosen[nodes] = True
         return chosen, chosen.astype(float)
+
+    def _make_surface(self) -> Surface:
+        return Surface(*self.solid.mesh.boundary(self.facets))
 
     def _locate(self) -> None:
         """Gap (n,) and jump (n, d) at the start of a step."""

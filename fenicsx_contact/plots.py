@@ -136,6 +136,33 @@ def class_legend(fig: Any) -> None:
     fig.legend(handles=patches, loc="lower center", ncols=len(patches), fontsize=8)
 
 
+def animate_curves(
+    path: Path,
+    frames: int,
+    draw: Callable[[Any, int], None],
+    size: tuple[float, float] = (5, 5),
+    fps: int = 15,
+) -> Path:
+    """An animation (GIF) of curves: ``draw(axes, i)`` draws the i-th frame on cleared axes.
+
+    A PNG of the first frame is put beside it.
+    """
+    from matplotlib.animation import FuncAnimation, PillowWriter
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    fig, axes = plt.subplots(figsize=size, layout="constrained")
+
+    def frame(i: int) -> None:
+        axes.clear()
+        draw(axes, i)
+
+    frame(0)
+    fig.savefig(path.with_suffix(".png"), dpi=100)
+    FuncAnimation(fig, frame, frames).save(path, PillowWriter(fps=fps), dpi=100)
+    plt.close(fig)
+    return path
+
+
 def _pyvista() -> Any:
     if not os.environ.get("DISPLAY"):  # no X server: do not look for one, and do not complain
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")

@@ -184,6 +184,7 @@ class Scene:
         progress: bool | None = None,
         shortest: float = 2.0**-10,
         probes: Mapping[str, Callable[[], float]] | None = None,
+        stop_when: Callable[[], bool] | None = None,
     ) -> History:
         """Run by uniform steps to the multiple of ``dt`` that is nearest to ``until``.
 
@@ -200,6 +201,8 @@ class Scene:
             shortest: shortest step, as a share of dt.
             probes: further columns of the history: for each name a function without arguments
                 that is called after each step.
+            stop_when: asked after each step whether what the run was for has happened; a run
+                that reaches ``until`` without it says so in its reason.
 
         Raises:
             InputError: dt <= 0, an end before the start, resume or fields without a directory.
@@ -214,6 +217,7 @@ class Scene:
             progress=progress,
             shortest=shortest,
             probes=probes or {},
+            stop_when=stop_when,
         )
 
     def state(self) -> dict[str, np.ndarray]:

@@ -142,7 +142,9 @@ def axis_mesh(
 def _places(name: str, value: Any) -> np.ndarray:
     if isinstance(value, tuple) and len(value) == 2:
         length = checks.number(f"{name}: length", value[0], above=0)
-        return np.linspace(0.0, length, checks.whole_number(f"{name}: cells", value[1], at_least=1) + 1)
+        return np.linspace(
+            0.0, length, checks.whole_number(f"{name}: cells", value[1], at_least=1) + 1
+        )
     places = np.array(value, dtype=float)
     if places.ndim != 1 or len(places) < 2 or places[0] != 0 or not (np.diff(places) > 0).all():
         raise checks.InputError(

@@ -82,7 +82,10 @@ class GuideTubeWater:
     def drag(self, travel: float) -> tuple[float, float]:
         """C and its derivative by the travel."""
         deep = travel - self.dashpot
-        outer, inner = self.before + self.before_slope * travel, self.inside + self.inside_slope * deep
+        outer, inner = (
+            self.before + self.before_slope * travel,
+            self.inside + self.inside_slope * deep,
+        )
         x = min(max(deep / self.ramp, 0.0), 1.0)
         share, rise = x * x * (3 - 2 * x), 6 * x * (1 - x) / self.ramp
         slope = (1 - share) * self.before_slope + share * self.inside_slope + rise * (inner - outer)

@@ -154,7 +154,9 @@ def test_a_rod_is_interpolated_at_cards():
         assert np.abs(contact.force[:, 1]).max() < 0.02 * np.abs(contact.force).max()
     a, b = 1.03 - 0.31, 1.77 - 1.03
     exact = 3 * EI * (a + b) / (a * b) ** 2 * (5e-3 - 2 * C)
-    np.testing.assert_allclose(forces[1], [-exact * b / (a + b), exact, -exact * a / (a + b)], rtol=1e-3)
+    np.testing.assert_allclose(
+        forces[1], [-exact * b / (a + b), exact, -exact * a / (a + b)], rtol=1e-3
+    )
     # a load inside a cell deflects it by a little more than its nodes know
     np.testing.assert_allclose(forces[0], forces[1], rtol=3e-3)
 
@@ -247,9 +249,7 @@ def test_a_helix_bears_all_around():
 def test_a_wall_moves_for_a_falling_rod():
     """An inclined straight tube: the rod is guided sideways at tilt times its speed."""
     tilt = 0.02
-    rod = BeamSolid(
-        axis_mesh((0, -1), (0, 1), rod=(1.0, 10)), ROD, gravity=(0, -9.81), law=Fall()
-    )
+    rod = BeamSolid(axis_mesh((0, -1), (0, 1), rod=(1.0, 10)), ROD, gravity=(0, -9.81), law=Fall())
     guide = Guide([Tube(-1, 3, C, Straight(tilt))])
     settle(rod, "rod", guide)
     contact = GuideContact(rod, "rod", guide, Velocity(0.1), name="c")
@@ -266,9 +266,7 @@ def test_a_wall_moves_for_a_falling_rod():
 
 
 def rod_at(tip, **others):
-    return BeamSolid(
-        axis_mesh((0, -tip), (0, 1), rod=(1.0, 10)), ROD, gravity=(0, -9.81), **others
-    )
+    return BeamSolid(axis_mesh((0, -tip), (0, 1), rod=(1.0, 10)), ROD, gravity=(0, -9.81), **others)
 
 
 @pytest.mark.parametrize(

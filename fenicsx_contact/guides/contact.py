@@ -22,6 +22,7 @@ from ..solids.beam_trace import BeamTrace
 from ..surface import Surface
 from .guide import FAR, Guide
 
+
 class GuideContact(Contact):
     """A contact between a stretch of a beam and a guide around it.
 
@@ -80,9 +81,7 @@ class GuideContact(Contact):
         if len(stations) == 1:
             raise checks.InputError("obstacle: a guide needs two stations at least (two cards)")
         chain = count + np.stack([np.arange(len(along) - 1), np.arange(1, len(along))], axis=1)
-        surface = Surface(
-            np.concatenate([points, stations]), np.concatenate([cells, chain]), kind
-        )
+        surface = Surface(np.concatenate([points, stations]), np.concatenate([cells, chain]), kind)
         off = (surface.points - axis.origin) @ self.solid.frame[0]
         self.stations = np.flatnonzero(off > 0.5 * axis.length)
         # in the order of the guide's

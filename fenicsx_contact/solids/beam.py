@@ -139,7 +139,9 @@ class BeamSolid(Solid):
             stiff = stiff - mixed @ np.linalg.solve(inner, mixed.T)
         root = 1 / np.sqrt(k.bending_mass[keep])
         square = np.linalg.eigvalsh(root[:, None] * stiff * root)
-        return float(2 * np.pi / np.sqrt(square[square > 1e-9 * square[-1]].min(initial=square[-1])))
+        return float(
+            2 * np.pi / np.sqrt(square[square > 1e-9 * square[-1]].min(initial=square[-1]))
+        )
 
     @property
     def law(self) -> AxialLaw | None:
@@ -203,7 +205,9 @@ class BeamSolid(Solid):
                 self._inverses.pop(next(iter(self._inverses)))
             k = self.matrices
             self._inverses[key] = (
-                _inverse(np.diag(k.bending_mass) / key[0] + key[1] * k.bending_stiffness, k.free_bending),
+                _inverse(
+                    np.diag(k.bending_mass) / key[0] + key[1] * k.bending_stiffness, k.free_bending
+                ),
                 _inverse(np.diag(k.axial_mass) / key[0] + key[1] * k.axial_stiffness, k.free_axial),
             )
         self.flexibility, axial = self._inverses[key]

@@ -47,7 +47,9 @@ class BeamTrace(Trace):
         knots = solid.matrices.s
         inside = np.ones(len(self._s), dtype=bool)
         inside[self._stations] = False
-        if self._s[inside].min(initial=0.0) < -1e-9 or self._s[inside].max(initial=0.0) > knots[-1] * (1 + 1e-9):
+        if self._s[inside].min(initial=0.0) < -1e-9 or self._s[inside].max(initial=0.0) > knots[
+            -1
+        ] * (1 + 1e-9):
             raise checks.InputError("points: each point of a trace must lie on the beam's axis")
         n = len(self._s)
         self._axes = np.concatenate([solid.frame, solid.axis.direction[None]])
@@ -127,7 +129,7 @@ class BeamTrace(Trace):
     def linearise(self, step: Step) -> None:
         """Columns A^-1 J' of bending, (n, 2m), and of axial motion, (n, axial unknowns)."""
         solid = self._solid
-        rows: np.ndarray | slice = self._moved
+        rows = self._moved
         if self._kept is not solid.flexibility:
             self._kept = solid.flexibility
             n = len(self._s)

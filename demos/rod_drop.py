@@ -15,15 +15,15 @@
 #   (M + m_a(z))\,\ddot z = (M - m_w)\,g - C(z)\,\dot z|\dot z| - F_f + f_c .$$
 # The guide is a corridor of centre line $y(x)$ and clearance $c(x)$; the rod's point $s$ is now at
 # depth $x = x_0 + z - s$, and its gap is $c(x) - |u - y(x)|$. The law of Signorini and Moreau and
-# Coulomb's law act there on the *relative velocity*. The wall is inclined by $y'$: a rod that slides
-# past sees its wall move sideways at $y'\dot z$, and the normal force pushes it along the axis.
+# Coulomb's law act there on the *relative velocity*. The wall is inclined by $y'$: a rod that
+# slides past sees its wall move sideways at $y'\dot z$, and the normal force pushes it along the axis.
 #
 # ## The discrete form
 #
 # The same weak form (7) as for the rocking block, on the nodes of the rod and on *stations*: where
 # the guide is convex (a card, the end of a tube, a kink) it touches the rod between its nodes, so
-# the point of contact is fixed on the guide and the rod is interpolated there. The theta-scheme with
-# theta = 0.6 damps the rattling that theta = 1/2 would show, and nothing else.
+# the point of contact is fixed on the guide and the rod is interpolated there. The theta-scheme
+# with theta = 0.6 damps the rattling that theta = 1/2 would show, and nothing else.
 
 # %%
 import sys
@@ -63,8 +63,8 @@ G = 9.81
 #
 # The paper gives no data. Masses, stiffnesses, lengths and grids are those of EDF's public rod-drop
 # test (Code_Aster FDNL100, 900 MWe), tube and dashpot diameters those of the public BEAVRS
-# benchmark. The water law is fitted to the three states that FDNL100 publishes; it is no measurement.
-# Everything in `Assumed` is an assumption: change it and see.
+# benchmark. The water law is fitted to the three states that FDNL100 publishes; it is no
+# measurement. Everything in `Assumed` is an assumption: change it and see.
 
 # %%
 ROD, DRIVE = 3.86, 7.50  # lengths, m
@@ -250,8 +250,8 @@ def insertion(a: Assumed, speed: float = 0.5, step: float = 1e-3) -> History:
 # %% [markdown]
 # ## One number calibrated
 #
-# The paper's drop took "about 1.52 s", without saying to where. A smooth S of 10 mm adds a hundredth
-# of a second to the drop through straight tubes; a *kink* where the tube begins adds ten times as
+# The paper's drop took "about 1.52 s", without saying to where. A smooth S of 10 mm adds a
+# hundredth of a second to the drop through straight tubes; a *kink* where the tube begins adds ten times as
 # much. We calibrate one named quantity, the amplitude of an S with a kinked inlet, so that the tips
 # enter the dashpot (T5) at 1.52 s. **This is a calibration, not a prediction**; the sensitivities
 # show how many other numbers could have been moved instead.

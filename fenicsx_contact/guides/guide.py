@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Guides: corridors of tubes and cards, straight or bent, with clearance.
 
-A guide is an obstacle around a rod: a point at depth x and lateral place r is at the signed distance
-``g/|grad g|`` from its wall, with ``g = c(x) - |r - y(x)|``, y the centre line and c the clearance.
-In 2D that is the nearer one of two walls, in 3D an annular gap. The normal has an axial part where
+A guide is an obstacle around a rod: a point at depth x and lateral place r is at the signed
+distance ``g/|grad g|`` from its wall, with ``g = c(x) - |r - y(x)|``, y the centre line and c the
+clearance. In 2D that is the nearer one of two walls, in 3D an annular gap. The normal has an axial part where
 the wall is inclined: a rod that slides past sees its wall move sideways, and its wall sees it push.
 
 Where a guide is convex (the end of a tube, a card, a kink, the end of a taper) it touches the rod
-*between* the rod's nodes. These places are its **stations**: points fixed on the guide, at which the
-rod is interpolated.
+*between* the rod's nodes. These places are its **stations**: points fixed on the guide, at which
+the rod is interpolated.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class Tube:
         if isinstance(self.clearance, (list, tuple, np.ndarray)):
             depth, clearance = np.array(self.clearance, dtype=float).T
             return depth, clearance
-        return np.array([self.top, self.bottom]), np.full(2, float(self.clearance))
+        return np.array([self.top, self.bottom]), np.full(2, self.clearance, dtype=float)
 
     def stations(self) -> list[float]:
         """Its ends, kinks, and the places at which a taper ends."""
@@ -152,7 +152,8 @@ class Guide:
     def _segments(self) -> None:
         """Bounds of what lies between two depths; there the clearance is linear: begin, value,
         slope, and which tube it is (-1: none, nothing is near)."""
-        bounds, parts = [], [(0.0, FAR, 0.0, -1)]
+        bounds: list[float] = []
+        parts: list[tuple[float, float, float, int]] = [(0.0, FAR, 0.0, -1)]
         for i, tube in enumerate(self.tubes):
             depth, clearance = tube.table()
             knots = np.array([tube.top, *(x for x in depth if tube.top < x < tube.bottom)])
@@ -169,7 +170,8 @@ class Guide:
 
     def _stations(self) -> None:
         """Depth, clearance and centre of the stations; the tighter one where two coincide."""
-        d, found = self.dim, {}
+        d = self.dim
+        found: dict[float, tuple[float, np.ndarray]] = {}
         for piece in self.pieces:
             depths = [piece.depth] if isinstance(piece, Card) else piece.stations()
             for depth in depths:

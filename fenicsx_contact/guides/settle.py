@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Rods at rest in their guides: where a fall has to start, for a velocity law keeps the gaps that it
-is given, violated ones too."""
+"""Rods at rest in their guides: where a fall has to start, for a velocity law keeps the gaps that
+it is given, violated ones too."""
 
 from __future__ import annotations
 

@@ -3,8 +3,8 @@
 
 The drop of one degree of freedom is ``(M + m_a(z)) z'' = (M - m_w) g - F(z) - C(z) z'|z'|``; the
 numbers of its water reproduce the states of EDF's test FDNL100 (see
-:class:`~fenicsx_contact.fall.GuideTubeWater`). The insertion force of an endless beam in a sinusoidal
-corridor follows from the beam equation between its contacts.
+:class:`~fenicsx_contact.fall.GuideTubeWater`). The insertion force of an endless beam in a
+sinusoidal corridor follows from the beam equation between its contacts.
 """
 
 from __future__ import annotations

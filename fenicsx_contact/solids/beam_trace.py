@@ -129,7 +129,7 @@ class BeamTrace(Trace):
     def linearise(self, step: Step) -> None:
         """Columns A^-1 J' of bending, (n, 2m), and of axial motion, (n, axial unknowns)."""
         solid = self._solid
-        rows: np.ndarray | slice = self._moved
+        rows = self._moved
         if self._kept is not solid.flexibility:
             self._kept = solid.flexibility
             n = len(self._s)

@@ -190,7 +190,8 @@ def deformed(
         mesh.points = mesh.points + magnify * mesh["displacement"]
         meshes.append(mesh)
     limit = max(float(mesh[label].max()) for mesh in meshes)
-    bar = {"title": label, "color": "black", "position_y": 0.02, "height": 0.08}
+    bar = {"title": label, "color": "black", "position_y": 0.02, "height": 0.1}
+    bar |= {"n_labels": 3, "fmt": "%.3g"}
     for mesh in meshes:
         edges = {"show_edges": True, "edge_opacity": 0.2}
         plotter.add_mesh(

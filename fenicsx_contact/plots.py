@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -262,5 +262,55 @@ def animate(
         plotter.write_frame()
         if i == 0:
             plotter.screenshot(str(path.with_suffix(".png")))
+    plotter.close()
+    return path
+
+
+def deformed(
+    bodies: Mapping[Path, Callable[[np.ndarray], np.ndarray]],
+    path: Path,
+    *,
+    label: str,
+    middle: tuple[float, float],
+    height: float,
+    magnify: float = 1.0,
+    size: tuple[int, int] = (900, 600),
+) -> Path:
+    """A picture of deformed 2D solids at the end of a run, coloured by what their strain gives.
+
+    Args:
+        bodies: the solids' collections, ``<run>/fields/<solid>.pvd``, each with a function of the
+            displacement gradients (n, 3, 3) that gives the colour, (n,).
+        path: of the picture, PNG.
+        label: of the colours.
+        middle: of the view, m; ``height``: of the view, m.
+        magnify: factor on the displacements.
+        size: pixels.
+    """
+    pyvista = _pyvista()
+    plotter = _plotter(pyvista, size, plane=True)
+    meshes = []
+    for pvd, colour in bodies.items():
+        times, read = frames(pvd)
+        mesh = read(len(times) - 1)
+        gradient = mesh.compute_derivative(scalars="displacement", gradient=True)["gradient"]
+        mesh[label] = colour(np.asarray(gradient).reshape(-1, 3, 3))
+        mesh.points = mesh.points + magnify * mesh["displacement"]
+        meshes.append(mesh)
+    limit = max(float(mesh[label].max()) for mesh in meshes)
+    bar = {"title": label, "color": "black", "position_y": 0.02, "height": 0.1}
+    bar |= {"n_labels": 3, "fmt": "%.3g"}
+    for mesh in meshes:
+        edges = {"show_edges": True, "edge_opacity": 0.2}
+        plotter.add_mesh(
+            mesh, scalars=label, clim=(0, limit), cmap="viridis", scalar_bar_args=bar, **edges
+        )
+    plotter.camera.focal_point = (*middle, 0)
+    plotter.camera.position = (*middle, 1)
+    plotter.camera.up = (0, 1, 0)
+    plotter.camera.parallel_scale = height / 2
+    plotter.reset_camera_clipping_range()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    plotter.screenshot(str(path))
     plotter.close()
     return path

@@ -18,6 +18,7 @@ from .solids import (  # noqa: E402
     ElasticSolid,
     HyperelasticSolid,
     RigidSolid,
+    ciarlet,
     neo_hookean,
     st_venant_kirchhoff,
 )
@@ -46,6 +47,7 @@ __all__ = [
     "Scene",
     "ThetaScheme",
     "Velocity",
+    "ciarlet",
     "mesh_from_file",
     "mesh_from_gmsh",
     "name_facets",

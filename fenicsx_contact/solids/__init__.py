@@ -3,7 +3,7 @@
 
 from .base import Solid, Trace
 from .elastic import ElasticSolid
-from .hyperelastic import HyperelasticSolid, neo_hookean, st_venant_kirchhoff
+from .hyperelastic import HyperelasticSolid, ciarlet, neo_hookean, st_venant_kirchhoff
 from .rigid import RigidSolid
 
 __all__ = [
@@ -12,6 +12,7 @@ __all__ = [
     "RigidSolid",
     "Solid",
     "Trace",
+    "ciarlet",
     "neo_hookean",
     "st_venant_kirchhoff",
 ]

@@ -262,6 +262,25 @@ class SurfaceEquations:
             z[: self.jumps][bearing] = jump[bearing]
         self.values = z
 
+    def enter_slipping(self) -> None:
+        """Let points that have just begun to bear slip along their jump.
+
+        Their pressure is still small, and so is what friction can hold; to stick would ask for
+        more than that, tear off the neighbours and make statuses cycle.
+        """
+        if self.size == self.semi:
+            return
+        z, n = self.values, self._surface.size
+        normal, tangents = self.fields.frame()
+        Lam = z[self.semi :].reshape(-1, n)
+        new = (z[self.jumps : self.semi] < 0) & ~Lam.any(axis=0)
+        new[np.setdiff1d(np.arange(n), self.candidates)] = False
+        jump = np.einsum("tij,ij->ti", tangents, z[: self.jumps].reshape(n, -1))
+        size = np.linalg.norm(jump, axis=0)
+        new &= size > 0
+        Lam[:, new] = jump[:, new] / size[new]
+        self.values = z
+
     @property
     def multiplier(self) -> np.ndarray | None:
         """lam at the points, Pa (N where a formulation acts at points), if there is one."""

@@ -77,5 +77,6 @@ class FullNewton:
                 solid.go(0.5 * (old + solid.trial_velocity), step)
         self._all.refuse_broken()
         for contact in self._all.contacts:
+            contact.equations.enter_slipping()
             contact.follow()
         clock("pairing")

@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 
 import numpy as np
+import scipy.sparse as sp
 from petsc4py import PETSc
 
 
@@ -54,6 +55,25 @@ class Factorisation:
         if self._solver.getConvergedReason() < 0:
             return np.full_like(values, np.nan)
         return self._x.array_r.copy()
+
+    def solve_many(self, columns: sp.csc_matrix) -> np.ndarray:
+        """A^-1 times the owned parts of sparse columns (n, k), dense."""
+        n, k = columns.shape
+        if self._matrix.comm.size > 1 or k == 1:
+            return np.stack([self.solve(columns[:, [i]].toarray().ravel()) for i in range(k)], 1)
+        self._solver.setUp()
+        right = PETSc.Mat().createDense((n, k), comm=self._matrix.comm)
+        left = PETSc.Mat().createDense((n, k), comm=self._matrix.comm)
+        right.setUp()
+        left.setUp()
+        right.getDenseArray()[:] = columns.toarray()
+        right.assemble()
+        left.assemble()
+        self._solver.getPC().getFactorMatrix().matSolve(right, left)
+        result = left.getDenseArray().copy()
+        right.destroy()
+        left.destroy()
+        return result
 
     def refactor(self) -> None:
         """The matrix has new values; it is factored when it is next needed."""

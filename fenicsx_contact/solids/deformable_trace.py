@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 #: Up to so many components the mobility is computed, above estimated.
-FEW = 400
+FEW = 150
 
 
 class DeformableTrace(Trace):
@@ -74,11 +74,10 @@ class DeformableTrace(Trace):
         """Compute those of these columns of A^-1 J' that are not known."""
         if not self._columns.size:
             self._columns = np.empty(self._spreading.shape)
-        unit = np.zeros(self._spreading.shape[1])
-        for i in columns[~self._known[columns]]:
-            unit[i] = 1.0
-            self._columns[:, i] = self._solid.factorisation.solve(self._spreading @ unit)
-            unit[i] = 0.0
+        missing = columns[~self._known[columns]]
+        if len(missing):
+            solve = self._solid.factorisation.solve_many
+            self._columns[:, missing] = solve(self._spreading[:, missing])
         self._known[columns] = True
 
     def positions(self) -> np.ndarray:

@@ -271,7 +271,7 @@ class SurfaceEquations:
         if self.size == self.semi:
             return
         z, n = self.values, self._surface.size
-        normal, tangents = self.fields.frame()
+        _, tangents = self.fields.frame()
         Lam = z[self.semi :].reshape(-1, n)
         new = (z[self.jumps : self.semi] < 0) & ~Lam.any(axis=0)
         new[np.setdiff1d(np.arange(n), self.candidates)] = False

@@ -95,7 +95,7 @@ class PairedEquations:
     def scales(self) -> tuple[np.ndarray, np.ndarray]:
         """Sizes of the active unknowns, and what makes their rows pure numbers."""
         e, n = self.equations, len(self.active_places)
-        return tuple(  # type: ignore[return-value]
+        return tuple(
             np.concatenate([np.full(n, scale[0]), scale[e.active_multipliers]])
             for scale in (e.column_scale, e.row_scale)
         )

@@ -162,6 +162,7 @@ class SurfaceFields:
 
     def set_weight(self, weight: np.ndarray) -> None:
         """What the points weigh, as shares of their areas."""
+        assert self._weight is not None, "made for weights that are the areas"
         self._weight.x.array[:] = weight
 
     def set_normal(self, normal: np.ndarray) -> None:

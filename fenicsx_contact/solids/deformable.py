@@ -88,6 +88,7 @@ class DeformableSolid(Solid):
         self.first_unknown = index_map.local_range[0] * d
         self.supports = Supports(self, fixed, {} if prescribed is None else prescribed)
         self.fixed_unknowns = self.supports.unknowns
+        self.supported = bool(self.supports.directions.any())
         self._tractions = Tractions(self, tractions) if tractions else None
         self._traction = self._tractions.total(0.0) if self._tractions else 0.0
 
@@ -127,11 +128,6 @@ class DeformableSolid(Solid):
             blocks.append(fem.locate_dofs_topological(self.space, self.dim - 1, facets))
         nodes = np.unique(np.concatenate(blocks)).astype(np.int64)
         return nodes[nodes < self.owned // self.dim]
-
-    @property
-    def supported(self) -> bool:
-        """Whether something holds it even without contact."""
-        return bool(self.supports.directions.any())
 
     def _initial(self, what: str, field: Field | None) -> np.ndarray:
         function = fem.Function(self.space)
@@ -299,9 +295,9 @@ class DeformableSolid(Solid):
         contact, *terms = self._balance(step)
         held = self.fixed_unknowns
         self._reaction = (contact + np.sum(terms, axis=0))[held] if terms else -contact[held]
-        acting = -step.dt * (mean @ np.sum(terms[-2:], axis=0)) if step.dt else 0.0
-        driven = step.span * (mean[held] @ self._reaction)
-        pulled = step.dt * (mean @ (self._traction + np.zeros(self.owned)))
+        acting = -step.dt * float(mean @ np.sum(terms[-2:], axis=0)) if step.dt else 0.0
+        driven = step.span * float(mean[held] @ self._reaction)
+        pulled = step.dt * float(mean @ (self._traction + np.zeros(self.owned)))
         return (
             self._sum(mean @ (self._trial_momentum - self._momentum)),
             self._sum(acting),

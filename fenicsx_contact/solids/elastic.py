@@ -51,7 +51,7 @@ class ElasticSolid(DeformableSolid):
         self.youngs_modulus, self.poisson_ratio = elastic_constants(youngs_modulus, poisson_ratio)
         super().__init__(mesh, **{"name": "elastic", **others})
         self._stiffness = compat.assemble_petsc_matrix(self._stiffness_form())
-        self._factors: dict[tuple[float, float], tuple[int, Factorisation]] = {}
+        self._factors: dict[tuple[float, float, float], tuple[int, Factorisation]] = {}
         self._made = 0
         self._relax()
         self._state_changed()

@@ -25,6 +25,7 @@ class FixedPoint:
 
     def __init__(self, assembly: Assembly, newton: Newton) -> None:
         self._all, self._newton = assembly, newton
+        self.errors: list[float] = []
         self._system = SurfaceSystem(
             [contact.part for contact in assembly.contacts],
             [contact.name for contact in assembly.contacts],
@@ -40,6 +41,7 @@ class FixedPoint:
             StepFailed: with the reason.
         """
         iterations, remarks = 0, []
+        self.errors = []
         for sweep in range(1, MAX_GEOMETRY + 1):
             for solid in self._all.solids:
                 solid.linearise(step)
@@ -55,6 +57,7 @@ class FixedPoint:
                 solid.correct(step)
             clock("solids")
             error = self._nonlinearity(step, speed)
+            self.errors.append(error)
             clock("pairing")
             if error <= GEOMETRY_TOLERANCE:
                 return solution.force, iterations, sweep, remarks

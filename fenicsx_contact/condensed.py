@@ -30,7 +30,7 @@ class Condensed:
         self._all.spread(force)
         errors = [solid.imbalance(step) for solid in self._all.solids if not solid.linear]
         if self._surfaces.size:
-            errors.append(self._surfaces.error())
+            errors.append(self._surfaces.error(slow=0.0))
             self._surfaces.remember()
         return max(errors, default=0.0), force
 

@@ -16,8 +16,8 @@ from .monolithic import Monolithic
 from .newton import Newton
 from .theta import Step
 
-#: Relative error of the momentum balances, and of the contact rows, at which it ends.
-TOLERANCE = 1e-9
+#: It ends as well where it falls no more and is below this: round-off.
+ROUGH = 1e-7
 #: How often a correction that inverts an element is halved.
 HALVINGS = 5
 
@@ -51,7 +51,8 @@ class FullNewton:
             error, force = self._system.begin(step)
             errors.append(error)
             clock("newton")
-            if iteration and error <= TOLERANCE:
+            stalled = iteration > 1 and errors[-2] <= error <= ROUGH
+            if iteration and (error <= self._newton.tolerance or stalled):
                 return force, iteration, 1, []
             if not np.isfinite(error):
                 break

@@ -35,7 +35,8 @@ class Newton:
     Newton polishes its result.
 
     Args:
-        tolerance: on the largest scaled residual of any row.
+        tolerance: on the largest scaled residual of any row, and where solids, geometry and
+            contact are solved together on the momentum balances.
         max_iterations: before the projected solver takes over.
     """
 

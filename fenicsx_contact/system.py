@@ -162,12 +162,13 @@ class SurfaceSystem:
         self.update()
         return True
 
-    def error(self) -> float:
-        """The largest error that the residual of any row stands for."""
+    def error(self, slow: float = SLOW) -> float:
+        """The largest error that the residual of any row stands for; speeds are resolved down to
+        the share ``slow`` of those that the forces stand for."""
         nw = len(self.active)
         scaled = self.residual.copy()
         scaled[:nw] /= np.maximum(
-            1.0, SLOW * (np.abs(self.W) @ np.abs(self.assembled[:nw])) * self._rows[:nw]
+            1.0, slow * (np.abs(self.W) @ np.abs(self.assembled[:nw])) * self._rows[:nw]
         )
         errors = (p.error(scaled[place]).max(initial=0.0) for p, place in self.placed)
         self.worst = float(max(errors))

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Matrices of a surface: dense while small, for speed, and sparse above.
+
+Both kinds know ``@``, ``+``, rows by index and ``.T``; the rest is here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+Matrix = Any  # np.ndarray or sp.csr_matrix
+#: Entries of the largest dense matrix.
+DENSE = 400_000
+
+
+def gather(
+    entries: np.ndarray, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int], dense: bool
+) -> Matrix:
+    """The matrix of these entries; what falls together adds. The index arrays broadcast."""
+    rows = np.broadcast_to(rows, entries.shape).ravel()
+    columns = np.broadcast_to(columns, entries.shape).ravel()
+    if not dense:
+        return sp.csr_matrix((entries.ravel(), (rows, columns)), shape)
+    flat = np.bincount(rows * shape[1] + columns, entries.ravel(), shape[0] * shape[1])
+    return flat.reshape(shape)
+
+
+def like(matrix: Matrix, other: Matrix) -> Matrix:
+    """A sparse matrix, dense if ``other`` is."""
+    return matrix.toarray() if isinstance(other, np.ndarray) else matrix
+
+
+def stack(matrices: Sequence[Matrix]) -> Matrix:
+    """Below each other."""
+    if isinstance(matrices[0], np.ndarray):
+        return np.vstack(matrices)
+    return sp.vstack(matrices, format="csr")
+
+
+def block(matrices: Sequence[Sequence[Matrix]]) -> Matrix:
+    """A matrix of matrices."""
+    if isinstance(matrices[0][0], np.ndarray):
+        return np.block(matrices)
+    return sp.bmat(matrices, format="csr")
+
+
+def used_columns(matrices: Sequence[Matrix]) -> np.ndarray:
+    """Columns that have an entry in any of them, sorted."""
+    if isinstance(matrices[0], np.ndarray):
+        return np.flatnonzero(np.any([(m != 0).any(axis=0) for m in matrices], axis=0))
+    return np.unique(np.concatenate([m.indices for m in matrices])).astype(np.int64)
+
+
+def square(matrix: Matrix) -> Matrix:
+    """The squares of the entries."""
+    return matrix**2 if isinstance(matrix, np.ndarray) else matrix.power(2)
+
+
+def by_component(matrix: Matrix, d: int) -> Matrix:
+    """The same for each of d components."""
+    if isinstance(matrix, np.ndarray):
+        n, m = matrix.shape
+        result = np.zeros((n, d, m, d))
+        for i in range(d):
+            result[:, i, :, i] = matrix
+        return result.reshape(n * d, m * d)
+    return sp.kron(matrix, sp.identity(d), format="csr")
+
+
+def along(vectors: np.ndarray, matrix: Matrix) -> Matrix:
+    """Rows ``vectors_i . matrix_i`` from vectors (n, d) and a matrix of n d rows."""
+    n, d = vectors.shape
+    if isinstance(matrix, np.ndarray):
+        return np.einsum("id,idk->ik", vectors, matrix.reshape(n, d, -1))
+    rows = np.repeat(np.arange(n), d), np.arange(n * d)
+    return sp.csr_matrix((vectors.ravel(), rows)) @ matrix

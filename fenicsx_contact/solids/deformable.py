@@ -29,6 +29,9 @@ from .redistribution import move_mass_inwards, relax
 #: A field given as a function of ``x`` (3, n) with values (d, n).
 Field = Callable[[np.ndarray], np.ndarray]
 
+#: Forces below this share of what they are the difference of are noise.
+ROUND_OFF = 1e-14
+
 
 class DeformableSolid(Solid):
     """A solid with a displacement field; see its two kinds.
@@ -188,6 +191,11 @@ class DeformableSolid(Solid):
             )
             self.trial_displacement = self.displacement.copy()
 
+    @property
+    @abstractmethod
+    def last_stiffness(self) -> PETSc.Mat:
+        """The newest of :meth:`stiffness`."""
+
     @abstractmethod
     def stiffness(self, displacement: np.ndarray) -> PETSc.Mat:
         """Derivative of the internal forces at a displacement; the solid keeps the matrix."""
@@ -278,7 +286,12 @@ class DeformableSolid(Solid):
 
     def imbalance(self, step: Step) -> float:
         terms = self._balance(step)
-        total = np.sum(terms, axis=0)
+        # a stress-free body in flight has no forces but round-off, of its momentum and of K u
+        self.last_stiffness.getDiagonal(self._y)
+        noise = ROUND_OFF * (np.abs(self._momentum) / step.span)
+        if step.dt:
+            noise += ROUND_OFF * np.abs(self._y.array_r * self.trial_displacement).max(initial=0.0)
+        total = np.maximum(np.abs(np.sum(terms, axis=0)) - noise, 0.0)
         total[self.fixed_unknowns] = 0.0
         own = np.array([[np.abs(t).max(initial=0.0) for t in (total, *terms)]])
         largest = np.max(self.comm.allgather(own), axis=0).ravel()

@@ -23,6 +23,7 @@ from .solids import (  # noqa: E402
     RigidSolid,
     Section,
     Support,
+    ciarlet,
     neo_hookean,
     st_venant_kirchhoff,
 )
@@ -59,6 +60,7 @@ __all__ = [
     "ThetaScheme",
     "Velocity",
     "axis_mesh",
+    "ciarlet",
     "mesh_from_file",
     "mesh_from_gmsh",
     "name_facets",

@@ -28,6 +28,7 @@ class FixedPoint:
 
     def __init__(self, assembly: Assembly, newton: Newton) -> None:
         self._all, self._newton = assembly, newton
+        self.errors: list[float] = []
         self._system = SurfaceSystem(
             [contact.part for contact in assembly.contacts],
             [contact.name for contact in assembly.contacts],
@@ -43,6 +44,7 @@ class FixedPoint:
             StepFailed: with the reason.
         """
         iterations, remarks, last = 0, [], np.inf
+        self.errors = []
         for sweep in range(1, MAX_GEOMETRY + 1):
             for solid in self._all.solids:
                 solid.linearise(step)
@@ -58,6 +60,7 @@ class FixedPoint:
                 solid.correct(step)
             clock("solids")
             error = self._nonlinearity(step, speed, solution.force)
+            self.errors.append(error)
             clock("pairing")
             if error <= GEOMETRY_TOLERANCE or last <= error <= ROUGH:
                 return solution.force, iterations, sweep, remarks

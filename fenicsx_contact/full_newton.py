@@ -23,16 +23,22 @@ HALVINGS = 5
 
 
 class FullNewton:
-    """Solves a step by Newton's method for solids, contact and geometry together."""
+    """Solves a step by Newton's method for solids, contact and geometry together.
+
+    Attributes:
+        errors: the relative error before each iteration of the last step, and at its end.
+    """
 
     def __init__(self, assembly: Assembly, newton: Newton, solver: str) -> None:
         self._all, self._newton = assembly, newton
+        self.errors: list[float] = []
         self._system = (Condensed if solver == "condensed" else Monolithic)(assembly)
 
     def solve(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         """See :meth:`~fenicsx_contact.fixed_point.FixedPoint.solve`."""
         speed = 0.0
-        errors = []
+        errors: list[float] = []
+        self.errors = errors
         for iteration in range(self._newton.max_iterations + 1):
             for solid in self._all.solids:
                 solid.linearise(step)

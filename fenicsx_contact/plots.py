@@ -27,9 +27,11 @@ COLOURS = {
 }
 
 
-def figure(rows: int = 1, columns: int = 1, size: tuple[float, float] = (7, 4)) -> tuple[Any, Any]:
+def figure(
+    rows: int = 1, columns: int = 1, size: tuple[float, float] = (7, 4), *, sharey: bool = True
+) -> tuple[Any, Any]:
     """A figure and its axes (one, or an array of them)."""
-    return plt.subplots(rows, columns, figsize=size, sharex=True, sharey=True, squeeze=True)
+    return plt.subplots(rows, columns, figsize=size, sharex=True, sharey=sharey, squeeze=True)
 
 
 def grid(rows: int, columns: int, size: tuple[float, float]) -> tuple[Any, Any]:
@@ -196,69 +198,71 @@ def frames(pvd: Path) -> tuple[list[float], Callable[[int], Any]]:
 
 
 def animate(
-    pvd: Path,
+    pvd: Path | Sequence[Path],
     path: Path,
     *,
     magnify: float = 1.0,
     line: Sequence[Sequence[float]] | None = None,
     edges: bool = True,
     colour_by: str = "velocity",
+    unit: str = "m/s",
     title: str = "",
+    clock: Callable[[float], str] = lambda t: f"t = {t * 1e3:.2f} ms",
     size: tuple[int, int] = (480, 480),
     fps: int = 15,
 ) -> Path:
-    """An animation (GIF) of a 2D solid from the fields that its run wrote.
+    """An animation (GIF) of solids from the fields that their run wrote; in 3D from before.
 
     Args:
-        pvd: the solid's collection, ``<run>/fields/<solid>.pvd``.
+        pvd: the solid's collection, ``<run>/fields/<solid>.pvd``, or those of several solids.
         path: of the GIF; a PNG of the first frame is put beside it.
         magnify: factor on the displacements.
         line: two points, an obstacle to be drawn between them, m.
         edges: draw the edges of the cells.
-        colour_by: field whose size gives the colour.
+        colour_by: field whose size gives the colour, in ``unit``.
         title: text in the picture.
+        clock: the text that stands for a time [s].
         size: pixels.
         fps: frames a second.
     """
     pyvista = _pyvista()
-    times, read = frames(pvd)
-    meshes = []
+    collections = [frames(each) for each in ([pvd] if isinstance(pvd, Path) else pvd)]
+    times = collections[0][0]
+    pictures = []  # for each time, the solids
     for i in range(len(times)):
-        mesh = read(i)
-        mesh[colour_by] = np.linalg.norm(mesh[colour_by], axis=1)
-        mesh.points = mesh.points + magnify * mesh["displacement"]
-        meshes.append(mesh)
-    limit = max(float(mesh[colour_by].max()) for mesh in meshes) or 1.0
-    bounds = np.array([mesh.bounds for mesh in meshes])
+        meshes = [read(i) for _, read in collections]
+        for mesh in meshes:
+            mesh.points = mesh.points + magnify * mesh["displacement"]
+            mesh[colour_by] = np.linalg.norm(mesh[colour_by], axis=1)
+        pictures.append(meshes)
+    every = [mesh for meshes in pictures for mesh in meshes]
+    limit = max(float(mesh[colour_by].max()) for mesh in every) or 1.0
+    bounds = np.array([mesh.bounds for mesh in every])
     low, high = bounds[:, ::2].min(axis=0), bounds[:, 1::2].max(axis=0)
     path.parent.mkdir(parents=True, exist_ok=True)
     plotter = _plotter(pyvista, size, plane=True)
     plotter.open_gif(str(path), fps=fps)
-    for i, mesh in enumerate(meshes):
+    for i, meshes in enumerate(pictures):
         plotter.clear()
-        plotter.add_mesh(
-            mesh,
-            scalars=colour_by,
-            clim=(0, limit),
-            cmap="viridis",
-            show_edges=edges,
-            scalar_bar_args={
-                "title": f"{colour_by} [m/s]",
-                "color": "black",
-                "position_y": 0.01,
-                "height": 0.1,
-            },
-        )
+        for mesh in meshes:
+            plotter.add_mesh(
+                mesh,
+                scalars=colour_by,
+                clim=(0, limit),
+                cmap="viridis",
+                show_edges=edges,
+                scalar_bar_args={
+                    "title": f"{colour_by} [{unit}]" if unit else colour_by,
+                    "color": "black",
+                    "position_y": 0.01,
+                    "height": 0.1,
+                },
+            )
         if line is not None:
             ends = [[*point, 0.0] for point in line]
             plotter.add_lines(np.array(ends), color="black", width=4)
-        plotter.add_text(f"{title}\nt = {times[i] * 1e3:.2f} ms", color="black", font_size=9)
-        plotter.camera.focal_point = (*(0.5 * (low + high))[:2], 0)
-        plotter.camera.position = (*(0.5 * (low + high))[:2], 1)
-        plotter.camera.up = (0, 1, 0)
-        wide, tall = (high - low)[:2]
-        plotter.camera.parallel_scale = 0.8 * float(max(tall, wide * size[1] / size[0]))
-        plotter.reset_camera_clipping_range()
+        plotter.add_text(f"{title}\n{clock(times[i])}", color="black", font_size=9)
+        _aim(plotter, low, high, size)
         plotter.write_frame()
         if i == 0:
             plotter.screenshot(str(path.with_suffix(".png")))
@@ -314,3 +318,14 @@ def deformed(
     plotter.screenshot(str(path))
     plotter.close()
     return path
+
+
+def _aim(plotter: Any, low: np.ndarray, high: np.ndarray, size: tuple[int, int]) -> None:
+    """Point the camera at a box: along z in the plane, obliquely in space (y is up)."""
+    middle, (wide, tall, deep) = 0.5 * (low + high), high - low
+    plotter.camera.focal_point = tuple(middle)
+    away = np.array([0.3, 0.6, 1.0]) if deep > 0 else np.array([0.0, 0.0, 1.0])
+    plotter.camera.position = tuple(middle + 2 * max(wide, tall, deep) * away)
+    plotter.camera.up = (0, 1, 0)
+    plotter.camera.parallel_scale = 0.8 * float(max(tall, wide * size[1] / size[0]))
+    plotter.reset_camera_clipping_range()

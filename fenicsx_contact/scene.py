@@ -17,6 +17,7 @@ from .impacts import cross_impacts
 from .newton import Newton
 from .run import run
 from .solids import Solid
+from .statics import refuse_free
 from .stepper import Stepper
 from .theta import Step, ThetaScheme
 
@@ -49,7 +50,7 @@ class Scene:
         InputError: a solid or contact twice, a contact of an unknown solid, a solid without
             contact or support, a body that starts deep inside an obstacle, dimensions that
             differ, theta = 0 with a law that needs the position at the end of the step, theta < 1/2
-            without ``allow_growth``.
+            without ``allow_growth``; without inertia, a rigid solid or one that nothing holds.
     """
 
     def __init__(
@@ -151,11 +152,19 @@ class Scene:
                     f"solids: {solid.name!r} has neither contact nor support; pass "
                     "allow_free=True if it is meant to fly"
                 )
+        if not self.scheme.inertia:
+            refuse_free(self.solids, self.contacts)
 
     @property
     def time(self) -> float:
         """The present time, s."""
         return self.stepper.time
+
+    @property
+    def errors(self) -> list[float]:
+        """Relative errors in the course of the last step: before each iteration of "newton", after
+        each linearisation of "fixed point", and at the end."""
+        return self.stepper.errors
 
     def step(self, dt: float) -> Iterator[list[float]]:
         """Cross ``dt`` seconds; yields the rows of the history as the state reaches them.

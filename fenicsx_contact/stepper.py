@@ -115,6 +115,11 @@ class Stepper:
         clock("history")
         return row
 
+    @property
+    def errors(self) -> list[float]:
+        """Relative errors in the course of the last step."""
+        return self._method.errors
+
     def sum_energies(self) -> tuple[float, float, float]:
         """Kinetic, strain and potential energy of all solids, J."""
         kinetic, strain, potential = zip(*(s.energies() for s in self.solids))

@@ -16,6 +16,7 @@ from fenicsx_contact import (
     RigidSolid,
     Scene,
     ThetaScheme,
+    ciarlet,
     neo_hookean,
     st_venant_kirchhoff,
 )
@@ -392,6 +393,7 @@ YOUNG, POISSON = 1e6, 0.3
 ENERGIES = {
     "st_venant_kirchhoff": st_venant_kirchhoff(YOUNG, POISSON),
     "neo_hookean": neo_hookean(YOUNG, POISSON),
+    "ciarlet": ciarlet(YOUNG, POISSON),
 }
 
 
@@ -456,6 +458,8 @@ def test_uniaxial_stretch_energy(energy):
     expected = {
         "st_venant_kirchhoff": lmbda / 2 * e.sum() ** 2 + mu * (e**2).sum(),
         "neo_hookean": mu / 2 * (a**2 + b**2 - 2 - 2 * np.log(J)) + lmbda / 2 * np.log(J) ** 2,
+        "ciarlet": mu / 2 * (a**2 + b**2 - 2 - 2 * np.log(J))
+        + lmbda / 4 * (J**2 - 1 - 2 * np.log(J)),
     }[energy]
     assert solid.energies()[1] == pytest.approx(0.36 * 0.8 * expected, rel=1e-12)
 

@@ -16,6 +16,8 @@ transpose, so they balance exactly, and a constant pressure is transmitted as su
 
 from __future__ import annotations
 
+from math import prod
+
 import numpy as np
 import scipy.sparse as sp
 
@@ -63,7 +65,7 @@ class Pairing:
     def collect(self, values: np.ndarray, facet: np.ndarray) -> np.ndarray:
         """Sum values (q, corners, ...) of points on slave facets to the corners, (n, ...)."""
         rows = self.slave.corners[facet].ravel()
-        flat = values.reshape(len(rows), -1)
+        flat = values.reshape(len(rows), prod(values.shape[2:]))  # also of no points
         columns = [np.bincount(rows, column, self.n) for column in flat.T]
         return np.stack(columns, axis=-1).reshape(self.n, *values.shape[2:])
 

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import basix
 import numpy as np
 from scipy.spatial import cKDTree
@@ -71,12 +73,12 @@ class Side:
     def shape(self, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Shape functions at local coordinates (q, d - 1): values (q, k) and derivatives
         (d - 1, q, k)."""
-        table = self.element.tabulate(1, xi)[:, :, :, 0]
+        table = _tabulate(self.element, 1, xi)
         return table[0], table[1:]
 
     def linear_shape(self, xi: np.ndarray) -> np.ndarray:
         """Shape functions of the corners at local coordinates, (q, corners)."""
-        return self._linear.tabulate(0, xi)[0, :, :, 0]
+        return _tabulate(self._linear, 0, xi)[0]
 
     def reference_measure(self, facet: np.ndarray, xi: np.ndarray) -> np.ndarray:
         """Surface element of the reference placement at points of the facets, (q,)."""
@@ -113,6 +115,13 @@ class Side:
 
 
 _EQUISPACED = basix.LagrangeVariant.equispaced
+
+
+def _tabulate(element: basix.finite_element.FiniteElement, order: int, xi: np.ndarray) -> Any:
+    """Derivatives up to an order at points (q, d - 1), (derivatives, q, k); basix of Debian 12
+    aborts if there are no points, as where two solids are far apart."""
+    q = len(xi)
+    return element.tabulate(order, xi if q else np.zeros((1, xi.shape[1])))[:, :q, :, 0]
 
 
 def _cross_matrix(a: np.ndarray) -> np.ndarray:

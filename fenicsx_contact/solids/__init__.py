@@ -4,7 +4,7 @@
 from .base import Solid, Trace
 from .beam import BeamSolid
 from .elastic import ElasticSolid
-from .hyperelastic import HyperelasticSolid, neo_hookean, st_venant_kirchhoff
+from .hyperelastic import HyperelasticSolid, ciarlet, neo_hookean, st_venant_kirchhoff
 from .rigid import RigidSolid
 from .sections import Section, Support
 
@@ -17,6 +17,7 @@ __all__ = [
     "Solid",
     "Support",
     "Trace",
+    "ciarlet",
     "neo_hookean",
     "st_venant_kirchhoff",
 ]

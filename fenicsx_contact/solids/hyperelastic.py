@@ -53,6 +53,20 @@ def neo_hookean(youngs_modulus: float, poisson_ratio: float) -> Energy:
     return energy
 
 
+def ciarlet(youngs_modulus: float, poisson_ratio: float) -> Energy:
+    """``mu/2 (tr(F'F) - 3 - 2 ln J) + lambda/4 (J² - 1 - 2 ln J)``: the neo-Hookean law that is
+    polyconvex, after P. G. Ciarlet, Mathematical Elasticity I (1988), section 4.10.
+    """
+    lmbda, mu = _lame(youngs_modulus, poisson_ratio)
+
+    def energy(F: Any) -> Any:
+        J = ufl.det(F)
+        volumetric = lmbda / 4 * (J**2 - 1 - 2 * ufl.ln(J))
+        return mu / 2 * (ufl.tr(F.T * F) - 3 - 2 * ufl.ln(J)) + volumetric
+
+    return energy
+
+
 class HyperelasticSolid(DeformableSolid):
     """A hyperelastic solid; plane strain in 2D.
 

@@ -92,6 +92,9 @@ def push(
 # at the measured $P$ and $Q$. The nodes tell whether they stick; the edge of the stuck part is
 # half-way between the last one that sticks and the first that slips. The shear of a node is its
 # tangential force over its area; the error of the shear curve is that of the nodal values in L2.
+#
+# The VELOCITY formulation does the same if it presses in several steps: what it takes to be closed
+# is decided at the start of each, so pressed in one it leaves shear behind.
 
 
 # %%

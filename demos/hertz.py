@@ -15,25 +15,24 @@
 #
 # $$ a^2 = \frac{4PR}{\pi E^*}, \qquad p = p_0\sqrt{1 - x^2/a^2}, \qquad p_0 = \frac{2P}{\pi a}. $$
 #
-# A finite cylinder and block differ from half-planes by $O((a/R)^2)$: that is no error of the
-# method, and no mesh takes it away. It is 1.5 % for the benchmark's load; a light load, for which
-# it is 0.04 %, shows the order of the method.
+# Half-planes do not bend round each other, nor does a surface shrink where it is pressed: a finite
+# cylinder, with its own shape and strains, differs from Hertz by a share of about $a/R$ times a
+# tenth. No mesh takes that away. It is 0.9 % for the benchmark's load, less with a neo-Hookean
+# material; a load so light that $a = 0.004 R$ shows the order of the method.
 #
 # ## The discrete form
 #
 # Between two bodies the gap at a node of the slave is a mean over the facets around it, weighted by
 # the dual function $\psi_i$ of the node and integrated over the overlaps of both meshes (mortar).
 # Then the multiplier of a node is its force over its area, and a constant pressure passes exactly:
-# the patch test below. Newton's method moves solids, multipliers and geometry together.
+# `tests/test_patch.py`. Newton's method moves solids, multipliers and geometry together.
 
 # %%
 import sys
 from pathlib import Path
 from typing import Any
 
-import dolfinx
 import numpy as np
-from mpi4py import MPI
 
 from fenicsx_contact import (
     Contact,
@@ -44,7 +43,6 @@ from fenicsx_contact import (
     QuasiStatic,
     Scene,
     mesh_from_gmsh,
-    name_facets,
     neo_hookean,
 )
 from fenicsx_contact.references.hertz import LineContact, PointContact, effective_modulus
@@ -57,36 +55,7 @@ R = 50.0  # mm
 FENET = LineContact(35e3, effective_modulus(STEEL, NU, ALUMINIUM, NU), R)  # 35 kN/mm
 
 
-# %% [markdown]
-# ## Patch test
-#
-# Two blocks of one material, meshes of 4 and 7 cells along the seam, the top moved down by 1 % of
-# the whole height. The stress is uniform, $E/(1 - \nu^2)$ times 1 %, and so must the pressure be.
-
-
 # %%
-def patch(lower: int = 4, upper: int = 7, degree: int = 1) -> float:
-    """Largest error of the pressure at a node, relative."""
-
-    def block(n: int, low: float, **motions: Any) -> ElasticSolid:
-        corners = [[0.0, low], [1.0, low + 0.5]]
-        mesh = dolfinx.mesh.create_rectangle(MPI.COMM_WORLD, corners, (n, n // 2))
-        places = {
-            "bottom": lambda x: np.isclose(x[1], low),
-            "top": lambda x: np.isclose(x[1], low + 0.5),
-            "left": lambda x: np.isclose(x[0], 0.0),
-        }
-        held = {"left": (0.0, None), **motions}
-        name = f"block at {low:g}"
-        return elastic(name_facets(mesh, places), 100.0, degree=degree, prescribed=held, name=name)
-
-    foot = block(lower, 0.0, bottom=(None, 0.0))
-    head = block(upper, 0.5, top=lambda t: (None, -0.01 * t))
-    seam = Contact(head, "bottom", (foot, "top"), "gap")
-    Scene([foot, head], [seam], QuasiStatic()).run(until=1, dt=1)
-    return float(np.abs(pressure(seam) / (100.0 / (1 - NU**2) * 0.01) - 1).max())
-
-
 def elastic(mesh: NamedMesh, E: float, **others: Any) -> ElasticSolid:
     """An elastic solid; no inertia, so its density is of no account."""
     return ElasticSolid(mesh, youngs_modulus=E, poisson_ratio=NU, density=1.0, **others)
@@ -192,6 +161,11 @@ def benchmark(n: int, make: Any = elastic) -> Pressed:
 # profile makes $p^2 = p_0^2 (1 - x^2/a^2)$ a straight line in $x^2$, so a line is fitted by least
 # squares through $(x_i^2, p_i^2)$ of *all* nodes that bear: it gives $a$ and $p_0$. $\lambda$ is a
 # force per area of the reference configuration, so $x_i$ is the reference place.
+#
+# **The light load.** Errors of the profile are of first order in $h$, with scatter: pressures rise
+# as a square root at the edge, which falls anywhere between two nodes. At 0.1 % half width and peak
+# no longer fall: all meshes coarsen alike outside of 1.3 half widths (with 4 half widths the peak's
+# error is 0.04 %).
 
 
 # %%
@@ -226,10 +200,10 @@ def rate(sizes: list[int], errors: list[float]) -> float:
 
 
 def light(n: int) -> dict[str, float]:
-    """A light load, a = 0.02 R, against Hertz at the measured force."""
-    width = 0.02 * R
+    """A light load, a = 0.004 R, against Hertz at the measured force."""
+    width = 0.004 * R
     pressed = line(n, width)
-    return figures(pressed.contact, LineContact(pressed.to(2.9 * width**2 / R), FENET.modulus, R))
+    return figures(pressed.contact, LineContact(pressed.to(3.7 * width**2 / R), FENET.modulus, R))
 
 
 def convergence(sizes: list[int]) -> dict[str, Any]:
@@ -375,7 +349,6 @@ def main(quick: bool = False) -> dict[str, Any]:
         "newton_by_mesh": counts([5, 10, 20] if quick else [10, 20, 40]),
         "peers": {"elastic": peers(), "neo-Hookean": peers(hyperelastic)},
         "sphere": [sphere(k) for k in ([4] if quick else [4, 6, 8])],
-        "patch": patch(),
     }
     write_summary(RESULTS, summary)
     draw(pressed, table)
@@ -386,7 +359,7 @@ def main(quick: bool = False) -> dict[str, Any]:
         f"{summary['peak_pressure_error']:+.2%}; light load: profile of order {table['rate']:.2f}; "
         f"peers' scene: {summary['peers']['elastic']['profile_l2_error']:.2%} in "
         f"{summary['peers']['elastic']['newton']} iterations; sphere: radius "
-        f"{ball['radius_error']:+.1%}; patch test {summary['patch']:.1e}"
+        f"{ball['radius_error']:+.1%}"
     )
     return summary
 

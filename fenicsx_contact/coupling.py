@@ -17,6 +17,7 @@ from .equations import SurfaceEquations
 from .obstacles import Obstacle
 from .paired import PairedEquations
 from .pairing import Pairing, Side
+from .pairing.matrices import square
 from .solids import Solid, Trace
 from .system import Part
 from .theta import Step
@@ -199,7 +200,7 @@ class PairCoupling(Coupling):
 
     def mobility(self) -> np.ndarray:
         mobility = np.concatenate([trace.mobility() for trace in self.traces])
-        return self.pairing.operator.power(2) @ mobility.reshape(self._shape)
+        return square(self.pairing.operator) @ mobility.reshape(self._shape)
 
     def describe(self) -> str:
         return f"{self.solids[1].name!r}, {len(self.pairing.master.cells)} facets"

@@ -15,6 +15,7 @@ import ufl
 from . import compat
 from .equations import SurfaceEquations
 from .pairing import Pairing
+from .pairing.matrices import Matrix, along, block, by_component, stack, used_columns
 from .pairing.rates import Rates
 
 
@@ -56,28 +57,27 @@ class PairedEquations:
         e, d, n = self.equations, self._d, self.pairing.n
         self.velocities = velocities.copy()
         self.revision += 1
-        self._operator = sp.kron(self.pairing.operator, sp.identity(d), format="csr")
+        self._operator = by_component(self.pairing.operator, d)
         J = self._operator[e.active_jumps]
-        self._transpose = J.T.tocsr()
+        self._transpose = J.T
         self._jump_rate, self._rates, self._gap_rate = J, None, gap_rate
         if exact and len(e.candidates):
             self._rates = rates = Rates(self.pairing)
             full = self._operator + gap_rate * rates.jump(velocities.reshape(-1, d))
             turn = gap_rate * rates.normal
-            normal = _rows(e.fields.normal.x.array.reshape(n, d))
-            jump = _rows((self._operator @ velocities).reshape(n, d))
-            gap = share * gap_rate * (rates.gap - normal @ full - jump @ turn)
+            normal = e.fields.normal.x.array.reshape(n, d)
+            jump = (self._operator @ velocities).reshape(n, d)
+            gap = share * gap_rate * (rates.gap - along(normal, full) - along(jump, turn))
             self._jump_rate = full[e.active_jumps]
             # as the form's parameters stand: gaps, then normals node by node
             mine = np.concatenate([e.candidates, n + e.active_jumps])
-            self._parameter_rate = sp.vstack([gap, turn], format="csr")[mine]
+            self._parameter_rate = stack([gap, turn])[mine]
             if self._parameters is None:
                 self._parameters = _ParameterTangent(e)
             self._mine = mine
-            seen = [J.indices, self._jump_rate.indices, self._parameter_rate.indices]
-            self.active_places = np.unique(np.concatenate(seen)).astype(np.int64)
+            self.active_places = used_columns([J, self._jump_rate, self._parameter_rate])
         else:
-            self.active_places = np.unique(J.indices).astype(np.int64)
+            self.active_places = used_columns([J])
         self._set_jumps()
 
     def _set_jumps(self) -> None:
@@ -113,29 +113,32 @@ class PairedEquations:
         forces = self._transpose @ residual[: len(e.active_jumps)]
         return np.concatenate([forces[self.active_places], residual[len(e.active_jumps) :]])
 
-    def sparse_tangent(self) -> sp.csr_matrix:
+    def _tangent(self) -> Matrix:
         """Their tangent."""
         e, mine = self.equations, self.active_places
-        F = e.sparse_tangent()
+        F = e.active_tangent() if self.pairing.dense else e.sparse_tangent()
         w = len(e.active_jumps)
         rows = F[:, :w] @ self._jump_rate
         if self._rates is not None:
             assert self._parameters is not None
-            rows = rows + self._parameters()[e.active][:, self._mine] @ self._parameter_rate
+            parameters = self._parameters()[e.active][:, self._mine]
+            rows = rows + parameters @ self._parameter_rate
         forces = self._transpose @ rows[:w]
         if self._rates is not None:
             at_nodes = np.zeros(e.jumps)
             at_nodes[e.active_jumps] = e.residual()[e.active_jumps]
             forces = forces + self._gap_rate * self._rates.spread(at_nodes.reshape(-1, self._d))
         multipliers = self._transpose @ F[:w, w:]
-        return sp.bmat(
-            [[forces[mine][:, mine], multipliers[mine]], [rows[w:][:, mine], F[w:, w:]]],
-            format="csr",
-        )
+        return block([[forces[mine][:, mine], multipliers[mine]], [rows[w:][:, mine], F[w:, w:]]])
+
+    def sparse_tangent(self) -> sp.csr_matrix:
+        """Their tangent, sparse."""
+        return sp.csr_matrix(self._tangent())
 
     def active_tangent(self) -> np.ndarray:
-        """The same, dense."""
-        return self.sparse_tangent().toarray()
+        """Their tangent, dense."""
+        tangent = self._tangent()
+        return tangent if self.pairing.dense else tangent.toarray()
 
     def move(self, step: np.ndarray) -> None:
         """Add to the active unknowns."""
@@ -167,7 +170,8 @@ class PairedEquations:
 
     def jump_operator(self) -> np.ndarray:
         """Jumps of the candidates from the active velocities."""
-        return self._operator[self.equations.active_jumps][:, self.active_places].toarray()
+        J = self._operator[self.equations.active_jumps][:, self.active_places]
+        return J if self.pairing.dense else J.toarray()
 
     def point_forces(self, force: np.ndarray) -> np.ndarray:
         """Forces on the nodes of both sides, flat, from nodal forces (n, d) on the slave."""
@@ -202,9 +206,3 @@ class _ParameterTangent:
             self._revision = self._equations.revision
             self._assembler.refresh_constants()
         return sp.csr_matrix((self._assembler(), self._place), self._shape)
-
-
-def _rows(vectors: np.ndarray) -> sp.csr_matrix:
-    """The operator v -> (vectors_i . v_i)_i, sparse (n, n d)."""
-    n, d = vectors.shape
-    return sp.csr_matrix((vectors.ravel(), (np.repeat(np.arange(n), d), np.arange(n * d))))

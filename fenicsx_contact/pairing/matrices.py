@@ -29,11 +29,6 @@ def gather(
     return flat.reshape(shape)
 
 
-def like(matrix: Matrix, other: Matrix) -> Matrix:
-    """A sparse matrix, dense if ``other`` is."""
-    return matrix.toarray() if isinstance(other, np.ndarray) else matrix
-
-
 def stack(matrices: Sequence[Matrix]) -> Matrix:
     """Below each other."""
     if isinstance(matrices[0], np.ndarray):

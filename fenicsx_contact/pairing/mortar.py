@@ -19,9 +19,9 @@ from __future__ import annotations
 from math import prod
 
 import numpy as np
-import scipy.sparse as sp
 
 from .integration import pieces, whole
+from .matrices import DENSE, Matrix, gather
 from .partners import meet
 from .side import Side
 
@@ -40,7 +40,8 @@ class Pairing:
         slave, master: the sides.
 
     Attributes:
-        operator: J of one component, sparse (n, N).
+        operator: J of one component, (n, N).
+        dense: whether it and its derivatives are small enough for dense matrices.
         gap: weighted d_n, positive: penetration, (n,) in m; -reach where there is no partner.
         normal: outward unit normals of the slave at its corners, (n, d).
         area: paired share of the surface of each node, (n,).
@@ -51,6 +52,7 @@ class Pairing:
         self.slave, self.master = slave, master
         self.n = int(slave.corners.max()) + 1
         self.total = len(slave.nodes) + len(master.nodes)
+        self.dense = (self.total * slave.dim) ** 2 <= DENSE
         self._rule = whole(slave)
         self._rule_shapes = self._shapes(self._rule.xi)
         self._rule_weight = self._rule.weight * slave.reference_measure(
@@ -107,7 +109,13 @@ class Pairing:
         gap = self.collect(self.shares * -self.distance[:, None], self.facet)
         self.gap = np.where(self.paired, gap, -reach)
         both = np.concatenate([self.values, -self.their_values], axis=1)
-        self.operator = self.sparse(self.shares[:, :, None] * both[:, None, :])
+        self.operator: Matrix = gather(
+            self.shares[:, :, None] * both[:, None, :],
+            slave.corners[self.facet][:, :, None],
+            self.nodes[:, None],
+            (self.n, self.total),
+            self.dense,
+        )
         self._turn_normals(xs)
 
     def _dual(self, phi: np.ndarray, weight: np.ndarray) -> np.ndarray:
@@ -123,13 +131,6 @@ class Pairing:
         turn = np.tile(np.eye(k), (m, 1, 1))
         turn[good] = lumped[good, :, None] * np.linalg.inv(mass[good])
         return np.einsum("qij,qj->qi", turn[self.facet], phi)
-
-    def sparse(self, entries: np.ndarray) -> sp.csr_matrix:
-        """Sparse (n, N) from entries (q, corners, k) at the points; what falls together adds."""
-        q, corners, k = entries.shape
-        rows = np.repeat(self.slave.corners[self.facet], k)
-        columns = np.broadcast_to(self.nodes[:, None], (q, corners, k)).ravel()
-        return sp.csr_matrix((entries.ravel(), (rows, columns)), (self.n, self.total))
 
     def _turn_normals(self, xs: np.ndarray) -> None:
         """Normals at the corners: means of the facets' normals."""

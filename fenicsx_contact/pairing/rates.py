@@ -13,8 +13,8 @@ nodes, (N d,), the slave's before the master's.
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
 
+from .matrices import Matrix, gather
 from .mortar import Pairing
 
 
@@ -43,19 +43,18 @@ class Rates:
         moved = np.einsum("qij,qkjl->qkil", pair.inverse, local)
         self._slide, rise = moved[:, :, :-1], moved[:, :, -1]  # of xi and of alpha
         self._columns = (pair.nodes[:, :, None] * d + np.arange(d)).reshape(len(local), -1)
-        self._shape = (pair.n, pair.total * d)
         rise = rise.reshape(len(local), -1)
-        self.gap = self._sparse(-pair.shares[:, :, None] * rise[:, None])
+        corners = pair.slave.corners[pair.facet]
+        self.gap = gather(
+            -pair.shares[:, :, None] * rise[:, None],
+            corners[:, :, None],
+            self._columns[:, None],
+            (pair.n, pair.total * d),
+            pair.dense,
+        )
         self.normal = self._normals(xs)
 
-    def _sparse(self, entries: np.ndarray) -> sp.csr_matrix:
-        """Sparse (n, N d) from entries (q, corners, k d)."""
-        q, corners, k = entries.shape
-        rows = np.repeat(self._pair.slave.corners[self._pair.facet], k)
-        columns = np.broadcast_to(self._columns[:, None], (q, corners, k)).ravel()
-        return sp.csr_matrix((entries.ravel(), (rows, columns)), self._shape)
-
-    def _normals(self, xs: np.ndarray) -> sp.csr_matrix:
+    def _normals(self, xs: np.ndarray) -> Matrix:
         pair, d = self._pair, self._pair.slave.dim
         facets = pair.rule_facets
         turn = pair.slave.normal_rates(xs, facets, pair.rule_slopes)  # (q, k, d, d)
@@ -63,22 +62,19 @@ class Rates:
         project = np.eye(d) - pair.normal[:, :, None] * pair.normal[:, None, :]
         project /= pair.mean_length[:, None, None]
         entries = np.einsum("qc,qcij,qkjl->qcikl", pair.mean_weight, project[corners], turn)
-        shape = entries.shape
         rows = (corners[:, :, None] * d + np.arange(d))[:, :, :, None, None]
         columns = (nodes[:, :, None] * d + np.arange(d))[:, None, None]
-        index = np.broadcast_to(rows, shape).ravel(), np.broadcast_to(columns, shape).ravel()
-        return sp.csr_matrix((entries.ravel(), index), (pair.n * d, pair.total * d))
+        return gather(entries, rows, columns, (pair.n * d, pair.total * d), pair.dense)
 
-    def jump(self, velocity: np.ndarray) -> sp.csr_matrix:
+    def jump(self, velocity: np.ndarray) -> Matrix:
         """Derivative of the nodal jumps J v at fixed velocities (N, d), sparse (n d, N d)."""
         pair, d = self._pair, self._pair.slave.dim
         sheared = self._sheared(velocity)  # (q, d - 1, d)
         entries = -np.einsum("qc,qti,qktl->qcikl", pair.shares, sheared, self._slide)
         rows = (pair.slave.corners[pair.facet][:, :, None] * d + np.arange(d))[..., None]
         flat = entries.reshape(*entries.shape[:3], -1)
-        columns = np.broadcast_to(self._columns[:, None, None], flat.shape)
-        index = np.broadcast_to(rows, flat.shape).ravel(), columns.ravel()
-        return sp.csr_matrix((flat.ravel(), index), (pair.n * d, pair.total * d))
+        shape = (pair.n * d, pair.total * d)
+        return gather(flat, rows, self._columns[:, None, None], shape, pair.dense)
 
     def _sheared(self, values: np.ndarray) -> np.ndarray:
         """Derivatives by xi of the master's field, (q, d - 1, d)."""
@@ -86,14 +82,12 @@ class Rates:
         theirs = values[pair.nodes[:, pair.values.shape[1] :]]
         return np.einsum("tqk,qkj->qtj", pair.their_slopes, theirs)
 
-    def spread(self, force: np.ndarray) -> sp.csr_matrix:
+    def spread(self, force: np.ndarray) -> Matrix:
         """Derivative of J' f at fixed nodal forces f (n, d), sparse (N d, N d)."""
         pair, d = self._pair, self._pair.slave.dim
         at_points = np.einsum("qc,qcj->qj", pair.shares, force[pair.slave.corners[pair.facet]])
         entries = -np.einsum("tqb,qi,qktl->qbikl", pair.their_slopes, at_points, self._slide)
         own = self._columns.reshape(len(entries), -1, d)[:, pair.values.shape[1] :]
         flat = entries.reshape(*entries.shape[:3], -1)
-        rows = np.broadcast_to(own[..., None], flat.shape).ravel()
-        columns = np.broadcast_to(self._columns[:, None, None], flat.shape).ravel()
-        size = pair.total * d
-        return sp.csr_matrix((flat.ravel(), (rows, columns)), (size, size))
+        shape = (pair.total * d,) * 2
+        return gather(flat, own[..., None], self._columns[:, None, None], shape, pair.dense)

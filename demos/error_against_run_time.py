@@ -95,7 +95,7 @@ if __name__ == "__main__":
 # ## What to try next
 #
 # - A ladder of your own: `ladder("theta", [0.5, 0.6, 0.7], share=1e-3)` for the block.
-# - `bar_at_wall` with a `cfl` other than 1: the wave is no longer carried exactly from node to node.
+# - `bar_at_wall` with a `cfl` other than 1: a wave is no longer carried from node to node.
 #
 # ## Sources
 #

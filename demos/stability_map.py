@@ -21,10 +21,10 @@
 # ## The bounds
 #
 # A bound must follow from what is expected, not from what comes out: a uniform step rounds an
-# impact to its end, so the rocking block is of first order with a factor that counts the impacts; a wave
-# front widens by numerical diffusion and dispersion as the modified equation says; a block at rest,
-# a slope, a percussion are exact but for round-off. Each is stated where the problem is, in
-# `fenicsx_contact/study/problems`.
+# impact to its end, so the rocking block is of first order with a factor that counts the impacts;
+# a wave front widens by numerical diffusion and dispersion as the modified equation says; a block
+# at rest, a slope, a percussion are exact but for round-off. Each is stated where the problem is:
+# in # `fenicsx_contact/study/problems`.
 
 # %%
 import sys

@@ -40,7 +40,7 @@ TILT = Axis(
     [1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.3, 0.42, 0.43, 0.6],
     "tilt [rad]; tipping at 0.423",
 )
-CFL = Axis("cfl", decades(-3, 1, 9), "cells that a wave crosses in a step")
+CFL = Axis("cfl", decades(-2, 1, 7), "cells that a wave crosses in a step")
 YOUNG = Axis("youngs_modulus", decades(6, 16, 11), "Young's modulus [Pa]")
 
 MAPS: list[Map] = [
@@ -55,7 +55,7 @@ MAPS: list[Map] = [
         "rocking_formulation_dt",
         "Rocking block, theta = 1",
         partial(problems.rocking, tilt=1e-3, impacts=2, theta=1.0),
-        Axis("share", decades(-4, -1.5, 6), DT),
+        Axis("share", decades(-3.5, -1.5, 5), DT),
         Axis("formulation", ["velocity", "gap", "lagrange", "discrete"], "formulation"),
     ),
     Map(
@@ -97,7 +97,7 @@ MAPS: list[Map] = [
         "bar_theta_cfl_massless",
         "Bar at a wall, gap, mass redistributed",
         partial(problems.bar_at_wall, cells=20, formulation="gap", massless=True),
-        Axis("cfl", decades(-2, 1, 7), CFL.label),
+        CFL,
         THETA,
     ),
     Map(
@@ -127,7 +127,7 @@ MAPS: list[Map] = [
         "sliding_young_dt",
         "Elastic block sliding to rest",
         problems.sliding_elastic,
-        Axis("share", decades(-4, -1, 4), "step / time to rest"),
+        Axis("share", decades(-3, -1, 5), "step / time to rest"),
         YOUNG,
     ),
     Map("sliding_rho", "Elastic block sliding to rest", problems.sliding_elastic, RHO_N, RHO_T),

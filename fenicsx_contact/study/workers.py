@@ -14,6 +14,9 @@ from typing import Any
 #: A process imports the package anew, so that nothing of MPI or PETSc is shared.
 _SPAWN = multiprocessing.get_context("spawn")
 
+#: What the first call of a process has more, s, for it imports the package.
+START = 60.0
+
 Call = tuple[Callable[..., Any], tuple[Any, ...]]
 
 
@@ -59,7 +62,7 @@ def each(
 
     Args:
         calls: functions at the top of modules, and their arguments.
-        limit: of each call, s; the first of a process has 60 s more, for it imports the package.
+        limit: of each call, s; the first of a process has ``START`` more.
         processes: how many at a time; default: one for each core.
         progress: show a bar; default: if a person watches.
 
@@ -76,7 +79,7 @@ def each(
     try:
         for _ in range(count):
             workers.append(_Worker())
-            workers[-1].start(*next(queue), limit + 60.0)
+            workers[-1].start(*next(queue), limit + START)
         while workers:
             left = max(0.0, min(w.until for w in workers) - monotonic())
             ready = wait([w.pipe for w in workers], timeout=left)
@@ -101,7 +104,7 @@ def each(
                 if not alive:
                     worker.end()
                     worker = workers[i] = _Worker()
-                worker.start(*call, limit if alive else limit + 60.0)
+                worker.start(*call, limit if alive else limit + START)
     finally:
         bar.close()
         for worker in workers:

@@ -87,7 +87,7 @@ def rocking(
     """
     exact = housner(BLOCK, tilt, impacts=impacts + 1)
     times = exact.impact_times
-    until = times[-2] + 0.75 * (times[-1] - times[-2])
+    until = times[-2] + 0.95 * (times[-1] - times[-2])
     dt = until / np.ceil(until / (share * times[0]))
     quarters = np.diff(times[:-1], prepend=-times[0]) / 2
     scene, block = _scene(

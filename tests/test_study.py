@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Studies: error against run time; stability maps in worker processes; judging."""
+
+import dataclasses
+import json
+import os
+import time
+from functools import partial
+
+import numpy as np
+import pytest
+from test_demos import load
+
+from fenicsx_contact import InputError
+from fenicsx_contact.history import History
+from fenicsx_contact.study import (
+    CLASSES,
+    MAPS,
+    STUDIES,
+    Axis,
+    Map,
+    Sample,
+    Study,
+    judge,
+    ladder,
+    map_by_name,
+    measure,
+    pareto,
+    rate,
+    run_maps,
+    summary,
+    table,
+)
+from fenicsx_contact.study.problems import at_rest, incline, rocking
+from fenicsx_contact.study.workers import each
+
+
+def sample(method, seconds, error, steps=100, reason="finished"):
+    return Sample(method, {"dt": seconds}, error, seconds, 0.1, 1.0, steps, steps, reason)
+
+
+# -- error against run time --
+
+
+def test_front_and_rate():
+    a = [sample("a", 1.0, 1e-1, 10), sample("a", 2.0, 1e-2, 100), sample("a", 4.0, 1e-3, 1000)]
+    b = [sample("b", 1.5, 0.5, 10), sample("b", 3.0, 1e-4, 100), sample("b", 0.1, np.nan)]
+    assert pareto(a + b) == [a[0], a[1], b[1]]
+    assert rate(a) == pytest.approx(1.0)
+    assert np.isnan(rate(b[:1])) and np.isnan(rate([]))
+
+
+def test_measuring_keeps_failures_with_their_reasons():
+    build = partial(rocking, tilt=0.01, impacts=1)
+    methods = {
+        "uniform": ladder("share", [0.05, 0.0125]),
+        "refused": [{"share": 0.05, "formulation": "gap", "located": True}],
+    }
+    study = Study("s", "S", "one maximum", build, methods)
+    seen = []
+    samples = measure(study, repeats=2, progress=seen.append)
+    assert samples == seen and [s.method for s in samples] == ["uniform", "uniform", "refused"]
+    assert rate(samples[:2]) == pytest.approx(1, abs=0.35)
+    assert samples[0].run_time_s > 0 and samples[0].setup_s > 0 and samples[0].spread >= 1
+    assert samples[1].steps == pytest.approx(4 * samples[0].steps, rel=0.1)
+    assert samples[2].reason.startswith("refused: locate_impacts")
+    text = table(samples)
+    assert "refused: locate_impacts" in text and text.count("\n") == 4
+    with pytest.raises(InputError, match="repeats"):
+        measure(study, repeats=0)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_each_study_converges_within_its_front(name):
+    study = STUDIES[name].shortened()
+    first = dict(list(study.methods.items())[:1])
+    samples = measure(dataclasses.replace(study, methods=first), repeats=1)
+    assert all(s.reason == "finished" for s in samples)
+    assert samples[1].error < samples[0].error < 0.5
+
+
+# -- judging --
+
+
+def history_of(problem, **columns):
+    """A history of ten rows, all energies 1, but for what is given."""
+    history = History(problem.scene.columns)
+    for _ in range(10):
+        history.append([1.0 * (name == "kinetic") for name in history.columns])
+    for name, values in columns.items():
+        history.rows()[:, history.columns.index(name)] = values
+    history.reason = "finished"
+    return history
+
+
+def judged(error=0.0, reason="finished", **columns):
+    """What becomes of such a history, with a bound of 0.1."""
+    problem = at_rest(steps=2)
+    history = history_of(problem, **columns)
+    history.reason = reason
+
+    class Fake:
+        bound, energy_size, supplied, deepest = 0.1, 0.0, 0.0, 1e-3
+
+        def run(self):
+            return history
+
+        def error(self, _):
+            return error
+
+    return judge(Fake)
+
+
+def test_classes():
+    rising = np.linspace(1, 2, 10)
+    assert judged().kind == "within_error"
+    assert judged(error=0.2).kind == judged(error=np.nan).kind == "off"
+    assert judged(reason="stopped at 1 s").kind == "stopped"
+    assert judged(kinetic=rising).kind == "energy_created"
+    assert judged(kinetic=rising, reason="stopped").kind == "energy_created"
+    assert judged(balance=rising).kind == "nonsense"
+    assert judged(kinetic=np.nan).kind == "nonsense"
+    assert judged(**{"floor.penetration": 1.0}).kind == "nonsense"
+    verdict = judge(partial(rocking, tilt=0.5, share=0.1))
+    assert verdict.kind == "refused" and "theta0 = 0.5" in verdict.reason
+
+
+# -- worker processes --
+
+
+def double(x):
+    if x == 1:
+        raise ValueError("one")
+    if x == 2:
+        os._exit(3)
+    if x == 3:
+        time.sleep(600)
+    return 2 * x
+
+
+def test_workers_outlive_errors_deaths_and_time_limits(monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", os.path.dirname(__file__), prepend=os.pathsep)
+    monkeypatch.setattr("fenicsx_contact.study.workers.START", 20.0)
+    calls = [(double, (x,)) for x in (0, 1, 2, 4, 3, 5)]
+    results = dict(each(calls, limit=1.0, processes=1, progress=False))
+    assert [results[i] for i in (0, 1, 3, 5)] == [0, "ValueError: one", 8, 10]
+    assert "died, code 3" in results[2]
+    assert results[4] == "time limit of 1 s passed"
+
+
+def test_maps_are_resumed(tmp_path):
+    chart = Map(
+        "slope",
+        "Slope",
+        incline,
+        Axis("friction", [0.3, -1.0], "friction"),
+        Axis("slope", [0.2, 0.5], "slope"),
+    )
+    file = tmp_path / "cells.jsonl"
+    first = run_maps([chart], file, limit=60, processes=1, progress=False)
+    kinds = [v.kind for v in first["slope"]]
+    assert kinds == ["within_error", "refused"] * 2
+    assert "friction = -1.0" in first["slope"][1].reason
+    lines = file.read_text().splitlines()
+    assert len(lines) == 4
+    file.write_text("\n".join(lines[:3]) + "\n" + lines[3][:20])  # killed while it wrote
+    again = run_maps([chart], file, limit=60, processes=1, progress=False)
+    assert [v.kind for v in again["slope"]] == kinds
+    assert len(file.read_text().splitlines()) == 4
+    assert summary(first["slope"])["cells"] == 4
+
+
+def test_what_is_shipped():
+    assert sum(len(m.cells()) for m in MAPS) >= 600
+    assert len({m.name for m in MAPS}) == len(MAPS)
+    keys = [m.key(cell) for m in MAPS for cell in m.cells()]
+    assert len(set(keys)) == len(keys)
+    thin = map_by_name("incline").thinned(3)
+    assert len(thin.cells()) == 9 and thin.x.values[-1] == 10
+
+
+# -- the demos --
+
+
+def test_stability_map(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    demo = load("stability_map")
+    demo.main(quick=True)
+    result = json.loads((demo.RESULTS / "summary.json").read_text())
+    assert result["cells"] == sum(result[kind] for kind in CLASSES) == 36
+    assert result["energy_created"] == result["nonsense"] == result["stopped"] == 0
+    assert result["within_error"] + result["refused"] >= 34
+    assert (demo.RESULTS / "maps_1.png").stat().st_size > 5000
+    assert "36 cells" in capsys.readouterr().out
+
+
+def test_leave_out(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    demo = load("leave_out")
+    result = {}
+    for name in ("bar at a wall", "dropped block"):
+        make, _ = demo.SCENES[name]
+        lean, full = (demo.run(make, everything, 1) for everything in (False, True))
+        a, b = lean["energies"], full["energies"]
+        assert np.abs(a - b).max() <= 1e-12 * np.abs(a - a[:, :1]).max()
+        assert full["unknowns"][1] > lean["unknowns"][1]
+        result[name] = full["run_time_s"] / lean["run_time_s"]
+    assert result["bar at a wall"] > 1.5
+
+
+def test_benchmark_leaves_out_what_is_not_installed(monkeypatch):
+    demo = load("benchmark_rocking")
+    monkeypatch.setenv("SICONOS_PYTHON", "/nowhere/python")
+    assert demo.peer("siconos", quick=True).startswith("left out: ")
+    rows = demo.ours(quick=True)
+    assert rows[1]["error"] < 1e-4 and rows[1]["steps"] < 100
+
+
+@pytest.mark.long
+def test_a_hundred_thousand_steps_keep_their_memory(tmp_path):
+    """All that a run keeps is its history, 8 bytes a number."""
+    import tracemalloc
+
+    problem = rocking(tilt=1e-3, share=1e-3)
+    scene = problem.scene
+    scene.run(0.01, 1e-5, progress=False)
+    tracemalloc.start()
+    before = tracemalloc.get_traced_memory()[0]
+    resident = _resident()
+    history = scene.run(scene.time + 1.0, 1e-5, progress=False)
+    kept = tracemalloc.get_traced_memory()[0] - before
+    tracemalloc.stop()
+    assert len(history) == 100_001
+    table_size = 8 * len(history.columns) * 2 * len(history)  # it grows by doubling
+    assert kept < table_size + 1e6
+    assert _resident() - resident < 3 * table_size + 20e6
+
+
+def _resident():
+    """Resident memory, bytes."""
+    import resource
+
+    return 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

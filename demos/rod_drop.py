@@ -16,7 +16,8 @@
 # The guide is a corridor of centre line $y(x)$ and clearance $c(x)$; the rod's point $s$ is now at
 # depth $x = x_0 + z - s$, and its gap is $c(x) - |u - y(x)|$. The law of Signorini and Moreau and
 # Coulomb's law act there on the *relative velocity*. The wall is inclined by $y'$: a rod that
-# slides past sees its wall move sideways at $y'\dot z$, and the normal force pushes it along the axis.
+# slides past sees its wall move sideways at $y'\dot z$, and the normal force pushes it along the
+# axis.
 #
 # ## The discrete form
 #
@@ -251,10 +252,10 @@ def insertion(a: Assumed, speed: float = 0.5, step: float = 1e-3) -> History:
 # ## One number calibrated
 #
 # The paper's drop took "about 1.52 s", without saying to where. A smooth S of 10 mm adds a
-# hundredth of a second to the drop through straight tubes; a *kink* where the tube begins adds ten times as
-# much. We calibrate one named quantity, the amplitude of an S with a kinked inlet, so that the tips
-# enter the dashpot (T5) at 1.52 s. **This is a calibration, not a prediction**; the sensitivities
-# show how many other numbers could have been moved instead.
+# hundredth of a second to the drop through straight tubes; a *kink* where the tube begins adds ten
+# times as much. We calibrate one named quantity, the amplitude of an S with a kinked inlet, so that
+# the tips enter the dashpot (T5) at 1.52 s. **This is a calibration, not a prediction**; the
+# sensitivities show how many other numbers could have been moved instead.
 
 # %%
 PAPER = 1.52  # s, read in the paper's text; its measured curve is not public

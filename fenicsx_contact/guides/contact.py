@@ -20,6 +20,7 @@ from ..solids import BeamSolid
 from ..solids.base import Trace
 from ..solids.beam_trace import BeamTrace
 from ..surface import Surface
+from .elastic import PairTrace, RodInTube
 from .guide import FAR, Guide
 
 
@@ -27,7 +28,7 @@ class GuideContact(Contact):
     """A contact between a stretch of a beam and a guide around it.
 
     Args:
-        solid: the rod.
+        solid: the rod, or the rod and its elastic tube.
         facets: the name of the stretch of its axis that is guided.
         obstacle: the guide.
         formulation, friction, others: as for :class:`~fenicsx_contact.contact.Contact`.
@@ -38,13 +39,13 @@ class GuideContact(Contact):
             guide allows, a guide too bent for the rod as it starts, and what Contact refuses.
     """
 
-    solid: BeamSolid
+    solid: BeamSolid | RodInTube
     obstacle: Guide
-    trace: BeamTrace
+    trace: BeamTrace | PairTrace
 
     def __init__(
         self,
-        solid: BeamSolid,
+        solid: BeamSolid | RodInTube,
         facets: str,
         obstacle: Guide,
         formulation: Formulation | str = "velocity",
@@ -53,10 +54,10 @@ class GuideContact(Contact):
         deepest: float = 0.05,
         **others: Any,
     ) -> None:
-        checks.instance("solid", solid, BeamSolid, "a BeamSolid")
+        checks.instance("solid", solid, (BeamSolid, RodInTube), "a BeamSolid or a RodInTube")
         checks.instance("obstacle", obstacle, Guide, "a Guide")
         if obstacle.dim == solid.dim:
-            _check_place(solid, facets, obstacle)
+            _check_place(solid.rod, facets, obstacle)
         super().__init__(solid, facets, obstacle, formulation, friction, **others)
         # what touches at the start bears: whether it opens is for the law to say
         self.status = (self.gap >= -self.tolerance).astype(float)
@@ -71,29 +72,30 @@ class GuideContact(Contact):
 
     def _make_surface(self) -> Surface:
         """The nodes of the stretch, and beside them the stations, joined by cells of their own."""
-        axis, guide = self.solid.axis, self.obstacle
+        axis, guide = self.solid.rod.axis, self.obstacle
         points, cells, kind = axis.boundary(self.facets)
         along = axis.along(guide.origin + guide.stations[:, None] * guide.direction)
         count = len(points)
         # beside the axis: a station may stand where a node is
-        self._beside = axis.length * self.solid.frame[0]
+        self._beside = axis.length * self.solid.rod.frame[0]
         stations = axis.origin + along[:, None] * axis.direction + self._beside
         if len(stations) == 1:
             raise checks.InputError("obstacle: a guide needs two stations at least (two cards)")
         chain = count + np.stack([np.arange(len(along) - 1), np.arange(1, len(along))], axis=1)
         surface = Surface(np.concatenate([points, stations]), np.concatenate([cells, chain]), kind)
-        off = (surface.points - axis.origin) @ self.solid.frame[0]
+        off = (surface.points - axis.origin) @ self.solid.rod.frame[0]
         self.stations = np.flatnonzero(off > 0.5 * axis.length)
         # in the order of the guide's
         self.stations = self.stations[np.argsort(guide.depth(surface.points[self.stations]))]
-        self._turn = self.solid.frame @ guide.lateral.T
+        self._turn = self.solid.rod.frame @ guide.lateral.T
         return surface
 
     def _make_trace(self) -> Trace:
-        axis = self.solid.axis
-        s = axis.along(self.surface.points)
-        within = axis.stretch(self.facets)
-        return BeamTrace(self.solid, s, self.stations, s[self.stations], within)
+        rod = self.solid.rod
+        s = rod.axis.along(self.surface.points)
+        within = rod.axis.stretch(self.facets)
+        trace = BeamTrace(rod, s, self.stations, s[self.stations], within)
+        return PairTrace(self.solid, trace) if isinstance(self.solid, RodInTube) else trace
 
     def _look(self) -> None:
         """Distances and normals of all points, in the trial state."""
@@ -103,10 +105,18 @@ class GuideContact(Contact):
         self._at = x
         guide, rows = self.obstacle, self.stations
         self._distances, self._outward = guide.distance(x).copy(), guide.normals(x).copy()
+        if isinstance(self.trace, PairTrace):
+            self._tilt(self.trace.wall_slopes() @ self.solid.rod.frame)
         # the beam's slopes are by its own s, upwards, and in its own lateral directions
         slopes = -self.trace.slopes()[rows] @ self._turn
         self._distances[rows], self._outward[rows] = guide.at_stations(x[rows], slopes)
         self._distances[self.trace.void] = FAR
+
+    def _tilt(self, slopes: np.ndarray) -> None:
+        """Turn the normals with an elastic tube; its slopes are by s, as vectors (n, d)."""
+        up = self.solid.rod.axis.direction
+        self._outward -= np.einsum("ij,ij->i", self._outward, slopes)[:, None] * up
+        self._outward /= np.linalg.norm(self._outward, axis=1)[:, None]
 
     _at: np.ndarray | None = None
 
@@ -125,7 +135,7 @@ class GuideContact(Contact):
     def axial_force(self) -> tuple[float, float]:
         """Forces along the travel in the last step, of the normals and of friction, N."""
         normal = np.einsum("ij,ij->i", self.force, self.normal)
-        down = -self.solid.axis.direction
+        down = -self.solid.rod.axis.direction
         pushed = float(normal @ (self.normal @ down))
         return pushed, float((self.force @ down).sum()) - pushed
 

@@ -3,8 +3,9 @@
 
 A guide is an obstacle around a rod: a point at depth x and lateral place r is at the signed
 distance ``g/|grad g|`` from its wall, with ``g = c(x) - |r - y(x)|``, y the centre line and c the
-clearance. In 2D that is the nearer one of two walls, in 3D an annular gap. The normal has an axial part where
-the wall is inclined: a rod that slides past sees its wall move sideways, and its wall sees it push.
+clearance. In 2D that is the nearer one of two walls, in 3D an annular gap. The normal has an axial
+part where the wall is inclined: a rod that slides past sees its wall move sideways, and its wall
+sees it push.
 
 Where a guide is convex (the end of a tube, a card, a kink, the end of a taper) it touches the rod
 *between* the rod's nodes. These places are its **stations**: points fixed on the guide, at which

@@ -165,6 +165,11 @@ class BeamSolid(Solid):
             self._begin()
 
     @property
+    def rod(self) -> BeamSolid:
+        """The beam itself; of a rod in an elastic tube, its rod."""
+        return self
+
+    @property
     def travel(self) -> float:
         """How far the beam has moved against the direction of its axis, m."""
         return -float(self._mean @ self.split(self.displacement)[1])

@@ -180,7 +180,6 @@ def pushed(friction, formulation="velocity", dim=2, speed=0.05, steps=160, **pla
         normal = np.einsum("ij,ij->i", contact.force, contact.normal)[:, None] * contact.normal
         return np.linalg.norm(contact.force - normal, axis=1).sum()
 
-    rod.drive_force = 0.0
     probes = {
         "normal": contact.normal_force,
         "tangential": rubbing,

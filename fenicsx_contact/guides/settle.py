@@ -75,7 +75,7 @@ def _relax(solid: BeamSolid | RodInTube, stretch: str, guide: Guide) -> GuideCon
     def touch() -> GuideContact:
         return GuideContact(solid, stretch, guide, Velocity(drift_correction=0.2), deepest=FREELY)
 
-    contact, period = touch(), solid.rod.slowest_period()
+    contact, period = touch(), solid.rod.matrices.slowest_period()
     clearance = float(guide.clearance().min())
     share, longest = FIRST, LONGEST
     for _ in range(MOST):

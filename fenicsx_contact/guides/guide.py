@@ -140,8 +140,9 @@ class Guide:
         self.plane = _unit("plane", plane, d)
         if abs(self.plane @ self.direction) > 1e-12:
             raise checks.InputError(f"plane = {plane!r}: must be perpendicular to the direction")
-        rows = [self.direction, self.plane, np.cross(self.direction, self.plane)][:d]
-        self._axes = np.array(rows)  # depth first, then the lateral directions
+        second = [np.cross(self.direction, self.plane)] if d == 3 else []
+        # depth first, then the lateral directions
+        self._axes = np.array([self.direction, self.plane, *second])
         self.tubes = sorted((p for p in pieces if isinstance(p, Tube)), key=lambda p: p.top)
         for upper, lower in zip(self.tubes[:-1], self.tubes[1:]):
             if lower.top < upper.bottom - 1e-12:

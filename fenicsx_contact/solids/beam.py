@@ -308,6 +308,7 @@ class BeamSolid(Solid):
         kind = "inextensible" if len(self._mean) == 1 else "extensible"
         return (
             f"beam, {kind}, {len(cell_geometry(self.axis.mesh))} cells, mass {self.mass:.9g}, "
+            f"stiffness {self._stiffness.diagonal().sum():.9g}, gravity {self.gravity:.9g}, "
             f"{self.law!r}, {len(self._load)} unknowns"
         )
 

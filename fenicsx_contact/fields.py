@@ -39,6 +39,8 @@ def vtk_cells(mesh: Any) -> list[tuple[str, np.ndarray]]:
     wants them; gmsh and dolfinx leave some of them the other way round."""
     name, d = compat.cell_name(mesh), mesh.geometry.dim
     nodes = compat.cell_geometry(mesh)[: compat.num_local_cells(mesh)]
+    if name == "interval":  # the axis of a beam
+        return [(_VTK_NAME[name], nodes)]
     x = mesh.geometry.x[nodes, :d]
     neighbours = [1, 2, 4] if name == "hexahedron" else list(range(1, d + 1))
     turned = np.linalg.det(x[:, neighbours] - x[:, :1]) < 0

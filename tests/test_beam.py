@@ -3,6 +3,7 @@
 
 import math
 
+import meshio
 import numpy as np
 import pytest
 from scenes import rates
@@ -115,7 +116,7 @@ def test_springs_and_point_masses():
         supports=[Support(0.0, lateral=12.0), Support(1.0, lateral=20.0)],
     )
     assert beam.mass == 8.0
-    assert beam.slowest_period() == pytest.approx(math.pi, rel=1e-6)
+    assert beam.matrices.slowest_period() == pytest.approx(math.pi, rel=1e-6)
 
 
 def test_first_frequency_converges_at_second_order():
@@ -125,7 +126,7 @@ def test_first_frequency_converges_at_second_order():
         pins = [Support(0.0, lateral=math.inf), Support(2.0, lateral=math.inf)]
         beam = BeamSolid(axis, Section(mass=3.0, bending=7.0), supports=pins)
         exact = (math.pi / 2) ** 2 * math.sqrt(7 / 3)
-        errors.append(abs(2 * math.pi / beam.slowest_period() / exact - 1))
+        errors.append(abs(2 * math.pi / beam.matrices.slowest_period() / exact - 1))
     assert errors[-1] < 1e-3
     assert rates(errors).min() > 1.9
 
@@ -207,6 +208,18 @@ def test_runs_resume_identically(tmp_path):
     scene().run(0.02, 1e-3, directory=tmp_path)
     rest = scene().run(0.05, 1e-3, directory=tmp_path, resume=True)
     np.testing.assert_array_equal(whole.rows(), rest.rows())
+
+
+def test_fields_are_written(tmp_path):
+    """For ParaView: the axis as lines, moved by the fall."""
+    axis = axis_mesh((0, 0, 0), (0, 0, 1), all=(2.0, 4))
+    beam = BeamSolid(axis, Section(3.0, 70.0), gravity=(0, 0, -9.81), law=Fall(), name="beam")
+    Scene([beam], [], allow_free=True).run(0.1, 1e-2, directory=tmp_path, fields_every=5)
+    files = sorted((tmp_path / "fields").glob("beam_*.vtu"))
+    assert len(files) == 3
+    grid = meshio.read(files[-1])
+    assert grid.cells[0].type == "line" and len(grid.cells[0].data) == 4
+    np.testing.assert_allclose(grid.point_data["displacement"][:, 2], -9.81 * 0.005, rtol=1e-12)
 
 
 # -- bad input ----------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 
 import importlib.util
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ DEMOS = Path(__file__).resolve().parent.parent / "demos"
 def load(name):
     spec = importlib.util.spec_from_file_location(name, DEMOS / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # where dataclasses and other processes look for it
     spec.loader.exec_module(module)
     return module
 
@@ -126,3 +128,45 @@ def test_cattaneo_mindlin(tmp_path, monkeypatch, capsys):
     assert summary["pressure_l2_error"] < 0.03
     assert (demo.RESULTS / "shear.png").stat().st_size > 5000
     assert capsys.readouterr().out.strip().splitlines()[-1].startswith("Q = 0.")
+
+
+def test_rod_drop(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    demo = load("rod_drop")
+    demo.main(quick=True)
+    summary = json.loads((demo.RESULTS / "summary.json").read_text())
+    assert summary["straight"]["T5_s"] == pytest.approx(1.30044, abs=5e-4)
+    assert summary["straight"]["total_s"] == pytest.approx(1.70827, abs=5e-4)
+    velocity = summary["velocity"]
+    for name in ("gap", "lagrange", "discrete"):
+        assert summary[name]["T5_s"] == pytest.approx(velocity["T5_s"], rel=2e-3)
+    assert summary["gap"]["T5_s"] == pytest.approx(velocity["T5_s"], rel=5e-4)
+    assert velocity["energy_balance_error"] < 1e-9
+    assert summary["calibrated"]["T5_s"] == pytest.approx(1.52, abs=0.005)
+    assert "amplitude" in summary["calibrated"]["name"]
+    assert 0.012 < summary["calibrated"]["value"] < 0.014
+    kinked = summary["insertion"]["S, kinked inlet"]["largest_resistance_N"]
+    assert kinked > 2 * summary["insertion"]["S, tangent"]["largest_resistance_N"] > 50
+    for picture in ("speed_against_time", "insertion_force", "contact_force_kinked"):
+        assert (demo.RESULTS / f"{picture}.png").stat().st_size > 5000
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("velocity: T5 1.31")
+
+
+def test_rod_drop_map(tmp_path, monkeypatch, capsys):
+    """Four drops; what is on file is not computed again, and a broken line is."""
+    monkeypatch.chdir(tmp_path)
+    load("rod_drop")
+    demo = load("rod_drop_map")
+    assert len(demo.FRICTION) * len(demo.AMPLITUDE) >= 100
+    summary = demo.main(quick=True)
+    assert summary["drops"] == 4 and summary["jammed"] == 0
+    assert summary["T5_s"][0] == pytest.approx(1.3004, abs=1e-3)
+    file = demo.RESULTS / "drops.jsonl"
+    lines = file.read_text().splitlines()
+    assert len(lines) == 4
+    file.write_text("\n".join(lines[:3]) + "\n" + lines[3][:20])
+    again = demo.main(quick=True)
+    assert [r["T5_s"] for r in again["map"]] == [r["T5_s"] for r in summary["map"]]
+    same = [r["run_time_s"] == s["run_time_s"] for r, s in zip(again["map"], summary["map"])]
+    assert sum(same) == 3
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("4 drops in")

@@ -26,6 +26,7 @@ from fenicsx_contact.guides import (
     Card,
     Guide,
     GuideContact,
+    RodInTube,
     Sine,
     Straight,
     Tube,
@@ -179,7 +180,6 @@ def pushed(friction, formulation="velocity", dim=2, speed=0.05, steps=160, **pla
         normal = np.einsum("ij,ij->i", contact.force, contact.normal)[:, None] * contact.normal
         return np.linalg.norm(contact.force - normal, axis=1).sum()
 
-    rod.drive_force = 0.0
     probes = {
         "normal": contact.normal_force,
         "tangential": rubbing,
@@ -260,6 +260,74 @@ def test_a_wall_moves_for_a_falling_rod():
     assert rod.speed == pytest.approx(9.81 / (1 + tilt**2) * 0.4, rel=1e-4)
     assert np.abs(history["balance"]).max() < 1e-9
     assert history["c.penetration"].max() < 0.05 * C
+
+
+# -- elastic guides -----------------------------------------------------------------------------
+
+
+def half_wave_in_tube(amplitude, bending, cells=38):
+    """Half a wavelength of a rod in a tube of its own, both held at the inflexions."""
+    half = L / 2
+    axis = axis_mesh((0, -half), (0, 1), rod=(half, cells))
+    pins = [Support(0, lateral=math.inf, axial=math.inf), Support(half, lateral=math.inf)]
+    rod = BeamSolid(axis, ROD, supports=pins)
+    around = axis_mesh((0, -half), (0, 1), tube=(half, 22))
+    tube = BeamSolid(around, Section(mass=20.0, bending=bending), supports=pins, name="tube")
+    guide = Guide([Tube(-0.01, half + 0.01, C, Sine(amplitude, L, "kinked"))])
+    pair = RodInTube(rod, tube)
+    return settle(pair, "rod", guide), pair
+
+
+@pytest.mark.parametrize("bending", [400.0, 5e3])
+def test_rod_and_tube_share_the_deflection(bending):
+    """Two beams on three points in series; the tube bends against the rod."""
+    contact, pair = half_wave_in_tube(0.004, bending)
+    flexible = (L / 2) ** 3 / 48 * (1 / EI + 1 / bending)
+    force = (0.004 - C) / flexible
+    assert contact.normal_force() == pytest.approx(force, rel=1e-4)
+    w, _ = pair.tube.split(pair.tube.displacement)
+    assert np.abs(w[0, ::2]).max() == pytest.approx(force * (L / 2) ** 3 / 48 / bending, rel=1e-3)
+
+
+def test_a_stiff_tube_is_a_rigid_guide():
+    contact, _ = half_wave_in_tube(0.010, 1e9, cells=37)
+    assert contact.normal_force() == pytest.approx(half_wave(0.010, 37).normal_force(), rel=1e-3)
+
+
+@pytest.mark.parametrize("bending", [2e3, 1e8])
+def test_a_rod_falls_through_an_elastic_tube(bending):
+    """On four grids; books closed, gaps kept, a stiff tube like a rigid guide."""
+    curve = Sine(0.01, 1.8)
+    guide = Guide([Tube(-2, 4, C, curve)])
+    grids = [Support(s, lateral=1e6, axial=math.inf) for s in (0.0, 1.0, 2.0, 3.0)]
+    around = axis_mesh((0, -3), (0, 1), tube=(3.0, 30))
+    speeds = []
+    for elastic in (True, False):
+        rod = BeamSolid(
+            axis_mesh((0, -1), (0, 1), rod=(2.4, 48)), ROD, gravity=(0, -9.81), law=Fall()
+        )
+        tube = BeamSolid(around, Section(mass=5.0, bending=bending), supports=grids, name="tube")
+        solid = RodInTube(rod, tube) if elastic else rod
+        settle(solid, "rod", guide)
+        contact = GuideContact(solid, "rod", guide, Velocity(0.1), 0.1, name="c")
+        history = Scene([solid], [contact], ThetaScheme(0.6)).run(0.5, 5e-4)
+        assert history.finished
+        assert history["c.penetration"].max() < 0.05 * C
+        assert np.abs(history["balance"]).max() < 1e-8
+        speeds.append(rod.speed)
+    if bending == 1e8:
+        assert speeds[0] == pytest.approx(speeds[1], rel=5e-3)
+    else:  # what gives way holds back less
+        assert speeds[0] > 1.02 * speeds[1]
+
+
+def test_a_tube_must_be_held():
+    rod, free = rod_at(1.0), rod_at(1.0)
+    with pytest.raises(InputError, match="held along its axis"):
+        RodInTube(rod, free)
+    other = BeamSolid(axis_mesh((0, 0), (0, -1), rod=(1.0, 2)), ROD)
+    with pytest.raises(InputError, match="direction of the rod"):
+        RodInTube(rod, other)
 
 
 # -- bad input ----------------------------------------------------------------------------------

@@ -9,7 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fenicsx_contact import Fall, Gap, GuideTubeWater, Scene, ThetaScheme, Velocity
+from fenicsx_contact import (
+    Fall,
+    Gap,
+    GuideTubeWater,
+    InputError,
+    Scene,
+    ThetaScheme,
+    Velocity,
+)
 from fenicsx_contact.guides import GuideContact, settle
 from fenicsx_contact.references.rod import one_dof_drop
 
@@ -229,10 +237,19 @@ def test_convergence_at_the_full_step(case):
     assert gap.time_at(demo.DASHPOT) == pytest.approx(T5, rel=5e-4)
 
 
-@pytest.mark.parametrize("case", [SMOOTH, KINKED], ids=["smooth", "kinked"])
+@pytest.mark.parametrize(
+    "case", [SMOOTH, pytest.param(KINKED, marks=pytest.mark.long)], ids=["smooth", "kinked"]
+)
 def test_convergence_of_coarse_drops(case, smooth, kinked):
     """The same at twenty times the step: half of it, and cells of half the length."""
     T5 = {SMOOTH: smooth, KINKED: kinked}[case].time_at(demo.DASHPOT)
     assert demo.drop(case, dt=COARSE / 2).time_at(demo.DASHPOT) == pytest.approx(T5, rel=3e-4)
     fine = demo.drop(case, dt=COARSE, cell=0.025)
     assert fine.time_at(demo.DASHPOT) == pytest.approx(T5, rel=1e-3)
+
+
+def test_stop_when_must_be_a_function():
+    rod = demo.rod(STRAIGHT)
+    scene = Scene([rod], [GuideContact(rod, "rods", demo.guide(STRAIGHT))])
+    with pytest.raises(InputError, match="stop_when = 3"):
+        scene.run(0.1, 1e-3, stop_when=3)

@@ -3,6 +3,7 @@
 
 from .contact import GuideContact
 from .curves import AnyCurve, Bow, Curve, Sine, Straight
+from .elastic import RodInTube
 from .guide import Card, Guide, Tube
 from .settle import lay_in, settle
 
@@ -13,6 +14,7 @@ __all__ = [
     "Curve",
     "Guide",
     "GuideContact",
+    "RodInTube",
     "Sine",
     "Straight",
     "Tube",

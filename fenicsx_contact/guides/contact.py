@@ -15,12 +15,12 @@ import numpy as np
 from .. import checks
 from ..contact import Contact
 from ..coupling import ObstacleCoupling
-from ..equations import SurfaceEquations
 from ..fall import Fall
 from ..formulations import Formulation
 from ..solids import BeamSolid
 from ..solids.beam_trace import BeamTrace
 from ..surface import Surface
+from .elastic import PairTrace, RodInTube
 from .guide import FAR, Guide
 
 
@@ -28,15 +28,11 @@ class GuideCoupling(ObstacleCoupling):
     """Points of a rod and stations of its guide: the stations see it by its slope, too."""
 
     def __init__(
-        self,
-        rod: BeamSolid,
-        equations: SurfaceEquations,
-        guide: Guide,
-        trace: BeamTrace,
-        turn: np.ndarray,
+        self, contact: GuideContact, trace: BeamTrace | PairTrace, turn: np.ndarray
     ) -> None:
-        super().__init__(rod, equations, guide, trace)
-        self._guide, self._trace, self._turn = guide, trace, turn
+        super().__init__(contact.solid, contact.equations, contact.obstacle, trace)
+        self._guide, self._stations = contact.obstacle, contact.stations
+        self._rod, self._trace, self._turn = contact.solid.rod, trace, turn
         self._at: np.ndarray | None = None
 
     def _look(self) -> None:
@@ -45,12 +41,20 @@ class GuideCoupling(ObstacleCoupling):
         if x is self._at:
             return
         self._at = x
-        guide, rows = self._guide, self._trace.stations
+        guide, rows = self._guide, self._stations
         self._distances, self._outward = guide.distance(x).copy(), guide.normals(x).copy()
+        if isinstance(self._trace, PairTrace):
+            self._tilt(self._trace.wall_slopes() @ self._rod.frame)
         # the beam's slopes are by its own s, upwards, and in its own lateral directions
         slopes = -self._trace.slopes()[rows] @ self._turn
         self._distances[rows], self._outward[rows] = guide.at_stations(x[rows], slopes)
         self._distances[self._trace.void] = FAR
+
+    def _tilt(self, slopes: np.ndarray) -> None:
+        """Turn the normals with an elastic tube; its slopes are by s, as vectors (n, d)."""
+        up = self._rod.axis.direction
+        self._outward -= np.einsum("ij,ij->i", self._outward, slopes)[:, None] * up
+        self._outward /= np.linalg.norm(self._outward, axis=1)[:, None]
 
     def gaps(self) -> np.ndarray:
         self._look()
@@ -65,7 +69,7 @@ class GuideContact(Contact):
     """A contact between a stretch of a beam and a guide around it.
 
     Args:
-        solid: the rod.
+        solid: the rod, or the rod and its elastic tube.
         facets: the name of the stretch of its axis that is guided.
         obstacle: the guide.
         formulation, friction, others: as for :class:`~fenicsx_contact.contact.Contact`.
@@ -76,12 +80,13 @@ class GuideContact(Contact):
             guide allows, a guide too bent for the rod as it starts, and what Contact refuses.
     """
 
-    solid: BeamSolid
+    solid: BeamSolid | RodInTube
     obstacle: Guide
+    trace: BeamTrace | PairTrace
 
     def __init__(
         self,
-        solid: BeamSolid,
+        solid: BeamSolid | RodInTube,
         facets: str,
         obstacle: Guide,
         formulation: Formulation | str = "velocity",
@@ -90,10 +95,10 @@ class GuideContact(Contact):
         deepest: float = 0.05,
         **others: Any,
     ) -> None:
-        checks.instance("solid", solid, BeamSolid, "a BeamSolid")
+        checks.instance("solid", solid, (BeamSolid, RodInTube), "a BeamSolid or a RodInTube")
         checks.instance("obstacle", obstacle, Guide, "a Guide")
         if obstacle.dim == solid.dim:
-            _check_place(solid, facets, obstacle)
+            _check_place(solid.rod, facets, obstacle)
         self.obstacle = obstacle
         super().__init__(solid, facets, obstacle, formulation, friction, **others)
         # what touches at the start bears: whether it opens is for the law to say
@@ -109,30 +114,31 @@ class GuideContact(Contact):
 
     def _make_surface(self) -> Surface:
         """The nodes of the stretch, and beside them the stations, joined by cells of their own."""
-        axis, guide = self.solid.axis, self.obstacle
+        axis, guide = self.solid.rod.axis, self.obstacle
         points, cells, kind = axis.boundary(self.facets)
         along = axis.along(guide.origin + guide.stations[:, None] * guide.direction)
         count = len(points)
         # beside the axis: a station may stand where a node is
-        self._beside = axis.length * self.solid.frame[0]
+        self._beside = axis.length * self.solid.rod.frame[0]
         stations = axis.origin + along[:, None] * axis.direction + self._beside
         if len(stations) == 1:
             raise checks.InputError("obstacle: a guide needs two stations at least (two cards)")
         chain = count + np.stack([np.arange(len(along) - 1), np.arange(1, len(along))], axis=1)
         surface = Surface(np.concatenate([points, stations]), np.concatenate([cells, chain]), kind)
-        off = (surface.points - axis.origin) @ self.solid.frame[0]
+        off = (surface.points - axis.origin) @ self.solid.rod.frame[0]
         self.stations = np.flatnonzero(off > 0.5 * axis.length)
         # in the order of the guide's
         self.stations = self.stations[np.argsort(guide.depth(surface.points[self.stations]))]
-        self._turn = self.solid.frame @ guide.lateral.T
+        self._turn = self.solid.rod.frame @ guide.lateral.T
         return surface
 
     def _couple(self, other: Any) -> GuideCoupling:
-        axis = self.solid.axis
-        s = axis.along(self.surface.points)
-        within = axis.stretch(self.facets)
-        self.trace = BeamTrace(self.solid, s, self.stations, s[self.stations], within)
-        return GuideCoupling(self.solid, self.equations, self.obstacle, self.trace, self._turn)
+        rod = self.solid.rod
+        s = rod.axis.along(self.surface.points)
+        within = rod.axis.stretch(self.facets)
+        trace = BeamTrace(rod, s, self.stations, s[self.stations], within)
+        self.trace = PairTrace(self.solid, trace) if isinstance(self.solid, RodInTube) else trace
+        return GuideCoupling(self, self.trace, self._turn)
 
     def normal_force(self) -> float:
         """Sum of the sizes of the normal forces in the last step, N."""
@@ -141,7 +147,7 @@ class GuideContact(Contact):
     def axial_force(self) -> tuple[float, float]:
         """Forces along the travel in the last step, of the normals and of friction, N."""
         normal = np.einsum("ij,ij->i", self.force, self.normal)
-        down = -self.solid.axis.direction
+        down = -self.solid.rod.axis.direction
         pushed = float(normal @ (self.normal @ down))
         return pushed, float((self.force @ down).sum()) - pushed
 

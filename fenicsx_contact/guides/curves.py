@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -101,8 +101,8 @@ class Bow:
 class AnyCurve:
     """A curve given by two functions of the depth (n,)."""
 
-    function: Callable[[np.ndarray], np.ndarray]
-    derivative: Callable[[np.ndarray], np.ndarray]
+    function: Callable[[np.ndarray], np.ndarray] = field(repr=False)
+    derivative: Callable[[np.ndarray], np.ndarray] = field(repr=False)
 
     def offset(self, depth: np.ndarray) -> np.ndarray:
         """Lateral offset at depths (n,), m."""

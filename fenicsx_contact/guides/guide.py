@@ -3,8 +3,9 @@
 
 A guide is an obstacle around a rod: a point at depth x and lateral place r is at the signed
 distance ``g/|grad g|`` from its wall, with ``g = c(x) - |r - y(x)|``, y the centre line and c the
-clearance. In 2D that is the nearer one of two walls, in 3D an annular gap. The normal has an axial part where
-the wall is inclined: a rod that slides past sees its wall move sideways, and its wall sees it push.
+clearance. In 2D that is the nearer one of two walls, in 3D an annular gap. The normal has an axial
+part where the wall is inclined: a rod that slides past sees its wall move sideways, and its wall
+sees it push.
 
 Where a guide is convex (the end of a tube, a card, a kink, the end of a taper) it touches the rod
 *between* the rod's nodes. These places are its **stations**: points fixed on the guide, at which
@@ -139,8 +140,9 @@ class Guide:
         self.plane = _unit("plane", plane, d)
         if abs(self.plane @ self.direction) > 1e-12:
             raise checks.InputError(f"plane = {plane!r}: must be perpendicular to the direction")
-        rows = [self.direction, self.plane, np.cross(self.direction, self.plane)][:d]
-        self._axes = np.array(rows)  # depth first, then the lateral directions
+        second = [np.cross(self.direction, self.plane)] if d == 3 else []
+        # depth first, then the lateral directions
+        self._axes = np.array([self.direction, self.plane, *second])
         self.tubes = sorted((p for p in pieces if isinstance(p, Tube)), key=lambda p: p.top)
         for upper, lower in zip(self.tubes[:-1], self.tubes[1:]):
             if lower.top < upper.bottom - 1e-12:

@@ -13,6 +13,7 @@ from ..scene import Scene
 from ..solids import BeamSolid
 from ..theta import ThetaScheme
 from .contact import GuideContact
+from .elastic import RodInTube
 from .guide import Guide
 
 #: Steps of a block, first length of a step as a share of the rod's slowest period, its growth from
@@ -36,14 +37,15 @@ def lay_in(rod: BeamSolid, guide: Guide) -> None:
     rod.deflect(centre @ rod.frame.T)
 
 
-def settle(rod: BeamSolid, stretch: str, guide: Guide) -> GuideContact:
+def settle(solid: BeamSolid | RodInTube, stretch: str, guide: Guide) -> GuideContact:
     """Bring a rod to rest in its guide, without friction, its travel held.
 
     The rod is laid along the centre line and let go: the same velocity law as everywhere carries it
     to the walls, in steps that damp (theta = 1) and grow until no motion is left.
 
     Args:
-        rod: the beam; its deflection changes, its law and travel do not.
+        solid: the rod, with its elastic tube if it has one; deflections change, the rod's law and
+            travel do not.
         stretch: of its axis that is guided.
         guide: around it.
 
@@ -53,38 +55,39 @@ def settle(rod: BeamSolid, stretch: str, guide: Guide) -> GuideContact:
     Raises:
         InputError: it finds no rest.
     """
+    rod = solid.rod
     law, supported = rod.law, not rod.matrices.free_axial.all()
     lay_in(rod, guide)
-    rod.rest()
+    solid.rest()
     if not supported:
         rod.law = Driven(0.0)
     try:
-        contact = _relax(rod, stretch, guide)
+        contact = _relax(solid, stretch, guide)
     finally:
         rod.law = law
-    rod.rest()
+    solid.rest()
     return contact
 
 
-def _relax(rod: BeamSolid, stretch: str, guide: Guide) -> GuideContact:
+def _relax(solid: BeamSolid | RodInTube, stretch: str, guide: Guide) -> GuideContact:
     """Blocks of steps, each from rest."""
 
     def touch() -> GuideContact:
-        return GuideContact(rod, stretch, guide, Velocity(drift_correction=0.2), deepest=FREELY)
+        return GuideContact(solid, stretch, guide, Velocity(drift_correction=0.2), deepest=FREELY)
 
-    contact, period = touch(), rod.slowest_period()
+    contact, period = touch(), solid.rod.matrices.slowest_period()
     clearance = float(guide.clearance().min())
     share, longest = FIRST, LONGEST
     for _ in range(MOST):
-        rod.rest()
-        start, dt = rod.displacement, share * period
-        scene = Scene([rod], [contact], ThetaScheme(1.0, forces="end"), deepest=FREELY)
+        solid.rest()
+        start, dt = solid.displacement, share * period
+        scene = Scene([solid], [contact], ThetaScheme(1.0, forces="end"), deepest=FREELY)
         history = scene.run(scene.time + BLOCK * dt, dt, progress=False)
-        moved = float(np.abs(rod.displacement - start).max())
+        moved = float(np.abs(solid.displacement - start).max())
         if not history.finished or (contact.depth() > DEEPEST * clearance and share > FIRST):
             share = longest = share / (2 * GROWTH)
-            rod.displacement = start
-            rod.rest()
+            solid.displacement = start
+            solid.rest()
             contact = touch()
         elif moved * max(1.0, period / (BLOCK * dt)) <= SETTLED * clearance:
             return contact

@@ -17,8 +17,9 @@ import scipy.sparse
 from .. import checks
 from ..axis import AxisMesh
 from ..compat import cell_geometry
-from ..fall import AxialForce, AxialLaw, Driven, Fall
+from ..fall import AxialLaw, Driven
 from ..theta import Step
+from .axial import AxialMotion
 from .base import Solid
 from .beam_trace import BeamTrace
 from .sections import BeamMatrices, Section, Support
@@ -45,7 +46,7 @@ class BeamSolid(Solid):
 
     Attributes:
         frame: the lateral directions, (d - 1, d), rows.
-        taken: energy that water, drive line, drive, stop and flow have taken so far, J, by name.
+        gravity: along the travel, m/s².
 
     Raises:
         InputError: no mass, no section somewhere, a rod that would never fall, numbers out of
@@ -80,8 +81,10 @@ class BeamSolid(Solid):
         d, m = self.dim, len(k.s)
         self.planes, self._bends = d - 1, 2 * m * (d - 1)
         self._mean = k.weights / k.mass if len(k.axial_mass) > 1 else np.ones(1)
+        held = len(self._mean) > 1 or not k.free_axial.all()
         g = np.zeros(d) if gravity is None else checks.vector("gravity", gravity, d)
         self.gravity = -float(g @ axis.direction)  # along the travel
+        self.axial = AxialMotion(self._mean, self.mass, self.gravity, held)
         self._load = np.zeros(self._bends + len(k.axial_mass))
         bending, axial = self.split(self._load)
         bending[:, ::2] = (self.frame @ g)[:, None] * k.bending_mass[::2]
@@ -97,8 +100,6 @@ class BeamSolid(Solid):
         self.velocity = np.zeros_like(self._load)
         if displacement is not None:
             self._set_deflection(displacement(k.s), None if slope is None else slope(k.s))
-        self.taken: dict[str, float] = {}
-        self._forces: Sequence[AxialForce] = ()
         self._inverses: dict[tuple[float, float], tuple[np.ndarray, np.ndarray]] = {}
         self.predictions = 0  # counts them, for those who follow
         self.law = law
@@ -128,42 +129,33 @@ class BeamSolid(Solid):
         self._set_deflection(np.asarray(deflection).T, None)
         self.rest()
 
-    def slowest_period(self) -> float:
-        """Period of its slowest bending vibration that is not rigid, s; of one on supports."""
-        k = self.matrices
-        keep = k.free_bending & (k.bending_mass > 0)
-        rest = k.free_bending & ~keep
-        stiff = k.bending_stiffness[np.ix_(keep, keep)]
-        if rest.any():  # slopes without inertia follow
-            mixed = k.bending_stiffness[np.ix_(keep, rest)]
-            inner = k.bending_stiffness[np.ix_(rest, rest)]
-            stiff = stiff - mixed @ np.linalg.solve(inner, mixed.T)
-        root = 1 / np.sqrt(k.bending_mass[keep])
-        square = np.linalg.eigvalsh(root[:, None] * stiff * root)
-        return float(
-            2 * np.pi / np.sqrt(square[square > 1e-9 * square[-1]].min(initial=square[-1]))
-        )
-
     @property
     def law(self) -> AxialLaw | None:
         """What drives the beam along its axis."""
-        return self._law
+        return self.axial.law
 
     @law.setter
     def law(self, law: AxialLaw | None) -> None:
-        if law is not None:
-            checks.instance("law", law, (Fall, Driven), "a Fall, a Driven or None")
-        if isinstance(law, Fall):
-            law.check(self.mass, self.gravity)
-        if isinstance(law, Driven) and (len(self._mean) > 1 or not self.matrices.free_axial.all()):
-            raise checks.InputError(
-                f"law = {law!r}: a driven axis must be inextensible and not supported along itself"
-            )
-        self._law = law
+        self.axial.law = law
         if isinstance(law, Driven):  # the drive has no inertia
             self.velocity = self.velocity.copy()
             self.split(self.velocity)[1][:] = -law.speed
             self._begin()
+
+    @property
+    def taken(self) -> dict[str, float]:
+        """Energy that water, drive line, drive, stop and flow have taken so far, J, by name."""
+        return self.axial.taken
+
+    @property
+    def drive_force(self) -> float:
+        """Force of a drive along the travel in the last step, N."""
+        return self.axial.drive_force
+
+    @property
+    def rod(self) -> BeamSolid:
+        """The beam itself; of a rod in an elastic tube, its rod."""
+        return self
 
     @property
     def travel(self) -> float:
@@ -180,15 +172,9 @@ class BeamSolid(Solid):
     def _begin(self) -> None:
         """Refresh what is kept from step to step."""
         self.trial_displacement, self.trial_velocity = self.displacement, self.velocity
-        self._internal = self._internal_of(self.displacement)
-        self._momentum = self._times(self.velocity)
+        self._internal = self._stiffness @ self.displacement
+        self._momentum = self._masses * self.velocity
         self.predictions += 1
-
-    def _internal_of(self, values: np.ndarray) -> np.ndarray:
-        return self._stiffness @ values
-
-    def _times(self, values: np.ndarray) -> np.ndarray:
-        return self._masses * values
 
     def predict(self, step: Step) -> None:
         self.trial_velocity = self.velocity
@@ -217,11 +203,11 @@ class BeamSolid(Solid):
         if step.dt:
             load += self._load - self._internal
             if known:
-                load -= known * self._internal_of(self.velocity)
+                load -= known * (self._stiffness @ self.velocity)
             if self._lateral_load is not None:
                 load += self._flow()
-        self.axial_flexibility = self._drive(step, axial, self.split(load)[1])
         bending, along = self.split(load)
+        self.axial_flexibility = self.axial.drive(step, self.travel, self.speed, axial, along)
         self.free_velocity = np.concatenate(
             [(bending @ self.flexibility).ravel(), self.axial_flexibility @ along]
         )
@@ -229,29 +215,6 @@ class BeamSolid(Solid):
             self.free_velocity[self._bends :] = -self.law.speed
         self._gain = np.zeros_like(load)
         self._pushed = 0.0
-
-    def _drive(self, step: Step, inverse: np.ndarray, load: np.ndarray) -> np.ndarray:
-        """Take up the axial law: changes the load, returns the inverse of the axial matrix.
-
-        The forces are those at the scheme's force point, their change within the step to first
-        order: what is left out is O(dt²) of it.
-        """
-        self._forces, self._added, self._stiff = (), 0.0, 0.0
-        if isinstance(self.law, Driven):
-            return np.zeros_like(inverse)
-        if self.law is None:
-            return inverse
-        weight, v = step.scheme.force_weight, self.speed
-        z = self.travel + weight * step.dt * v
-        self._added = self.law.added_mass(z)
-        if step.dt:
-            self._forces = self.law.forces(z, v, self.mass, self.gravity, step.dt)
-        changes = [weight * (f.by_speed + step.gap_rate * f.by_travel) for f in self._forces]
-        c = self._added / step.span - sum(changes)
-        self._changes = changes
-        load -= self._mean * (sum(f.value for f in self._forces) + c * v)
-        y = inverse @ self._mean
-        return inverse - c / (1 + c * float(self._mean @ y)) * np.outer(y, y)
 
     def _flow(self) -> np.ndarray:
         """The lateral load of the flow on the nodes, where they are now."""
@@ -279,54 +242,24 @@ class BeamSolid(Solid):
 
     def works(self, step: Step) -> tuple[float, float, float, float]:
         mean = 0.5 * (self.velocity + self.trial_velocity)
-        self._trial_momentum = self._times(self.trial_velocity)
-        self._trial_internal = self._internal_of(self.trial_displacement)
+        self._trial_momentum = self._masses * self.trial_velocity
+        self._trial_internal = self._stiffness @ self.trial_displacement
         weight = step.scheme.force_weight
         internal = weight * self._trial_internal + (1 - weight) * self._internal
         momentum = float(mean @ (self._trial_momentum - self._momentum))
         loads = step.dt * float(mean @ (self._load - internal))
-        works = self._law_works(step, mean)
-        momentum += works.pop("added mass", 0.0)
-        self._works = works
-        return momentum, loads + sum(works.values()), 0.0, 0.0
-
-    def _law_works(self, step: Step, mean: np.ndarray) -> dict[str, float]:
-        """Work in the step of what drives the beam, J; under "added mass", against its inertia."""
-        new = -float(self._mean @ self.split(self.trial_velocity)[1])
-        change, middle = new - self.speed, 0.5 * (new + self.speed)
-        works = {}
-        for force, by in zip(self._forces, self._changes if self._forces else ()):
-            works[force.name] = step.dt * middle * (force.value + by * change)
-        if isinstance(self.law, Fall) and self.law.water:
-            works["added mass"] = self._added * change * middle
-        if isinstance(self.law, Driven):
-            rate = self.mass * change / step.span
-            self.drive_force = rate - step.loaded * self.mass * self.gravity + self._pushed
-            works["drive"] = step.span * middle * self.drive_force
+        others = {}
         if self._lateral_load is not None and step.dt:
-            works["flow"] = step.dt * float(mean @ self._flow_force)
-        return works
+            others["flow"] = step.dt * float(mean @ self._flow_force)
+        after = -float(self._mean @ self.split(self.trial_velocity)[1])
+        against, works = self.axial.works(step, self.speed, after, self._pushed, others)
+        return momentum + against, loads + works, 0.0, 0.0
 
     def accept(self) -> None:
-        before = self._added_energy()
-        added = self._added * 0.5 * (self.trial_speed**2 - self.speed**2)
+        before = self.travel, self.speed
         self.velocity, self.displacement = self.trial_velocity, self.trial_displacement
         self._momentum, self._internal = self._trial_momentum, self._trial_internal
-        for name, work in self._works.items():
-            self.taken[name] = self.taken.get(name, 0.0) - work
-        if isinstance(self.law, Fall) and self.law.water:  # what is not a kinetic energy of it
-            lost = added - (self._added_energy() - before)
-            self.taken["added mass"] = self.taken.get("added mass", 0.0) + lost
-
-    @property
-    def trial_speed(self) -> float:
-        """Rate of the travel at the end of the step, m/s."""
-        return -float(self._mean @ self.split(self.trial_velocity)[1])
-
-    def _added_energy(self) -> float:
-        if not isinstance(self.law, Fall):
-            return 0.0
-        return 0.5 * self.law.added_mass(self.travel) * self.speed**2
+        self.axial.accept(before, (self.travel, self.speed))
 
     # -- what it tells --------------------------------------------------------------------------
 
@@ -336,7 +269,8 @@ class BeamSolid(Solid):
     def energies(self) -> tuple[float, float, float]:
         """Kinetic energy (with the water that moves along), strain energy, and the potential of
         the weight plus all that was ``taken``, J."""
-        kinetic = 0.5 * float(self.velocity @ self._momentum) + self._added_energy()
+        kinetic = 0.5 * float(self.velocity @ self._momentum)
+        kinetic += self.axial.added_energy(self.travel, self.speed)
         strain = 0.5 * float(self.displacement @ self._internal)
         return kinetic, strain, sum(self.taken.values()) - float(self._load @ self.displacement)
 
@@ -358,13 +292,13 @@ class BeamSolid(Solid):
         self.displacement = np.array(state["displacement"])
         self.velocity = np.array(state["velocity"])
         names = [str(name) for name in state["taken.names"]]
-        self.taken = dict(zip(names, map(float, state["taken"])))
+        self.axial.taken = dict(zip(names, map(float, state["taken"])))
         self._begin()
 
     def rest(self) -> None:
         """Stop every motion and forget what was taken; the deflection stays."""
         self.velocity = np.zeros_like(self.velocity)
-        self.taken = {}
+        self.axial.taken = {}
         self._begin()
 
     def fields(self) -> dict[str, np.ndarray]:
@@ -382,6 +316,7 @@ class BeamSolid(Solid):
         kind = "inextensible" if len(self._mean) == 1 else "extensible"
         return (
             f"beam, {kind}, {len(cell_geometry(self.axis.mesh))} cells, mass {self.mass:.9g}, "
+            f"stiffness {self._stiffness.diagonal().sum():.9g}, gravity {self.gravity:.9g}, "
             f"{self.law!r}, {len(self._load)} unknowns"
         )
 

@@ -101,6 +101,14 @@ class BeamTrace(Trace):
         self._s[self.stations] = s
         self._place(self.stations)
 
+    def move(self, at: np.ndarray) -> None:
+        """Move the stations along the axis, to places in space, m."""
+        self._at, self._seen = at, -1
+
+    def deflections(self) -> np.ndarray:
+        """Lateral displacements of the points in the trial state, (n, d) in m."""
+        return self._local(self._solid.trial_displacement)[:, :-1] @ self._axes[:-1]
+
     def positions(self) -> np.ndarray:
         if self._positions is None:
             local = self._local(self._solid.trial_displacement)

@@ -202,6 +202,19 @@ class BeamMatrices:
                 else:
                     matrix[at, at] += stiffness
 
+    def slowest_period(self) -> float:
+        """Period of the slowest bending vibration that is not rigid, s."""
+        keep = self.free_bending & (self.bending_mass > 0)
+        rest = self.free_bending & ~keep
+        stiff = self.bending_stiffness[np.ix_(keep, keep)]
+        if rest.any():  # slopes without inertia follow
+            mixed = self.bending_stiffness[np.ix_(keep, rest)]
+            inner = self.bending_stiffness[np.ix_(rest, rest)]
+            stiff = stiff - mixed @ np.linalg.solve(inner, mixed.T)
+        root = 1 / np.sqrt(self.bending_mass[keep])
+        square = np.linalg.eigvalsh(root[:, None] * stiff * root)
+        return float(2 * np.pi / np.sqrt(square[square > 1e-9 * square[-1]].min()))
+
 
 def _values(
     axis: AxisMesh, sections: Mapping[str, Section], middle: np.ndarray

@@ -134,7 +134,8 @@ class Contact:
             bore = (self.status > 0) & (self.gap >= -HAIR * self.extent - turned)
             self._closed = (self.gap >= -self.tolerance - turned) | bore
         candidates = self.formulation.candidates(self._gaps(), self.tolerance)
-        self.equations.choose((candidates & (closing | self._closed)) | self._bore())
+        kept = self._bore() if step.dt else self._closed
+        self.equations.choose((candidates & (closing | self._closed)) | kept)
 
     def _bore(self) -> np.ndarray:
         return self._closed & (self.status > 0)
@@ -144,6 +145,14 @@ class Contact:
         ``moved``, in the trial state."""
         gap = self._gaps() if moved else self.gap
         return float(gap[self.chosen & ~self._closed].max(initial=-np.inf))
+
+    def strikes(self, dt: float) -> bool:
+        """Whether a point that counts as closed, but did not bear, arrives at the start of a step,
+        faster than the loads of the step would make it: else it is coming to rest."""
+        fresh = self.chosen & self._closed & (self.status == 0)
+        free = self.trace.free_jump().reshape(self.normal.shape)
+        now, then = (_dot(w, self.normal)[fresh] for w in (self.jump, free))
+        return bool(((now * dt > self.tolerance) & (now > np.abs(then - now))).any())
 
     def linearise(self, step: Step) -> None:
         """Take up the trial state of the solid: operator, normals and gaps."""

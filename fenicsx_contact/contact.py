@@ -154,11 +154,12 @@ class Contact:
             bore = (self.status > 0) & (self.gap >= -HAIR * self.extent - lift)
             self._closed = (self.gap >= -self.tolerance - lift) | bore
         self._allowed = closing | self._closed
+        self._kept = self._bore() if step.dt else self._closed
         candidates = self.formulation.candidates(self.coupling.gaps(), self.tolerance)
         self._choose(candidates)
 
     def _choose(self, candidates: np.ndarray) -> None:
-        candidates = (candidates & self._allowed) | self._bore()
+        candidates = (candidates & self._allowed) | self._kept
         if isinstance(self.coupling, PairCoupling):
             candidates &= self.coupling.near()
         self.equations.choose(candidates)

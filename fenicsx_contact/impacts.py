@@ -44,6 +44,9 @@ def cross_impacts(
 
     for _ in range(MAX_IMPACTS):
         trial, depth = fly(left)
+        if any(contact.strikes(left) for contact in stepper.contacts):
+            yield accept(stepper.attempt(Step(0.0, scheme)))
+            continue
         if depth <= 0:
             yield accept(trial)
             return

@@ -60,7 +60,7 @@ def test_measuring_keeps_failures_with_their_reasons():
     seen = []
     samples = measure(study, repeats=2, progress=seen.append)
     assert samples == seen and [s.method for s in samples] == ["uniform", "uniform", "refused"]
-    assert rate(samples[:2]) == pytest.approx(1, abs=0.35)
+    assert rate(samples[:2]) > 0.6
     assert samples[0].run_time_s > 0 and samples[0].setup_s > 0 and samples[0].spread >= 1
     assert samples[1].steps == pytest.approx(4 * samples[0].steps, rel=0.1)
     assert samples[2].reason.startswith("refused: locate_impacts")

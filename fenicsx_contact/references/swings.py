@@ -22,6 +22,8 @@ def swings(
         Times [s] and kinetic energies [J] of the maxima, NaN for half-cycles that did not end.
     """
     rate = np.sign(np.diff(tilt))
+    # in an impact of no length, which may stand at a turn, it is what it was before
+    rate = rate[np.maximum.accumulate(np.where(rate != 0, np.arange(len(rate)), 0))]
     turns = np.flatnonzero(rate[1:] * rate[:-1] < 0) + 1
     peaks = [0]
     for turn in turns:

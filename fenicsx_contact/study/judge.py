@@ -21,7 +21,7 @@ CLASSES = ("within_error", "refused", "off", "stopped", "energy_created", "nonse
 #: only downwards.
 ENERGY = 1e-6
 #: Share of them that the books of a run may leave unexplained.
-BALANCE = 1e-4
+BALANCE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def _nonsense(problem: Problem, history: History, size: float) -> str:
     if not _finite(history):
         return "a number that is not finite"
     unexplained = float(np.abs(history["balance"]).max())
-    if unexplained > BALANCE * size:
+    if unexplained > max(BALANCE, problem.round_off) * size:
         return f"energy balance leaves {unexplained / (size or 1.0):.3g} unexplained"
     for column in history.columns:
         if column.endswith(".penetration") and history[column].max() > problem.deepest:

@@ -48,7 +48,7 @@ MAPS: list[Map] = [
         "rocking_theta_dt",
         "Rocking block, velocity",
         partial(problems.rocking, tilt=1e-3, impacts=1),
-        Axis("share", decades(-5, -1, 9), DT),
+        Axis("share", decades(-4.5, -1, 8), DT),
         THETA,
     ),
     Map(

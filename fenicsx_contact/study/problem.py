@@ -27,6 +27,7 @@ class Problem:
         energy_size: scale of the energies, J, where the history does not tell it (a body at
             rest); 0 takes the largest energy that took part.
         supplied: energy that the obstacles may supply, J (by pushing out what starts inside).
+        round_off: share of the energies that round-off may leave unexplained.
         deepest: the deepest penetration that makes sense, m.
     """
 
@@ -38,6 +39,7 @@ class Problem:
     probes: Mapping[str, Callable[[], float]] = field(default_factory=dict)
     energy_size: float = 0.0
     supplied: float = 0.0
+    round_off: float = 0.0
     deepest: float = np.inf
 
     def run(self) -> History:

@@ -96,13 +96,14 @@ def bar_at_wall(
         return reaction * np.clip(time - start, 0, contact_time)
 
     nonlinear = 3 * speed if hyperelastic else 0.0
+    dt = length / cells / c * cfl
     return Problem(
         Scene([bar], [contact], ThetaScheme(theta, forces), allow_growth=allow_growth),
         until=1.5 * contact_time,
-        dt=length / cells / c * cfl,
+        dt=dt,
         error=lambda history: _impulse_error(history, exact, reaction * contact_time),
         bound=_bound(cells, cfl, theta, forces, 2.0) + nonlinear,
-        deepest=0.5 * length * speed,
+        deepest=2 * speed * c * dt + 1e-9 * length,
     )
 
 

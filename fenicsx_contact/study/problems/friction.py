@@ -121,6 +121,7 @@ def sliding_elastic(
         tangential_augmentation=tangential_augmentation,
     )
     way = speed * rest / 2
+    noise = 1.1e-16 * youngs_modulus * way * 4  # N: what the last digit of u strains a cell by
     shear = np.sqrt(youngs_modulus / (2 + 2 * poisson_ratio) / rho)
     return Problem(
         Scene([block], [contact], ThetaScheme(theta, forces)),
@@ -129,6 +130,7 @@ def sliding_elastic(
         lambda history: abs(float(history["x"][-1]) / way - 1),
         bound=4 * (share + 1 / shear / rest),
         probes={"x": lambda: float(block.mean(block.displacement)[0])},
+        round_off=noise * way / (rho * speed**2 / 2),
         deepest=0.01 + 10 * rho * G / youngs_modulus,
     )
 

@@ -81,8 +81,8 @@ def painleve(*, friction: float, angle: float, dt: float = 1e-5, steps: int = 20
     Error: of the change of velocity in 20 steps (0.2 ms).
 
     Bound: below, rates are taken as constant, which loses (g/l) t² n³ with n the reaction over the
-    weight, times 20; beyond, gravity's g t over the speed is neglected in the percussion, and
-    while it jams what follows the jam, times 10.
+    weight, times 20 (1 + mu²), for friction spins the rod; beyond, gravity's g t over the speed is
+    neglected in the percussion, and while it jams what follows the jam, times 10.
 
     Args:
         friction: Coulomb's coefficient.
@@ -110,7 +110,8 @@ def painleve(*, friction: float, angle: float, dt: float = 1e-5, steps: int = 20
         reaction = G / yields
         force = J.T @ np.array([friction, 1.0]) * reaction
         change = time * (inverse @ force + [0, -G, 0])
-        bound = 20 * (2 * G / length) * time**2 * max(1.0, reaction / mass / G) ** 3
+        n = max(1.0, reaction / mass / G)
+        bound = 20 * (1 + friction**2) * (2 * G / length) * time**2 * n**3
     else:
         change = -inverse @ J.T @ np.linalg.solve(W, J @ before)
         bound = 10 * G * time / speed

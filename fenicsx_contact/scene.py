@@ -38,7 +38,7 @@ class Scene:
             then of second order, and steps can be long.
         geometry: "newton": geometry, contact and solids in one Newton loop; "fixed point": the
             paper's loop around contact with frozen geometry. Default: "newton" where two solids
-            meet or one is hyperelastic.
+            meet of which one is deformable.
         solver: of the linear systems of "newton": "condensed" on the surfaces, or "monolithic".
             Default: condensed if all solids are linear and the surfaces small.
         allow_free: accept a solid that has neither contact nor support.
@@ -89,7 +89,11 @@ class Scene:
         """How a step is solved, as asked or as the scene needs it."""
         nonlinear = [s for s in self.solids if not s.linear and hasattr(s, "space")]
         if geometry is None:
-            pairs = any(len(contact.solids) > 1 for contact in self.contacts)
+            # rigid solids are hyperstatic: there the fixed point has a solver to fall back on
+            pairs = any(
+                len(contact.solids) > 1 and any(hasattr(s, "space") for s in contact.solids)
+                for contact in self.contacts
+            )
             geometry = "newton" if pairs else "fixed point"
         if solver is None:
             places = sum(contact.part.places for contact in self.contacts)

@@ -29,6 +29,9 @@ from .redistribution import move_mass_inwards, relax
 #: A field given as a function of ``x`` (3, n) with values (d, n).
 Field = Callable[[np.ndarray], np.ndarray]
 
+#: Share of the momentum over the step below which its changes do not count as large.
+ROUND_OFF = 1e-5
+
 
 class DeformableSolid(Solid):
     """A solid with a displacement field; see its two kinds.
@@ -280,6 +283,8 @@ class DeformableSolid(Solid):
         terms = self._balance(step)
         total = np.sum(terms, axis=0)
         total[self.fixed_unknowns] = 0.0
+        if step.scheme.inertia:  # in free flight all terms are round-off of the momentum
+            terms.append(ROUND_OFF * self._trial_momentum / step.span)
         own = np.array([[np.abs(t).max(initial=0.0) for t in (total, *terms)]])
         largest = np.max(self.comm.allgather(own), axis=0).ravel()
         return float(largest[0] / (largest[1:].max() or 1.0))

@@ -5,8 +5,10 @@ from ._environment import require_dolfinx
 
 require_dolfinx()
 
+from .axis import AxisMesh, axis_mesh  # noqa: E402
 from .checks import InputError  # noqa: E402
 from .contact import Contact  # noqa: E402
+from .fall import Driven, Fall, GuideTubeWater  # noqa: E402
 from .formulations import GAP, LAGRANGE, VELOCITY, Discrete, Gap, Lagrange, Velocity  # noqa: E402
 from .history import History  # noqa: E402
 from .mesh_files import mesh_from_file  # noqa: E402
@@ -15,9 +17,12 @@ from .newton import Newton  # noqa: E402
 from .obstacles import HalfSpace  # noqa: E402
 from .scene import Scene  # noqa: E402
 from .solids import (  # noqa: E402
+    BeamSolid,
     ElasticSolid,
     HyperelasticSolid,
     RigidSolid,
+    Section,
+    Support,
     ciarlet,
     neo_hookean,
     st_venant_kirchhoff,
@@ -31,10 +36,15 @@ __all__ = [
     "GAP",
     "LAGRANGE",
     "VELOCITY",
+    "AxisMesh",
+    "BeamSolid",
     "Contact",
     "Discrete",
+    "Driven",
     "ElasticSolid",
+    "Fall",
     "Gap",
+    "GuideTubeWater",
     "HalfSpace",
     "History",
     "HyperelasticSolid",
@@ -45,8 +55,11 @@ __all__ = [
     "QuasiStatic",
     "RigidSolid",
     "Scene",
+    "Section",
+    "Support",
     "ThetaScheme",
     "Velocity",
+    "axis_mesh",
     "ciarlet",
     "mesh_from_file",
     "mesh_from_gmsh",

@@ -250,3 +250,20 @@ def interpolate(function: Any, values: Callable[[np.ndarray], np.ndarray]) -> No
     """Interpolate a callable of ``x`` (3, n) and update the ghosts."""
     function.interpolate(values)
     function.x.scatter_forward()
+
+
+def cell_constants(mesh: Any, values: np.ndarray) -> Any:
+    """A coefficient that is constant in each cell, from values (cells,) (one process)."""
+    kind = ("DG", 0)
+    space = fem.functionspace(mesh, kind) if MODERN else fem.FunctionSpace(mesh, kind)
+    function = fem.Function(space)
+    function.x.array[cell_dofs(space).ravel()] = values
+    return function
+
+
+def dense_matrix(form: ufl.Form) -> np.ndarray:
+    """A bilinear form as a dense array (small problems on one process)."""
+    matrix = assemble_petsc_matrix(form)
+    dense = matrix.convert("dense").getDenseArray().copy()
+    matrix.destroy()
+    return dense

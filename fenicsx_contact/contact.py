@@ -60,7 +60,7 @@ class Contact:
         *,
         normal_augmentation: float = 1.0,
         tangential_augmentation: float = 1.0,
-        gap_tolerance: float = 1e-9,
+        gap_tolerance: float = 1e-11,
         name: str | None = None,
     ) -> None:
         checks.instance("solid", solid, Solid, "a solid")
@@ -73,7 +73,7 @@ class Contact:
             checks.number("tangential_augmentation", tangential_augmentation, above=0),
         )
         self.name = name or f"{solid.name}.{facets}"
-        self.surface = Surface(*solid.mesh.boundary(facets))
+        self.surface = self._make_surface()
         self.extent = float(np.ptp(self.surface.points, axis=0).max())
         self.tolerance = checks.number("gap_tolerance", gap_tolerance, at_least=0) * self.extent
 
@@ -91,7 +91,7 @@ class Contact:
         self.status = np.zeros(self.surface.size)
         self._closed = np.zeros(self.surface.size, dtype=bool)
         self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
-        self._unit = (0.0, 1.0)
+        self._unit = (0.0, 1.0, 0.0)
         self._at_points = isinstance(self.formulation, (Lagrange, Discrete))
         self._remembers = isinstance(self.formulation, Discrete) and self.friction > 0
         self._set_normal(self.coupling.normals())
@@ -132,6 +132,9 @@ class Contact:
             chosen[:] = False
             chosen[nodes] = True
         return chosen, chosen.astype(float)
+
+    def _make_surface(self) -> Surface:
+        return Surface(*self.solid.mesh.boundary(self.facets))
 
     def _locate(self) -> None:
         """Gap (n,) and jump (n, d) at the start of a step."""
@@ -211,16 +214,24 @@ class Contact:
         """The pressure that stops 1 m/s at a typical point within the step; kept while the
         length of the step does not change."""
         if self._unit[0] != step.span:
-            flexible = (self.coupling.mobility() * self.normal**2).sum(axis=1)
-            flexible = flexible * self.equations.weight
+            mobility = self.coupling.mobility()
+            flexible = (mobility * self.normal**2).sum(axis=1) * self.equations.weight
             flexible = flexible[flexible > 0]
             if not len(flexible):
                 return 1.0
             # between solids the gap of a closed point is not quite zero before the last iteration:
             # with less weight on it the sign of lam tells what bears
             share = 0.1 if self._paired else 1.0
-            self._unit = (step.span, share / float(np.median(flexible)))
+            self._unit = (step.span, share / float(np.median(flexible)), float(mobility.max()))
         return self._unit[1]
+
+    def push(self, force: np.ndarray, step: Step) -> float:
+        """The speed that forces on the points (N) would give to one alone, m/s."""
+        largest = float(np.abs(force).max(initial=0.0))
+        if not largest:
+            return 0.0
+        self.unit(step)
+        return largest * self._unit[2]
 
     def start(self, free: np.ndarray) -> None:
         """Starting values of a step, from the velocities of the points without contact, flat."""
@@ -322,7 +333,8 @@ class Contact:
         self.equations.values = np.array(state["unknowns"])
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
         self._stretch = np.array(state["stretch"])
-        self._unit = (float(state["unit"][0]), float(state["unit"][1]))
+        span, unit, mobility = (float(value) for value in state["unit"])
+        self._unit = (span, unit, mobility)
         self.coupling.follow()
         self.coupling.accept()
         self._locate()

@@ -103,11 +103,17 @@ class Coupling(ABC):
 class ObstacleCoupling(Coupling):
     """Nodes of a solid before an obstacle: their velocities are the jumps."""
 
-    def __init__(self, solid: Solid, equations: SurfaceEquations, obstacle: Obstacle) -> None:
+    def __init__(
+        self,
+        solid: Solid,
+        equations: SurfaceEquations,
+        obstacle: Obstacle,
+        trace: Trace | None = None,
+    ) -> None:
         self.obstacle = obstacle
         self.part = self.equations = equations
         self.solids = [solid]
-        self.traces = [solid.trace(equations.fields.surface.points)]
+        self.traces = [trace or solid.trace(equations.fields.surface.points)]
         self.fixed_normal = obstacle.flat
         self._shape = equations.fields.surface.points.shape
 

@@ -12,12 +12,15 @@ import numpy as np
 from .assembly import Assembly, Clock, scale_of
 from .checks import StepFailed
 from .newton import Newton, NotConverged, Solution
-from .system import SurfaceSystem
+from .system import SLOW, SurfaceSystem
 from .theta import Step
 
 #: Relative error of the linearised operator, gaps and momentum at which the loop ends.
 GEOMETRY_TOLERANCE = 1e-8
 MAX_GEOMETRY = 25
+#: It ends as well where it falls no more and is below this: the round-off of an ill-conditioned
+#: solve, which shorter steps would not better.
+ROUGH = 1e-6
 
 
 class FixedPoint:
@@ -40,7 +43,7 @@ class FixedPoint:
         Raises:
             StepFailed: with the reason.
         """
-        iterations, remarks = 0, []
+        iterations, remarks, last = 0, [], np.inf
         self.errors = []
         for sweep in range(1, MAX_GEOMETRY + 1):
             for solid in self._all.solids:
@@ -56,11 +59,12 @@ class FixedPoint:
             for solid in self._all.solids:
                 solid.correct(step)
             clock("solids")
-            error = self._nonlinearity(step, speed)
+            error = self._nonlinearity(step, speed, solution.force)
             self.errors.append(error)
             clock("pairing")
-            if error <= GEOMETRY_TOLERANCE:
+            if error <= GEOMETRY_TOLERANCE or last <= error <= ROUGH:
                 return solution.force, iterations, sweep, remarks
+            last = error
         raise StepFailed(
             f"the geometric fixed point stalls at a relative error of {error:.3g} after "
             f"{sweep} linearisations"
@@ -71,7 +75,8 @@ class FixedPoint:
         for contact in self._all.contacts:
             contact.linearise(step)
         self._free = self._all.free()
-        speed = scale_of(self._all.fastest(self._free))
+        pushed = max((c.push(c.force, step) for c in self._all.contacts), default=0.0)
+        speed = scale_of(max(self._all.fastest(self._free), SLOW * pushed))
         self._all.set_scale(step, speed)
         if first:
             for contact, part in zip(self._all.contacts, self._all.parts):
@@ -88,11 +93,12 @@ class FixedPoint:
         except NotConverged as failure:
             raise StepFailed(str(failure)) from None
 
-    def _nonlinearity(self, step: Step, speed: float) -> float:
+    def _nonlinearity(self, step: Step, speed: float, force: np.ndarray) -> float:
         """Largest relative error of what was linearised, in the trial state."""
         self._all.refuse_broken()
         errors = [solid.imbalance(step) for solid in self._all.solids if not solid.linear]
-        for contact in self._all.contacts:
+        for contact, part in zip(self._all.contacts, self._all.parts):
             jump, gap, size = contact.error(step)
-            errors += [jump / max(speed, size), gap / (max(speed, size) * step.span)]
+            size = max(speed, size, SLOW * contact.push(force[part], step))
+            errors += [jump / size, gap / (size * step.span)]
         return max(errors, default=0.0)

@@ -8,6 +8,7 @@ here knows a solid or a solver.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -129,19 +130,28 @@ class Gap:
     end of the step in place of (1)-(2); same fields and integration as VELOCITY.
 
     With theta = 1/2 a point that lands bounces off again; theta = 1 stops it.
+
+    Args:
+        reach: only points whose predicted gap is within so many metres are candidates; choose it
+            larger than what a step can change in the prediction. Infinite: every point is.
     """
 
     name: ClassVar[str] = "gap"
     multipliers: ClassVar[bool] = True
     points: Any = None
+    reach: float = math.inf
+
+    def __post_init__(self) -> None:
+        if self.reach != math.inf:
+            checks.number("reach", self.reach, above=0)
 
     def form(self, k: SurfaceFields) -> tuple[ufl.Form, Any]:
         """Contact terms of (7) with the gap law, and the status of each point."""
         return weak_form(k, k.jump_n + k.gap / k.gap_rate, 1.0)
 
     def candidates(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
-        """Every point."""
-        return np.ones(len(predicted_gap), dtype=bool)
+        """Every point within reach."""
+        return predicted_gap >= -self.reach
 
     def gap_share(self, force_weight: float) -> float:
         """The form reads the gap at the end of the step."""
@@ -159,6 +169,7 @@ class Lagrange(Gap):
     Args:
         points: coordinates (k, d) of the points, each a node of the facets (the corners of a
             block, say); ``None`` takes every node.
+        reach: as for :class:`Gap`.
     """
 
     points: Sequence[Sequence[float]] | np.ndarray | None = None
@@ -173,19 +184,22 @@ class Discrete:
         stiffness: of each spring, N/m.
         damping: of each dashpot, N s/m.
         tangential_stiffness: of the springs that carry friction, N/m (default: ``stiffness``).
-        points: as for :class:`Lagrange`.
+        points, reach: as for :class:`Lagrange`.
     """
 
     stiffness: float
     damping: float = 0.0
     tangential_stiffness: float | None = None
     points: Sequence[Sequence[float]] | np.ndarray | None = None
+    reach: float = math.inf
     name: ClassVar[str] = "discrete"
     multipliers: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         checks.number("stiffness", self.stiffness, above=0)
         checks.number("damping", self.damping, at_least=0)
+        if self.reach != math.inf:
+            checks.number("reach", self.reach, above=0)
         checks.number("tangential_stiffness", self.stiffness_t, above=0)
 
     @property
@@ -199,8 +213,8 @@ class Discrete:
         return _spring_form(k, self)
 
     def candidates(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
-        """Every point."""
-        return np.ones(len(predicted_gap), dtype=bool)
+        """Every point within reach."""
+        return predicted_gap >= -self.reach
 
     def gap_share(self, force_weight: float) -> float:
         """The form reads the gap where the internal forces are taken."""

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,8 @@ import matplotlib
 
 matplotlib.use("Agg")
 
+import matplotlib.colors
+import matplotlib.patches
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -30,6 +32,11 @@ def figure(
 ) -> tuple[Any, Any]:
     """A figure and its axes (one, or an array of them)."""
     return plt.subplots(rows, columns, figsize=size, sharex=True, sharey=sharey, squeeze=True)
+
+
+def grid(rows: int, columns: int, size: tuple[float, float]) -> tuple[Any, Any]:
+    """A figure of axes that share nothing, with room between them."""
+    return plt.subplots(rows, columns, figsize=size, gridspec_kw={"hspace": 0.5, "wspace": 0.3})
 
 
 def save(fig: Any, path: Path) -> Path:
@@ -55,6 +62,107 @@ def error_against_run_time(axes: Any, results: dict[str, Sequence[tuple[float, f
     axes.set_ylabel("relative error")
     axes.grid(True, which="both", alpha=0.3)
     axes.legend()
+
+
+def fronts(axes: Any, samples: Sequence[Any], colours: dict[str, str] | None = None) -> None:
+    """Error against run time, log-log: all samples of a study as dots, each method's front as a
+    line, the front of all of them in grey behind.
+
+    Args:
+        axes: to draw in.
+        samples: of a study, with ``method``, ``run_time_s`` and ``error``.
+        colours: of methods, where :data:`COLOURS` has none.
+    """
+    from .study import pareto
+
+    best = pareto(samples)
+    axes.loglog([s.run_time_s for s in best], [s.error for s in best], color="0.85", lw=7, zorder=0)
+    for method in dict.fromkeys(s.method for s in samples):
+        mine = [s for s in samples if s.method == method and np.isfinite(s.error)]
+        colour = {**COLOURS, **(colours or {})}.get(method)
+        front = pareto(mine)
+        (line,) = axes.loglog(
+            [s.run_time_s for s in front], [s.error for s in front], color=colour, label=method
+        )
+        axes.loglog(
+            [s.run_time_s for s in mine], [s.error for s in mine], "o", ms=4, color=line.get_color()
+        )
+    axes.set_xlabel("run time of the loop [s]")
+    axes.set_ylabel("error")
+    axes.grid(True, which="both", alpha=0.3)
+    axes.legend(fontsize=7)
+
+
+#: Colours of the classes of a stability map, from good to never acceptable.
+CLASS_COLOURS = {
+    "within_error": "#4c9f70",
+    "refused": "#9ecae1",
+    "off": "#f2c14e",
+    "stopped": "#b8b8b8",
+    "energy_created": "#d62728",
+    "nonsense": "#000000",
+}
+
+
+def stability_map(axes: Any, chart: Any, kinds: Sequence[str]) -> None:
+    """One map: a coloured square for each cell.
+
+    Args:
+        axes: to draw in.
+        chart: a :class:`fenicsx_contact.study.Map`.
+        kinds: the classes of its cells, in their order.
+    """
+    names = list(CLASS_COLOURS)
+    x, y = chart.x, chart.y
+    grid = np.array([names.index(kind) for kind in kinds]).reshape(len(y.values), len(x.values))
+    colours = matplotlib.colors.ListedColormap(list(CLASS_COLOURS.values()))
+    axes.pcolormesh(grid, cmap=colours, vmin=-0.5, vmax=len(names) - 0.5, ec="white", lw=1)
+
+    def text(value: Any) -> str:
+        return f"{value:.2g}" if isinstance(value, float) else str(value)
+
+    axes.set_xticks(np.arange(len(x.values)) + 0.5, [text(v) for v in x.values], rotation=60)
+    axes.set_yticks(np.arange(len(y.values)) + 0.5, [text(v) for v in y.values])
+    axes.tick_params(labelsize=6)
+    axes.set_xlabel(x.label, fontsize=7)
+    axes.set_ylabel(y.label, fontsize=7)
+    axes.set_title(chart.title, fontsize=8)
+
+
+def class_legend(fig: Any) -> None:
+    """The legend of the classes, below a figure of maps."""
+    patches = [
+        matplotlib.patches.Patch(color=colour, label=kind.replace("_", " "))
+        for kind, colour in CLASS_COLOURS.items()
+    ]
+    fig.legend(handles=patches, loc="lower center", ncols=len(patches), fontsize=8)
+
+
+def animate_curves(
+    path: Path,
+    frames: int,
+    draw: Callable[[Any, int], None],
+    size: tuple[float, float] = (5, 5),
+    fps: int = 15,
+) -> Path:
+    """An animation (GIF) of curves: ``draw(axes, i)`` draws the i-th frame on cleared axes.
+
+    A PNG of the first frame is put beside it.
+    """
+    from matplotlib.animation import FuncAnimation, PillowWriter
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    fig, axes = plt.subplots(figsize=size, layout="constrained")
+
+    def frame(i: int) -> None:
+        axes.clear()
+        draw(axes, i)
+
+    frame(0)
+    fig.savefig(path.with_suffix(".png"), dpi=100)
+    FuncAnimation(fig, frame, frames).save(path, PillowWriter(fps=fps), dpi=100)
+    plt.close(fig)
+    return path
 
 
 def _pyvista() -> Any:
@@ -158,6 +266,56 @@ def animate(
         plotter.write_frame()
         if i == 0:
             plotter.screenshot(str(path.with_suffix(".png")))
+    plotter.close()
+    return path
+
+
+def deformed(
+    bodies: Mapping[Path, Callable[[np.ndarray], np.ndarray]],
+    path: Path,
+    *,
+    label: str,
+    middle: tuple[float, float],
+    height: float,
+    magnify: float = 1.0,
+    size: tuple[int, int] = (900, 600),
+) -> Path:
+    """A picture of deformed 2D solids at the end of a run, coloured by what their strain gives.
+
+    Args:
+        bodies: the solids' collections, ``<run>/fields/<solid>.pvd``, each with a function of the
+            displacement gradients (n, 3, 3) that gives the colour, (n,).
+        path: of the picture, PNG.
+        label: of the colours.
+        middle: of the view, m; ``height``: of the view, m.
+        magnify: factor on the displacements.
+        size: pixels.
+    """
+    pyvista = _pyvista()
+    plotter = _plotter(pyvista, size, plane=True)
+    meshes = []
+    for pvd, colour in bodies.items():
+        times, read = frames(pvd)
+        mesh = read(len(times) - 1)
+        gradient = mesh.compute_derivative(scalars="displacement", gradient=True)["gradient"]
+        mesh[label] = colour(np.asarray(gradient).reshape(-1, 3, 3))
+        mesh.points = mesh.points + magnify * mesh["displacement"]
+        meshes.append(mesh)
+    limit = max(float(mesh[label].max()) for mesh in meshes)
+    bar = {"title": label, "color": "black", "position_y": 0.02, "height": 0.1}
+    bar |= {"n_labels": 3, "fmt": "%.3g"}
+    for mesh in meshes:
+        edges = {"show_edges": True, "edge_opacity": 0.2}
+        plotter.add_mesh(
+            mesh, scalars=label, clim=(0, limit), cmap="viridis", scalar_bar_args=bar, **edges
+        )
+    plotter.camera.focal_point = (*middle, 0)
+    plotter.camera.position = (*middle, 1)
+    plotter.camera.up = (0, 1, 0)
+    plotter.camera.parallel_scale = height / 2
+    plotter.reset_camera_clipping_range()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    plotter.screenshot(str(path))
     plotter.close()
     return path
 

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .checks import LARGEST
 from .system import SurfaceSystem
 
 
@@ -62,7 +63,8 @@ def project(
             f_t = np.zeros(len(t))
             if friction:
                 stiff_t = np.linalg.norm(t @ block @ t.T, 2)
-                f_t = t @ old - w_t / stiff_t
+                # what is driven along the tangent yields to no force: it slips
+                f_t = t @ old - w_t / stiff_t if stiff_t else -w_t * LARGEST
                 size, limit = np.linalg.norm(f_t), friction * abs(f_n)
                 f_t *= limit / max(size, limit) if size else 0.0
             new = f_n * n + f_t @ t

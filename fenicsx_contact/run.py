@@ -34,6 +34,7 @@ def run(
     progress: bool | None,
     shortest: float,
     probes: Mapping[str, Callable[[], float]],
+    stop_when: Callable[[], bool] | None,
 ) -> History:
     """See :meth:`fenicsx_contact.scene.Scene.run`."""
     dt = checks.number("dt", dt, above=0)
@@ -47,6 +48,8 @@ def run(
             f"dt = {dt!r}: must be <= {until - scene.time:g}, the length of the run"
         )
     _check_probes(scene, probes)
+    if stop_when is not None and not callable(stop_when):
+        raise checks.InputError(f"stop_when = {stop_when!r}: must be a function")
     if directory is not None and (
         not isinstance(directory, (str, Path)) or Path(directory).is_file()
     ):
@@ -85,10 +88,16 @@ def run(
         scene.stepper.time = history.rows()[-1, 0] = first + (k + 1) * dt  # no sum of round-off
         if writer and (k + 1) % fields_every == 0:
             writer.write(scene.time)
-        if perf_counter() - checkpoint > CHECKPOINT_EVERY or k + 1 == steps:
+        over = stop_when is not None and stop_when()
+        if perf_counter() - checkpoint > CHECKPOINT_EVERY or k + 1 == steps or over:
             _save(scene, files, history, k + 1)
             checkpoint = perf_counter()
             bar.update(k + 1 - bar.n)
+        if over:
+            break
+    else:
+        if stop_when is not None:
+            history.reason = f"what it was to stop at did not happen by t = {scene.time:.9g} s"
     bar.close()
     history.times = dict(scene.stepper.times)
     if files:

@@ -42,13 +42,15 @@ class Scene:
         solver: of the linear systems of "newton": "condensed" on the surfaces, or "monolithic".
             Default: condensed if all solids are linear and the surfaces small.
         allow_free: accept a solid that has neither contact nor support.
+        allow_growth: accept theta < 1/2, with which the scheme makes (1/2 - theta) dv' M dv of
+            energy in each step, in deformable solids exponentially.
         deepest: largest initial penetration, as a share of the surface's extent.
 
     Raises:
         InputError: a solid or contact twice, a contact of an unknown solid, a solid without
             contact or support, a body that starts deep inside an obstacle, dimensions that
-            differ, theta = 0 with a law that needs the position at the end of the step; without
-            inertia, a rigid solid or one that nothing holds.
+            differ, theta = 0 with a law that needs the position at the end of the step, theta < 1/2
+            without ``allow_growth``; without inertia, a rigid solid or one that nothing holds.
     """
 
     def __init__(
@@ -62,6 +64,7 @@ class Scene:
         geometry: str | None = None,
         solver: str | None = None,
         allow_free: bool = False,
+        allow_growth: bool = False,
         deepest: float = 1e-3,
     ) -> None:
         start = perf_counter()
@@ -75,6 +78,12 @@ class Scene:
         checks.instance("newton", self.newton, Newton, "a Newton")
         self.locate_impacts = locate_impacts
         self._check(allow_free, checks.number("deepest", deepest, at_least=0))
+        if self.scheme.theta < 0.5 and not allow_growth:
+            raise checks.InputError(
+                f"theta = {self.scheme.theta!r}: must be >= 1/2, below which the scheme makes "
+                "energy in each step, in deformable solids exponentially; pass "
+                "allow_growth=True if that is meant"
+            )
         self.comm = self.solids[0].mesh.mesh.comm
         self.geometry, self.solver = self._method(geometry, solver)
         self.stepper = Stepper(self.solids, self.contacts, self.newton, self.geometry, self.solver)
@@ -188,6 +197,7 @@ class Scene:
         progress: bool | None = None,
         shortest: float = 2.0**-10,
         probes: Mapping[str, Callable[[], float]] | None = None,
+        stop_when: Callable[[], bool] | None = None,
     ) -> History:
         """Run by uniform steps to the multiple of ``dt`` that is nearest to ``until``.
 
@@ -204,6 +214,8 @@ class Scene:
             shortest: shortest step, as a share of dt.
             probes: further columns of the history: for each name a function without arguments
                 that is called after each step.
+            stop_when: asked after each step whether what the run was for has happened; a run
+                that reaches ``until`` without it says so in its reason.
 
         Raises:
             InputError: dt <= 0, an end before the start, resume or fields without a directory.
@@ -218,6 +230,7 @@ class Scene:
             progress=progress,
             shortest=shortest,
             probes=probes or {},
+            stop_when=stop_when,
         )
 
     def state(self) -> dict[str, np.ndarray]:

@@ -25,6 +25,9 @@ from .equations import SurfaceEquations
 #: Compliance added to the tangent, never to the residual. Points of a rigid solid are hyperstatic
 #: and their multipliers not unique; this picks those nearest to the last ones.
 COMPLIANCE = 1e-8
+#: Speeds below this share of those that the contact forces stand for are not resolved: where forces
+#: balance each other, as in a squeezed body, jumps are far smaller, down to round-off.
+SLOW = 1e-4
 
 
 class Part(Protocol):
@@ -161,7 +164,12 @@ class SurfaceSystem:
 
     def error(self) -> float:
         """The largest error that the residual of any row stands for."""
-        errors = (p.error(self.residual[place]).max(initial=0.0) for p, place in self.placed)
+        nw = len(self.active)
+        scaled = self.residual.copy()
+        scaled[:nw] /= np.maximum(
+            1.0, SLOW * (np.abs(self.W) @ np.abs(self.assembled[:nw])) * self._rows[:nw]
+        )
+        errors = (p.error(scaled[place]).max(initial=0.0) for p, place in self.placed)
         self.worst = float(max(errors))
         return self.worst if np.isfinite(self.worst) else np.inf
 

@@ -88,3 +88,42 @@ def test_stick_slip(tmp_path, monkeypatch, capsys):
     np.testing.assert_allclose(slope["acceleration"], slope["exact"], rtol=1e-9, atol=1e-12)
     assert (demo.RESULTS / "oscillator.png").stat().st_size > 5000
     assert capsys.readouterr().out.startswith("turning points -0.65")
+
+
+def test_hertz(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    demo = load("hertz")
+    demo.main(quick=True)
+    summary = json.loads((demo.RESULTS / "summary.json").read_text())
+    for found in (summary, summary["neo_hookean"]):
+        assert abs(found["half_width_error"]) < 0.01
+        assert abs(found["peak_pressure_error"]) < 0.01
+    assert summary["profile_l2_error"] < 0.03
+    light = summary["convergence"]
+    assert light["rate"] > 1
+    assert np.abs(light["half_width_error"][-1]) < 0.005
+    assert np.abs(light["peak_pressure_error"][-1]) < 0.005
+    assert max(map(max, summary["newton_by_mesh"].values())) <= 8
+    for found in summary["peers"].values():
+        assert found["profile_l2_error"] < 0.02
+        assert found["newton"] <= 8
+        assert found["half_width"] == pytest.approx(0.0425, rel=0.01)
+    assert abs(summary["sphere"][-1]["radius_error"]) < 0.05
+    assert summary["patch"] < 1e-10
+    for picture in ("pressure.png", "convergence.png", "stress.png"):
+        assert (demo.RESULTS / picture).stat().st_size > 5000
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("20 elements: half width")
+
+
+def test_cattaneo_mindlin(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    demo = load("cattaneo_mindlin")
+    demo.main(quick=True)
+    summary = json.loads((demo.RESULTS / "summary.json").read_text())
+    assert 0.3 < summary["utilisation"] < 0.9
+    for found in (summary, *summary["by_mesh"].values(), summary["velocity"]):
+        assert abs(found["stick_error_in_elements"]) < 1
+    assert summary["shear_l2_error"] < 0.03
+    assert summary["pressure_l2_error"] < 0.03
+    assert (demo.RESULTS / "shear.png").stat().st_size > 5000
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("Q = 0.")

@@ -27,7 +27,8 @@ CELLS = CELLS_2D + CELLS_3D
 
 def fly(solid, until, dt, theta=0.5, forces="theta", probes=None):
     """A run of one solid without contact."""
-    scene = Scene([solid], [], ThetaScheme(theta, forces), allow_free=True)
+    scheme = ThetaScheme(theta, forces)
+    scene = Scene([solid], [], scheme, allow_free=True, allow_growth=True)
     history = scene.run(until, dt, probes=probes)
     assert history.finished, history.reason
     return history

@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 from .side import Side
 
 #: Degree of the rule on the facets of a surface in space, and points on a piece of a line.
-SURFACE_DEGREE = {"triangle": 8, "quadrilateral": 7}
+SURFACE_DEGREE = {"triangle": 8, "quadrilateral": 11}
 PIECE_POINTS = {1: 2, 2: 4}
 
 

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The operator of a pair: nodal velocity jumps, gaps and normals on the slave surface.
 
-The jump at node i of the slave is a mean weighted by its P1 shape function phi_i,
+The jump at node i of the slave is a mean weighted by the function psi_i that is dual to its P1
+shape functions phi_j (int psi_i phi_j = delta_ij a_i on each facet; Wohlmuth 2000),
 
-    w_i = 1/a_i  int phi_i (v_slave - v_master o pi)        a_i = int phi_i,
+    w_i = 1/a_i  int psi_i (v_slave - v_master o pi)        a_i = int phi_i,
 
 over the part of the surface that has a partner; gaps likewise. With these nodal values the weak
 form (7) needs no change: integrated by the values at the nodes with weights a_i, it is the mortar
-form  int lam_h n . [[v*]]  with lam_h = sum lam_i phi_i. Forces go to the solids by the transpose,
-so they balance exactly, and a constant pressure is transmitted as such (patch test).
+form  int lam_h n . [[v*]]  with lam_h = sum lam_i psi_i. On a P1 slave lam_i a_i is the force on
+node i: signs are read node by node. (With phi_i in place of psi_i, lam_i oscillates at the edge of
+the contact, and Newton's method lets go of one node an iteration.) Forces go to the solids by the
+transpose, so they balance exactly, and a constant pressure is transmitted as such (patch test).
 """
 
 from __future__ import annotations
@@ -24,6 +27,8 @@ from .side import Side
 
 #: A node with less than this share of its area paired has no partner.
 COVERED = 1e-4
+#: Facets whose paired part makes the mass matrix worse than this have no dual functions.
+ILL = 1e3
 
 
 class Pairing:
@@ -97,12 +102,27 @@ class Pairing:
         self.paired = area > COVERED * self.full_area
         self.area = np.where(self.paired, area, 0.0)
         share = 1 / np.where(self.paired, area, np.inf)
-        self.shares = weighted * share[slave.corners[self.facet]]  # phi_i w / a_i at the points
+        dual = self._dual(self.phi, weight[on]) * weight[on, None]
+        self.shares = dual * share[slave.corners[self.facet]]  # psi_i w / a_i at the points
         gap = self.collect(self.shares * -self.distance[:, None], self.facet)
         self.gap = np.where(self.paired, gap, -reach)
         both = np.concatenate([self.values, -self.their_values], axis=1)
         self.operator = self.sparse(self.shares[:, :, None] * both[:, None, :])
         self._turn_normals(xs)
+
+    def _dual(self, phi: np.ndarray, weight: np.ndarray) -> np.ndarray:
+        """The functions psi_i dual to phi_j on the paired part of each facet, at the points: there
+        int psi_i phi_j = delta_ij int phi_j. phi_i itself where that part is too small to tell."""
+        m, k = self.slave.corners.shape
+        mass = np.zeros((m, k, k))
+        np.add.at(mass, self.facet, weight[:, None, None] * phi[:, :, None] * phi[:, None, :])
+        lumped = mass.sum(axis=2)
+        scale = np.where(lumped > 0, lumped, 1.0) ** -0.5
+        regular = mass * scale[:, :, None] * scale[:, None, :]
+        good = np.linalg.cond(regular) < ILL
+        turn = np.tile(np.eye(k), (m, 1, 1))
+        turn[good] = lumped[good, :, None] * np.linalg.inv(mass[good])
+        return np.einsum("qij,qj->qi", turn[self.facet], phi)
 
     def sparse(self, entries: np.ndarray) -> sp.csr_matrix:
         """Sparse (n, N) from entries (q, corners, k) at the points; what falls together adds."""

@@ -2,15 +2,20 @@
 """What moves. A solid knows its inertia, its internal forces and its trace; it knows no contact."""
 
 from .base import Solid, Trace
+from .beam import BeamSolid
 from .elastic import ElasticSolid
 from .hyperelastic import HyperelasticSolid, ciarlet, neo_hookean, st_venant_kirchhoff
 from .rigid import RigidSolid
+from .sections import Section, Support
 
 __all__ = [
+    "BeamSolid",
     "ElasticSolid",
     "HyperelasticSolid",
     "RigidSolid",
+    "Section",
     "Solid",
+    "Support",
     "Trace",
     "ciarlet",
     "neo_hookean",

@@ -66,9 +66,9 @@ class Trace(ABC):
     def mobility(self) -> np.ndarray:
         """About the diagonal of J A^-1 J', flat: it scales, it decides nothing."""
 
-    @abstractmethod
     def seeing(self) -> sp.csr_matrix:
         """J, (components of the points, unknowns of the solid), the same on every process."""
+        raise NotImplementedError
 
     def spreading(self) -> sp.csr_matrix:
         """The operator whose transpose spreads forces, likewise."""
@@ -98,6 +98,7 @@ class Solid(ABC):
     linear: bool
     supported: bool
     massless = False
+    monolithic = True  # can be part of a monolithic system
     velocity: np.ndarray
     trial_velocity: np.ndarray
 
@@ -133,23 +134,23 @@ class Solid(ABC):
     def drop_forces(self) -> None:
         """Forget the forces spread so far."""
 
-    # for the monolithic system: rows by process
+    # for the monolithic system, of those that can be part of one: rows by process
 
-    @abstractmethod
     def layout(self, comm: MPI.Comm) -> list[int]:
         """Number of unknowns that each process owns."""
+        raise NotImplementedError
 
-    @abstractmethod
     def owned_range(self, comm: MPI.Comm) -> slice:
         """This process's unknowns among all of the solid; ``velocity`` holds them."""
+        raise NotImplementedError
 
-    @abstractmethod
     def matrix_rows(self, comm: MPI.Comm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """This process's rows of A: row pointers, columns, values."""
+        raise NotImplementedError
 
-    @abstractmethod
     def residual(self) -> np.ndarray:
         """This process's rows of ``A v - b - J' f`` in the trial state, after `linearise`."""
+        raise NotImplementedError
 
     @abstractmethod
     def imbalance(self, step: Step) -> float:

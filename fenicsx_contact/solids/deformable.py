@@ -29,8 +29,8 @@ from .redistribution import move_mass_inwards, relax
 #: A field given as a function of ``x`` (3, n) with values (d, n).
 Field = Callable[[np.ndarray], np.ndarray]
 
-#: Share of the momentum over the step below which its changes do not count as large.
-ROUND_OFF = 1e-5
+#: Forces below this share of what they are the difference of are noise.
+ROUND_OFF = 1e-14
 
 
 class DeformableSolid(Solid):
@@ -191,6 +191,11 @@ class DeformableSolid(Solid):
             )
             self.trial_displacement = self.displacement.copy()
 
+    @property
+    @abstractmethod
+    def last_stiffness(self) -> PETSc.Mat:
+        """The newest of :meth:`stiffness`."""
+
     @abstractmethod
     def stiffness(self, displacement: np.ndarray) -> PETSc.Mat:
         """Derivative of the internal forces at a displacement; the solid keeps the matrix."""
@@ -281,10 +286,13 @@ class DeformableSolid(Solid):
 
     def imbalance(self, step: Step) -> float:
         terms = self._balance(step)
-        total = np.sum(terms, axis=0)
+        # a stress-free body in flight has no forces but round-off, of its momentum and of K u
+        self.last_stiffness.getDiagonal(self._y)
+        noise = ROUND_OFF * (np.abs(self._momentum) / step.span)
+        if step.dt:
+            noise += ROUND_OFF * np.abs(self._y.array_r * self.trial_displacement).max(initial=0.0)
+        total = np.maximum(np.abs(np.sum(terms, axis=0)) - noise, 0.0)
         total[self.fixed_unknowns] = 0.0
-        if step.scheme.inertia:  # in free flight all terms are round-off of the momentum
-            terms.append(ROUND_OFF * self._trial_momentum / step.span)
         own = np.array([[np.abs(t).max(initial=0.0) for t in (total, *terms)]])
         largest = np.max(self.comm.allgather(own), axis=0).ravel()
         return float(largest[0] / (largest[1:].max() or 1.0))

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .deformable import DeformableSolid
 
 
-#: Up to so many components the mobility is computed, above estimated.
+#: Up to so many components all columns of A^-1 J' are computed, above only those that are needed.
 FEW = 150
 
 
@@ -44,6 +44,7 @@ class DeformableTrace(Trace):
         self._spreading = scipy.sparse.csr_matrix(entries, (n * d, solid.owned)).T.tocsr()
         every = (np.ones(len(rows)), (rows, columns))
         self._operator = scipy.sparse.csr_matrix(every, (n * d, solid.owned))
+        self._held = (self._operator - self._spreading.T).tocsr()
         # the same in the numbers of all unknowns, on every process; held ones do not answer
         parts = solid.comm.allgather((rows[free], solid.first_unknown + columns[free]))
         row, column = (np.concatenate(each) for each in zip(*parts))
@@ -91,7 +92,13 @@ class DeformableTrace(Trace):
         return self.jump(velocity)
 
     def free_jump(self) -> np.ndarray:
-        return self._sum(self._operator @ self._solid.free_velocity())
+        solid, size = self._solid, self._spreading.shape[1]
+        if size > FEW:
+            return self._sum(self._operator @ solid.free_velocity())
+        # J A^-1 b = (A^-1 J')' b, for A is symmetric: no solve, and round-off like that of W
+        self._solve_for(np.arange(size))
+        held = self._held @ solid.trial_velocity
+        return self._sum(self._columns.T @ solid.free_load + held)
 
     def compliance(self, mine: np.ndarray, other: Trace, theirs: np.ndarray) -> np.ndarray:
         assert isinstance(other, DeformableTrace)

@@ -69,8 +69,8 @@ class ElasticSolid(DeformableSolid):
         return ufl.inner(stress, strain(v)) * self._dx
 
     def _state_changed(self) -> None:
-        self._internal = self.multiply(self._stiffness, self.displacement)
-        self._internal_rate = self.multiply(self._stiffness, self.velocity)
+        self._internal = self.internal_force(self.displacement)
+        self._internal_rate = self.internal_force(self.velocity)
 
     def linearise(self, step: Step) -> None:
         key = (step.span, step.force_rate, step.scheme.inertia)
@@ -106,11 +106,23 @@ class ElasticSolid(DeformableSolid):
         )
         self.free_load -= self.multiply(self._mass, speed) + self.multiply(self._stiffness, way)
 
+    @property
+    def last_stiffness(self) -> PETSc.Mat:
+        return self._stiffness
+
     def stiffness(self, displacement: np.ndarray) -> PETSc.Mat:
         return self._stiffness
 
     def internal_force(self, displacement: np.ndarray) -> np.ndarray:
-        return self.multiply(self._stiffness, displacement)
+        return self.multiply(self._stiffness, self._strained(displacement))
+
+    def _strained(self, displacement: np.ndarray) -> np.ndarray:
+        """The displacement less a translation, which strains nothing but costs K u its digits."""
+        if self.supported:
+            return displacement
+        own = displacement[: self.dim] if self.owned else np.zeros(self.dim)
+        first = self.comm.bcast(own) if self.comm.size > 1 else own
+        return displacement - np.tile(first, len(displacement) // self.dim)
 
     def strain_energy(self) -> float:
         """Strain energy of the state, J."""

@@ -129,6 +129,10 @@ class HyperelasticSolid(DeformableSolid):
         self._set(displacement)
         return compat.assemble_scalar(self._potential_form, self.comm)
 
+    @property
+    def last_stiffness(self) -> PETSc.Mat:
+        return self._tangent
+
     def stiffness(self, displacement: np.ndarray) -> PETSc.Mat:
         self._set(displacement)
         compat.refill_petsc_matrix(self._tangent, self._tangent_form)

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+# %% [markdown]
+# # Error against run time
+#
+# **The question.** Which method is worth its time? A table of errors at one step tells nothing: a
+# method may be twice as accurate and ten times as slow. What counts is the error that a given run
+# time buys, so: run each method with coarse and fine settings and plot one against the other. The
+# methods that no other beats in both form the *front*.
+#
+# ## The problems
+#
+# Each has an exact solution: the rocking block (Housner 1963) at the paper's angle and at
+# Code_Aster's, a bar thrown at a wall (Doyen, Ern & Piperno 2011), a bar released against a wall
+# (Chouly, Hild & Renard), and the friction oscillator (Code_Aster, SDND100). They stand, with what
+# is compared, in `fenicsx_contact/study/problems`.
+#
+# ## What is measured
+#
+# Run time is that of the time loop alone, the median of repeated runs; building the scene and
+# fetching its compiled forms stand apart, in the column "set-up". The rate is fitted to the errors
+# over the number of steps. What fails stays in the table, with its reason. A bar's front jumps: the
+# error is the largest of the wall's *impulse* at any time, for a reaction that jumps has no better
+# norm in which a numerical one converges.
+
+# %%
+import sys
+from pathlib import Path
+from typing import Any
+
+from fenicsx_contact.report import environment, write_summary
+from fenicsx_contact.study import STUDIES, Sample, Study, measure, pareto, rate, table
+
+RESULTS = Path("results") / "error_against_run_time"
+
+# %% [markdown]
+# ## The lines that measure
+#
+# A study is a function that makes a problem, and ladders of its arguments. Another one is added by
+# `STUDIES["name"] = Study(name, title, quantity, build, methods)`.
+
+
+# %%
+def run(study: Study, quick: bool = False) -> list[Sample]:
+    """Measure a study; with ``quick`` the two coarsest settings of each method, once."""
+    from tqdm import tqdm
+
+    chosen = study.shortened() if quick else study
+    total = sum(len(settings) for settings in chosen.methods.values())
+    with tqdm(total=total, desc=study.title, disable=not sys.stderr.isatty()) as bar:
+        return measure(chosen, 1 if quick else 3, lambda _: bar.update())
+
+
+# %% [markdown]
+# ## Figures
+
+
+# %%
+def draw(study: Study, samples: list[Sample]) -> None:
+    """Dots: all samples; lines: each method's front; grey: the front of all."""
+    from fenicsx_contact import plots
+
+    fig, ax = plots.figure(size=(6.5, 4.5))
+    plots.fronts(ax, samples)
+    ax.set_title(study.title)
+    ax.set_ylabel(f"error of {study.quantity}")
+    plots.save(fig, RESULTS / f"{study.name}.png")
+
+
+def main(quick: bool = False) -> dict[str, Any]:
+    """All studies; returns the summary that is also written."""
+    summary: dict[str, Any] = {}
+    for study in STUDIES.values():
+        samples = run(study, quick)
+        draw(study, samples)
+        methods = dict.fromkeys(sample.method for sample in samples)
+        summary[study.name] = {
+            method: [s.as_dict() for s in samples if s.method == method] for method in methods
+        }
+        summary[study.name] |= {
+            "rates": {m: rate(s for s in samples if s.method == m) for m in methods},
+            "front": [(s.method, s.setting) for s in pareto(samples)],
+        }
+        print(f"\n### {study.title}: error of {study.quantity}\n\n{table(samples)}")
+        write_summary(RESULTS, summary)
+    where = ", ".join(f"{key} {value}" for key, value in environment().items())
+    print(f"\nmedians of {1 if quick else 3} runs; * on the front; {where}; figures in {RESULTS}")
+    return summary
+
+
+# %%
+if __name__ == "__main__":
+    main(quick="--quick" in sys.argv[1:])
+
+# %% [markdown]
+# ## What to try next
+#
+# - A ladder of your own: `ladder("theta", [0.5, 0.6, 0.7], share=1e-3)` for the block.
+# - `bar_at_wall` with a `cfl` other than 1: the wave is no longer carried exactly from node to node.
+#
+# ## Sources
+#
+# - Those of `rocking_block.py`, `bar_impact.py` and `stick_slip.py`.

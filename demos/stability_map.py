@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+# %% [markdown]
+# # Stability maps
+#
+# **The question.** A method that is accurate at the settings of its paper may fail where it is
+# stiff or extreme: a step of a whole swing, a nearly rigid or nearly incompressible solid, a
+# friction coefficient of ten, a tilt of ten nanoradians. What happens there, cell by cell of a grid
+# over two such arguments? And does a failure say that it is one?
+#
+# ## The classes
+#
+# | class | meaning |
+# |---|---|
+# | within error | finished, and the error is below the stated bound |
+# | refused | before the first step, with a reason |
+# | off | finished, but above the bound, or the bound is 100 % and more |
+# | stopped | ended early, with a reason in `history.reason` (or by the time limit) |
+# | energy created | the total rose above that of the start: never acceptable |
+# | nonsense | numbers not finite, books that do not close, a body inside: never acceptable |
+#
+# ## The bounds
+#
+# A bound must follow from what is expected, not from what comes out: a uniform step rounds an
+# impact to its end, so the rocking block is of first order with a factor that counts the impacts; a wave
+# front widens by numerical diffusion and dispersion as the modified equation says; a block at rest,
+# a slope, a percussion are exact but for round-off. Each is stated where the problem is, in
+# `fenicsx_contact/study/problems`.
+
+# %%
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fenicsx_contact.report import environment, write_summary
+from fenicsx_contact.study import MAPS, Map, Verdict, run_maps, summary
+
+RESULTS = Path("results") / "stability_map"
+
+# %% [markdown]
+# ## The lines that run it
+#
+# Each cell runs in a worker process with a time limit, and is written to a file of JSON lines as it
+# ends: a run that was stopped goes on where it was. Another axis is one more
+# `Map(name, title, problem, Axis(...), Axis(...))`.
+
+
+# %%
+def run(quick: bool = False) -> tuple[list[Map], dict[str, list[Verdict]]]:
+    """Judge all cells; with ``quick`` four maps of at most 3 x 3."""
+    quickly = ("tilt_dt_located", "incline", "painleve", "squeezed_young_nu")
+    maps = [m.thinned(3) for m in MAPS if m.name in quickly] if quick else MAPS
+    return maps, run_maps(maps, RESULTS / "cells.jsonl", limit=300.0)
+
+
+# %% [markdown]
+# ## Figures and table
+
+
+# %%
+def draw(maps: list[Map], verdicts: dict[str, list[Verdict]]) -> None:
+    """All maps, six to a figure."""
+    from fenicsx_contact import plots
+
+    for page, first in enumerate(range(0, len(maps), 6), start=1):
+        shown = maps[first : first + 6]
+        fig, axes = plots.grid(2, 3, size=(13, 8))
+        for ax, chart in zip(np.ravel(axes), shown):
+            plots.stability_map(ax, chart, [v.kind for v in verdicts[chart.name]])
+        for ax in np.ravel(axes)[len(shown) :]:
+            ax.set_visible(False)
+        plots.class_legend(fig)
+        plots.save(fig, RESULTS / f"maps_{page}.png")
+
+
+def table(maps: list[Map], verdicts: dict[str, list[Verdict]]) -> str:
+    """Counts of each map, and of all, as Markdown."""
+    rows = ["| map | cells | within error | refused | off | stopped | energy created | nonsense |"]
+    rows.append("|---|---|---|---|---|---|---|---|")
+    everything = [v for m in maps for v in verdicts[m.name]]
+    for title, some in [*((m.title, verdicts[m.name]) for m in maps), ("**all**", everything)]:
+        rows.append(f"| {title} | " + " | ".join(str(n) for n in summary(some).values()) + " |")
+    return "\n".join(rows)
+
+
+def main(quick: bool = False) -> dict[str, Any]:
+    """Everything; returns the summary that is also written."""
+    maps, verdicts = run(quick)
+    counts = summary(v for some in verdicts.values() for v in some)
+    bad = [
+        {"map": m.name, "cell": cell, "class": v.kind, "error": v.error, "bound": v.bound}
+        | {"reason": v.reason}
+        for m in maps
+        for cell, v in zip(m.cells(), verdicts[m.name])
+        if v.kind not in ("within_error", "refused")
+    ]
+    result = {
+        **counts,
+        "maps": {m.name: summary(verdicts[m.name]) for m in maps},
+        "not_good": bad,
+    }
+    write_summary(RESULTS, result)
+    draw(maps, verdicts)
+    print(table(maps, verdicts))
+    for row in bad:
+        print(f"{row['map']} {row['cell']}: {row['class']}, {row['reason']}")
+    good = counts["within_error"] + counts["refused"]
+    where = ", ".join(f"{key} {value}" for key, value in environment().items())
+    print(
+        f"{counts['cells']} cells, {100 * good / counts['cells']:.1f} % within the stated error or "
+        f"refused; {where}; maps in {RESULTS}"
+    )
+    return result
+
+
+# %%
+if __name__ == "__main__":
+    main(quick="--quick" in sys.argv[1:])
+
+# %% [markdown]
+# ## What to try next
+#
+# - `judge_cell(problem, {...})` for one cell that you doubt; `problem(...).run()` for its history.
+# - `rocking` with `formulation="discrete"` and springs of 1e6 N/m.
+#
+# ## Sources
+#
+# - A. Klarbring (1990), *Examples of non-uniqueness and non-existence of solutions to quasistatic
+#   contact problems with friction*, Ingenieur-Archiv 60, 529-541.
+# - P. Painlevé (1895), *Sur les lois du frottement de glissement*, C. R. Acad. Sci. Paris 121.
+# - J.J. Moreau (1988), CISM 302, doi:10.1007/978-3-7091-2624-0_1: the percussion that resolves it.

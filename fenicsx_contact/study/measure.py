@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Error against run time: ladders of settings, each run some times, the median taken."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from .. import checks
+from ..checks import InputError
+from .problem import Problem
+
+Setting = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Study:
+    """A problem and the settings under which it is to be measured.
+
+    Args:
+        name: for files.
+        title: for people.
+        quantity: what the error is an error of.
+        build: makes a fresh :class:`Problem` from a setting.
+        methods: for each method the settings of its ladder, from coarse to fine.
+    """
+
+    name: str
+    title: str
+    quantity: str
+    build: Callable[..., Problem]
+    methods: Mapping[str, Sequence[Setting]]
+
+    def shortened(self) -> Study:
+        """The same with the two coarsest settings of each ladder."""
+        methods = {name: list(settings)[:2] for name, settings in self.methods.items()}
+        return Study(self.name, self.title, self.quantity, self.build, methods)
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One setting, measured. Run time is the loop's; a failure has an error of NaN and a reason.
+
+    Attributes:
+        method, setting: what was run.
+        error: relative, against the reference.
+        run_time_s: median of the repeated runs, s; of set-up and output see ``setup_s``.
+        setup_s: building mesh, solids and contacts, forms compiled or fetched, s (the median,
+            so that a first compilation does not count).
+        spread: largest over smallest run time.
+        steps, newton: of the run.
+        reason: "finished", or why not.
+    """
+
+    method: str
+    setting: dict[str, Any]
+    error: float
+    run_time_s: float = np.nan
+    setup_s: float = np.nan
+    spread: float = np.nan
+    steps: int = 0
+    newton: int = 0
+    reason: str = "finished"
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return asdict(self)
+
+
+def measure(
+    study: Study, repeats: int = 3, progress: Callable[[Sample], None] | None = None
+) -> list[Sample]:
+    """Run a study.
+
+    Args:
+        study: what to run.
+        repeats: runs of each setting; the median of their times is taken.
+        progress: called with each sample as it comes.
+    """
+    checks.whole_number("repeats", repeats, at_least=1)
+    samples = []
+    for method, settings in study.methods.items():
+        for setting in settings:
+            sample = _sample(study, method, setting, repeats)
+            samples.append(sample)
+            if progress:
+                progress(sample)
+    return samples
+
+
+def _sample(study: Study, method: str, setting: Setting, repeats: int) -> Sample:
+    times, setups = [], []
+    for _ in range(repeats):
+        start = perf_counter()
+        try:
+            problem = study.build(**setting)
+            setups.append(perf_counter() - start)
+            history = problem.run()
+        except InputError as refusal:
+            return Sample(method, dict(setting), np.nan, reason=f"refused: {refusal}")
+        times.append(history.run_time)
+    return Sample(
+        method,
+        dict(setting),
+        float(problem.error(history)) if history.finished else np.nan,
+        median(times),
+        median(setups),
+        max(times) / min(times),
+        len(history) - 1,
+        int(history["newton"].sum()),
+        history.reason,
+    )
+
+
+def pareto(samples: Iterable[Sample]) -> list[Sample]:
+    """The samples that no other beats in both error and run time, by rising run time."""
+    front: list[Sample] = []
+    usable = [s for s in samples if np.isfinite(s.error)]
+    for sample in sorted(usable, key=lambda s: (s.run_time_s, s.error)):
+        if not front or sample.error < front[-1].error:
+            front.append(sample)
+    return front
+
+
+def rate(samples: Iterable[Sample]) -> float:
+    """Order of convergence: minus the slope of log(error) over log(steps), fitted; NaN where
+    fewer than two samples have an error."""
+    points = [(s.steps, s.error) for s in samples if np.isfinite(s.error) and s.error > 0]
+    if len({steps for steps, _ in points}) < 2:
+        return np.nan
+    steps, errors = np.log(np.array(points, dtype=float)).T
+    return float(-np.polyfit(steps, errors, 1)[0])
+
+
+def table(samples: Sequence[Sample]) -> str:
+    """All samples by method as Markdown, failures with their reasons; a star marks the front."""
+    front = {id(sample) for sample in pareto(samples)}
+    rows = ["| method | setting | error | run time | set-up | steps | Newton | rate |"]
+    rows.append("|---|---|---|---|---|---|---|---|")
+    for method in dict.fromkeys(sample.method for sample in samples):
+        mine = [sample for sample in samples if sample.method == method]
+        order = f"{rate(mine):.2f}" if np.isfinite(rate(mine)) else "-"
+        for sample in mine:
+            varied = [k for k in sample.setting if len({str(s.setting.get(k)) for s in mine}) > 1]
+            setting = ", ".join(f"{k} = {_short(sample.setting[k])}" for k in varied) or "-"
+            failed = sample.reason if sample.reason != "finished" else "missed"
+            error = f"{sample.error:.2g}" if np.isfinite(sample.error) else failed
+            star = " *" if id(sample) in front else ""
+            rows.append(
+                f"| {method} | {setting} | {error}{star} | {sample.run_time_s:.2g} s "
+                f"| {sample.setup_s:.2g} s | {sample.steps} | {sample.newton} | {order} |"
+            )
+            order = ""
+    return "\n".join(rows)
+
+
+def _short(value: Any) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Scenes with a reference. Each builder takes plain numbers and names, so that a setting can be
+written to a file and sent to another process, and gives a fresh problem."""
+
+from .bar import bar_at_wall, bar_released
+from .block import at_rest, dropped, squeezed
+from .friction import incline, oscillator, sliding_elastic, sliding_rigid
+from .hard import klarbring, painleve
+from .rocking import BLOCK, rocking, toppling
+
+#: Where the block of :func:`rocking` tips over, rad.
+rocking_angle = BLOCK.alpha
+
+__all__ = [
+    "at_rest",
+    "bar_at_wall",
+    "bar_released",
+    "dropped",
+    "incline",
+    "klarbring",
+    "oscillator",
+    "painleve",
+    "rocking",
+    "sliding_elastic",
+    "sliding_rigid",
+    "squeezed",
+    "toppling",
+]

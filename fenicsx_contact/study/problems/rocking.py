@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The rocking block against Housner (1963), and the block tilted past its tipping angle."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from ...contact import Contact
+from ...formulations import Discrete, Lagrange
+from ...history import History
+from ...references.housner import Block
+from ...references.housner import rocking as housner
+from ...references.swings import swings
+from ...scene import Scene
+from ...solids import RigidSolid
+from ...theta import ThetaScheme
+from ..problem import Problem
+from .shapes import FLOOR, G, rectangle
+
+#: The paper's block, and friction that it sticks with (Code_Aster, SDNV105).
+BLOCK = Block(width=0.36, height=0.80, mass=417.6)
+FRICTION = 0.9
+STIFFNESS = 1e12  # N/m, of the springs of "discrete"
+
+
+def _scene(
+    tilt: float,
+    theta: float,
+    formulation: str,
+    located: bool,
+    normal_augmentation: float,
+    tangential_augmentation: float,
+) -> tuple[Scene, RigidSolid]:
+    b, mass = BLOCK.width / 2, BLOCK.mass
+    corners = [(-b, 0.0), (b, 0.0)]
+    stopped = 1 / (1 / mass + b**2 / BLOCK.inertia_centre)  # mass that a corner feels, kg
+    formulations: dict[str, Any] = {
+        "lagrange": Lagrange(points=corners),
+        "discrete": Discrete(STIFFNESS, 4 * np.sqrt(STIFFNESS * stopped), points=corners),
+    }
+    block = RigidSolid(
+        rectangle(BLOCK.width, BLOCK.height),
+        mass=mass,
+        gravity=(0, -G),
+        rotation=tilt,
+        about=corners[0],
+    )
+    contact = Contact(
+        block,
+        "base",
+        FLOOR,
+        formulations.get(formulation, formulation),
+        friction=FRICTION,
+        normal_augmentation=normal_augmentation,
+        tangential_augmentation=tangential_augmentation,
+    )
+    return Scene([block], [contact], ThetaScheme(theta), locate_impacts=located), block
+
+
+def rocking(
+    *,
+    tilt: float,
+    share: float,
+    impacts: int = 3,
+    theta: float = 0.5,
+    formulation: str = "velocity",
+    located: bool = False,
+    normal_augmentation: float = 1.0,
+    tangential_augmentation: float = 1.0,
+) -> Problem:
+    """A rigid block released at a tilt; error: the worst of its first kinetic-energy maxima.
+
+    Bound: a uniform step rounds each impact to its end and samples the maximum before it, each
+    2 dt/T of an energy that grows as t² over the quarter period T; errors add up over the
+    impacts; theta away from 1/2 adds its own 4 |theta - 1/2| dt/T. With impacts located nothing
+    is rounded, and what is left is of second order, (dt/T)² for each swing. A corner is closed
+    from the gap tolerance on, which is a share of each lift.
+
+    Args:
+        tilt: rad, below the tipping angle 0.4229.
+        share: step over the time to the first impact; a little less, so that steps fit the run.
+        impacts: how many maxima are compared.
+        theta, formulation, located, normal_augmentation, tangential_augmentation: as usual.
+    """
+    exact = housner(BLOCK, tilt, impacts=impacts + 1)
+    times = exact.impact_times
+    until = times[-2] + 0.75 * (times[-1] - times[-2])
+    dt = until / np.ceil(until / (share * times[0]))
+    quarters = np.diff(times[:-1], prepend=-times[0]) / 2
+    scene, block = _scene(
+        tilt, theta, formulation, located, normal_augmentation, tangential_augmentation
+    )
+
+    def error(history: History) -> float:
+        _, most = swings(history.time, history["tilt"], history["kinetic"], impacts)
+        return float(np.abs(most / exact.kinetic_before[:-1] - 1).max())
+
+    first = (4 + 4 * abs(theta - 0.5)) * dt / quarters
+    early = 2 * scene.contacts[0].tolerance / BLOCK.width / exact.peak_angles[:-1]
+    return Problem(
+        scene,
+        until,
+        dt,
+        error,
+        bound=float((early + ((dt / quarters) ** 2 if located else first)).sum()),
+        probes={"tilt": lambda: float(block.rotation)},
+        deepest=BLOCK.width * tilt,
+    )
+
+
+def toppling(*, tilt: float, share: float, theta: float = 0.5, located: bool = False) -> Problem:
+    """The block tilted past its tipping angle: it falls about its corner,
+    ``tilt'' = p² sin(tilt - alpha)``, followed for 2/p; error: of the angle fallen.
+
+    Bound: of first order, dt over the time that is followed, times four; the motion has no
+    impact, so located impacts make no difference.
+
+    Args:
+        tilt: rad, above the tipping angle.
+        share: step over the time followed.
+        theta, located: as usual.
+    """
+    p, until = BLOCK.p, 2 / BLOCK.p
+    fall = solve_ivp(
+        lambda _, s: [s[1], p**2 * np.sin(s[0] - BLOCK.alpha)],
+        (0, until),
+        [tilt, 0.0],
+        rtol=1e-11,
+        atol=1e-14,
+    )
+    end = float(fall.y[0, -1])
+    scene, block = _scene(tilt, theta, "velocity", located, 1.0, 1.0)
+    return Problem(
+        scene,
+        until,
+        share * until,
+        lambda history: abs(float(history["tilt"][-1]) - end) / (end - tilt),
+        bound=4 * share,
+        probes={"tilt": lambda: float(block.rotation)},
+        deepest=BLOCK.width * share,
+    )

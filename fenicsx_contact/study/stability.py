@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Stability maps: a problem over a grid of two axes, each cell judged in a process of its own.
+
+Results are appended, one JSON line a cell, to a file; a later call does what is missing there.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .judge import CLASSES, Verdict, judge
+from .problem import Problem
+from .workers import each
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An argument of a problem and the values that it takes.
+
+    Args:
+        name: of the argument.
+        values: numbers or names.
+        label: for the figure; with the unit.
+    """
+
+    name: str
+    values: Sequence[Any]
+    label: str
+
+    def thinned(self, count: int) -> Axis:
+        """At most ``count`` of the values, the first and the last among them."""
+        picked = np.unique(np.linspace(0, len(self.values) - 1, count).round().astype(int))
+        return Axis(self.name, [self.values[i] for i in picked], self.label)
+
+
+@dataclass(frozen=True)
+class Map:
+    """A problem over a grid.
+
+    Args:
+        name: for files.
+        title: for people.
+        problem: a function at the top of a module (it is sent to other processes), or a
+            ``partial`` of one; its docstring states reference, error and bound.
+        x, y: the axes.
+    """
+
+    name: str
+    title: str
+    problem: Callable[..., Problem]
+    x: Axis
+    y: Axis
+
+    def cells(self) -> list[dict[str, Any]]:
+        """The settings of all cells, row by row."""
+        return [{self.x.name: x, self.y.name: y} for y in self.y.values for x in self.x.values]
+
+    def thinned(self, count: int) -> Map:
+        """The same with at most ``count`` values on each axis."""
+        return Map(
+            self.name, self.title, self.problem, self.x.thinned(count), self.y.thinned(count)
+        )
+
+    def key(self, cell: dict[str, Any]) -> str:
+        """What a cell is found by in a file of results."""
+        given = self.problem.keywords if isinstance(self.problem, partial) else {}
+        text = json.dumps([self.name, given, cell], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def judge_cell(problem: Callable[..., Problem], cell: dict[str, Any]) -> Verdict:
+    """Judge one cell; this is what a worker process calls."""
+    return judge(partial(problem, **cell))
+
+
+def run_maps(
+    maps: Sequence[Map],
+    file: Path,
+    *,
+    limit: float = 120.0,
+    processes: int | None = None,
+    progress: bool | None = None,
+) -> dict[str, list[Verdict]]:
+    """Judge all cells of some maps that a file does not hold yet.
+
+    A process that passes its time limit is ended, and its cell counts as stopped for this reason;
+    one that dies counts as nonsense.
+
+    Args:
+        maps: the maps.
+        file: of JSON lines, appended to.
+        limit: of a cell, s.
+        processes: how many at a time; default: one for each core.
+        progress: show a bar; default: if a person watches.
+
+    Returns:
+        For each map its verdicts in the order of its cells.
+    """
+    known = _read(file)
+    todo = [(m, cell) for m in maps for cell in m.cells() if m.key(cell) not in known]
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with file.open("a") as out:
+        calls = [(judge_cell, (m.problem, cell)) for m, cell in todo]
+        for i, result in each(calls, limit, processes, progress):
+            verdict = result if isinstance(result, Verdict) else _failed(result)
+            m, cell = todo[i]
+            known[m.key(cell)] = verdict
+            line = {"key": m.key(cell), "map": m.name, "cell": cell, **asdict(verdict)}
+            out.write(json.dumps(line) + "\n")
+            out.flush()
+    return {m.name: [known[m.key(cell)] for cell in m.cells()] for m in maps}
+
+
+def _failed(reason: Any) -> Verdict:
+    return Verdict("stopped" if "time limit" in str(reason) else "nonsense", reason=str(reason))
+
+
+def _read(file: Path) -> dict[str, Verdict]:
+    """Verdicts by key; a last line that a kill cut short is done again."""
+    known: dict[str, Verdict] = {}
+    if not file.is_file():
+        return known
+    lines = file.read_text().splitlines(keepends=True)
+    if lines and not lines[-1].endswith("\n"):
+        file.write_text("".join(lines[:-1]))
+        lines.pop()
+    for line in lines:
+        row = json.loads(line)
+        fields = {k: v for k, v in row.items() if k not in ("key", "map", "cell")}
+        known[row["key"]] = Verdict(**fields)
+    return known
+
+
+def summary(verdicts: Iterable[Verdict]) -> dict[str, int]:
+    """How many cells there are, and of each class."""
+    counts = Counter(verdict.kind for verdict in verdicts)
+    return {"cells": sum(counts.values()), **{kind: counts[kind] for kind in CLASSES}}

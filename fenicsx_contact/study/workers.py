@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Calls in processes of their own, each with a time limit; a process serves many calls."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from multiprocessing.connection import Connection, wait
+from time import monotonic
+from typing import Any
+
+#: A process imports the package anew, so that nothing of MPI or PETSc is shared.
+_SPAWN = multiprocessing.get_context("spawn")
+
+Call = tuple[Callable[..., Any], tuple[Any, ...]]
+
+
+def _serve(pipe: Connection) -> None:
+    while True:
+        try:
+            function, arguments = pipe.recv()
+        except EOFError:
+            return
+        try:
+            pipe.send(function(*arguments))
+        except Exception as failure:
+            pipe.send(f"{type(failure).__name__}: {failure}")
+
+
+class _Worker:
+    """A process, the call that it is at, and until when."""
+
+    def __init__(self) -> None:
+        self.pipe, theirs = _SPAWN.Pipe()
+        self.process = _SPAWN.Process(target=_serve, args=(theirs,), daemon=True)
+        self.process.start()
+        theirs.close()
+        self.index = -1
+
+    def start(self, index: int, call: Call, limit: float) -> None:
+        self.index, self.until = index, monotonic() + limit
+        self.pipe.send(call)
+
+    def end(self) -> None:
+        self.pipe.close()
+        self.process.kill()
+        self.process.join()
+
+
+def each(
+    calls: Sequence[Call],
+    limit: float,
+    processes: int | None = None,
+    progress: bool | None = None,
+) -> Iterator[tuple[int, Any]]:
+    """Make calls, in any order.
+
+    Args:
+        calls: functions at the top of modules, and their arguments.
+        limit: of each call, s; the first of a process has 60 s more, for it imports the package.
+        processes: how many at a time; default: one for each core.
+        progress: show a bar; default: if a person watches.
+
+    Yields:
+        The index of a call, and its value; a text if it raised, passed its limit or died.
+    """
+    from tqdm import tqdm
+
+    count = min(processes or os.cpu_count() or 1, len(calls))
+    queue = iter(enumerate(calls))
+    workers: list[_Worker] = []
+    show = sys.stderr.isatty() if progress is None else progress
+    bar = tqdm(total=len(calls), unit="cell", disable=not show, smoothing=0.02)
+    try:
+        for _ in range(count):
+            workers.append(_Worker())
+            workers[-1].start(*next(queue), limit + 60.0)
+        while workers:
+            left = max(0.0, min(w.until for w in workers) - monotonic())
+            ready = wait([w.pipe for w in workers], timeout=left)
+            for i in reversed(range(len(workers))):
+                worker = workers[i]
+                alive = True
+                if worker.pipe in ready:
+                    try:
+                        result = worker.pipe.recv()
+                    except (EOFError, ConnectionError):
+                        worker.process.join()
+                        result, alive = f"process died, code {worker.process.exitcode}", False
+                elif monotonic() >= worker.until:
+                    result, alive = f"time limit of {limit:g} s passed", False
+                else:
+                    continue
+                yield worker.index, result
+                bar.update()
+                if (call := next(queue, None)) is None:
+                    workers.pop(i).end()
+                    continue
+                if not alive:
+                    worker.end()
+                    worker = workers[i] = _Worker()
+                worker.start(*call, limit if alive else limit + 60.0)
+    finally:
+        bar.close()
+        for worker in workers:
+            worker.end()

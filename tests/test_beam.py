@@ -1,0 +1,282 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Beams against exact solutions: statics at any slenderness, vibrations, axial motion, flight."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import rates
+
+from fenicsx_contact import (
+    AxisMesh,
+    BeamSolid,
+    Driven,
+    Fall,
+    GuideTubeWater,
+    InputError,
+    Scene,
+    Section,
+    Support,
+    ThetaScheme,
+    axis_mesh,
+    compat,
+)
+from fenicsx_contact.theta import Step
+
+UNIFORM = (1.0, 8)
+UNEVEN = np.array([0.0, 0.03, 0.31, 0.35, 0.36, 0.71, 0.9, 0.97, 1.0])
+CLAMP = Support(0.0, lateral=math.inf, rotational=math.inf, axial=math.inf)
+STATIC = ThetaScheme(1.0, forces="end")
+
+
+def at_rest(beam, dt=1e6, steps=3):
+    """The beam after steps so long that nothing but statics is left."""
+    assert Scene([beam], [], STATIC).run(steps * dt, dt).finished
+    return beam
+
+
+def loaded(axis, section, load=(0.0,), **others):
+    """A cantilever under lateral forces at its end, one for each plane."""
+    beam = BeamSolid(axis, section, supports=[CLAMP], **others)
+    bending, _ = beam.split(beam._load)
+    bending[:, -2] += load
+    return at_rest(beam)
+
+
+@pytest.mark.parametrize("slenderness", [10, 100, 1e4])
+@pytest.mark.parametrize("nodes", [UNIFORM, UNEVEN], ids=["uniform", "uneven"])
+def test_cantilever_is_exact_at_every_slenderness(slenderness, nodes):
+    """Tip load, P/(3EI) + P/GA, on 8 cells: no locking, no loss, whatever the mesh."""
+    h = 1 / slenderness
+    EI, GA = 1.0, 5 / 6 * h * (12 / h**3) / 2.6  # a rectangle of nu = 0.3
+    section = Section(mass=1e-3, bending=EI, shear=GA)
+    beam = loaded(axis_mesh((0, 0), (0, 1), all=nodes), section, [1e-3])
+    deflection = beam.split(beam.displacement)[0][0, ::2]
+    s = beam.matrices.s
+    exact = 1e-3 * (s**2 / 2 - s**3 / 6 + s * EI / GA)
+    np.testing.assert_allclose(deflection, exact, rtol=0, atol=1e-9 * exact[-1])
+    # and between the nodes
+    places = np.linspace(0, 1, 41)
+    points = np.stack([0 * places, places], axis=1)
+    between = beam.trace(points).positions()[:, 0]
+    exact = 1e-3 * (places**2 / 2 - places**3 / 6 + places * EI / GA)
+    np.testing.assert_allclose(between, exact, rtol=0, atol=1e-9 * exact[-1])
+
+
+@pytest.mark.parametrize("direction", [(0, 0, 1), (1, 2, -0.5)])
+def test_in_space_both_planes_bend_alike(direction):
+    axis = axis_mesh((0.3, -1, 2), direction, all=UNEVEN)
+    beam = loaded(axis, Section(mass=1e-3, bending=2.0), [3e-3, -4e-3])
+    tip = axis.origin + axis.direction
+    moved = beam.trace(tip[None]).positions()[0] - tip
+    assert np.linalg.norm(moved) == pytest.approx(5e-3 / 6, rel=1e-9)
+    assert moved @ axis.direction == pytest.approx(0, abs=1e-15)
+    np.testing.assert_allclose(beam.frame @ moved, [0.5e-3, -4e-3 / 6], rtol=1e-9)
+
+
+def test_sections_vary_by_stretch_and_as_functions():
+    """A stepped cantilever exactly; one whose stiffness falls linearly to second order."""
+    axis = axis_mesh((0, 0), (1, 0), root=(0.4, 2), rest=(0.6, 3))
+    stepped = {"root": Section(1e-3, 2.0), "rest": Section(1e-3, 0.5)}
+    beam = loaded(axis, stepped, [1.0])
+    exact = (1 - 0.6**3) / 3 / 2.0 + 0.6**3 / 3 / 0.5
+    assert beam.split(beam.displacement)[0][0, -2] == pytest.approx(exact, rel=1e-9)
+    errors = []
+    for cells in (4, 8, 16):
+        section = Section(1e-3, lambda s: 1 - s / 2)
+        beam = loaded(axis_mesh((0, 0), (1, 0), all=(1.0, cells)), section, [1.0])
+        exact = 2 * math.log(2) - 1  # int (1 - s)²/(1 - s/2) ds
+        errors.append(abs(beam.split(beam.displacement)[0][0, -2] - exact))
+    assert rates(errors).min() > 1.9
+
+
+def test_weight_hangs_and_sags():
+    """Gravity along and across: u = rho g L²/(2 EA) at the end, w = q L⁴/(8 EI) to second order."""
+    section = Section(mass=2.0, bending=50.0, axial=300.0)
+    axis = axis_mesh((0, 0), (0, -1), all=UNEVEN)
+    beam = at_rest(BeamSolid(axis, section, supports=[CLAMP], gravity=(0, -9.81)))
+    assert beam.split(beam.displacement)[1][-1] == pytest.approx(2 * 9.81 / 600, rel=1e-9)
+    errors = []
+    for cells in (4, 8, 16):
+        axis = axis_mesh((0, 0), (1, 0), all=(1.0, cells))
+        beam = at_rest(BeamSolid(axis, section, supports=[CLAMP], gravity=(0, -9.81)))
+        tip = beam.trace(np.array([[1.0, 0.0]])).positions()[0, 1]
+        errors.append(abs(tip + 2 * 9.81 / 8 / 50))
+    assert rates(errors).min() > 1.9
+
+
+def test_springs_and_point_masses():
+    """A stiff beam on two springs vibrates as a body of two masses would."""
+    axis = axis_mesh((0, 0), (0, 1), all=(1.0, 4))
+    beam = BeamSolid(
+        axis,
+        Section(mass=0.0, bending=1e9),
+        masses=[(0.0, 3.0), (1.0, 5.0)],
+        supports=[Support(0.0, lateral=12.0), Support(1.0, lateral=20.0)],
+    )
+    assert beam.mass == 8.0
+    assert beam.slowest_period() == pytest.approx(math.pi, rel=1e-6)
+
+
+def test_first_frequency_converges_at_second_order():
+    errors = []
+    for cells in (4, 8, 16):
+        axis = axis_mesh((0, 0), (0, 1), all=(2.0, cells))
+        pins = [Support(0.0, lateral=math.inf), Support(2.0, lateral=math.inf)]
+        beam = BeamSolid(axis, Section(mass=3.0, bending=7.0), supports=pins)
+        exact = (math.pi / 2) ** 2 * math.sqrt(7 / 3)
+        errors.append(abs(2 * math.pi / beam.slowest_period() / exact - 1))
+    assert errors[-1] < 1e-3
+    assert rates(errors).min() > 1.9
+
+
+@pytest.mark.parametrize("axial", [math.inf, 5e3])
+def test_free_flight_keeps_energy_and_falls(axial):
+    """Vibrating and falling by metres: theta = 1/2 conserves, the travel is g t²/2."""
+    axis = axis_mesh((0, 0), (0, 1), all=(2.0, 20))
+    beam = BeamSolid(
+        axis,
+        Section(mass=3.0, bending=70.0, axial=axial, rotary=1e-3),
+        gravity=(0, -9.81),
+        displacement=lambda s: 1e-3 * np.cos(3 * s)[None],
+        law=Fall(),
+    )
+    history = Scene([beam], [], allow_free=True).run(1.0, 1e-3)
+    assert beam.travel == pytest.approx(9.81 / 2, rel=1e-12)
+    total = history["kinetic"] + history["strain"] + history["potential"]
+    size = history["kinetic"].max()
+    assert np.ptp(total) < 1e-11 * size
+    assert np.abs(history["balance"]).max() < 1e-11 * size
+    assert history["strain"][0] > 1e-5
+
+
+def test_extensible_rod_in_water_falls_like_a_rigid_one():
+    """The law acts on the mean: a stiff axial spring changes the fall by nothing that matters."""
+    times = []
+    for axial in (math.inf, 5.9e7):
+        axis = axis_mesh((0, 0), (0, 1), all=(3.86, 20))
+        beam = BeamSolid(
+            axis,
+            Section(mass=126.4176 / 3.86, bending=850.0, axial=axial),
+            gravity=(0, -9.81),
+            law=Fall(GuideTubeWater()),
+        )
+        history = Scene([beam], [], ThetaScheme(0.6), allow_free=True).run(0.3, 1e-3)
+        assert np.abs(history["balance"]).max() < 1e-9
+        times.append(beam.travel)
+    assert times[1] == pytest.approx(times[0], rel=1e-9)
+
+
+def test_trace_is_consistent():
+    """Free jump, compliance and spread forces belong to one operator, also between traces."""
+    axis = axis_mesh((0, 0, 0), (1, 2, 2), all=UNEVEN)
+    beam = BeamSolid(axis, Section(2.0, 3.0, axial=40.0), supports=[CLAMP], gravity=(1, 2, 3))
+    places = np.array([0.2, 0.31, 0.8])
+    one = beam.trace(places[:, None] * axis.direction)
+    two = beam.trace(np.array([0.5, 1.0])[:, None] * axis.direction)
+    step = Step(1e-2, ThetaScheme(0.7))
+    force = np.random.default_rng(0).normal(size=6)
+    beam.predict(step)
+    beam.linearise(step)
+    for trace in (one, two):
+        trace.follow()
+        trace.linearise(step)
+    two.spread(force)
+    beam.correct(step)
+    expected = one.free_jump() + one._whole_compliance(two) @ force
+    np.testing.assert_allclose(one.jump(beam.trial_velocity), expected, rtol=1e-12)
+    np.testing.assert_allclose(one._whole_compliance(two), two._whole_compliance(one).T, atol=1e-12)
+    own = one._whole_compliance(one)
+    np.testing.assert_allclose(own, own.T, atol=1e-12)
+    assert np.linalg.eigvalsh(own).min() > 0
+
+
+def test_runs_resume_identically(tmp_path):
+    def scene():
+        axis = axis_mesh((0, 0), (0, 1), all=(2.0, 10))
+        beam = BeamSolid(
+            axis,
+            Section(3.0, 70.0),
+            gravity=(0, -9.81),
+            displacement=lambda s: 1e-3 * s[None] ** 2,
+            law=Fall(GuideTubeWater(buoyancy=0.5), drive_friction=3.0),
+        )
+        return Scene([beam], [], allow_free=True)
+
+    whole = scene().run(0.05, 1e-3)
+    scene().run(0.02, 1e-3, directory=tmp_path)
+    rest = scene().run(0.05, 1e-3, directory=tmp_path, resume=True)
+    np.testing.assert_array_equal(whole.rows(), rest.rows())
+
+
+# -- bad input ----------------------------------------------------------------------------------
+
+
+def test_an_axis_must_be_a_line():
+    line = np.array([[0, 0], [0, 1.0], [0, 2.0]])
+    for points, cells in (
+        ([[0, 0], [0, 1.0], [0.1, 2.0]], [[0, 1], [1, 2]]),  # bent
+        (line, [[0, 1], [0, 2]]),  # folded
+    ):
+        mesh = compat.create_mesh(
+            compat.MPI.COMM_SELF, np.array(cells), np.array(points, dtype=float), "interval"
+        )
+        with pytest.raises(InputError, match=r"line|follow each other"):
+            AxisMesh(mesh, np.zeros(2), np.array([0.0, 1.0]), {"all": (0, 2)})
+    surface = compat.create_mesh(
+        compat.MPI.COMM_SELF,
+        np.array([[0, 1, 2]]),
+        np.array([[0, 0], [1.0, 0], [0, 1]]),
+        "triangle",
+    )
+    with pytest.raises(InputError, match="mesh of intervals"):
+        AxisMesh(surface, np.zeros(2), np.array([0.0, 1.0]), {})
+
+
+AXIS = axis_mesh((0, 0), (0, 1), low=(1.0, 4), high=(1.0, 4))
+GOOD = Section(1.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda: axis_mesh((0, 0), (0, 0), all=(1.0, 2)), "direction"),
+        (lambda: axis_mesh((0, 0), (0, 1)), "at least one"),
+        (lambda: axis_mesh((0, 0), (0, 1), all=(-1.0, 2)), "length"),
+        (lambda: axis_mesh((0, 0), (0, 1), all=(1.0, 0)), "cells"),
+        (lambda: axis_mesh((0, 0), (0, 1), all=[0.0, 1.0, 0.5]), "rise"),
+        (lambda: axis_mesh((0,), (1,), all=(1.0, 2)), "2 or 3"),
+        (lambda: BeamSolid(AXIS, Section(0.0, 1.0)), "mass of 0.0 kg"),
+        (lambda: BeamSolid(AXIS, {"low": GOOD}), "no section at s = 1"),
+        (lambda: BeamSolid(AXIS, {"low": GOOD, "top": GOOD}), "no such stretch"),
+        (lambda: BeamSolid(AXIS, {"low": GOOD, "high": Section(1, 1, axial=1)}), "all or none"),
+        (lambda: BeamSolid(AXIS, Section(1.0, lambda s: s - 1)), "bending"),
+        (lambda: BeamSolid("axis", GOOD), "AxisMesh"),
+        (lambda: BeamSolid(AXIS, GOOD, masses=[(0.1, 1.0)]), "no node"),
+        (lambda: BeamSolid(AXIS, GOOD, masses=[(0.0, -1.0)]), "masses = -1.0"),
+        (lambda: BeamSolid(AXIS, GOOD, law="fall"), "law = 'fall'"),
+        (lambda: BeamSolid(AXIS, Section(1, 1, axial=1), law=Driven()), "inextensible"),
+        (lambda: BeamSolid(AXIS, GOOD, displacement=lambda s: s), "displacement"),
+        (lambda: Section(-1.0, 1.0), "mass = -1.0"),
+        (lambda: Section(1.0, 0.0), "bending = 0.0"),
+        (lambda: Section(1.0, math.inf), "bending = inf"),
+        (lambda: Support(0.0, lateral=-1.0), "lateral"),
+        (lambda: Driven(math.nan), "speed"),
+        (lambda: Fall(water="wet"), "water = 'wet'"),
+        (lambda: Fall(drive_friction=-1), "drive_friction"),
+        (lambda: GuideTubeWater(ramp=0), "ramp"),
+    ],
+)
+def test_bad_input_is_refused(build, message):
+    with pytest.raises(InputError, match=message):
+        build()
+
+
+@pytest.mark.parametrize(
+    "law", [Fall(GuideTubeWater(buoyancy=2.5)), Fall(drive_friction=30.0), Fall()]
+)
+def test_a_rod_that_would_never_fall_is_refused(law):
+    """2 kg: buoyancy carries it, the drive line holds it, or there is no gravity."""
+    gravity = (0, -9.81) if law != Fall() else None
+    with pytest.raises(InputError, match="never fall"):
+        BeamSolid(AXIS, GOOD, law=law, gravity=gravity)

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What the stability maps found to be wrong, each mended and held by a test."""
+
+import numpy as np
+import pytest
+from scenes import rectangle
+
+from fenicsx_contact import Contact, HalfSpace, HyperelasticSolid, InputError, Scene, neo_hookean
+from fenicsx_contact.study.problems import bar_at_wall, rocking, sliding_elastic, squeezed
+
+
+def test_free_jumps_that_are_round_off():
+    # a node that the wall has stopped, behind it a bar that still moves at 10 m/s: without
+    # contact nothing would happen to it in an explicit step, but for 1e-13 m/s
+    problem = bar_at_wall(cells=20, cfl=0.1, theta=0.0, allow_growth=True)
+    history = problem.run()
+    assert history.finished and not history.remarks
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        {"youngs_modulus": 1e16, "poisson_ratio": 0.4999},
+        {"aspect": 1e3},
+        {"periods": 1e3},
+    ],
+)
+def test_forces_that_balance_each_other(setting):
+    problem = squeezed(**setting)
+    history = problem.run()
+    assert history.finished and not history.remarks
+    assert history["newton"].max() <= 10
+    assert problem.error(history) < problem.bound
+
+
+@pytest.mark.parametrize("speed", [1e-6, 1.0, 1e6])
+def test_hyperelastic_solid_in_flight_without_forces(speed):
+    solid = HyperelasticSolid(
+        rectangle((2, 2)),
+        energy=neo_hookean(1e6, 0.3),
+        density=1000.0,
+        velocity=lambda x: np.stack([0.3 * speed + 0 * x[0], speed + 0 * x[1]]),
+    )
+    contact = Contact(solid, "base", HalfSpace((0, -1), (0, 1)))
+    history = Scene([solid], [contact]).run(0.1, 0.01)
+    assert history.finished and not history.remarks
+    np.testing.assert_allclose(solid.velocity.reshape(-1, 2), [[0.3 * speed, speed]] * 9, rtol=1e-9)
+
+
+def test_a_tilt_of_10_nanoradians():
+    # the corner is lifted by 4 nm: less than ten of the former gap tolerances
+    problem = rocking(tilt=1e-8, share=0.01)
+    history = problem.run()
+    assert history.finished
+    assert problem.error(history) < problem.bound < 0.2
+
+
+def test_a_stiff_solid_that_travels_keeps_its_digits():
+    # K u of a translation u of 1 m is 1 N of round-off at 1e16 Pa; it made 7 J of strain energy
+    history = sliding_elastic(youngs_modulus=1e16, share=0.01).run()
+    assert history.finished
+    assert history["strain"].max() < 1e-8 * history["kinetic"][0]
+
+
+@pytest.mark.parametrize("forces", ["theta", "end"])
+def test_a_scheme_that_makes_energy_is_refused(forces):
+    with pytest.raises(InputError, match=r"theta = 0\.49.*allow_growth"):
+        bar_at_wall(cells=4, theta=0.49, forces=forces)
+    assert bar_at_wall(cells=4, theta=0.49, forces=forces, allow_growth=True).run().finished

@@ -1,0 +1,320 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Guides: geometry, exact static forces of rods in bent tubes, friction, stations, the third
+dimension."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fenicsx_contact import (
+    BeamSolid,
+    Driven,
+    Fall,
+    Gap,
+    InputError,
+    Scene,
+    Section,
+    Support,
+    ThetaScheme,
+    Velocity,
+    axis_mesh,
+)
+from fenicsx_contact.guides import (
+    AnyCurve,
+    Bow,
+    Card,
+    Guide,
+    GuideContact,
+    Sine,
+    Straight,
+    Tube,
+    settle,
+)
+from fenicsx_contact.references.rod import endless_insertion_force
+
+L, EI, C = 3.66, 850.0, 0.775e-3
+ROD = Section(mass=16.662, bending=EI)
+CURVES = [
+    Straight(0.01),
+    Sine(0.01, L),
+    Sine(0.01, L, "kinked"),
+    Bow(0.02, 3.0),
+    AnyCurve(lambda x: 1e-3 * x**2, lambda x: 2e-3 * x),
+]
+
+
+# -- geometry -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("curve", CURVES, ids=lambda c: type(c).__name__)
+def test_slopes_are_derivatives(curve):
+    x = np.linspace(0.1, 3.5, 50)
+    by = (curve.offset(x + 1e-5) - curve.offset(x - 1e-5)) / 2e-5
+    np.testing.assert_allclose(curve.slope(x), by, atol=1e-9)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("curve", CURVES, ids=lambda c: type(c).__name__)
+def test_distance_and_normal_are_those_of_the_wall(curve, dim):
+    """Against the nearest of many points of the wall; the normal is the gradient."""
+    rng = np.random.default_rng(3)
+    clearance = [(0, C), (1.5, C), (1.7, 0.3 * C), (3, 0.3 * C)]
+    guide = Guide([Tube(0, 3.0, clearance, curve)], origin=(0.0,) * dim)
+    depth = np.array([0.7, 1.3, 1.6, 2.5])
+    points = guide.centre(depth) + 0.0
+    off = rng.normal(size=(4, dim - 1))
+    off *= 0.2 * C / np.linalg.norm(off, axis=1)[:, None]
+    points[:, : dim - 1] += off
+    found, normal = guide.distance(points).copy(), guide.normals(points).copy()
+
+    fine = np.linspace(0.5, 2.7, 400001)
+    wall = guide.centre(fine)
+    c = np.interp(fine, *np.transpose(clearance))
+    for p, d, o in zip(points, found, off / np.linalg.norm(off, axis=1)[:, None]):
+        side = wall.copy()
+        side[:, : dim - 1] += c[:, None] * o  # the side of the wall that the point is nearest to
+        assert d == pytest.approx(np.linalg.norm(side - p, axis=1).min(), rel=3e-4, abs=1e-7)
+    np.testing.assert_allclose(np.linalg.norm(normal, axis=1), 1)
+    for axis in range(dim):
+        step = np.eye(dim)[axis] * 1e-8
+        slope = (guide.distance(points + step) - guide.distance(points - step)) / 2e-8
+        # in space the inclined wall also turns about the rod, by the square of its slope
+        np.testing.assert_allclose(slope, normal[:, axis], atol=2e-5 if dim == 2 else 2e-3)
+
+
+def test_outside_the_tubes_no_wall_is_near():
+    guide = Guide([Tube(0, 1, C), Tube(2, 3, C), Card(-1.0, C)])
+    points = np.array([[5.0, 0.5], [0.0, -1.5], [0.0, -3.5], [0.0, -2.5]])
+    np.testing.assert_allclose(guide.distance(points), [1.0, 1.0, 1.0, C])
+
+
+def test_stations_are_where_a_guide_is_convex():
+    """Ends, cards, kinks, the end of a taper (not its beginning); the tighter one of two."""
+    taper = [(0, C), (1, C), (1.05, C / 4), (2, C / 4)]
+    pieces = [Card(-0.9, 1e-4), Tube(-0.5, 0, C / 2), Tube(0, 2, taper, kinks=[0.3])]
+    guide = Guide(pieces)
+    np.testing.assert_allclose(guide.stations, [-0.9, -0.5, 0, 0.3, 1.05, 2])
+    np.testing.assert_allclose(guide.clearance(), [1e-4, C / 2, C / 2, C, C / 4, C / 4])
+
+
+# -- statics ------------------------------------------------------------------------------------
+
+
+def half_wave(amplitude, cells):
+    """Half a wavelength of an endless beam: held at the inflexions."""
+    axis = axis_mesh((0, -L / 2), (0, 1), rod=(L / 2, cells))
+    pins = [Support(0, lateral=math.inf, axial=math.inf), Support(L / 2, lateral=math.inf)]
+    rod = BeamSolid(axis, ROD, supports=pins)
+    guide = Guide([Tube(-0.01, L / 2 + 0.01, C, Sine(amplitude, L, "kinked"))])
+    return settle(rod, "rod", guide)
+
+
+@pytest.mark.parametrize("amplitude", [0.002, 0.004, 0.005, 0.010, 0.020, 0.030])
+def test_endless_beam_in_a_sine(amplitude):
+    """126.46 N at 10 mm, and the exact formula elsewhere."""
+    exact = endless_insertion_force(amplitude, C, L, EI)
+    if amplitude == 0.010:
+        assert exact == pytest.approx(126.46, abs=0.005)
+    contact = half_wave(amplitude, 37)
+    assert 2 * contact.normal_force() == pytest.approx(exact, rel=1.5e-3)
+    assert contact.depth() < 1e-6 * C
+
+
+def test_one_contact_per_crest_is_exact():
+    """c/a > 0.1775: a beam on three points, to round-off once a node stands at the crest."""
+    contact = half_wave(0.004, 38)
+    exact = 768 * EI * (0.004 - C) / L**3
+    assert 2 * contact.normal_force() == pytest.approx(exact, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "force"), [(0.005, 75.3), (0.010, 175.9), (0.020, 390.1), (0.030, 612.6)]
+)
+def test_one_wavelength_with_free_ends(amplitude, force):
+    rod = BeamSolid(axis_mesh((0, -L), (0, 1), rod=(L, 73)), ROD)
+    guide = Guide([Tube(-1e-6, L + 1e-6, C, Sine(amplitude, L, "kinked"))])
+    assert settle(rod, "rod", guide).normal_force() == pytest.approx(force, rel=5e-3)
+
+
+def test_no_contact_below_the_clearance():
+    contact = half_wave(0.9 * C, 20)
+    assert contact.normal_force() == 0
+    assert endless_insertion_force(0.9 * C, C, L, EI) == 0
+
+
+def test_a_rod_is_interpolated_at_cards():
+    """Three cards, none at a node, bend a rod as three point loads do, whatever its mesh."""
+    forces = []
+    for cells in (8, 23):
+        rod = BeamSolid(axis_mesh((0, -2), (0, 1), rod=(2.0, cells)), ROD)
+        cards = [Card(0.31, C), Card(1.03, C, centre=5e-3), Card(1.77, C)]
+        contact = settle(rod, "rod", Guide(cards))
+        forces.append(contact.force[contact.stations, 0])
+        assert np.abs(contact.force[:, 1]).max() < 0.02 * np.abs(contact.force).max()
+    a, b = 1.03 - 0.31, 1.77 - 1.03
+    exact = 3 * EI * (a + b) / (a * b) ** 2 * (5e-3 - 2 * C)
+    np.testing.assert_allclose(
+        forces[1], [-exact * b / (a + b), exact, -exact * a / (a + b)], rtol=1e-3
+    )
+    # a load inside a cell deflects it by a little more than its nodes know
+    np.testing.assert_allclose(forces[0], forces[1], rtol=3e-3)
+
+
+# -- sliding ------------------------------------------------------------------------------------
+
+
+def pushed(friction, formulation="velocity", dim=2, speed=0.05, steps=160, **place):
+    """A rod driven through a sine that is 10 mm high, by half its wavelength."""
+    axis = axis_mesh((0,) * (dim - 1) + (-1.2,), (0,) * (dim - 1) + (1,), rod=(2.4, 48))
+    curve = place.pop("curve", Sine(0.01, 1.8))
+    guide = Guide([Tube(-2, 4, C, curve)], origin=(0.0,) * dim, **place)
+    rod = BeamSolid(axis, ROD)
+    settle(rod, "rod", guide)
+    rod.law = Driven(speed)
+    contact = GuideContact(rod, "rod", guide, formulation, friction, name="c")
+    scene = Scene([rod], [contact], ThetaScheme(1.0, forces="end"))
+
+    def rubbing():
+        normal = np.einsum("ij,ij->i", contact.force, contact.normal)[:, None] * contact.normal
+        return np.linalg.norm(contact.force - normal, axis=1).sum()
+
+    rod.drive_force = 0.0
+    probes = {
+        "normal": contact.normal_force,
+        "tangential": rubbing,
+        "wall": lambda: contact.axial_force()[0],
+        "rubbing": lambda: contact.axial_force()[1],
+        "driving": lambda: rod.drive_force,
+    }
+    history = scene.run(0.9 / speed, 0.9 / speed / steps, probes=probes)
+    assert history.finished, history.reason
+    # the sudden start finds points that are not predicted; what they penetrate decays
+    assert history["c.penetration"][20:].max() < 0.05 * C
+    return history, contact
+
+
+@pytest.mark.parametrize(
+    ("formulation", "speed", "steps"), [(Velocity(0.1), 1.0, 900), (Gap(), 0.05, 160)]
+)
+def test_friction_is_mu_times_normal_force_in_sliding(formulation, speed, steps):
+    """And the drive supplies what walls and friction resist with, fast or slowly."""
+    history, _ = pushed(0.3, formulation, speed=speed, steps=steps)
+    later = slice(20, None)
+    normal = history["normal"][later]
+    assert normal.min() > 50
+    np.testing.assert_allclose(history["tangential"][later], 0.3 * normal, rtol=1e-6)
+    # it acts along inclined walls: its axial part is the cosine of their slope, >= 0.997, of it
+    np.testing.assert_allclose(-history["rubbing"][later], 0.3 * normal, rtol=3e-3)
+    resistance = -(history["wall"] + history["rubbing"])[later]
+    np.testing.assert_allclose(history["driving"][later], resistance, atol=1e-9 * normal.max())
+
+
+def test_walls_push_along_the_axis_what_the_rod_stores():
+    """Without friction, slowly: the work of the drive is the strain energy."""
+    history, _ = pushed(0.0, Gap(), steps=320)
+    work = 0.9 / 320 * np.cumsum(history["driving"])
+    stored = history["strain"] - history["strain"][0]
+    assert np.ptp(stored) > 0.3
+    np.testing.assert_allclose(work, stored, atol=0.01 * np.ptp(stored))
+
+
+def test_in_space_a_plane_bow_is_a_plane_problem():
+    """The annular gap gives the forces of two walls, in any plane."""
+    fast = {"speed": 1.0, "steps": 900}
+    flat, _ = pushed(0.3, Velocity(0.1), **fast)
+    plane = (0.6, 0.8, 0)
+    round_, contact = pushed(0.3, Velocity(0.1), dim=3, plane=plane, **fast)
+    for column in ("normal", "rubbing", "wall"):
+        size = np.abs(flat["normal"]).max()
+        impulse = np.cumsum(round_[column] - flat[column]) / len(flat)
+        assert np.abs(impulse).max() < 5e-3 * size
+    across = np.cross(plane, (0, 0, 1))
+    assert np.abs(contact.force @ across).max() < 1e-2 * np.abs(contact.force).max()
+
+
+@pytest.mark.long
+def test_a_helix_bears_all_around():
+    """A curve in space: both lateral components of the forces, friction mu N."""
+    k = 2 * np.pi / 1.8
+    helix = AnyCurve(
+        lambda x: 0.01 * np.stack([np.cos(k * x) - 1, np.sin(k * x)], axis=1),
+        lambda x: 0.01 * k * np.stack([-np.sin(k * x), np.cos(k * x)], axis=1),
+    )
+    history, contact = pushed(0.2, Velocity(0.1), dim=3, curve=helix, speed=1.0, steps=1800)
+    assert np.abs(contact.force[:, 0]).max() > 10 and np.abs(contact.force[:, 1]).max() > 10
+    np.testing.assert_allclose(history["tangential"][2:], 0.2 * history["normal"][2:], rtol=1e-6)
+
+
+def test_a_wall_moves_for_a_falling_rod():
+    """An inclined straight tube: the rod is guided sideways at tilt times its speed."""
+    tilt = 0.02
+    rod = BeamSolid(axis_mesh((0, -1), (0, 1), rod=(1.0, 10)), ROD, gravity=(0, -9.81), law=Fall())
+    guide = Guide([Tube(-1, 3, C, Straight(tilt))])
+    settle(rod, "rod", guide)
+    contact = GuideContact(rod, "rod", guide, Velocity(0.1), name="c")
+    history = Scene([rod], [contact], ThetaScheme(0.6)).run(0.4, 1e-3)
+    bending, _ = rod.split(rod.velocity)
+    assert bending[0, ::2].mean() == pytest.approx(tilt * rod.speed, rel=1e-3)
+    # a bead on an inclined wire
+    assert rod.speed == pytest.approx(9.81 / (1 + tilt**2) * 0.4, rel=1e-4)
+    assert np.abs(history["balance"]).max() < 1e-9
+    assert history["c.penetration"].max() < 0.05 * C
+
+
+# -- bad input ----------------------------------------------------------------------------------
+
+
+def rod_at(tip, **others):
+    return BeamSolid(axis_mesh((0, -tip), (0, 1), rod=(1.0, 10)), ROD, gravity=(0, -9.81), **others)
+
+
+@pytest.mark.parametrize(
+    ("build", "message"),
+    [
+        (lambda: Tube(0, 1, -C), "clearance"),
+        (lambda: Tube(0, 1, [(0, C), (1, -C)]), "clearance"),
+        (lambda: Tube(0, 1, [(1, C), (0, C)]), "downwards"),
+        (lambda: Tube(1, 0, C), "top"),
+        (lambda: Tube(0, 1, C, curve="S"), "curve"),
+        (lambda: Card(0, 0), "clearance"),
+        (lambda: Sine(0.01, 0.0), "wavelength"),
+        (lambda: Sine(0.01, 1.0, "sharp"), "inlet"),
+        (lambda: Bow(math.nan, 1.0), "sagitta"),
+        (lambda: Guide([]), "pieces"),
+        (lambda: Guide([Tube(0, 1, C), Tube(0.5, 2, C)]), "overlap"),
+        (lambda: Guide([Tube(0, 1, C)], direction=(0, 0)), "direction"),
+        (lambda: Guide([Tube(0, 1, C)], origin=(0, 0, 0), plane=(0, 0, 1)), "perpendicular"),
+        (lambda: GuideContact(rod_at(1.0), "tip", Guide([Tube(-1, 2, C)])), "no such stretch"),
+        (lambda: GuideContact(rod_at(1.0), "rod", "tube"), "a Guide"),
+        (lambda: GuideContact(rod_at(1.0), "rod", Guide([Card(0, C)])), "two stations"),
+        (
+            lambda: GuideContact(rod_at(1.0), "rod", Guide([Tube(-1, 2, C)], direction=(1, 0))),
+            "down the rod's axis",
+        ),
+        (
+            lambda: GuideContact(rod_at(1.0), "rod", Guide([Tube(-1, 2, C)], origin=(0, 0, 0))),
+            "dimension 3",
+        ),
+    ],
+)
+def test_bad_input_is_refused(build, message):
+    with pytest.raises(InputError, match=message):
+        build()
+
+
+def test_a_rod_longer_than_its_guide_allows_is_refused():
+    with pytest.raises(InputError, match="longer than its guide"):
+        GuideContact(rod_at(3.0), "rod", Guide([Tube(-1, 2, C)]))
+    rod = rod_at(1.0, law=Fall(stop=1.5))
+    with pytest.raises(InputError, match=r"depth 2.5 m, beyond the end"):
+        GuideContact(rod, "rod", Guide([Tube(-1, 2, C)]))
+
+
+def test_a_guide_too_bent_for_its_clearance_is_refused():
+    """A straight rod in a bow would start inside the wall; laid in first, it may start."""
+    rod, guide = rod_at(1.0), Guide([Tube(-1, 3, C, Bow(0.01, 1.0))])
+    with pytest.raises(InputError, match="too bent for its clearance"):
+        GuideContact(rod, "rod", guide)
+    settle(rod, "rod", guide)
+    GuideContact(rod, "rod", guide)

@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The drop of a control rod against its one-dof law, against itself refined, and its energies."""
+
+import importlib.util
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fenicsx_contact import Fall, Gap, GuideTubeWater, Scene, ThetaScheme, Velocity
+from fenicsx_contact.guides import GuideContact, settle
+from fenicsx_contact.references.rod import one_dof_drop
+
+DEMOS = Path(__file__).resolve().parent.parent / "demos"
+
+
+def load(name):
+    spec = importlib.util.spec_from_file_location(name, DEMOS / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # dataclasses look their module up
+    spec.loader.exec_module(module)
+    return module
+
+
+demo = load("rod_drop")
+STRAIGHT = demo.Assumed(amplitude=0.0, friction=0.0)
+SMOOTH, KINKED = demo.Assumed(), demo.Assumed(kinked=True)
+COARSE = 2e-3  # twenty times the demo's step
+TRAVELS = [demo.DASHPOT, demo.BOTTOM]
+
+
+def one_dof(force=0.0, mass=126.4176):
+    return one_dof_drop(TRAVELS, mass=mass, water=GuideTubeWater(), force=force)[0]
+
+
+def times(drop):
+    return np.array([drop.time_at(travel) for travel in TRAVELS])
+
+
+@pytest.fixture(scope="module")
+def smooth():
+    return demo.drop(SMOOTH, dt=COARSE)
+
+
+@pytest.fixture(scope="module")
+def kinked():
+    return demo.drop(KINKED, dt=COARSE)
+
+
+# -- without contact friction -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("friction", "T5", "total"),
+    [
+        (0, 1.30044, 1.70827),
+        (100, 1.36312, 1.79061),
+        (200, 1.43584, 1.88614),
+        (300, 1.52160, 1.99879),
+    ],
+)
+def test_one_dof_law(friction, T5, total):
+    """The reference numbers of an independent integration."""
+    np.testing.assert_allclose(one_dof(friction), [T5, total], atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("friction", "T5", "total"), [(0, 1.30044, 1.70827), (100, 1.36312, 1.79061)]
+)
+def test_straight_drop(friction, T5, total):
+    drop = demo.drop(replace(STRAIGHT, drive_friction=float(friction)), dt=5e-4)
+    np.testing.assert_allclose(times(drop), [T5, total], atol=1e-4)
+    assert drop.history["guide.bearing"].max() == 0
+    assert np.abs(drop.history["balance"]).max() < 1e-9
+
+
+def test_straight_drop_is_of_second_order():
+    exact = one_dof()
+    scheme = ThetaScheme(0.5)
+    errors = [
+        np.abs(times(demo.drop(STRAIGHT, dt=dt, scheme=scheme)) - exact)[0] for dt in (8e-3, 4e-3)
+    ]
+    assert np.log2(errors[0] / errors[1]) > 1.7
+
+
+def test_states_of_fdnl100():
+    """Three published states, to which the water law was fitted: its own fit, 1.5 %."""
+    h = demo.drop(replace(STRAIGHT, drive_friction=100.0), dt=1e-3).history
+    for t, z, v in ((0.7, 1.1515, 2.6187), (1.4, 3.1558, 2.6511), (1.785, 3.6073, 0.7287)):
+        assert np.interp(t, h.time, h["travel"]) == pytest.approx(z, rel=1.5e-2)
+        assert np.interp(t, h.time, h["speed"]) == pytest.approx(v, rel=1.5e-2)
+
+
+def test_the_axial_budget_closes():
+    """Recomputed from the course of the fall alone: (M - m_w) g z = kinetic + drag + added mass."""
+    drop = demo.drop(STRAIGHT, dt=2.5e-4, scheme=ThetaScheme(0.5))
+    h, water, M = drop.history, GuideTubeWater(), drop.rod.mass
+    t, z, v = h.time, h["travel"], h["speed"]
+    drag = np.array([water.drag(x)[0] for x in z]) * v**3
+    added = np.array([water.added_mass(x) for x in z])
+    lost = 0.5 * water.mass / water.mass_travel * v**3  # -1/2 m_a'(z) v³
+
+    def integral(f):
+        return 0.5 * (f[1:] + f[:-1]) @ np.diff(t)
+
+    gravity = (M - water.buoyancy) * demo.G * z[-1]
+    kinetic = 0.5 * (M + added[-1]) * v[-1] ** 2
+    budget = gravity - kinetic - integral(drag) - integral(lost)
+    assert abs(budget) < 1e-6 * M * demo.G * z[-1]
+
+
+def test_end_stop_bounces_the_rod():
+    """The energy of a spring, and the drive line brings the rod to rest."""
+    rod = demo.rod(replace(STRAIGHT, drive_friction=400.0))
+    guide = demo.guide(STRAIGHT)
+    contact = GuideContact(rod, "rods", guide, name="guide")
+    history = Scene([rod], [contact]).run(4.0, 1e-3, probes={"travel": lambda: rod.travel})
+    deepest = history["travel"].max()
+    assert 1e-3 < deepest - demo.BOTTOM < 0.05
+    assert abs(rod.speed) < 1e-3
+    held = (rod.mass - GuideTubeWater().buoyancy) * demo.G
+    force = 1.7e5 * (rod.travel - demo.BOTTOM)
+    assert abs(force - held) <= 400 * (1 + 1e-6)
+    assert np.abs(history["balance"]).max() < 1e-9
+
+
+# -- with contact -------------------------------------------------------------------------------
+
+
+def test_formulations_agree(smooth, kinked):
+    """Velocity and gap within 0.05 %, also with a kinked inlet."""
+    for drop, case in ((smooth, SMOOTH), (kinked, KINKED)):
+        gap = demo.drop(case, Gap(reach=3e-5), dt=COARSE)
+        np.testing.assert_allclose(times(gap), times(drop), rtol=5e-4)
+        assert gap.history["guide.penetration"].max() < 0.05 * demo.DASHPOT_CLEARANCE
+
+
+def test_drop_in_smooth_and_kinked_tubes(smooth, kinked):
+    """Friction is mu N; the kink costs ten times what the bow does; books and walls are kept."""
+    T5 = [drop.time_at(demo.DASHPOT) - one_dof()[0] for drop in (smooth, kinked)]
+    assert 0.008 < T5[0] < 0.012 and 0.08 < T5[1] < 0.11
+    for drop in (smooth, kinked):
+        h = drop.history
+        assert h.finished
+        sliding = h["speed"] > 0.1
+        np.testing.assert_allclose(
+            -h["rubbing"][sliding], 0.3 * h["normal"][sliding], rtol=2e-3, atol=1e-6
+        )
+        work = drop.rod.mass * demo.G * drop.rod.travel
+        assert np.abs(h["balance"]).max() < 1e-9 * work
+        assert abs(h["scheme"][-1]) < 1e-4 * work
+
+
+@pytest.mark.parametrize("case", ["smooth", "kinked"])
+def test_one_dof_law_fed_with_static_forces(case, smooth, kinked):
+    """Lateral dynamics hardly matter: mu N(z) and the walls' push of a slow insertion give T5."""
+    drop, a = {"smooth": (smooth, SMOOTH), "kinked": (kinked, KINKED)}[case]
+    slow = demo.insertion(replace(a, friction=0.0))
+    assert slow.finished
+
+    def held(z):
+        normal = np.interp(z, slow["travel"], slow["normal"])
+        return a.friction * normal - np.interp(z, slow["travel"], slow["wall"])
+
+    slow["normal"][0], slow["wall"][0] = slow["normal"][1], slow["wall"][1]
+    T5 = one_dof(held)[0]
+    assert drop.time_at(demo.DASHPOT) == pytest.approx(T5, rel=5e-4)
+
+
+def test_the_lateral_budget_closes_at_theta_one_half():
+    """Work of the walls = stored + lost in impacts (+ nothing: the scheme conserves)."""
+    drop = demo.drop(SMOOTH, Velocity(), dt=1e-3, scheme=ThetaScheme(0.5))
+    h = drop.history
+    middle = 0.5 * (h["speed"][1:] + h["speed"][:-1])
+    axial = np.cumsum((h["wall"] + h["rubbing"])[1:] * middle * np.diff(h.time))
+    lateral = (h["impact"] + h["friction"])[1:] - axial
+    stored = h["lateral"][1:] - h["lateral"][0]
+    assert np.ptp(stored) > 0.5
+    np.testing.assert_allclose(lateral, stored, atol=1e-3 * np.ptp(stored))
+    assert np.abs(h["scheme"]).max() < 1e-3 * np.ptp(stored)
+    assert h["guide.penetration"].max() < 0.1 * demo.TUBE_CLEARANCE
+
+
+def test_a_jammed_rod_says_so():
+    """A kink of 43 mrad holds the rod for ever: a result with a reason."""
+    drop = demo.drop(replace(KINKED, amplitude=0.025), dt=2e-3, until=1.0)
+    assert not drop.history.finished
+    assert "did not happen by t = 1 s" in drop.history.reason
+    assert np.isnan(drop.time_at(demo.DASHPOT))
+    assert abs(drop.rod.travel) < 1e-9 and abs(drop.rod.speed) < 1e-9  # it sticks
+
+
+def test_a_flow_pushes_the_rod_against_the_wall():
+    """A lateral load of 20 N/m below the inlet: the walls bear it, whatever the rod does."""
+    rod, guide = demo.rod(STRAIGHT), demo.guide(STRAIGHT)
+    rod = type(rod)(
+        rod.axis,
+        {"rods": demo.RODS, "drive": demo.DRIVE_ROD},
+        gravity=(0, -demo.G),
+        law=Fall(GuideTubeWater()),
+        lateral_load=lambda along: np.where(along < demo.INSIDE, 20.0, 0.0)[None],
+        name="rod",
+    )
+    settle(rod, "rods", guide)
+    contact = GuideContact(rod, "rods", guide, Velocity(0.1), 0.3, name="guide")
+    scene = Scene([rod], [contact], ThetaScheme(0.6))
+    history = scene.run(1.2, 1e-3, probes={"normal": contact.normal_force, "z": lambda: rod.travel})
+    wet = 20.0 * (demo.INSIDE + history["z"])
+    late = history.time > 0.5
+    assert history["normal"][late].mean() == pytest.approx(wet[late].mean(), rel=0.02)
+    assert np.abs(history["balance"]).max() < 1e-8
+
+
+# -- refined ------------------------------------------------------------------------------------
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("case", [SMOOTH, KINKED], ids=["smooth", "kinked"])
+def test_convergence_at_the_full_step(case):
+    """T5 within 0.03 % when dt = 1e-4 is halved, 0.1 % when the cells are, 0.05 % by gap."""
+    base = demo.drop(case, dt=1e-4)
+    T5 = base.time_at(demo.DASHPOT)
+    assert base.history["guide.penetration"].max() < 0.05 * demo.DASHPOT_CLEARANCE
+    assert demo.drop(case, dt=5e-5).time_at(demo.DASHPOT) == pytest.approx(T5, rel=3e-4)
+    assert demo.drop(case, dt=1e-4, cell=0.025).time_at(demo.DASHPOT) == pytest.approx(T5, rel=1e-3)
+    gap = demo.drop(case, Gap(reach=3e-5), dt=1e-4)
+    assert gap.time_at(demo.DASHPOT) == pytest.approx(T5, rel=5e-4)
+
+
+@pytest.mark.parametrize("case", [SMOOTH, KINKED], ids=["smooth", "kinked"])
+def test_convergence_of_coarse_drops(case, smooth, kinked):
+    """The same at twenty times the step: half of it, and cells of half the length."""
+    T5 = {SMOOTH: smooth, KINKED: kinked}[case].time_at(demo.DASHPOT)
+    assert demo.drop(case, dt=COARSE / 2).time_at(demo.DASHPOT) == pytest.approx(T5, rel=3e-4)
+    fine = demo.drop(case, dt=COARSE, cell=0.025)
+    assert fine.time_at(demo.DASHPOT) == pytest.approx(T5, rel=1e-3)

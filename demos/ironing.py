@@ -9,11 +9,11 @@
 #
 # ## The continuous problem
 #
-# Two solids in plane strain without inertia. The slab, $[0, 4] \times [-1, 0]$ with
-# $E = 1$, $\\nu = 0.3$, is held at its bottom; the die, $[0.5, 1.5] \times [0, 0.5]$ with $E = 10$, has a bowed
-# bottom, raised by $0.1 s^2$ with $s = (x - 1)/0.5$. Its top is pressed down by 0.15 and then drawn
-# along by 1.5. Between the two Signorini's conditions hold and Coulomb's with $\mu = 0.3$, on the
-# deformed surfaces. Any consistent units. Two materials: linear elasticity, and the compressible
+# Two solids in plane strain without inertia, both with $\nu = 0.3$. The slab, $[0, 4] \times
+# [-1, 0]$ with $E = 1$, is held at its bottom; the die, $[0.5, 1.5] \times [0, 0.5]$ with $E = 10$,
+# has a bowed bottom, raised by $0.1 s^2$ with $s = (x - 1)/0.5$. Its top is pressed down by 0.15 and
+# then drawn along by 1.5. Between the two Signorini's conditions hold and Coulomb's with $\mu =
+# 0.3$, on the deformed surfaces. Any consistent units. Two materials: linear, and the compressible
 # neo-Hookean law that Ciarlet gives, $\mu/2\,(\mathrm{tr}\,C - 3 - 2\ln J) + \lambda/4\,(J^2 - 1 -
 # 2 \ln J)$.
 #
@@ -21,8 +21,8 @@
 #
 # ## The discrete form
 #
-# The gap law at the end of each load step, $\lambda$ and $\Lambda$ at the nodes of the die's bottom,
-# which is the slave, and mortar integrals of gap and jump along the rays of its normals. One Newton
+# The gap law at the end of each load step, $\lambda$ and $\Lambda$ at the nodes of the die's
+# bottom, which is the slave, and mortar integrals of gap and jump along the rays of its normals. One Newton
 # loop treats solids, contact *and geometry*: the tangent has the derivatives of gaps, normals and
 # partners. The paper's own algorithm, a fixed point over frozen geometries, is one argument away.
 

@@ -17,7 +17,7 @@ from .impacts import cross_impacts
 from .newton import Newton
 from .run import run
 from .solids import Solid
-from .statics import refuse_free
+from .statics import refuse_free, stands
 from .stepper import Stepper
 from .theta import Step, ThetaScheme
 
@@ -40,7 +40,8 @@ class Scene:
             paper's loop around contact with frozen geometry. Default: "newton" where two solids
             meet of which one is deformable.
         solver: of the linear systems of "newton": "condensed" on the surfaces, or "monolithic".
-            Default: condensed if all solids are linear and the surfaces small.
+            Default: condensed if all solids are linear, the surfaces small, and, without inertia,
+            supports hold each solid.
         allow_free: accept a solid that has neither contact nor support.
         allow_growth: accept theta < 1/2, with which the scheme makes (1/2 - theta) dv' M dv of
             energy in each step, in deformable solids exponentially.
@@ -106,7 +107,10 @@ class Scene:
             geometry = "newton" if pairs else "fixed point"
         if solver is None:
             places = sum(contact.part.places for contact in self.contacts)
-            solver = "monolithic" if nonlinear or places > LARGE_SURFACE else "condensed"
+            # what only contact holds in equilibrium has no compliance of its own
+            floats = not self.scheme.inertia and not all(stands(s) for s in self.solids)
+            large = places > LARGE_SURFACE
+            solver = "monolithic" if nonlinear or large or floats else "condensed"
         checks.choice("geometry", geometry, ["newton", "fixed point"])
         checks.choice("solver", solver, ["condensed", "monolithic"])
         return geometry, solver

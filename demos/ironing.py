@@ -9,22 +9,23 @@
 #
 # ## The continuous problem
 #
-# Two solids in plane strain without inertia, both with $\nu = 0.3$. The slab, $[0, 4] \times
-# [-1, 0]$ with $E = 1$, is held at its bottom; the die, $[0.5, 1.5] \times [0, 0.5]$ with $E = 10$,
-# has a bowed bottom, raised by $0.1 s^2$ with $s = (x - 1)/0.5$. Its top is pressed down by 0.15 and
-# then drawn along by 1.5. Between the two Signorini's conditions hold and Coulomb's with $\mu =
-# 0.3$, on the deformed surfaces. Any consistent units. Two materials: linear, and the compressible
-# neo-Hookean law that Ciarlet gives, $\mu/2\,(\mathrm{tr}\,C - 3 - 2\ln J) + \lambda/4\,(J^2 - 1 -
-# 2 \ln J)$.
+# Two solids in plane strain without inertia, both with $\nu = 0.3$. The slab,
+# $[0, 4] \times [-1, 0]$ with $E = 1$, is held at its bottom; the die,
+# $[0.5, 1.5] \times [0, 0.5]$ with $E = 10$, has a bowed bottom, raised by $0.1 s^2$ with
+# $s = (x - 1)/0.5$. Its top is pressed down by 0.15 and then drawn along by 1.5. Between the two
+# Signorini's conditions hold and Coulomb's with $\mu = 0.3$, on the deformed surfaces. Any
+# consistent units. Two materials: linear, and the compressible neo-Hookean law that Ciarlet gives,
+# $\mu/2\,(\mathrm{tr}\,C - 3 - 2\ln J) + \lambda/4\,(J^2 - 1 - 2 \ln J)$.
 #
 # The drag is not $\mu$ times the normal force: the die leans on the bulge before it.
 #
 # ## The discrete form
 #
 # The gap law at the end of each load step, $\lambda$ and $\Lambda$ at the nodes of the die's
-# bottom, which is the slave, and mortar integrals of gap and jump along the rays of its normals. One Newton
-# loop treats solids, contact *and geometry*: the tangent has the derivatives of gaps, normals and
-# partners. The paper's own algorithm, a fixed point over frozen geometries, is one argument away.
+# bottom, which is the slave, and mortar integrals of gap and jump along the rays of its normals.
+# One Newton loop treats solids, contact *and geometry*: the tangent has the derivatives of gaps,
+# normals and partners. The paper's own algorithm, a fixed point over frozen geometries, is one
+# argument away.
 
 # %%
 import sys
@@ -88,7 +89,7 @@ def ironing(
     slab_mesh = mesh_from_gmsh(MESHES / "slab.geo", n=n, **layers, **width)
     die = solid(material, die_mesh, 10.0, prescribed={"top": motion}, name="die")
     slab = solid(material, slab_mesh, 1.0, fixed=["bottom"], name="slab")
-    contact = Contact(die, "bottom", (slab, "top"), "gap", friction=friction, name="die")
+    contact = Contact(die, "bottom", (slab, "top"), "gap", friction=friction, name="contact")
     return Scene([die, slab], [contact], QuasiStatic(), **scene)
 
 
@@ -116,7 +117,7 @@ def iron(
 
 def force_ratio(history: History) -> np.ndarray:
     """Tangential over normal force on the die, by steps."""
-    along, normal = -history["die.force_x"], history["die.force_y"]
+    along, normal = -history["contact.force_x"], history["contact.force_y"]
     return np.divide(along, normal, out=np.zeros_like(along), where=normal > 0)
 
 
@@ -150,11 +151,11 @@ def draw(curves: dict[str, History], errors: dict[str, list[float]]) -> None:
         way = WAY * (history.time - PRESS_STEPS) / (last - PRESS_STEPS)
         dragged = history.time >= PRESS_STEPS
         (line,) = axes[0].plot(
-            way[dragged], history["die.force_y"][dragged], label=f"{label}: normal"
+            way[dragged], history["contact.force_y"][dragged], label=f"{label}: normal"
         )
         axes[0].plot(
             way[dragged],
-            -history["die.force_x"][dragged],
+            -history["contact.force_x"][dragged],
             "--",
             color=line.get_color(),
             label=f"{label}: tangential",

@@ -173,6 +173,14 @@ class Contact:
         gap = self.coupling.gaps() if moved else self.gap
         return float(gap[self.chosen & ~self._closed].max(initial=-np.inf))
 
+    def strikes(self, dt: float) -> bool:
+        """Whether a point that counts as closed, but did not bear, arrives at the start of a step,
+        faster than the loads of the step would make it: else it is coming to rest."""
+        fresh = self.chosen & self._closed & (self.status == 0)
+        free = self.coupling.to_jump(np.concatenate([t.free_jump() for t in self.traces]))
+        now, then = (_dot(w, self.normal)[fresh] for w in (self.jump, free))
+        return bool(((now * dt > self.tolerance) & (now > np.abs(then - now))).any())
+
     def linearise(self, step: Step, exact: bool = False) -> None:
         """Take up the trial states of the solids: operators, normals and gaps; if ``exact`` with
         the derivatives of all these."""

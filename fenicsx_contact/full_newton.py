@@ -20,6 +20,9 @@ from .theta import Step
 ROUGH = 1e-7
 #: How often a correction that inverts an element is halved.
 HALVINGS = 5
+#: A correction is halved that makes the error so many times what it was, or this share of the
+#: terms: it went beyond what the linearisation knows.
+WORSE, COARSE = 10.0, 1.0
 
 
 class FullNewton:
@@ -36,7 +39,7 @@ class FullNewton:
 
     def solve(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         """See :meth:`~fenicsx_contact.fixed_point.FixedPoint.solve`."""
-        speed = 0.0
+        speed, best, halved = 0.0, np.inf, 0
         errors: list[float] = []
         self.errors = errors
         for iteration in range(self._newton.max_iterations + 1):
@@ -46,7 +49,7 @@ class FullNewton:
             for contact in self._all.contacts:
                 contact.linearise(step, exact=True)
             speed = speed or self._speed()
-            self._all.set_scale(step, speed)
+            self._all.set_scale(step, scale_of(speed))
             clock("pairing")
             error, force = self._system.begin(step)
             errors.append(error)
@@ -56,28 +59,50 @@ class FullNewton:
                 return force, iteration, 1, []
             if not np.isfinite(error):
                 break
+            if error > WORSE * max(best, COARSE) and halved < HALVINGS:
+                halved += 1
+                self._halve(step)
+                continue
+            best, halved = error, 0
             self._advance(step, clock)
         raise StepFailed(f"{self._system.stall()} after {len(errors) - 1} Newton iterations")
 
     def _speed(self) -> float:
+        """The largest speed at the contacts, m/s, or else, at the start of a drive, anywhere in
+        the solids; 0 where nothing moves yet."""
         solids = [contact.coupling.velocities("trial_velocity") for contact in self._all.contacts]
-        moving = self._all.fastest(np.concatenate([*solids, np.empty(0)]))
-        every = max((float(np.abs(v).max(initial=0.0)) for v in solids), default=0.0)
-        return scale_of(max(moving, every))
+        speed = max((float(np.abs(v).max(initial=0.0)) for v in solids), default=0.0)
+        if speed:
+            return speed
+        bodies = [solid for solid in self._all.solids if hasattr(solid, "space")]
+        inside = [float(np.abs(solid.trial_velocity).max(initial=0.0)) for solid in bodies]
+        comm = self._all.solids[0].mesh.mesh.comm
+        return max((max(each) for each in comm.allgather([0.0, *inside])), default=0.0)
 
     def _advance(self, step: Step, clock: Clock) -> None:
         """One correction, shortened where it would invert an element."""
-        before = [solid.trial_velocity.copy() for solid in self._all.solids]
+        self._before = [
+            [solid.trial_velocity.copy() for solid in self._all.solids],
+            [contact.equations.values for contact in self._all.contacts],
+        ]
         if not self._system.iterate(step):
             raise StepFailed("the linearised problem is singular: is a body without support?")
         clock("linear solve")
         for _ in range(HALVINGS):
             if not any(solid.broken() for solid in self._all.solids):
                 break
-            for solid, old in zip(self._all.solids, before):
-                solid.go(0.5 * (old + solid.trial_velocity), step)
+            self._halve(step)
         self._all.refuse_broken()
         for contact in self._all.contacts:
             contact.equations.enter_slipping()
             contact.follow()
         clock("pairing")
+
+    def _halve(self, step: Step) -> None:
+        """Go back half of the last correction."""
+        velocities, unknowns = self._before
+        for solid, old in zip(self._all.solids, velocities):
+            solid.go(0.5 * (old + solid.trial_velocity), step)
+        for contact, values in zip(self._all.contacts, unknowns):
+            contact.equations.values = 0.5 * (values + contact.equations.values)
+            contact.follow()

@@ -17,7 +17,7 @@ from .impacts import cross_impacts
 from .newton import Newton
 from .run import run
 from .solids import Solid
-from .statics import refuse_free
+from .statics import refuse_free, stands
 from .stepper import Stepper
 from .theta import Step, ThetaScheme
 
@@ -38,9 +38,10 @@ class Scene:
             then of second order, and steps can be long.
         geometry: "newton": geometry, contact and solids in one Newton loop; "fixed point": the
             paper's loop around contact with frozen geometry. Default: "newton" where two solids
-            meet or one is hyperelastic.
+            meet of which one is deformable.
         solver: of the linear systems of "newton": "condensed" on the surfaces, or "monolithic".
-            Default: condensed if all solids are linear and the surfaces small.
+            Default: condensed if all solids are linear, the surfaces small, and, without inertia,
+            supports hold each solid.
         allow_free: accept a solid that has neither contact nor support.
         allow_growth: accept theta < 1/2, with which the scheme makes (1/2 - theta) dv' M dv of
             energy in each step, in deformable solids exponentially.
@@ -98,11 +99,18 @@ class Scene:
         """How a step is solved, as asked or as the scene needs it."""
         nonlinear = [s for s in self.solids if not s.linear and hasattr(s, "space")]
         if geometry is None:
-            pairs = any(len(contact.solids) > 1 for contact in self.contacts)
+            # rigid solids are hyperstatic: there the fixed point has a solver to fall back on
+            pairs = any(
+                len(contact.solids) > 1 and any(hasattr(s, "space") for s in contact.solids)
+                for contact in self.contacts
+            )
             geometry = "newton" if pairs else "fixed point"
         if solver is None:
             places = sum(contact.part.places for contact in self.contacts)
-            solver = "monolithic" if nonlinear or places > LARGE_SURFACE else "condensed"
+            # what only contact holds in equilibrium has no compliance of its own
+            floats = not self.scheme.inertia and not all(stands(s) for s in self.solids)
+            large = places > LARGE_SURFACE
+            solver = "monolithic" if nonlinear or large or floats else "condensed"
         checks.choice("geometry", geometry, ["newton", "fixed point"])
         checks.choice("solver", solver, ["condensed", "monolithic"])
         return geometry, solver

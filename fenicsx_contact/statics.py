@@ -10,7 +10,6 @@ import numpy as np
 
 from .checks import InputError
 from .contact import Contact
-from .solids import Solid
 
 #: Rigid motions that meet less than this share of the greatest resistance are free.
 FREE = 1e-10
@@ -36,10 +35,7 @@ def refuse_free(solids: Sequence[Any], contacts: Sequence[Contact]) -> None:
     place = {key: slice(i * k, (i + 1) * k) for i, key in enumerate(motions)}
     gram = np.zeros((k * len(solids), k * len(solids)))
     for solid in solids:
-        held = solid.fixed_unknowns
-        rows = motions[id(solid)](solid.space.tabulate_dof_coordinates()[held // solid.dim])
-        rows = rows[np.arange(len(held)), held % solid.dim]
-        gram[place[id(solid)], place[id(solid)]] += solid.comm.allreduce(rows.T @ rows)
+        gram[place[id(solid)], place[id(solid)]] += motions[id(solid)].held()
     for contact in contacts:
         points = contact.coupling.positions()
         rows = np.zeros((*points.shape, len(gram)))
@@ -59,10 +55,17 @@ def refuse_free(solids: Sequence[Any], contacts: Sequence[Contact]) -> None:
         )
 
 
+def stands(solid: Any) -> bool:
+    """Whether the supports of a deformable solid leave it no rigid motion."""
+    values = np.linalg.eigvalsh(_Motions(solid).held())
+    return bool(values[0] > FREE * values[-1])
+
+
 class _Motions:
     """The rigid motions of a solid: unit velocities, and rotations that give such at its ends."""
 
-    def __init__(self, solid: Solid) -> None:
+    def __init__(self, solid: Any) -> None:
+        self._solid = solid
         comm, d = solid.mesh.mesh.comm, solid.dim
         x = solid.mesh.mesh.geometry.x[:, :d]
         far = np.full((1, d), np.inf)
@@ -72,6 +75,14 @@ class _Motions:
         axes = "xyz"[:d]
         turns = ["turning"] if d == 2 else [f"turning about {axis}" for axis in axes]
         self.names = [f"moving along {axis}" for axis in axes] + turns
+
+    def held(self) -> np.ndarray:
+        """How the supports resist each motion, (motions, motions)."""
+        solid = self._solid
+        held = solid.fixed_unknowns
+        rows = self(solid.space.tabulate_dof_coordinates()[held // solid.dim])
+        rows = rows[np.arange(len(held)), held % solid.dim]
+        return np.asarray(solid.comm.allreduce(rows.T @ rows))
 
     def __call__(self, points: np.ndarray) -> np.ndarray:
         """Velocities of points (n, 2 or 3): (n, d, motions)."""

@@ -170,3 +170,29 @@ def test_rod_drop_map(tmp_path, monkeypatch, capsys):
     same = [r["run_time_s"] == s["run_time_s"] for r, s in zip(again["map"], summary["map"])]
     assert sum(same) == 3
     assert capsys.readouterr().out.strip().splitlines()[-1].startswith("4 drops in")
+
+
+def test_ironing(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    demo = load("ironing")
+    demo.main(quick=True)
+    summary = json.loads((demo.RESULTS / "summary.json").read_text())
+    for material, ratio in (("linear", 0.306), ("neo-Hookean", 0.299)):
+        found = summary[material]
+        for case in ("n = 3", "n = 6", "60 steps", "fixed point"):
+            assert found[case]["force_ratio"] == pytest.approx(ratio, rel=0.01)
+            assert found[case]["reason"] == "finished"
+        for case in ("n = 3", "n = 6", "60 steps"):
+            assert found[case]["unconverged_steps"] == 0
+            assert found[case]["newton_per_step"] < 7
+        assert found["60 steps"]["force_ratio"] == pytest.approx(
+            found["n = 3"]["force_ratio"], rel=0.005
+        )
+        assert abs(found["without friction"]["force_ratio"]) < 1e-3
+        tail = np.log10(found["errors"][-3:])
+        assert tail[2] < -8 and tail[2] < 1.5 * tail[1]  # quadratic
+    assert summary["3D"]["reason"] == "finished"
+    assert summary["3D"]["force_ratio"] == pytest.approx(0.3, rel=0.05)
+    for picture in ("forces.png", "newton.png", "ironing.gif", "ironing_3d.gif"):
+        assert (demo.RESULTS / picture).stat().st_size > 5000
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("tangential/normal force")

@@ -289,7 +289,7 @@ class DeformableSolid(Solid):
         # a stress-free body in flight has no forces but round-off, of its momentum and of K u
         self.last_stiffness.getDiagonal(self._y)
         noise = ROUND_OFF * (np.abs(self._momentum) / step.span)
-        if step.dt:
+        if step.dt and step.scheme.inertia:  # without inertia nothing may fly
             noise += ROUND_OFF * np.abs(self._y.array_r * self.trial_displacement).max(initial=0.0)
         total = np.maximum(np.abs(np.sum(terms, axis=0)) - noise, 0.0)
         total[self.fixed_unknowns] = 0.0

@@ -1,0 +1,402 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Two bodies: derivatives of the pairing, momentum and energy, exact impacts, slides, refusals."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scenes import box, rectangle, total_energy
+
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    HyperelasticSolid,
+    InputError,
+    QuasiStatic,
+    RigidSolid,
+    Scene,
+    ThetaScheme,
+    neo_hookean,
+)
+from fenicsx_contact.pairing import Pairing, Side
+from fenicsx_contact.pairing.rates import Rates
+
+# -- the pairing and its derivatives --
+
+
+def line(n, y, a, b, bump, turned, degree):
+    """A wavy line whose solid is on the side away from y = 0."""
+    x = np.linspace(a, b, n + 1)
+    points = np.stack([x, y + bump * np.sin(2 * x)], axis=1)
+    cells = np.stack([np.arange(n), np.arange(1, n + 1)], axis=1)
+    cells = cells[:, ::-1].copy() if turned else cells
+    middle = points[cells].mean(axis=1)
+    inside = middle + np.array([0, np.sign(y)])
+    return Side(points, cells, "interval", np.stack([middle, inside], axis=1), degree)
+
+
+def patch(n, z, cell, bump, degree, up, a, b):
+    """A wavy surface in space whose solid is above or below."""
+    x = np.linspace(a, b, n + 1)
+    X, Y = np.meshgrid(x, x, indexing="ij")
+    points = np.stack([X.ravel(), Y.ravel(), z + bump * np.sin(X + 2 * Y).ravel()], axis=1)
+    i = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    cells = np.stack([i[:-1, :-1], i[1:, :-1], i[:-1, 1:], i[1:, 1:]], axis=-1).reshape(-1, 4)
+    if cell == "triangle":
+        cells = np.concatenate([cells[:, [0, 1, 2]], cells[:, [1, 3, 2]]])
+    middle = points[cells].mean(axis=1)
+    inside = middle + np.array([0, 0, 1 if up else -1])
+    return Side(points, cells, cell, np.stack([middle, inside], axis=1), degree)
+
+
+def sides(cell, degree):
+    if cell == "interval":
+        slave = line(5, 0.05, 0.2, 1.1, 0.02, True, degree)
+        return slave, line(7, -0.02, 0.0, 1.4, 0.03, False, degree)
+    slave = patch(2, 0.03, cell, 0.02, degree, True, 0.2, 0.8)
+    return slave, patch(3, 0.0, cell, 0.03, degree, False, 0.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("cell", "degree"),
+    [("interval", 1), ("triangle", 1), ("triangle", 2), ("quadrilateral", 1), ("quadrilateral", 2)],
+)
+def test_derivatives_of_the_pairing(cell, degree):
+    """Gap, normal, jump and forces against central differences."""
+    rng = np.random.default_rng(0)
+    slave, master = sides(cell, degree)
+    pair = Pairing(slave, master)
+    places = np.concatenate([slave.nodes, master.nodes])
+    places += 1e-3 * rng.standard_normal(places.shape)
+    v, way = rng.standard_normal(places.shape), rng.standard_normal(places.shape)
+    pair.update(places, 0.5)
+    f = rng.standard_normal((pair.n, slave.dim))
+    rates = Rates(pair)
+    assert pair.paired.all()
+    computed = [m @ way.ravel() for m in (rates.gap, rates.normal, rates.jump(v), rates.spread(f))]
+
+    def values(x):
+        pair.update(x, 0.5)
+        J = pair.operator
+        return [pair.gap.copy(), pair.normal.ravel(), (J @ v).ravel(), (J.T @ f).ravel()]
+
+    h = 1e-6
+    for exact, a, b in zip(computed, values(places + h * way), values(places - h * way)):
+        assert np.abs((a - b) / (2 * h) - exact).max() < 1e-8 * np.abs(exact).max()
+
+
+def test_nearest_of_several_candidates_wins():
+    """A folded master: three lines above each other; and one that faces away is no candidate."""
+    heights = [-0.05, -0.1, -0.4]
+    x = np.linspace(-1, 2, 7)
+    points = np.concatenate([np.stack([x, 0 * x + y], axis=1) for y in heights])
+    cells = np.concatenate(
+        [np.stack([np.arange(6), np.arange(1, 7)], axis=1) + 7 * k for k in range(3)]
+    )
+    middle = points[cells].mean(axis=1)
+    away = np.repeat([-1.0, 1.0, -1.0], 6)[:, None] * [0, 1]  # the second one is an underside
+    master = Side(points, cells, "interval", np.stack([middle, middle + away], axis=1), 1)
+    slave = line(3, 0.02, 0.0, 1.0, 0.0, True, 1)
+    pair = Pairing(slave, master)
+    pair.update(np.concatenate([slave.nodes, master.nodes]), 1.0)
+    np.testing.assert_allclose(pair.gap, -0.07, rtol=1e-12)
+    lifted = slave.nodes - [0, 0.1]  # now below the first line: it is still the nearest
+    pair.update(np.concatenate([lifted, master.nodes]), 1.0)
+    np.testing.assert_allclose(pair.gap, 0.03, rtol=1e-12)
+
+
+def test_far_apart_nothing_is_paired():
+    slave, master = sides("interval", 1)
+    pair = Pairing(slave, master)
+    pair.update(np.concatenate([slave.nodes + np.array([0, 5.0]), master.nodes]), 0.3)
+    assert not pair.paired.any() and (pair.gap == -0.3).all() and pair.operator.nnz == 0
+
+
+# -- dynamics --
+
+
+def block(kind, name, y=0.0, velocity=(0.0, 0.0), n=(2, 4), size=(0.36, 0.8), cell="quadrilateral"):
+    """A block whose base is at y, thrown."""
+    mesh = rectangle(n, size, cell)
+    mesh.mesh.geometry.x[:, 1] += y
+    if kind == "rigid":
+        return RigidSolid(mesh, mass=1000.0 * size[0] * size[1], velocity=velocity, name=name)
+
+    def thrown(x):
+        return np.stack([v + 0 * x[0] for v in velocity])
+
+    if kind == "elastic":
+        law = {"youngs_modulus": 1e6, "poisson_ratio": 0.3}
+        return ElasticSolid(mesh, density=1000.0, velocity=thrown, name=name, **law)
+    energy = neo_hookean(1e6, 0.3)
+    return HyperelasticSolid(mesh, density=1000.0, velocity=thrown, name=name, energy=energy)
+
+
+def momentum(solid):
+    if isinstance(solid, RigidSolid):
+        return solid.mass * np.array(solid.velocity[:2])
+    return 1000.0 * 0.36 * 0.8 * solid.mean(solid.velocity)
+
+
+PAIRS = [("elastic", "elastic"), ("rigid", "elastic"), ("elastic", "rigid"), ("rigid", "rigid"),
+         ("hyperelastic", "elastic")]  # fmt: skip
+
+
+def collision(kinds, law, friction, theta=0.5, **scene):
+    upper = block(kinds[0], "upper", 0.81, (0.3, -1.0), (3, 3))
+    lower = block(kinds[1], "lower", 0.0)
+    contact = Contact(upper, "base", (lower, "top"), law, friction=friction, name="c")
+    return Scene([upper, lower], [contact], ThetaScheme(theta), **scene)
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+@pytest.mark.parametrize("kinds", PAIRS)
+def test_momentum_is_exchanged(kinds, law):
+    scene = collision(kinds, law, 0.3)
+    before = [momentum(s) for s in scene.solids]
+    history = scene.run(until=0.05, dt=1e-3)
+    assert history.finished, history.reason
+    after = [momentum(s) for s in scene.solids]
+    size = np.abs(before).max()
+    assert np.abs(after[0] - before[0]).max() > 0.1 * size  # it did strike
+    assert np.abs(np.sum(after, axis=0) - np.sum(before, axis=0)).max() < 1e-10 * size
+    given = history.impulse("c")[-1]
+    np.testing.assert_allclose(after[0] - before[0], given, atol=1e-9 * size)
+    assert np.abs(history["balance"]).max() < 1e-9 * total_energy(history)[0]
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+@pytest.mark.parametrize("kinds", PAIRS[:4])
+def test_no_energy_is_made_without_friction(kinds, law):
+    scene = collision(kinds, law, 0.0, 1.0 if law == "gap" else 0.5)
+    history = scene.run(until=0.05, dt=1e-3)
+    assert history.finished, history.reason
+    energy = total_energy(history)
+    assert energy[-1] < 0.999 * energy[0] or "rigid" not in kinds
+    assert energy.max() < energy[0] * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+def test_two_equal_bars_exchange_their_velocities(law):
+    """Wave solution: pressure rho c v/2 for 2 L/c, then the other bar flies and the first rests."""
+    E, rho, length, speed, width = 900.0, 1.0, 10.0, 10.0, 0.5
+    duration, pressure = 2 * length / np.sqrt(E / rho), rho * np.sqrt(E / rho) * speed / 2
+    bars = []
+    for name, y, v in (("struck", 0.0, 0.0), ("thrown", length, -speed)):
+        mesh = rectangle((1, 50), (width, length))
+        mesh.mesh.geometry.x[:, 1] += y
+        material = {"youngs_modulus": E, "poisson_ratio": 0.0, "density": rho}
+        field = {"velocity": lambda x, v=v: np.stack([0 * x[0], v + 0 * x[0]])}
+        bars.append(ElasticSolid(mesh, name=name, **material, **field))
+    struck, thrown = bars
+    contact = Contact(thrown, "base", (struck, "top"), law, name="c")
+    history = Scene(bars, [contact]).run(until=1.0, dt=1 / 300)
+    assert history.finished, history.reason
+    force = history["c.force_y"] / width
+    during = (history.time > 0.1 * duration) & (history.time < 0.9 * duration)
+    assert force[during].mean() == pytest.approx(pressure, rel=0.01)
+    assert np.abs(force[history.time > 1.1 * duration]).mean() < 0.01 * pressure
+    assert struck.mean(struck.velocity)[1] == pytest.approx(-speed, rel=0.02)
+    assert abs(thrown.mean(thrown.velocity)[1]) < 0.02 * speed
+
+
+# -- quasi-static slides --
+
+
+def slide(way, steps, friction=0.3, n=(60, 2), material="elastic", unit=1.0, stress=1.0, **options):
+    """A block pressed 0.01 into a slab [-1.5, 1.5] and drawn along; lengths in ``unit``."""
+    degree = options.pop("degree", 1)
+    cell = options.pop("cell", "quadrilateral")
+    parts = {}
+
+    def motion(t):
+        return way * unit * max(0.0, t - 1) / steps, -0.01 * unit * min(t, 1.0)
+
+    motions = {"die": {"prescribed": {"top": motion}}, "slab": {"fixed": ["base"]}}
+
+    shapes = {"die": ((6, 3), (0.3, 0.2)), "slab": (n, (3.0, 0.3))}
+    for name, (cells, size) in shapes.items():
+        mesh = rectangle(cells, size, cell)
+        x = mesh.mesh.geometry.x
+        x[:, 1] += 0.0 if name == "die" else -size[1]
+        x *= unit
+        law = {"density": 1.0, "name": name, "degree": degree, **motions[name]}
+        E = stress * (10.0 if name == "die" else 1.0)
+        if material == "elastic":
+            parts[name] = ElasticSolid(mesh, youngs_modulus=E, poisson_ratio=0.3, **law)
+        else:
+            parts[name] = HyperelasticSolid(mesh, energy=neo_hookean(E, 0.3), **law)
+    augmentation = options.pop("augmentation", {})
+    contact = Contact(
+        parts["die"], "base", (parts["slab"], "top"), "gap", friction=friction, name="c",
+        **augmentation,
+    )  # fmt: skip
+    scene = Scene([*parts.values()], [contact], QuasiStatic(), **options)
+    return scene, scene.run(until=1 + steps, dt=1.0)
+
+
+def test_slide_over_hundreds_of_facets():
+    scene, history = slide(way=1.2, steps=12, n=(750, 2), friction=0.2)
+    assert history.finished, history.reason
+    steady = history.time > 3
+    ratio = (-history["c.force_x"] / np.where(steady, history["c.force_y"], 1.0))[steady]
+    np.testing.assert_allclose(ratio, 0.2, rtol=0.02)
+    assert history["newton"].mean() < 8
+    die = scene.solids[0]
+    np.testing.assert_allclose(die.reaction("top")[0], -history["c.force_x"][-1], rtol=1e-7)
+    np.testing.assert_allclose(die.reaction("top")[1], -history["c.force_y"][-1], rtol=1e-7)
+
+
+def test_slide_off_the_end():
+    _, history = slide(way=1.8, steps=36, n=(30, 2))
+    assert history.finished, history.reason
+    force = history["c.force_y"]
+    assert force[20] > 0 and force[-1] == 0 and history["c.bearing"][-1] == 0
+    off = np.flatnonzero(history["c.bearing"][1:] == 0)[0] + 1
+    way = 1.8 * (history.time[off] - 1) / 36
+    assert 1.5 <= way <= 1.75  # from half to the whole of the die beyond the end
+    assert (np.diff(force[-10:]) <= 1e-12).all()
+
+
+@pytest.mark.parametrize(
+    ("degree", "cell"), [(1, "triangle"), (2, "triangle"), (2, "quadrilateral")]
+)
+def test_hyperelastic_cells(degree, cell):
+    _, history = slide(
+        way=0.4, steps=8, material="hyperelastic", n=(30, 2), degree=degree, cell=cell
+    )
+    assert history.finished and not history.remarks
+    ratio = -history["c.force_x"][-1] / history["c.force_y"][-1]
+    assert ratio == pytest.approx(0.3, rel=0.05)
+
+
+def test_independence_of_units_augmentation_and_method():
+    reference = slide(way=0.2, steps=4, n=(30, 2))[1]
+    variants = {
+        "units": slide(way=0.2, steps=4, n=(30, 2), unit=1e3, stress=1e-4)[1],
+        "monolithic": slide(way=0.2, steps=4, n=(30, 2), solver="monolithic")[1],
+        "fixed point": slide(way=0.2, steps=4, n=(30, 2), geometry="fixed point")[1],
+        "rho": slide(
+            way=0.2, steps=4, n=(30, 2),
+            augmentation={"normal_augmentation": 3.0, "tangential_augmentation": 0.5},
+        )[1],
+    }  # fmt: skip
+    for name, history in variants.items():
+        factor = 1e-1 if name == "units" else 1.0  # force per thickness: stress times length
+        for column in ("c.force_x", "c.force_y"):
+            np.testing.assert_allclose(
+                history[column][1:] / factor,
+                reference[column][1:],
+                rtol=2e-7,
+                atol=1e-12,
+                err_msg=name,
+            )
+
+
+def test_independence_of_the_numbering():
+    """The same sides with their nodes and facets shuffled."""
+    rng = np.random.default_rng(1)
+    slave, master = sides("quadrilateral", 1)
+    pair = Pairing(slave, master)
+    pair.update(np.concatenate([slave.nodes, master.nodes]), 0.5)
+    n, m = len(master.nodes), len(master.cells)
+    new, order = rng.permutation(n), rng.permutation(m)
+    points = np.empty_like(master.nodes)
+    points[new] = master.nodes
+    cells = new[master.cells][order]
+    middle = points[cells].mean(axis=1)
+    shuffled = Side(points, cells, "quadrilateral", np.stack([middle, middle - [0, 0, 1]], 1), 1)
+    other = Pairing(slave, shuffled)
+    other.update(np.concatenate([slave.nodes, shuffled.nodes]), 0.5)
+    np.testing.assert_allclose(other.gap, pair.gap, rtol=1e-12)
+    np.testing.assert_allclose(other.area, pair.area, rtol=1e-12)
+
+
+def test_step_that_is_cut_and_finishes():
+    """The whole press in one step inverts elements or goes astray: parts of it do not."""
+    scene = pressed(depth=0.4)
+    history = scene.run(until=1, dt=1.0)
+    assert history.finished, history.reason
+    assert any("halved" in text for _, text in history.remarks)
+    assert history["c.force_y"][-1] > 0
+
+
+def test_step_that_inverts_elements_ends_with_a_reason():
+    scene = pressed(depth=0.99 * 0.5)
+    history = scene.run(until=3.0, dt=1.0, shortest=0.25)
+    assert not history.finished
+    assert "stopped at t" in history.reason and "steps down to 0.25 s fail" in history.reason
+
+
+def pressed(depth):
+    """A soft block pushed down on a stiff one at the rate ``depth``."""
+    soft, stiff = rectangle((4, 4), (0.4, 0.5)), rectangle((5, 2), (0.8, 0.2))
+    stiff.mesh.geometry.x[:, 1] -= 0.2
+    upper = HyperelasticSolid(
+        soft, energy=neo_hookean(1.0, 0.3), density=1.0, name="upper",
+        prescribed={"top": lambda t: (0.0, -depth * t)},
+    )  # fmt: skip
+    lower = ElasticSolid(
+        stiff, youngs_modulus=50.0, poisson_ratio=0.3, density=1.0, name="lower", fixed=["base"]
+    )
+    contact = Contact(upper, "base", (lower, "top"), "gap", friction=0.3, name="c")
+    return Scene([upper, lower], [contact], QuasiStatic())
+
+
+# -- bad input --
+
+
+def two(upper=None, lower=None, y=0.8, friction=0.0, scheme=None, **scene):
+    """A block on a block, without inertia."""
+    law = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1e3}
+    mesh = rectangle((2, 3), (0.2, 0.8))
+    mesh.mesh.geometry.x[:, 1] += y
+    a = ElasticSolid(mesh, name="upper", **law, **(upper or {}))
+    b = ElasticSolid(rectangle((3, 2)), name="lower", **law, **(lower or {"fixed": ["base"]}))
+    contact = Contact(a, "base", (b, "top"), "gap", friction=friction, name="c")
+    return Scene([a, b], [contact], scheme or QuasiStatic(), **scene)
+
+
+PULL = {"tractions": {"top": (0.0, -1e3)}}
+
+
+def test_body_without_support_in_a_quasi_static_scene():
+    with pytest.raises(InputError, match="nothing holds 'upper' against moving along x"):
+        two(PULL)
+    with pytest.raises(InputError, match="'lower'"):
+        two({"fixed": ["top"]}, {"prescribed": {"base": (None, 0.0)}})
+    half_held = {**PULL, "prescribed": {"left": (0.0, None)}}  # y is for the contact to hold
+    history = two(half_held).run(until=1, dt=1.0)
+    assert history.finished
+    assert history["c.force_y"][-1] == pytest.approx(200.0, rel=1e-8)
+    # a hair of overlap: what only contact holds must be closed in the first iteration
+    held_by_friction = two(PULL, y=0.8 - 1e-9, friction=0.3).run(until=1, dt=1.0)
+    assert held_by_friction["c.force_y"][-1] == pytest.approx(200.0, rel=1e-8)
+    assert two(PULL, scheme=ThetaScheme())  # inertia holds
+
+
+def test_rigid_solid_in_a_quasi_static_scene():
+    upper, lower = block("rigid", "upper", 0.8), block("elastic", "lower")
+    contact = Contact(upper, "base", (lower, "top"), "gap", friction=0.3)
+    with pytest.raises(InputError, match="'upper' is rigid"):
+        Scene([upper, lower], [contact], QuasiStatic())
+
+
+def test_surfaces_that_cannot_meet():
+    a, b = block("elastic", "a", 0.8), block("elastic", "b")
+    with pytest.raises(InputError, match="nowhere faces 'top'"):
+        Contact(a, "top", (b, "top"))
+    with pytest.raises(InputError, match="in contact with itself"):
+        Contact(a, "base", (a, "base"))
+    with pytest.raises(InputError, match="dimension 3"):
+        Contact(a, "base", (RigidSolid(box(), mass=1.0, name="c"), "top"))
+
+
+def test_initial_interpenetration():
+    held = {"fixed": ["top"]}
+    with pytest.raises(InputError, match=r"starts 0\.01 inside its master"):
+        two(held, y=0.79)
+    scene = two(held, y=0.79, deepest=0.1)
+    history = scene.run(until=1, dt=1.0)
+    assert history.finished and history["c.penetration"][-1] < 1e-9
+    assert history["c.force_y"][-1] > 0

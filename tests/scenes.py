@@ -17,6 +17,7 @@ from fenicsx_contact import (
     History,
     HyperelasticSolid,
     NamedMesh,
+    QuasiStatic,
     RigidSolid,
     Scene,
     name_facets,
@@ -191,3 +192,57 @@ def light_footed_block() -> Scene:
         name="block",
     )
     return Scene([solid], [Contact(solid, "base", FLOOR, "gap", friction=0.3, name="c")])
+
+
+def two_blocks() -> Scene:
+    """An elastic block thrown on another one, on a floor."""
+    stiff = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0, "gravity": (0, -G)}
+    low = ElasticSolid(rectangle((5, 3), (0.6, 0.3)), name="low", **stiff)
+    up = ElasticSolid(
+        rectangle((4, 3), (0.4, 0.3)),
+        displacement=lambda x: np.stack([0 * x[0], 0.301 + 0 * x[0]]),
+        velocity=lambda x: np.stack([0.3 + 0 * x[0], -0.8 + 0 * x[0]]),
+        name="up",
+        **stiff,
+    )
+    return Scene(
+        [low, up],
+        [
+            Contact(low, "base", FLOOR, friction=0.3, name="floor"),
+            Contact(up, "base", (low, "top"), friction=0.3, name="c"),
+        ],
+    )
+
+
+def _pressed(dim: int) -> tuple[list[Any], Contact]:
+    """A hyperelastic block pressed and dragged on a larger one, the meshes not matching."""
+    shape = rectangle if dim == 2 else box
+    start, drive = [0.0] * (dim - 1) + [0.3], [0.02] + [0.0] * (dim - 2) + [-0.01]
+    low = HyperelasticSolid(
+        shape((5, 3), (0.6, 0.3)) if dim == 2 else shape((3, 3, 2), (0.6, 0.6, 0.3)),
+        energy=neo_hookean(1e6, 0.3),
+        density=1000.0,
+        fixed=["base"],
+        name="low",
+    )
+    up = HyperelasticSolid(
+        shape((4, 2), (0.4, 0.2)) if dim == 2 else shape((2, 2, 2), (0.4, 0.4, 0.2)),
+        energy=neo_hookean(3e6, 0.3),
+        density=1000.0,
+        displacement=lambda x: np.stack([0 * x[0]] * (dim - 1) + [0.3 + 0 * x[0]]),
+        prescribed={"top": lambda t: [a + t * b for a, b in zip(start, drive)]},
+        name="up",
+    )
+    return [low, up], Contact(up, "base", (low, "top"), "gap", friction=0.3, name="c")
+
+
+def pressed_blocks() -> Scene:
+    """In the plane, monolithic."""
+    solids, contact = _pressed(2)
+    return Scene(solids, [contact], QuasiStatic())
+
+
+def pressed_boxes() -> Scene:
+    """In space."""
+    solids, contact = _pressed(3)
+    return Scene(solids, [contact], QuasiStatic())

@@ -35,9 +35,9 @@ except BaseException:
     MPI.COMM_WORLD.Abort(1)  # what one process raises ends all
 """
 DISTRIBUTED = """
-    solid = scene.solids[0]
-    shares = MPI.COMM_WORLD.allgather(solid.owned)
-    assert min(shares) > 0 and sum(shares) == solid.unknowns, shares
+    for solid in scene.solids:
+        shares = MPI.COMM_WORLD.allgather(solid.owned)
+        assert min(shares) > 0 and sum(shares) == solid.unknowns, shares
 """
 RUNS = {
     "elastic_block": (0.06, 2e-4),
@@ -46,7 +46,11 @@ RUNS = {
     "rocking_block": (0.1, 5e-4),
     "elastic_cell": (0.04, 2e-4),
     "light_footed_block": (0.02, 2e-4),
+    "two_blocks": (0.04, 5e-4),
+    "pressed_blocks": (4.0, 1.0),
+    "pressed_boxes": (3.0, 1.0),
 }
+SPREAD = [name for name in RUNS if name not in ("rigid_box", "rocking_block", "elastic_cell")]
 
 
 def start(name: str, processes: int, directory: Path, fields_every: int = 0) -> subprocess.Popen:
@@ -55,7 +59,7 @@ def start(name: str, processes: int, directory: Path, fields_every: int = 0) -> 
         tests=str(Path(__file__).parent),
         processes=processes,
         name=name,
-        check=DISTRIBUTED if name in ("elastic_block", "soft_block", "light_footed_block") else "",
+        check=DISTRIBUTED if name in SPREAD else "",
         until=until,
         dt=dt,
         directory=str(directory),
@@ -95,7 +99,7 @@ def test_two_processes_give_the_numbers_of_one(name, tmp_path):
     assert one["c.bearing"].max() > 0
     energy = max(one["kinetic"].max(), one["strain"].max())
     sizes = dict.fromkeys(
-        ("kinetic", "strain", "potential", "impact", "friction", "scheme"), energy
+        ("kinetic", "strain", "potential", "impact", "friction", "drive", "scheme"), energy
     )
     forces = [column for column in one.columns if ".force_" in column]
     sizes |= dict.fromkeys(forces, max(np.abs(one[column]).max() for column in forces))

@@ -23,6 +23,9 @@ from ..surface import Surface
 from .elastic import PairTrace, RodInTube
 from .guide import FAR, Guide
 
+#: A way so short that a wall is straight along it, m.
+SHORT = 1e-5
+
 
 class GuideContact(Contact):
     """A contact between a stretch of a beam and a guide around it.
@@ -102,7 +105,9 @@ class GuideContact(Contact):
         x = self.trace.positions()
         if x is self._at:
             return
-        self._at = x
+        if self._at is not None and self._follow(x):
+            return
+        self._at, self._prediction = x, self.solid.rod.predictions
         guide, rows = self.obstacle, self.stations
         self._distances, self._outward = guide.distance(x).copy(), guide.normals(x).copy()
         if isinstance(self.trace, PairTrace):
@@ -117,6 +122,18 @@ class GuideContact(Contact):
         up = self.solid.rod.axis.direction
         self._outward -= np.einsum("ij,ij->i", self._outward, slopes)[:, None] * up
         self._outward /= np.linalg.norm(self._outward, axis=1)[:, None]
+
+    def _follow(self, x: np.ndarray) -> bool:
+        """Within a step in a plane the points move by so little from where they were predicted
+        that the walls are straight there, to their curvature times the square of it."""
+        if self.solid.dim == 3 or self._prediction != self.solid.rod.predictions:
+            return False
+        moved = x - self._at
+        if np.abs(moved).max() > SHORT:
+            return False
+        self._distances = self._distances + np.einsum("ij,ij->i", self._outward, moved)
+        self._at = x
+        return True
 
     _at: np.ndarray | None = None
 

@@ -366,7 +366,7 @@ def draw_insertion(runs: dict[str, History]) -> None:
         ax.plot(h["travel"][1:], -(h["wall"] + h["rubbing"])[1:], color=f"C{i}", label=name)
         ax.plot(h["travel"][1:], -h["wall"][1:], ":", color=f"C{i}", lw=0.8)
     ax.set_xlabel("travel [m]")
-    ax.set_ylabel("resistance of the guide [N] (dotted: without friction)")
+    ax.set_ylabel("resistance [N] (dotted: of the walls alone)")
     ax.legend(fontsize=8)
     plots.save(fig, RESULTS / "insertion_force.png")
 

@@ -459,7 +459,7 @@ def main(quick: bool = False) -> dict[str, Any]:
     velocity, lagrange = summary["velocity"], summary["lagrange"]
     summary["velocity_over_lagrange"] = velocity["run_time_s"] / lagrange["run_time_s"]
 
-    value = calibrate(coarse, 5e-5 if quick else 2e-6)
+    value = calibrate(coarse, 2e-5 if quick else 2e-6)
     bent = replace(kinked, amplitude=value)
     forces = ForceMap(dt)
     calibrated = drop(bent, dt=dt, watch=forces)

@@ -134,7 +134,8 @@ def rod(a: Assumed, cell: float = 0.05) -> BeamSolid:
 # ## A drop, in a few lines
 #
 # The rod is a solid, the guide an obstacle, the contact a contact. First the rod comes to rest in
-# its guide (a velocity law keeps the gaps that it is given); then it is let go.
+# its guide (a velocity law keeps the gaps that it is given); then it is let go. At steps of 0.2 ms
+# T5 is within 0.002 % of its values at 0.1 and 0.05 ms, and at cells of half the length.
 
 # %%
 VELOCITY = Velocity(drift_correction=0.1)
@@ -187,7 +188,7 @@ class Drop:
 def drop(
     a: Assumed,
     formulation: Formulation = VELOCITY,
-    dt: float = 1e-4,
+    dt: float = 2e-4,
     *,
     cell: float = 0.05,
     until: float = 4.0,
@@ -365,7 +366,7 @@ def draw_insertion(runs: dict[str, History]) -> None:
         ax.plot(h["travel"][1:], -(h["wall"] + h["rubbing"])[1:], color=f"C{i}", label=name)
         ax.plot(h["travel"][1:], -h["wall"][1:], ":", color=f"C{i}", lw=0.8)
     ax.set_xlabel("travel [m]")
-    ax.set_ylabel("resistance of the guide [N] (dotted: without friction)")
+    ax.set_ylabel("resistance [N] (dotted: of the walls alone)")
     ax.legend(fontsize=8)
     plots.save(fig, RESULTS / "insertion_force.png")
 
@@ -435,7 +436,7 @@ def table(summary: dict[str, Any]) -> str:
 
 def main(quick: bool = False) -> dict[str, Any]:
     """Everything; returns the summary that is also written."""
-    dt, coarse = (2e-3, 4e-3) if quick else (1e-4, 1e-3)
+    dt, coarse = (2e-3, 4e-3) if quick else (2e-4, 1e-3)
     smooth, kinked = Assumed(), Assumed(kinked=True)
     summary: dict[str, Any] = {"dt_s": dt}
 
@@ -458,7 +459,7 @@ def main(quick: bool = False) -> dict[str, Any]:
     velocity, lagrange = summary["velocity"], summary["lagrange"]
     summary["velocity_over_lagrange"] = velocity["run_time_s"] / lagrange["run_time_s"]
 
-    value = calibrate(coarse, 5e-5 if quick else 2e-6)
+    value = calibrate(coarse, 2e-5 if quick else 2e-6)
     bent = replace(kinked, amplitude=value)
     forces = ForceMap(dt)
     calibrated = drop(bent, dt=dt, watch=forces)
@@ -488,7 +489,7 @@ def main(quick: bool = False) -> dict[str, Any]:
     for name, r in summary["at_1_ms"].items():
         print(
             f"{name}, S, kinked, steps of 1 ms: {r['run_time_s']:.1f} s, T5 within "
-            f"{100 * r['T5_error']:.3f} % of its own at 0.1 ms"
+            f"{100 * r['T5_error']:.3f} % of its own at 0.2 ms"
         )
     for name, change in summary["sensitivity_of_T5_s"].items():
         print(f"T5 changes by {1e3 * change:+.1f} ms for 10 % more {name} (drive line: 10 N)")
@@ -510,7 +511,8 @@ if __name__ == "__main__":
 # - Another water: any object with `buoyancy`, `added_mass(z)` and `drag(z)` in `Fall(...)`.
 # - `Assumed(kinked=True, amplitude=0.022)`: the rod jams, and the history says that what it was to
 #   stop at did not happen.
-# - `ThetaScheme(0.5)`: nothing damps the rattling, and T5 hardly changes.
+# - `ThetaScheme(0.5)` with the tangent inlet: nothing damps the rattling, and T5 hardly changes. At
+#   the kink it diverges with drift correction, and rattles without.
 #
 # ## Sources
 #

@@ -23,6 +23,9 @@ from ..surface import Surface
 from .elastic import PairTrace, RodInTube
 from .guide import FAR, Guide
 
+#: A way so short that a wall is straight along it, m.
+SHORT = 1e-5
+
 
 class GuideCoupling(ObstacleCoupling):
     """Points of a rod and stations of its guide: the stations see it by its slope, too."""
@@ -34,13 +37,16 @@ class GuideCoupling(ObstacleCoupling):
         self._guide, self._stations = contact.obstacle, contact.stations
         self._rod, self._trace, self._turn = contact.solid.rod, trace, turn
         self._at: np.ndarray | None = None
+        self._prediction = -1
 
     def _look(self) -> None:
         """Distances and normals of all points, in the trial state."""
         x = self._trace.positions()
         if x is self._at:
             return
-        self._at = x
+        if self._at is not None and self._near(x):
+            return
+        self._at, self._prediction = x, self._rod.predictions
         guide, rows = self._guide, self._stations
         self._distances, self._outward = guide.distance(x).copy(), guide.normals(x).copy()
         if isinstance(self._trace, PairTrace):
@@ -55,6 +61,18 @@ class GuideCoupling(ObstacleCoupling):
         up = self._rod.axis.direction
         self._outward -= np.einsum("ij,ij->i", self._outward, slopes)[:, None] * up
         self._outward /= np.linalg.norm(self._outward, axis=1)[:, None]
+
+    def _near(self, x: np.ndarray) -> bool:
+        """Within a step in a plane the points move by so little from where they were predicted
+        that the walls are straight there, to their curvature times the square of it."""
+        if self._guide.dim == 3 or self._prediction != self._rod.predictions:
+            return False
+        moved = x - self._at
+        if np.abs(moved).max() > SHORT:
+            return False
+        self._distances = self._distances + np.einsum("ij,ij->i", self._outward, moved)
+        self._at = x
+        return True
 
     def gaps(self) -> np.ndarray:
         self._look()

@@ -147,6 +147,8 @@ class Guide:
         for upper, lower in zip(self.tubes[:-1], self.tubes[1:]):
             if lower.top < upper.bottom - 1e-12:
                 raise checks.InputError(f"pieces: {upper} and {lower} overlap")
+        straight = Straight()
+        self._bent = [(i, tube) for i, tube in enumerate(self.tubes) if tube.curve != straight]
         self._segments()
         self._stations()
         self._last: np.ndarray | None = None
@@ -224,7 +226,7 @@ class Guide:
         clearance = self._value[segment] + self._taper[segment] * (x - self._begin[segment])
         which = self._which[segment]
         rate = np.zeros_like(off)
-        for i, tube in enumerate(self.tubes):
+        for i, tube in self._bent:
             here = (which == i).nonzero()[0]
             if len(here):
                 depth = x[here]

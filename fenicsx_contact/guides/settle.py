@@ -9,6 +9,7 @@ import numpy as np
 from .. import checks
 from ..fall import Driven
 from ..formulations import Velocity
+from ..newton import Newton
 from ..scene import Scene
 from ..solids import BeamSolid
 from ..theta import ThetaScheme
@@ -18,13 +19,15 @@ from .guide import Guide
 
 #: Steps of a block, first length of a step as a share of the rod's slowest period, its growth from
 #: block to block, the longest one, and the blocks after which there is no hope.
-BLOCK, FIRST, GROWTH, LONGEST, MOST = 25, 1e-4, 3.0, 10.0, 80
+BLOCK, FIRST, GROWTH, LONGEST, MOST = 25, 1e-4, 3.0, 1.0, 80
 #: In space a rod that leaves its place in the annular gap turns its own normal, which steps must
 #: resolve: one that ends deeper than this share of the clearance is taken back, and the steps stay
 #: shorter from then on.
 DEEPEST = 0.05
 #: What is left of the motion at rest, as a share of the smallest clearance.
 SETTLED = 1e-4
+#: In steps so long the stiffest bending leaves no more digits; what is left decays.
+LOOSE = Newton(tolerance=1e-7)
 #: A centre line with corners, or coarse cells, may start the rod inside a wall.
 FREELY = 1e3
 
@@ -81,7 +84,9 @@ def _relax(solid: BeamSolid | RodInTube, stretch: str, guide: Guide) -> GuideCon
     for _ in range(MOST):
         solid.rest()
         start, dt = solid.displacement, share * period
-        scene = Scene([solid], [contact], ThetaScheme(1.0, forces="end"), deepest=FREELY)
+        scene = Scene(
+            [solid], [contact], ThetaScheme(1.0, forces="end"), newton=LOOSE, deepest=FREELY
+        )
         history = scene.run(scene.time + BLOCK * dt, dt, progress=False)
         moved = float(np.abs(solid.displacement - start).max())
         if not history.finished or (contact.depth() > DEEPEST * clearance and share > FIRST):

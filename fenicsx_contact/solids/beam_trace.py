@@ -53,6 +53,12 @@ class BeamTrace(Trace):
             raise checks.InputError("points: each point of a trace must lie on the beam's axis")
         n = len(self._s)
         self._axes = np.concatenate([solid.frame, solid.axis.direction[None]])
+        axial = np.outer(solid.axis.direction, solid.axis.direction)
+        self._shares = [
+            (i, j, float(i == j) - share, share)
+            for (i, j), share in np.ndenumerate(axial)
+            if i == j or share
+        ]
         self._extensible = len(solid.split(solid.velocity)[1]) > 1
         self.void = np.zeros(n, dtype=bool)
         self._dofs, self._w, self._dw = (np.zeros((n, 4), dtype=t) for t in (int, float, float))
@@ -190,10 +196,7 @@ class BeamTrace(Trace):
             along = np.einsum("ank,nk->an", self._axial_columns[:, other._ends], other._u)
         else:
             along = self._axial_columns * other._u[:, 0]
-        e = self._solid.axis.direction
-        axial = np.outer(e, e)
-        for (i, j), share in np.ndenumerate(axial):
-            across = (i == j) - share
+        for i, j, across, share in self._shares:
             if not across:
                 result[:, i, :, j] = share * along
             elif not share:

@@ -120,6 +120,11 @@ class Scene:
             names = [thing.name for thing in things]
             if len(set(names)) < len(names):
                 raise checks.InputError(f"{kind} = {names}: each needs a name of its own")
+        both = {s.name for s in self.solids} & {c.name for c in self.contacts}
+        if both:
+            raise checks.InputError(
+                f"contacts: {sorted(both)} are names of solids, too; their files would be the same"
+            )
         if len({solid.dim for solid in self.solids}) > 1:
             raise checks.InputError("solids: some are in 2D and some in 3D; use one dimension")
         for contact in self.contacts:

@@ -219,6 +219,11 @@ def test_obstacle_of_a_contact(obstacle):
     refused(lambda: Contact(rigid(), "base", obstacle), "master", repr(obstacle))
 
 
+def test_a_contact_and_a_solid_of_one_name():
+    solid = rigid()
+    refused(lambda: Scene([solid], [Contact(solid, "base", FLOOR, name=solid.name)]), solid.name)
+
+
 def test_obstacle_of_another_dimension():
     refused(lambda: Contact(rigid_3d(), "base", FLOOR), "master", "HalfSpace", "2", "3")
     refused(lambda: Contact(rigid(), "base", FLOOR_3D), "master", "HalfSpace", "2", "3")

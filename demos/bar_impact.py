@@ -3,7 +3,7 @@
 # # A bar at a wall
 #
 # **The question.** An elastic bar is thrown at a rigid wall; a compression wave runs through it,
-# comes back, and the bar leaves. A second bar, fixed at one end, is released stretched and strikes
+# comes back, and the bar leaves. A second bar, fixed at one end, is released compressed and strikes
 # the wall again and again. Both have exact solutions without any loss of energy. How much do a
 # velocity law, a gap law, the place where the scheme takes its forces, and the mass of the contact
 # node cost in energy?
@@ -13,7 +13,7 @@
 # $\rho\,u_{tt} = E\,u_{xx}$ with the law of Signorini at one end. *Thrown* (Doyen, Ern & Piperno
 # 2011): $E = 900$ Pa, $\rho = 1$ kg/m³, length 10 m, gap 5 m, 10 m/s towards the wall: contact from
 # $t = 0.5$ s to $7/6$ s with the constant reaction $\rho c v = 300$ N, then rigid flight at
-# 10 m/s; energy 500 J. *Released* (Chouly, Hild & Renard): $E = \rho = 1$, length 1 m, stretched
+# 10 m/s; energy 500 J. *Released* (Chouly, Hild & Renard): $E = \rho = 1$, length 1 m, compressed
 # by half: contact in $[1,2]$, $[4,5]$, ... with the reaction $1/2$, energy $1/8$.
 #
 # ## The discrete form
@@ -94,7 +94,7 @@ def thrown(name: str, **options: Any) -> History:
 
 
 def released(name: str) -> History:
-    """The bar fixed at its right end and released stretched: three contacts."""
+    """The bar fixed at its right end and released compressed: three contacts."""
     scene = bar(
         name,
         length=1.0,

@@ -158,6 +158,12 @@ class GuideContact(Contact):
         self.trace = PairTrace(self.solid, trace) if isinstance(self.solid, RodInTube) else trace
         return GuideCoupling(self, self.trace, self._turn)
 
+    def _choose(self, candidates: np.ndarray) -> None:
+        # a station that the rod has passed meets nothing, though it bore a moment ago
+        there = ~self.trace.void
+        self._kept = self._kept & there
+        super()._choose(candidates & there)
+
     def normal_force(self) -> float:
         """Sum of the sizes of the normal forces in the last step, N."""
         return float(np.abs(np.einsum("ij,ij->i", self.force, self.normal)).sum())

@@ -57,10 +57,6 @@ class Coupling(ABC):
         """Nodal jumps (n, d) from velocities of the traces' points, flat."""
 
     @abstractmethod
-    def to_points(self, force: np.ndarray) -> np.ndarray:
-        """Forces on the traces' points, flat, from nodal forces (n, d) on the slave."""
-
-    @abstractmethod
     def linearise(self, step: Step, exact: bool, share: float) -> None:
         """Take up the geometry where it is; see :class:`PairedEquations`."""
 
@@ -130,9 +126,6 @@ class ObstacleCoupling(Coupling):
     def to_jump(self, velocities: np.ndarray) -> np.ndarray:
         return velocities.reshape(self._shape)
 
-    def to_points(self, force: np.ndarray) -> np.ndarray:
-        return force.ravel()
-
     def linearise(self, step: Step, exact: bool, share: float) -> None:
         if exact:
             values = self.equations.values
@@ -186,9 +179,6 @@ class PairCoupling(Coupling):
 
     def to_jump(self, velocities: np.ndarray) -> np.ndarray:
         return self.pairing.operator @ velocities.reshape(self._shape)
-
-    def to_points(self, force: np.ndarray) -> np.ndarray:
-        return (self.pairing.operator.T @ force).ravel()
 
     def linearise(self, step: Step, exact: bool, share: float) -> None:
         velocities = self.velocities("trial_velocity")

@@ -173,10 +173,6 @@ class PairedEquations:
         J = self._operator[self.equations.active_jumps][:, self.active_places]
         return J if self.pairing.dense else J.toarray()
 
-    def point_forces(self, force: np.ndarray) -> np.ndarray:
-        """Forces on the nodes of both sides, flat, from nodal forces (n, d) on the slave."""
-        return self._operator.T @ force.ravel()
-
 
 class _ParameterTangent:
     """Derivative of the contact terms by gap and normal at the nodes, sparse."""

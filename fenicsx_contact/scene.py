@@ -113,6 +113,12 @@ class Scene:
             solver = "monolithic" if nonlinear or large or floats else "condensed"
         checks.choice("geometry", geometry, ["newton", "fixed point"])
         checks.choice("solver", solver, ["condensed", "monolithic"])
+        alone = [solid.name for solid in self.solids if not solid.monolithic]
+        if geometry == "newton" and solver == "monolithic" and alone:
+            raise checks.InputError(
+                f"solver = 'monolithic': {alone} cannot be part of a monolithic system; use "
+                "'condensed'"
+            )
         return geometry, solver
 
     def _check(self, allow_free: bool, deepest: float) -> None:

@@ -293,3 +293,9 @@ def test_a_rod_that_would_never_fall_is_refused(law):
     gravity = (0, -9.81) if law != Fall() else None
     with pytest.raises(InputError, match="never fall"):
         BeamSolid(AXIS, GOOD, law=law, gravity=gravity)
+
+
+def test_no_part_of_a_monolithic_system():
+    beam = BeamSolid(axis_mesh((0, 0), (0, 1), all=UNIFORM), Section(1.0, 1.0), supports=[CLAMP])
+    with pytest.raises(InputError, match=r"solver = 'monolithic'.*'condensed'"):
+        Scene([beam], [], geometry="newton", solver="monolithic")

@@ -21,7 +21,7 @@ from .assembly import Assembly
 from .linear import direct_solver
 from .numbering import Numbering
 from .solids import MonolithicSolid, MonolithicTrace
-from .system import COMPLIANCE, Part
+from .system import COMPLIANCE
 from .theta import Step
 
 

@@ -14,15 +14,13 @@ from .contact import Contact
 from .formulations import Velocity
 from .history import COLUMNS, History, contact_columns
 from .impacts import cross_impacts
+from .methods import choose
 from .newton import Newton
 from .run import run
-from .solids import MonolithicSolid, Solid
-from .statics import refuse_free, stands
+from .solids import Solid
+from .statics import refuse_free
 from .stepper import Stepper
 from .theta import Step, ThetaScheme
-
-#: Components of surface points above which no dense system is formed.
-LARGE_SURFACE = 1500
 
 
 class Scene:
@@ -38,10 +36,11 @@ class Scene:
             then of second order, and steps can be long.
         geometry: "newton": geometry, contact and solids in one Newton loop; "fixed point": the
             paper's loop around contact with frozen geometry. Default: "newton" where two solids
-            meet of which one is deformable.
-        solver: of the linear systems of "newton": "condensed" on the surfaces, or "monolithic".
+            meet of which one is deformable, and where the surfaces are large.
+        solver: of the linear systems of "newton": "condensed" on the surfaces, "monolithic" (one
+            sparse matrix, factored) or "iterative" (GMRES and multigrid; deformable solids only).
             Default: condensed if all solids are linear, the surfaces small, and, without inertia,
-            supports hold each solid.
+            supports hold each solid; iterative for large scenes in space.
         allow_free: accept a solid that has neither contact nor support.
         allow_growth: accept theta < 1/2, with which the scheme makes (1/2 - theta) dv' M dv of
             energy in each step, in deformable solids exponentially.
@@ -86,7 +85,9 @@ class Scene:
                 "allow_growth=True if that is meant"
             )
         self.comm = self.solids[0].mesh.mesh.comm
-        self.geometry, self.solver = self._method(geometry, solver)
+        self.geometry, self.solver = choose(
+            self.solids, self.contacts, self.scheme, geometry, solver
+        )
         self.stepper = Stepper(self.solids, self.contacts, self.newton, self.geometry, self.solver)
         self.remarks: list[str] = []
         self.stepper.times["set-up"] = perf_counter() - start
@@ -94,32 +95,6 @@ class Scene:
         for contact in self.contacts:
             columns += contact_columns(contact.name, contact.solid.dim)
         self.columns = tuple(columns)
-
-    def _method(self, geometry: str | None, solver: str | None) -> tuple[str, str]:
-        """How a step is solved, as asked or as the scene needs it."""
-        nonlinear = [s for s in self.solids if not s.linear and hasattr(s, "space")]
-        if geometry is None:
-            # rigid solids are hyperstatic: there the fixed point has a solver to fall back on
-            pairs = any(
-                len(contact.solids) > 1 and any(hasattr(s, "space") for s in contact.solids)
-                for contact in self.contacts
-            )
-            geometry = "newton" if pairs else "fixed point"
-        if solver is None:
-            places = sum(contact.part.places for contact in self.contacts)
-            # what only contact holds in equilibrium has no compliance of its own
-            floats = not self.scheme.inertia and not all(stands(s) for s in self.solids)
-            large = places > LARGE_SURFACE
-            solver = "monolithic" if nonlinear or large or floats else "condensed"
-        checks.choice("geometry", geometry, ["newton", "fixed point"])
-        checks.choice("solver", solver, ["condensed", "monolithic", "iterative"])
-        alone = [solid.name for solid in self.solids if not isinstance(solid, MonolithicSolid)]
-        if geometry == "newton" and solver != "condensed" and alone:
-            raise checks.InputError(
-                f"solver = {solver!r}: {alone} cannot be part of a monolithic system; use "
-                "'condensed'"
-            )
-        return geometry, solver
 
     def _check(self, allow_free: bool, deepest: float) -> None:
         for kind, things in (("solids", self.solids), ("contacts", self.contacts)):
@@ -184,6 +159,11 @@ class Scene:
         """Relative errors in the course of the last step: before each iteration of "newton", after
         each linearisation of "fixed point", and at the end."""
         return self.stepper.errors
+
+    @property
+    def krylov(self) -> list[int]:
+        """Iterations of the last linear solves, at most 100, if the solver is iterative."""
+        return self.stepper.krylov
 
     def step(self, dt: float) -> Iterator[list[float]]:
         """Cross ``dt`` seconds; yields the rows of the history as the state reaches them.

@@ -13,6 +13,7 @@ from .checks import StepFailed
 from .contact import Contact
 from .fixed_point import FixedPoint
 from .full_newton import FullNewton
+from .iterative import Iterative
 from .newton import Newton
 from .solids import Solid
 from .theta import Step
@@ -114,6 +115,12 @@ class Stepper:
         row = self.row(step.dt, trial.newton, trial.geometry)
         clock("history")
         return row
+
+    @property
+    def krylov(self) -> list[int]:
+        """Iterations of the last linear solves, at most 100, if the solver is iterative."""
+        system = getattr(self._method, "system", None)
+        return list(system.counts) if isinstance(system, Iterative) else []
 
     @property
     def errors(self) -> list[float]:

@@ -90,6 +90,7 @@ class Contact:
         self.force = np.zeros(self.surface.points.shape)  # mean of the last step, on the solid
         self.status = np.zeros(self.surface.size)
         self._closed = np.zeros(self.surface.size, dtype=bool)
+        self._lifted = np.zeros(self.surface.size)  # by finite rotation, at most, while it bears
         self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
         self._unit = (0.0, 1.0, 0.0)
         self._at_points = isinstance(self.formulation, (Lagrange, Discrete))
@@ -148,11 +149,15 @@ class Contact:
         open now only if ``closing``."""
         self.coupling.follow()
         if step.dt:  # an impact sees as closed what the step that led to it did
-            lift = self.coupling.lift(step, self.extent)
-            # a point that bore stays closed, though finite rotation lifts it by a hair: whether
-            # it opens is then for the law to say, not for round-off
-            bore = (self.status > 0) & (self.gap >= -HAIR * self.extent - lift)
-            self._closed = (self.gap >= -self.tolerance - lift) | bore
+            self._lift = lift = self.coupling.lift(step, self.extent)
+            # a point that bore stays closed, though finite rotation lifts it by a hair, in this
+            # step or an earlier one: whether it opens is then for the law to say, not for round-off
+            hair = HAIR * self.extent + np.maximum(lift, self._lifted)
+            bore = (self.status > 0) & (self.gap >= -hair)
+            self._closed = bore | (self.gap >= -self.tolerance)
+            if lift:  # nor does one open that was lifted while others bore; what arrives is open
+                still = _dot(self.jump, self.normal) * step.dt <= lift
+                self._closed |= still & (self.gap >= -self.tolerance - lift)
         self._allowed = closing | self._closed
         self._kept = self._bore() if step.dt else self._closed
         candidates = self.formulation.candidates(self.coupling.gaps(), self.tolerance)
@@ -167,11 +172,18 @@ class Contact:
     def _bore(self) -> np.ndarray:
         return self._closed & (self.status > 0)
 
-    def arrival(self, moved: bool) -> float:
-        """Largest gap [m] of the points that were open at the start of the step, there or, if
-        ``moved``, in the trial state."""
-        gap = self.coupling.gaps() if moved else self.gap
-        return float(gap[self.chosen & ~self._closed].max(initial=-np.inf))
+    def arrival(self) -> tuple[float, float, float]:
+        """The deepest point in the trial state among those on which nothing acts in the step: its
+        gap there [m], the rate of it [m/s], and its gap at the start. That of a point which was
+        closed and lifts counts from the start, for it may come back within the step."""
+        free = self.chosen & (self.equations.fields.closed.x.array == 0)
+        if not free.any():
+            return -np.inf, 0.0, 0.0
+        start = np.where(self._closed, np.maximum(self.gap, 0.0), 0.0)
+        gap = np.where(free, self.coupling.gaps() - start, -np.inf)
+        deepest = int(gap.argmax())
+        rate = float(self.trial_jump[deepest] @ self.normal[deepest])
+        return float(gap[deepest]), rate, float(self.gap[deepest] - start[deepest])
 
     def strikes(self, dt: float) -> bool:
         """Whether a point that counts as closed, but did not bear, arrives at the start of a step,
@@ -280,6 +292,8 @@ class Contact:
         """Keep what the next step starts from; ``force``: on the traces' points, flat."""
         self.force = self._nodal_force() if self._paired else force.reshape(self.normal.shape)
         self.status = self.equations.statuses()
+        lift = max(self._lift, self.coupling.lift(step, self.extent)) if step.dt else 0.0
+        self._lifted = np.where(self.status > 0, np.maximum(self._lifted, lift), 0.0)
         if self._remembers:
             self._keep_stretch(step)
         self.gap, self.jump = self.coupling.gaps(), self.trial_jump
@@ -333,6 +347,7 @@ class Contact:
             "unknowns": self.equations.values,
             "status": self.status,
             "force": self.force,
+            "lifted": self._lifted,
             "stretch": self._stretch,
             "unit": np.array(self._unit),
         }
@@ -341,7 +356,7 @@ class Contact:
         """Take up a state that :meth:`state` gave; the solid has been restored before."""
         self.equations.values = np.array(state["unknowns"])
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
-        self._stretch = np.array(state["stretch"])
+        self._lifted, self._stretch = np.array(state["lifted"]), np.array(state["stretch"])
         span, unit, mobility = (float(value) for value in state["unit"])
         self._unit = (span, unit, mobility)
         self.coupling.follow()

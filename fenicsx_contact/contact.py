@@ -193,6 +193,13 @@ class Contact:
         now, then = (_dot(w, self.normal)[fresh] for w in (self.jump, free))
         return bool(((now * dt > self.tolerance) & (now > np.abs(then - now))).any())
 
+    def struck(self, speed: float) -> bool:
+        """Whether a point bears in the trial state that at the start of the step did not, and was
+        open or approached faster than ``speed``, m/s: its velocity has jumped."""
+        fresh = (self.equations.statuses() > 0) & (self.status == 0)
+        fast = _dot(self.jump, self.normal) > speed
+        return bool((fresh & (fast | ~self._closed)).any())
+
     def linearise(self, step: Step, exact: bool = False) -> None:
         """Take up the trial states of the solids: operators, normals and gaps; if ``exact`` with
         the derivatives of all these."""

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from math import sqrt
 
+from .adaptive import ErrorControl
 from .stepper import Stepper, Trial
 from .theta import Step, ThetaScheme
 
@@ -21,12 +22,12 @@ MAX_IMPACTS = 8
 #: Flights until an arrival is found, at most, and the share of a step below which instants are one.
 MAX_FLIGHTS, INSTANT = 50, 1e-13
 
-#: A flight: its trial state, the gap of the deepest point there and its rate, the gap it began with.
+#: A flight: its trial state, and of the deepest point there the gap, its rate, and where it began.
 Flight = tuple[Trial, float, float, float]
 
 
 def cross_impacts(
-    stepper: Stepper, scheme: ThetaScheme, dt: float, remarks: list[str]
+    stepper: Stepper | ErrorControl, scheme: ThetaScheme, dt: float, remarks: list[str]
 ) -> Iterator[list[float]]:
     """Cross ``dt`` seconds; yields a row of the history after each part of the step and impact.
 

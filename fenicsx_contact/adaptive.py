@@ -105,7 +105,13 @@ class ErrorControl:
         """The present time, s."""
         return self._stepper.time
 
-    def attempt(self, step: Step, closing: bool = True) -> Trial:
+    def mean_accelerations(self, step: Step) -> list[np.ndarray]:
+        """Of the solids in a step that was attempted last, m/s²."""
+        return self._stepper.mean_accelerations(step)
+
+    def attempt(
+        self, step: Step, closing: bool = True, rates: Sequence[np.ndarray] | None = None
+    ) -> Trial:
         """Solve a step, as :meth:`Stepper.attempt` does.
 
         Raises:
@@ -114,13 +120,13 @@ class ErrorControl:
         """
         self._jumped = False
         if step.dt <= self._judged:  # an impact, or on the way of a step that was judged
-            return self._stepper.attempt(step, closing)
+            return self._stepper.attempt(step, closing, rates)
         reference = self._last
         if reference is None:
             half = Step(step.dt / 2, step.scheme, step.start)
-            self._stepper.attempt(half, closing)
+            self._stepper.attempt(half, closing, rates)
             reference = self._mean(half)
-        trial = self._stepper.attempt(step, closing)
+        trial = self._stepper.attempt(step, closing, reference[0])
         clock = Clock(self._stepper.times)
         speed = self._fastest(step)
         error = self._estimate(step, reference) / speed
@@ -153,8 +159,7 @@ class ErrorControl:
 
     def _mean(self, step: Step) -> Mean:
         """Mean accelerations of the solids in the trial state, m/s², and the time of them, s."""
-        change = zip(self._of("trial_velocity"), self._of("velocity"))
-        return [(new - old) / step.dt for new, old in change], step.start + step.dt / 2
+        return self.mean_accelerations(step), step.start + step.dt / 2
 
     def _size(self, values: Sequence[np.ndarray]) -> float:
         return max(solid.root_mean_square(v) for solid, v in zip(self.solids, values))

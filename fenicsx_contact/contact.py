@@ -7,6 +7,7 @@ It follows the solids through a step and feeds gaps and normals to the equations
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import frexp
 from typing import Any
 
 import numpy as np
@@ -92,7 +93,7 @@ class Contact:
         self._closed = np.zeros(self.surface.size, dtype=bool)
         self._lifted = np.zeros(self.surface.size)  # by finite rotation, at most, while it bears
         self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
-        self._unit = (0.0, 1.0, 0.0)
+        self._unit = (-np.inf, 1.0, 0.0)
         self._at_points = isinstance(self.formulation, (Lagrange, Discrete))
         self._remembers = isinstance(self.formulation, Discrete) and self.friction > 0
         self._set_normal(self.coupling.normals())
@@ -239,18 +240,23 @@ class Contact:
         self.equations.fields.set_normal(self.normal)
 
     def unit(self, step: Step) -> float:
-        """The pressure that stops 1 m/s at a typical point within the step; kept while the
-        length of the step does not change."""
-        if self._unit[0] != step.span:
+        """About the pressure that stops 1 m/s at a typical point within the step; kept while the
+        length of the step does not change by much."""
+        octave = float(frexp(step.span)[1])
+        if self._unit[0] != octave:
             mobility = self.coupling.mobility()
             flexible = (mobility * self.normal**2).sum(axis=1) * self.equations.weight
-            flexible = flexible[flexible > 0]
+            flexible = np.sort(flexible[flexible > 0])
             if not len(flexible):
                 return 1.0
             # between solids the gap of a closed point is not quite zero before the last iteration:
             # with less weight on it the sign of lam tells what bears
             share = 0.1 if self._paired else 1.0
-            self._unit = (step.span, share / float(np.median(flexible)), float(mobility.max()))
+            self._unit = (
+                octave,
+                share / float(flexible[len(flexible) // 2]),
+                float(mobility.max()),
+            )
         return self._unit[1]
 
     def push(self, force: np.ndarray, step: Step) -> float:
@@ -364,8 +370,8 @@ class Contact:
         self.equations.values = np.array(state["unknowns"])
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
         self._lifted, self._stretch = np.array(state["lifted"]), np.array(state["stretch"])
-        span, unit, mobility = (float(value) for value in state["unit"])
-        self._unit = (span, unit, mobility)
+        octave, unit, mobility = (float(value) for value in state["unit"])
+        self._unit = (octave, unit, mobility)
         self.coupling.follow()
         self.coupling.accept()
         self._locate()

@@ -9,8 +9,11 @@ the impact happen as a step of no length, ``M (v+ - v-) = J' P``, and go on with
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from math import sqrt
+
+import numpy as np
 
 from .adaptive import ErrorControl
 from .stepper import Stepper, Trial
@@ -26,39 +29,62 @@ MAX_FLIGHTS, INSTANT = 50, 1e-13
 Flight = tuple[Trial, float, float, float]
 
 
-def cross_impacts(
-    stepper: Stepper | ErrorControl, scheme: ThetaScheme, dt: float, remarks: list[str]
-) -> Iterator[list[float]]:
-    """Cross ``dt`` seconds; yields a row of the history after each part of the step and impact.
+class LocatedImpacts:
+    """Crosses steps from impact to impact.
 
-    Raises:
-        StepFailed: the state is then that of the last good part.
+    Args:
+        scheme: of the scene.
     """
-    left = dt
-    tolerance = min((contact.tolerance for contact in stepper.contacts), default=0.0)
 
-    def fly(length: float) -> Flight:
+    def __init__(self, scheme: ThetaScheme) -> None:
+        self._scheme = scheme
+        self._rates: list[np.ndarray] | None = None  # accelerations in the last flight, m/s²
+
+    def cross(
+        self, stepper: Stepper | ErrorControl, dt: float, remarks: list[str]
+    ) -> Iterator[list[float]]:
+        """Cross ``dt`` seconds; yields a row of the history after each part and impact.
+
+        Raises:
+            StepFailed: the state is then that of the last good part.
+        """
+        left = dt
+        tolerance = min((contact.tolerance for contact in stepper.contacts), default=0.0)
+
+        def accept(trial: Trial) -> list[float]:
+            remarks.extend(trial.remarks)
+            return stepper.accept(trial)
+
+        for _ in range(MAX_IMPACTS):
+            flight = self._fly(stepper, left)
+            if not any(contact.strikes(left) for contact in stepper.contacts):
+                if flight[1] <= 0:
+                    yield accept(flight[0])
+                    return
+                trial = _arrive(partial(self._fly, stepper), flight, tolerance)
+                left -= trial.step.dt
+                yield accept(trial)
+            self._rates = None
+            yield accept(stepper.attempt(Step(0.0, self._scheme, stepper.time)))
+            if left <= 1e-9 * dt:
+                return
+        yield accept(stepper.attempt(Step(left, self._scheme, stepper.time)))
+
+    def _fly(self, stepper: Stepper | ErrorControl, length: float) -> Flight:
         """The step as if no open point could close."""
-        trial = stepper.attempt(Step(length, scheme, stepper.time), closing=False)
+        step = Step(length, self._scheme, stepper.time)
+        rates, self._rates = self._rates, None  # not those of a step that fails
+        trial = stepper.attempt(step, closing=False, rates=rates)
+        self._rates = stepper.mean_accelerations(step)
         return trial, *max(contact.arrival() for contact in stepper.contacts)
 
-    def accept(trial: Trial) -> list[float]:
-        remarks.extend(trial.remarks)
-        return stepper.accept(trial)
+    def state(self) -> dict[str, np.ndarray]:
+        """The arrays from which :meth:`restore` continues identically."""
+        return {f"rate.{i}": rate for i, rate in enumerate(self._rates or [])}
 
-    for _ in range(MAX_IMPACTS):
-        flight = fly(left)
-        if not any(contact.strikes(left) for contact in stepper.contacts):
-            if flight[1] <= 0:
-                yield accept(flight[0])
-                return
-            trial = _arrive(fly, flight, tolerance)
-            left -= trial.step.dt
-            yield accept(trial)
-        yield accept(stepper.attempt(Step(0.0, scheme, stepper.time)))
-        if left <= 1e-9 * dt:
-            return
-    yield accept(stepper.attempt(Step(left, scheme, stepper.time)))
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Take up a state that :meth:`state` gave."""
+        self._rates = [np.array(state[f"rate.{i}"]) for i in range(len(state))] or None
 
 
 def _arrive(fly: Callable[[float], Flight], flight: Flight, tolerance: float) -> Trial:

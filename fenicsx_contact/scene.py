@@ -14,7 +14,7 @@ from .adaptive import ErrorControl
 from .contact import Contact
 from .formulations import Velocity
 from .history import COLUMNS, History, contact_columns
-from .impacts import cross_impacts
+from .impacts import LocatedImpacts
 from .newton import Newton
 from .run import run
 from .solids import Solid
@@ -79,6 +79,7 @@ class Scene:
         checks.instance("scheme", self.scheme, ThetaScheme, "a ThetaScheme")
         checks.instance("newton", self.newton, Newton, "a Newton")
         self.locate_impacts = locate_impacts
+        self._impacts = LocatedImpacts(self.scheme) if locate_impacts else None
         self._check(allow_free, checks.number("deepest", deepest, at_least=0))
         if self.scheme.theta < 0.5 and not allow_growth:
             raise checks.InputError(
@@ -199,8 +200,8 @@ class Scene:
             StepFailed: with the reason; the state is that of the last row.
         """
         self.remarks, stepper = [], stepper or self.stepper
-        if self.locate_impacts:
-            yield from cross_impacts(stepper, self.scheme, dt, self.remarks)
+        if self._impacts is not None:
+            yield from self._impacts.cross(stepper, dt, self.remarks)
         else:
             trial = stepper.attempt(Step(dt, self.scheme, self.time))
             self.remarks += trial.remarks
@@ -283,9 +284,11 @@ class Scene:
         stepper.work = np.array(state["scene.work"])
         stepper.energies = stepper.sum_energies()
 
-    def _things(self) -> list[tuple[str, Solid | Contact]]:
-        solids = [(f"solid.{solid.name}.", solid) for solid in self.solids]
-        return [*solids, *((f"contact.{contact.name}.", contact) for contact in self.contacts)]
+    def _things(self) -> list[tuple[str, Solid | Contact | LocatedImpacts]]:
+        things: list[tuple[str, Solid | Contact | LocatedImpacts]] = []
+        things += [(f"solid.{solid.name}.", solid) for solid in self.solids]
+        things += [(f"contact.{contact.name}.", contact) for contact in self.contacts]
+        return things + ([("impacts.", self._impacts)] if self._impacts else [])
 
     def describe(self) -> str:
         """What the scene consists of, and what was left out because nothing needs it."""

@@ -71,16 +71,17 @@ class ErrorControl:
     """
 
     def __init__(self, stepper: Stepper, scheme: ThetaScheme, error: float) -> None:
-        self.error = checks.number("error", error, above=0, at_most=1)
+        self.error = checks.number("step_error", error, above=0, at_most=1)
         if not scheme.inertia:
             raise checks.InputError(
-                f"error = {error!r}: without inertia time only orders the loads; there is no error "
-                "in time to control"
+                f"step_error = {error!r}: without inertia time only orders the loads; there is no "
+                "error in time to control"
             )
         if scheme.theta != 0.5 or scheme.forces != "theta":
             raise checks.InputError(
-                f"error = {error!r}: the estimate is that of the scheme of second order, theta = "
-                f"0.5 with forces at 'theta', not theta = {scheme.theta!r} at {scheme.forces!r}"
+                f"step_error = {error!r}: the estimate is that of the scheme of second order, "
+                "theta = 0.5 with forces at 'theta', not theta = "
+                f"{scheme.theta!r} at {scheme.forces!r}"
             )
         self._stepper, self.least = stepper, 0.0
         self._tolerance = max((c.tolerance for c in stepper.contacts), default=0.0)

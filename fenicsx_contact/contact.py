@@ -196,7 +196,9 @@ class Contact:
 
     def struck(self, speed: float) -> bool:
         """Whether a point bears in the trial state that at the start of the step did not, and was
-        open or approached faster than ``speed``, m/s: its velocity has jumped."""
+        open or approached faster than ``speed``, m/s: its velocity has jumped. Springs let none."""
+        if not self.formulation.multipliers:
+            return False
         fresh = (self.equations.statuses() > 0) & (self.status == 0)
         fast = _dot(self.jump, self.normal) > speed
         return bool((fresh & (fast | ~self._closed)).any())

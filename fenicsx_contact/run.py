@@ -31,7 +31,7 @@ def run(
     dt: float,
     *,
     directory: str | Path | None,
-    error: float | None,
+    step_error: float | None,
     resume: bool,
     fields_every: int,
     progress: bool | None,
@@ -63,12 +63,12 @@ def run(
         raise checks.InputError("resume = True: only a run on one process can be resumed")
 
     pace = Pace(scene.stepper, dt, shortest)
-    if error is not None:
-        pace = AdaptivePace(ErrorControl(scene.stepper, scene.scheme, error), dt, shortest)
+    if step_error is not None:
+        pace = AdaptivePace(ErrorControl(scene.stepper, scene.scheme, step_error), dt, shortest)
     first, done = scene.time, 0
     history = History((*scene.columns, *probes))
     files = RunDirectory(directory) if directory is not None and scene.comm.rank == 0 else None
-    fingerprint = _fingerprint(scene, dt, error)
+    fingerprint = _fingerprint(scene, dt, step_error)
     if files and resume and files.has_checkpoint:
         state = files.load(history, fingerprint)
         done = int(state.pop("run.steps"))
@@ -131,10 +131,10 @@ def _measure(probes: Mapping[str, Callable[[], float]]) -> Iterator[float]:
             raise checks.InputError(f"probes[{name!r}]() = {value!r}: must be a number") from None
 
 
-def _fingerprint(scene: Scene, dt: float, error: float | None) -> str:
+def _fingerprint(scene: Scene, dt: float, step_error: float | None) -> str:
     """What must be the same for a run to be resumed: parameters, place, energies at the start."""
     lines = [scene.describe(), f"dt = {dt!r}, from {scene.time!r}, {scene.scheme}"]
-    lines.append(f"impacts located: {scene.locate_impacts}, error of a step: {error!r}")
+    lines.append(f"impacts located: {scene.locate_impacts}, step_error: {step_error!r}")
     lines.append("energies " + ", ".join(f"{energy:.9g}" for energy in scene.stepper.energies))
     for contact in scene.contacts:
         lines.append(

@@ -214,7 +214,7 @@ class Scene:
         until: float,
         dt: float,
         *,
-        error: float | None = None,
+        step_error: float | None = None,
         directory: str | Path | None = None,
         resume: bool = False,
         fields_every: int = 0,
@@ -223,18 +223,18 @@ class Scene:
         probes: Mapping[str, Callable[[], float]] | None = None,
         stop_when: Callable[[], bool] | None = None,
     ) -> History:
-        """Run by uniform steps to the multiple of ``dt`` that is nearest to ``until``; with an
-        ``error``, by steps that are halved and doubled within these as the motion asks.
+        """Run by uniform steps to the multiple of ``dt`` that is nearest to ``until``; with a
+        ``step_error``, by steps that are halved and doubled within these as the motion asks.
 
         A step that fails is tried again at half its length, down to ``shortest`` of it; below
         that the run stops and its history says why.
 
         Args:
             until: the end, s.
-            dt: length of a step, s; with an ``error``, of the longest.
-            error: what a step may add to the error of the motion, relative to the way in it, by
-                an estimate (see :mod:`fenicsx_contact.adaptive`); for theta = 1/2. None: uniform
-                steps. Impacts that are not located are rounded to a step, whatever the error.
+            dt: length of a step, s; with a ``step_error``, of the longest.
+            step_error: what a step may add to the error of the motion, relative to the way in
+                it, by an estimate (see :mod:`fenicsx_contact.adaptive`); for theta = 1/2. None:
+                uniform steps. Impacts that are not located are rounded to a step all the same.
             directory: where to write the run as it goes; None keeps it in memory.
             resume: continue the run that was stopped in ``directory``, if there is one.
             fields_every: write fields for ParaView every so many ``dt`` (0: never).
@@ -246,14 +246,14 @@ class Scene:
                 that reaches ``until`` without it says so in its reason.
 
         Raises:
-            InputError: dt <= 0, an end before the start, resume or fields without a directory, an
-                error <= 0 or with a scheme that is not of second order.
+            InputError: dt <= 0, an end before the start, resume or fields without a directory, a
+                step_error <= 0 or with a scheme that is not of second order.
         """
         return run(
             self,
             until,
             dt,
-            error=error,
+            step_error=step_error,
             directory=directory,
             resume=resume,
             fields_every=fields_every,

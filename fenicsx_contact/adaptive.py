@@ -54,8 +54,9 @@ class StepTooLong(StepFailed):
 class ErrorControl:
     """A stepper that refuses steps with too large an error.
 
-    A step in which a point strikes is not refused: its velocities jump, whatever its length. With
-    impacts located that happens in steps of no length.
+    In a step in which a point strikes velocities jump, whatever its length; such a step is short
+    enough if the way in it is the allowed share of the whole way so far, and so is the depth at
+    which a point arrives. With impacts located this happens in steps of no length.
 
     Args:
         stepper: solves and accepts the steps.
@@ -88,8 +89,10 @@ class ErrorControl:
         self.length = np.inf
         self._last: Mean | None = None
         self._jumped = False
+        self._coarse = False
         self._judged = 0.0  # the longest step from the present state that was not refused
         self._arc = self._top = self._size(self._of("velocity"))
+        self._way = 0.0  # since the start, m
 
     @property
     def solids(self) -> Sequence[Solid]:
@@ -133,14 +136,23 @@ class ErrorControl:
         error = self._estimate(step, reference) / speed
         clock("error")
         length = step.dt * sqrt(SAFETY * self.error / error) if error else np.inf
-        if error <= self.error:
+        smooth = error <= self.error
+        allowed = self.error * (self._way + speed * step.dt)  # m
+        short = not closing or speed * step.dt <= allowed
+        deep = closing and any(contact.intrusion() > allowed for contact in self.contacts)
+        self._jumped = not smooth and any(c.struck(self.error * speed) for c in self.contacts)
+        if smooth:
             self.length = length
-        elif any(contact.struck(self.error * speed) for contact in self.contacts):
-            self._jumped = True
-        elif step.dt > self.least:
-            raise StepTooLong(f"error {error:.2g}, above {self.error:g}", length)
+        if deep or not (smooth or (self._jumped and short)):
+            if step.dt > self.least:
+                length = min(length, step.dt / 2)
+                raise StepTooLong(f"error {error:.2g}, above {self.error:g}", length)
+            if not self._coarse:  # once for the steps that follow each other
+                remark = f"error {error:.2g} in a shortest step, above {self.error:g}"
+                trial.remarks.append(remark)
+            self._coarse = True
         else:
-            trial.remarks.append(f"error {error:.2g} in a shortest step, above {self.error:g}")
+            self._coarse = False
         self._judged = step.dt
         return trial
 
@@ -151,6 +163,7 @@ class ErrorControl:
         row = self._stepper.accept(trial)
         self._judged = 0.0
         speed = self._size(self._of("velocity"))
+        self._way += speed * trial.step.dt
         self._arc = max(self._arc, speed) if smooth else speed
         self._top = max(self._top, speed)
         return row
@@ -181,7 +194,7 @@ class ErrorControl:
 
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically."""
-        state = {"speeds": np.array([self._arc, self._top]), "length": np.array(self.length)}
+        state = {"speeds": np.array([self._arc, self._top, self._way, self.length])}
         if self._last is not None:
             state["time"] = np.array(self._last[1])
             state |= {f"acceleration.{i}": a for i, a in enumerate(self._last[0])}
@@ -189,8 +202,7 @@ class ErrorControl:
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave."""
-        self._arc, self._top = map(float, state["speeds"])
-        self.length = float(state["length"])
+        self._arc, self._top, self._way, self.length = map(float, state["speeds"])
         if "time" in state:
             means = [np.array(state[f"acceleration.{i}"]) for i in range(len(self.solids))]
             self._last = means, float(state["time"])

@@ -194,6 +194,10 @@ class Contact:
         now, then = (_dot(w, self.normal)[fresh] for w in (self.jump, free))
         return bool(((now * dt > self.tolerance) & (now > np.abs(then - now))).any())
 
+    def intrusion(self) -> float:
+        """Gap [m] in the trial state of the deepest point that was open at the start."""
+        return float(self.coupling.gaps()[self.chosen & ~self._closed].max(initial=-np.inf))
+
     def struck(self, speed: float) -> bool:
         """Whether a point bears in the trial state that at the start of the step did not, and was
         open or approached faster than ``speed``, m/s: its velocity has jumped. Springs let none."""

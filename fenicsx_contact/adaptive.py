@@ -26,6 +26,7 @@ from math import ceil, floor, log2, sqrt
 import numpy as np
 
 from . import checks
+from .arrivals import depth, struck
 from .assembly import Clock
 from .checks import StepFailed
 from .contact import Contact
@@ -136,25 +137,29 @@ class ErrorControl:
         error = self._estimate(step, reference) / speed
         clock("error")
         length = step.dt * sqrt(SAFETY * self.error / error) if error else np.inf
-        smooth = error <= self.error
-        allowed = self.error * (self._way + speed * step.dt)  # m
-        short = not closing or speed * step.dt <= allowed
-        deep = closing and any(contact.intrusion() > allowed for contact in self.contacts)
-        self._jumped = not smooth and any(c.struck(self.error * speed) for c in self.contacts)
-        if smooth:
+        if error <= self.error:
             self.length = length
-        if deep or not (smooth or (self._jumped and short)):
-            if step.dt > self.least:
-                length = min(length, step.dt / 2)
-                raise StepTooLong(f"error {error:.2g}, above {self.error:g}", length)
-            if not self._coarse:  # once for the steps that follow each other
-                remark = f"error {error:.2g} in a shortest step, above {self.error:g}"
-                trial.remarks.append(remark)
-            self._coarse = True
         else:
-            self._coarse = False
-        self._judged = step.dt
+            self._jumped = any(struck(c, self.error * speed) for c in self.contacts)
+        # a located impact is not rounded, another one to a share of the way
+        reason = self._refuse(error, speed * step.dt if closing else 0.0)
+        if reason and step.dt > self.least:
+            raise StepTooLong(reason, min(length, step.dt / 2))
+        if reason and not self._coarse:  # once for the steps that follow each other
+            trial.remarks.append(f"shortest step: {reason}")
+        self._coarse, self._judged = bool(reason), step.dt
         return trial
+
+    def _refuse(self, error: float, way: float) -> str:
+        """Why the trial state has too large an error, or nothing; ``way``: of the step, m."""
+        allowed = self.error * (self._way + way)
+        if way:
+            deepest = max((depth(contact) for contact in self.contacts), default=0.0)
+            if deepest > allowed:
+                return f"a point arrives {deepest:.2g} m deep, above {allowed:.2g} m"
+        if error <= self.error or (self._jumped and way <= allowed):
+            return ""
+        return f"error {error:.2g}, above {self.error:g}"
 
     def accept(self, trial: Trial) -> list[float]:
         """Make the trial state the state; returns the row of the history."""

@@ -45,6 +45,12 @@ class Contact:
         gap_tolerance: a point closer than this share of the surface's extent is closed.
         name: for messages and files.
 
+    Attributes:
+        gap, jump: at the start of the step, m and m/s; ``trial_jump`` in the trial state.
+        closed: points that count as closed at the start of the step.
+        status: of the points in the last step: 0 open, 1 stick, 2 slip.
+        force: mean of the last step on the solid, N.
+
     Raises:
         InputError: friction < 0 or NaN, unknown formulation or facets, dimensions that differ,
             points of a formulation that are no nodes of the facets, surfaces that do not face
@@ -88,9 +94,9 @@ class Contact:
         self.coupling = self._couple(other)
         self.solids, self.traces = self.coupling.solids, self.coupling.traces
         self.part = self.coupling.part
-        self.force = np.zeros(self.surface.points.shape)  # mean of the last step, on the solid
+        self.force = np.zeros(self.surface.points.shape)
         self.status = np.zeros(self.surface.size)
-        self._closed = np.zeros(self.surface.size, dtype=bool)
+        self.closed = np.zeros(self.surface.size, dtype=bool)
         self._lifted = np.zeros(self.surface.size)  # by finite rotation, at most, while it bears
         self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
         self._unit = (-np.inf, 1.0, 0.0)
@@ -155,12 +161,12 @@ class Contact:
             # step or an earlier one: whether it opens is then for the law to say, not for round-off
             hair = HAIR * self.extent + np.maximum(lift, self._lifted)
             bore = (self.status > 0) & (self.gap >= -hair)
-            self._closed = bore | (self.gap >= -self.tolerance)
+            self.closed = bore | (self.gap >= -self.tolerance)
             if lift:  # nor does one open that was lifted while others bore; what arrives is open
                 still = _dot(self.jump, self.normal) * step.dt <= lift
-                self._closed |= still & (self.gap >= -self.tolerance - lift)
-        self._allowed = closing | self._closed
-        self._kept = self._bore() if step.dt else self._closed
+                self.closed |= still & (self.gap >= -self.tolerance - lift)
+        self._allowed = closing | self.closed
+        self._kept = self._bore() if step.dt else self.closed
         candidates = self.formulation.candidates(self.coupling.gaps(), self.tolerance)
         self._choose(candidates)
 
@@ -171,41 +177,7 @@ class Contact:
         self.equations.choose(candidates)
 
     def _bore(self) -> np.ndarray:
-        return self._closed & (self.status > 0)
-
-    def arrival(self) -> tuple[float, float, float]:
-        """The deepest point in the trial state among those on which nothing acts in the step: its
-        gap there [m], the rate of it [m/s], and its gap at the start. That of a point which was
-        closed and lifts counts from the start, for it may come back within the step."""
-        free = self.chosen & (self.equations.fields.closed.x.array == 0)
-        if not free.any():
-            return -np.inf, 0.0, 0.0
-        start = np.where(self._closed, np.maximum(self.gap, 0.0), 0.0)
-        gap = np.where(free, self.coupling.gaps() - start, -np.inf)
-        deepest = int(gap.argmax())
-        rate = float(self.trial_jump[deepest] @ self.normal[deepest])
-        return float(gap[deepest]), rate, float(self.gap[deepest] - start[deepest])
-
-    def strikes(self, dt: float) -> bool:
-        """Whether a point that counts as closed, but did not bear, arrives at the start of a step,
-        faster than the loads of the step would make it: else it is coming to rest."""
-        fresh = self.chosen & self._closed & (self.status == 0)
-        free = self.coupling.to_jump(np.concatenate([t.free_jump() for t in self.traces]))
-        now, then = (_dot(w, self.normal)[fresh] for w in (self.jump, free))
-        return bool(((now * dt > self.tolerance) & (now > np.abs(then - now))).any())
-
-    def intrusion(self) -> float:
-        """Gap [m] in the trial state of the deepest point that was open at the start."""
-        return float(self.coupling.gaps()[self.chosen & ~self._closed].max(initial=-np.inf))
-
-    def struck(self, speed: float) -> bool:
-        """Whether a point bears in the trial state that at the start of the step did not, and was
-        open or approached faster than ``speed``, m/s: its velocity has jumped. Springs let none."""
-        if not self.formulation.multipliers:
-            return False
-        fresh = (self.equations.statuses() > 0) & (self.status == 0)
-        fast = _dot(self.jump, self.normal) > speed
-        return bool((fresh & (fast | ~self._closed)).any())
+        return self.closed & (self.status > 0)
 
     def linearise(self, step: Step, exact: bool = False) -> None:
         """Take up the trial states of the solids: operators, normals and gaps; if ``exact`` with

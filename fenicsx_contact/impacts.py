@@ -16,6 +16,7 @@ from math import sqrt
 import numpy as np
 
 from .adaptive import ErrorControl
+from .arrivals import arrival, strikes
 from .stepper import Stepper, Trial
 from .theta import Step, ThetaScheme
 
@@ -57,7 +58,7 @@ class LocatedImpacts:
 
         for _ in range(MAX_IMPACTS):
             flight = self._fly(stepper, left)
-            if not any(contact.strikes(left) for contact in stepper.contacts):
+            if not any(strikes(contact, left) for contact in stepper.contacts):
                 if flight[1] <= 0:
                     yield accept(flight[0])
                     return
@@ -76,7 +77,8 @@ class LocatedImpacts:
         rates, self._rates = self._rates, None  # not those of a step that fails
         trial = stepper.attempt(step, closing=False, rates=rates)
         self._rates = stepper.mean_accelerations(step)
-        return trial, *max(contact.arrival() for contact in stepper.contacts)
+        nothing = (-np.inf, 0.0, 0.0)
+        return trial, *max((arrival(c) for c in stepper.contacts), default=nothing)
 
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically."""

@@ -314,4 +314,7 @@ def test_without_inertia_it_is_refused():
 
 def test_a_shortest_step_is_taken_with_a_remark(monkeypatch):
     history = rock(0.3, 0.3, 0.1, 1e-9)
-    assert any("in a shortest step, above 1e-09" in text for _, text in history.remarks)
+    assert any(
+        text.startswith("shortest step: error ") and text.endswith("above 1e-09")
+        for _, text in history.remarks
+    )

@@ -255,7 +255,7 @@ class Contact:
     def speed_limit(self, step: Step) -> np.ndarray | None:
         """The w_n that the law allows at each point at most, None for springs."""
         gap = self.equations.fields.gap.x.array
-        return self.formulation.speed_limit(gap, step.gap_rate, step.dt)
+        return self.formulation.speed_limit(gap, step.gap_rate, step.span)
 
     def follow(self) -> None:
         """Follow the solids to their trial states, which have just been computed."""

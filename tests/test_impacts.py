@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scenes import FLOOR, rectangle
 
-from fenicsx_contact import Contact, ElasticSolid, InputError, RigidSolid, Scene
+from fenicsx_contact import Contact, ElasticSolid, InputError, RigidSolid, Scene, ThetaScheme
 from fenicsx_contact.references.housner import Block, rocking
+from fenicsx_contact.theta import Step
 
 BLOCK = Block(width=0.36, height=0.80, mass=417.6)
 
@@ -91,6 +92,11 @@ def test_a_flat_landing_of_many_points_is_one_impact():
     assert (history["dt"] == 0).sum() == 2
     assert history["rigid.base.bearing"][-1] > 1
     assert history["kinetic"][-1] < 1e-20
+
+
+def test_the_projected_solver_knows_its_limits_in_an_impact():
+    contact = Contact(RigidSolid(rectangle(), mass=10.0), "base", FLOOR)
+    np.testing.assert_array_equal(contact.speed_limit(Step(0.0, ThetaScheme())), 0.0)
 
 
 def test_elastic_impact_keeps_the_books():

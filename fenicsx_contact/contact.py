@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from . import checks
-from .coupling import Coupling, ObstacleCoupling, PairCoupling, sides_of
+from .coupling import Coupling, ObstacleCoupling, PairCoupling, side_of
 from .equations import SurfaceEquations
 from .formulations import Discrete, Formulation, Lagrange, Velocity
 from .formulations import formulation as as_formulation
@@ -108,11 +108,9 @@ class Contact:
     def _couple(self, other: Obstacle | tuple[Solid, str]) -> Coupling:
         if not isinstance(other, tuple):
             return ObstacleCoupling(self.solid, self.equations, other)
-        slave = sides_of(
-            self.solid, self.facets, points=self.surface.points, cells=self.surface.cell_nodes
-        )
         solid, facets = other
-        pair = PairCoupling((self.solid, solid), (slave, sides_of(solid, facets)), self.equations)
+        sides = side_of(self.solid, self.facets, self.surface), side_of(solid, facets)
+        pair = PairCoupling((self.solid, solid), sides, self.equations)
         if not pair.faces:
             raise checks.InputError(
                 f"master = ({solid.name!r}, {facets!r}): nowhere faces {self.facets!r} of "
@@ -172,9 +170,7 @@ class Contact:
 
     def _choose(self, candidates: np.ndarray) -> None:
         candidates = (candidates & self._allowed) | self._kept
-        if isinstance(self.coupling, PairCoupling):
-            candidates &= self.coupling.near()
-        self.equations.choose(candidates)
+        self.equations.choose(candidates & self.coupling.near())
 
     def _bore(self) -> np.ndarray:
         return self.closed & (self.status > 0)
@@ -186,7 +182,7 @@ class Contact:
             trace.linearise(step)
         k, share = self.equations.fields, self._share(step)
         if self._paired:
-            self._take_pairs()
+            self._renew_points()
         if not self.coupling.fixed_normal:
             self._set_normal(self.coupling.normals())
         gap = self.gap
@@ -202,11 +198,10 @@ class Contact:
             k.elongation.x.array[:] = (self._stretch + rate * self.jump).ravel()
         self.coupling.linearise(step, exact, share)
 
-    def _take_pairs(self) -> None:
+    def _renew_points(self) -> None:
         """Weights by the paired area; laws of positions choose their candidates anew."""
-        assert isinstance(self.coupling, PairCoupling)
         if not self._at_points:
-            self.equations.set_weight(self.coupling.pairing.area)
+            self.equations.set_weight(self.coupling.area)
         if not isinstance(self.formulation, Velocity):
             self._choose(np.ones(self.surface.size, dtype=bool))
 
@@ -247,10 +242,7 @@ class Contact:
 
     def start(self, free: np.ndarray) -> None:
         """Starting values of a step, from the velocities of the points without contact, flat."""
-        if not self._paired:
-            self.equations.start(self.jump.ravel(), free)
-        else:
-            self.equations.start(self.jump.ravel(), self.coupling.to_jump(free).ravel())
+        self.equations.start(self.jump.ravel(), self.coupling.to_jump(free).ravel())
 
     def speed_limit(self, step: Step) -> np.ndarray | None:
         """The w_n that the law allows at each point at most, None for springs."""

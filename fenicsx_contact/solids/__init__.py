@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """What moves. A solid knows its inertia, its internal forces and its trace; it knows no contact."""
 
-from .base import Solid, Trace
+from .base import MonolithicSolid, MonolithicTrace, Solid, Trace
 from .beam import BeamSolid
+from .deformable import DeformableSolid
 from .elastic import ElasticSolid
 from .hyperelastic import HyperelasticSolid, ciarlet, neo_hookean, st_venant_kirchhoff
 from .rigid import RigidSolid
@@ -10,8 +11,11 @@ from .sections import Section, Support
 
 __all__ = [
     "BeamSolid",
+    "DeformableSolid",
     "ElasticSolid",
     "HyperelasticSolid",
+    "MonolithicSolid",
+    "MonolithicTrace",
     "RigidSolid",
     "Section",
     "Solid",

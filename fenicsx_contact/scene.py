@@ -10,10 +10,11 @@ from time import perf_counter
 import numpy as np
 
 from . import checks
+from .adaptive import ErrorControl
 from .contact import Contact
 from .formulations import Velocity
 from .history import COLUMNS, History, contact_columns
-from .impacts import cross_impacts
+from .impacts import LocatedImpacts
 from .methods import choose
 from .newton import Newton
 from .run import run
@@ -77,6 +78,7 @@ class Scene:
         checks.instance("scheme", self.scheme, ThetaScheme, "a ThetaScheme")
         checks.instance("newton", self.newton, Newton, "a Newton")
         self.locate_impacts = locate_impacts
+        self._impacts = LocatedImpacts(self.scheme) if locate_impacts else None
         self._check(allow_free, checks.number("deepest", deepest, at_least=0))
         if self.scheme.theta < 0.5 and not allow_growth:
             raise checks.InputError(
@@ -165,19 +167,25 @@ class Scene:
         """Iterations of the last linear solves, at most 100, if the solver is iterative."""
         return self.stepper.krylov
 
-    def step(self, dt: float) -> Iterator[list[float]]:
+    def step(
+        self, dt: float, stepper: Stepper | ErrorControl | None = None
+    ) -> Iterator[list[float]]:
         """Cross ``dt`` seconds; yields the rows of the history as the state reaches them.
+
+        Args:
+            dt: s.
+            stepper: takes the steps; default: :attr:`stepper`, whatever their error.
 
         Raises:
             StepFailed: with the reason; the state is that of the last row.
         """
-        self.remarks = []
-        if self.locate_impacts:
-            yield from cross_impacts(self.stepper, self.scheme, dt, self.remarks)
+        self.remarks, stepper = [], stepper or self.stepper
+        if self._impacts is not None:
+            yield from self._impacts.cross(stepper, dt, self.remarks)
         else:
-            trial = self.stepper.attempt(Step(dt, self.scheme, self.time))
+            trial = stepper.attempt(Step(dt, self.scheme, self.time))
             self.remarks += trial.remarks
-            yield self.stepper.accept(trial)
+            yield stepper.accept(trial)
 
     # -- whole runs -----------------------------------------------------------------------------
 
@@ -186,6 +194,7 @@ class Scene:
         until: float,
         dt: float,
         *,
+        step_error: float | None = None,
         directory: str | Path | None = None,
         resume: bool = False,
         fields_every: int = 0,
@@ -194,31 +203,37 @@ class Scene:
         probes: Mapping[str, Callable[[], float]] | None = None,
         stop_when: Callable[[], bool] | None = None,
     ) -> History:
-        """Run by uniform steps to the multiple of ``dt`` that is nearest to ``until``.
+        """Run by uniform steps to the multiple of ``dt`` that is nearest to ``until``; with a
+        ``step_error``, by steps that are halved and doubled within these as the motion asks.
 
         A step that fails is tried again at half its length, down to ``shortest`` of it; below
         that the run stops and its history says why.
 
         Args:
             until: the end, s.
-            dt: length of a step, s.
+            dt: length of a step, s; with a ``step_error``, of the longest.
+            step_error: what a step may add to the error of the motion, relative to the way in
+                it, by an estimate (see :mod:`fenicsx_contact.adaptive`); for theta = 1/2. None:
+                uniform steps. Impacts that are not located are rounded to a step all the same.
             directory: where to write the run as it goes; None keeps it in memory.
             resume: continue the run that was stopped in ``directory``, if there is one.
-            fields_every: write fields for ParaView every so many steps (0: never).
+            fields_every: write fields for ParaView every so many ``dt`` (0: never).
             progress: show a bar; default: if the run lasts and a person watches.
             shortest: shortest step, as a share of dt.
             probes: further columns of the history: for each name a function without arguments
                 that is called after each step.
-            stop_when: asked after each step whether what the run was for has happened; a run
+            stop_when: asked after each ``dt`` whether what the run was for has happened; a run
                 that reaches ``until`` without it says so in its reason.
 
         Raises:
-            InputError: dt <= 0, an end before the start, resume or fields without a directory.
+            InputError: dt <= 0, an end before the start, resume or fields without a directory, a
+                step_error <= 0 or with a scheme that is not of second order.
         """
         return run(
             self,
             until,
             dt,
+            step_error=step_error,
             directory=directory,
             resume=resume,
             fields_every=fields_every,
@@ -249,9 +264,11 @@ class Scene:
         stepper.work = np.array(state["scene.work"])
         stepper.energies = stepper.sum_energies()
 
-    def _things(self) -> list[tuple[str, Solid | Contact]]:
-        solids = [(f"solid.{solid.name}.", solid) for solid in self.solids]
-        return [*solids, *((f"contact.{contact.name}.", contact) for contact in self.contacts)]
+    def _things(self) -> list[tuple[str, Solid | Contact | LocatedImpacts]]:
+        things: list[tuple[str, Solid | Contact | LocatedImpacts]] = []
+        things += [(f"solid.{solid.name}.", solid) for solid in self.solids]
+        things += [(f"contact.{contact.name}.", contact) for contact in self.contacts]
+        return things + ([("impacts.", self._impacts)] if self._impacts else [])
 
     def describe(self) -> str:
         """What the scene consists of, and what was left out because nothing needs it."""

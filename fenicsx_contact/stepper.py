@@ -66,12 +66,16 @@ class Stepper:
         self.work, self.balance = np.zeros(4), 0.0
         self.energies = self.sum_energies()
 
-    def attempt(self, step: Step, closing: bool = True) -> Trial:
+    def attempt(
+        self, step: Step, closing: bool = True, rates: Sequence[np.ndarray] | None = None
+    ) -> Trial:
         """Solve a step from the present state.
 
         Args:
             step: its length and scheme.
             closing: whether points that are open now may close.
+            rates: accelerations of the solids, m/s², by which geometry is guessed, if they are
+                known from a step like it; they spare linearisations.
 
         Raises:
             StepFailed: with the reason; the state is as before.
@@ -83,12 +87,25 @@ class Stepper:
                 solid.predict(step)
             for contact in self.contacts:
                 contact.predict(step, closing)
+            if rates is not None:
+                self._guess(step, rates)
             clock("pairing")
             return Trial(step, *self._method.solve(step, clock))
         except StepFailed:
             for contact, values in zip(self.contacts, before):
                 contact.equations.values = values
             raise
+
+    def _guess(self, step: Step, rates: Sequence[np.ndarray]) -> None:
+        for solid, rate in zip(self.solids, rates):
+            if not solid.linear:
+                solid.go(solid.velocity + step.dt * rate, step)
+        for contact in self.contacts:
+            contact.follow()
+
+    def mean_accelerations(self, step: Step) -> list[np.ndarray]:
+        """Of the solids in a step that was attempted last, m/s²."""
+        return [(solid.trial_velocity - solid.velocity) / step.dt for solid in self.solids]
 
     def accept(self, trial: Trial) -> list[float]:
         """Make the trial state the state; returns the row of the history."""

@@ -121,6 +121,8 @@ class SurfaceSystem:
             self._scaling = rows[:, None] * columns
 
     def _gather(self, arrays: Sequence[np.ndarray]) -> np.ndarray:
+        if len(arrays) == 1:
+            return arrays[0]
         result = np.empty(self.size)
         for (_, place), array in zip(self.placed, arrays):
             result[place] = array
@@ -138,11 +140,11 @@ class SurfaceSystem:
     def iterate(self) -> bool:
         """One Newton step; False where the tangent is singular."""
         nw = len(self.active)
-        A = np.zeros((self.size, self.size))
-        for part, place in self.placed:
-            if len(self.parts) == 1:
-                A[:] = part.active_tangent()
-            else:
+        if len(self.placed) == 1:
+            A = self.placed[0].part.active_tangent().copy()  # which is used again
+        else:
+            A = np.zeros((self.size, self.size))
+            for part, place in self.placed:
                 A[np.ix_(place, place)] = part.active_tangent()
         stiffness = A[:nw].copy()
         A[:nw] = self.W @ stiffness

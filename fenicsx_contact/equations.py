@@ -221,8 +221,8 @@ class SurfaceEquations:
         """The tangent of all points, sparse."""
         return sp.csr_matrix((self._tangent(), self._place), (self.size, self.size))
 
-    def sparse_tangent(self) -> sp.csr_matrix:
-        """The tangent of the active unknowns, sparse."""
+    def sparse_tangent(self, frozen: bool = False) -> sp.csr_matrix:
+        """The tangent of the active unknowns, sparse; the geometry is frozen here anyway."""
         return self.whole_tangent()[self.active][:, self.active]
 
     def statuses(self) -> np.ndarray:

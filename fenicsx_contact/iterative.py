@@ -7,10 +7,11 @@ eliminated node by node,
 
     P = A + T' (C_yy - C_ym S^-1 C_my) T,      S = C_mm - C_my T D^-1 T' C_ym,      D = diag A
 
-S in blocks of one node, and multigrid with rigid-body modes does the rest. That is the paper's
-augmentation, put to use: P differs from the system only in the compliance of the contact, W + W_ii
-in place of W, so the number of iterations does not grow with the mesh (the idea is that of the
-augmented-Lagrangian preconditioner of Benzi and Olshanskii, SIAM J. Sci. Comput. 28, 2006).
+on frozen geometry, S in blocks of one node, and multigrid with rigid-body modes does the rest. That
+is the paper's augmentation, put to use: P differs from the system only in the compliance of the
+contact, W + W_ii in place of W, so the number of iterations does not grow with the mesh (the idea
+is that of the augmented-Lagrangian preconditioner of Benzi and Olshanskii, SIAM J. Sci. Comput. 28,
+2006).
 """
 
 from __future__ import annotations
@@ -31,8 +32,10 @@ from .solids import DeformableSolid
 #: Share of the residual at which a linear solve ends, and how many iterations it may take.
 TOLERANCE = 1e-6
 MAX_ITERATIONS = 300
-#: A hierarchy that takes more than so many times the iterations that it took at first is made anew.
-WORN = 1.5
+#: Relative error above which Newton's method goes on with frozen geometry.
+FAR = 0.1
+#: A hierarchy serves on while it takes no more iterations than this.
+PATIENCE = 60
 #: The springs are so many times as compliant as D says; a node moves its neighbours too.
 SOFT = 2.0
 
@@ -58,30 +61,33 @@ class Iterative(Monolithic):
         self._held = np.concatenate(held) - self._places.mine.start
         self.counts: deque[int] = deque(maxlen=100)
         self._multigrid: Multigrid | None = None
-        self._usual = 0  # iterations that the hierarchy took at first
 
     def _solve(self) -> np.ndarray:
         n = self._places.size
-        block = self._contact_block() + self._compliance()
-        yy, ym, my, mm = block[:n, :n], block[:n, n:], block[n:, :n], block[n:, n:]
+        frozen = self._contact_block(frozen=True) + self._compliance()
+        yy, ym, seen, mm = frozen[:n, :n], frozen[:n, n:], frozen[n:, :n], frozen[n:, n:]
+        # far from the solution some points are paired with what they will not meet, and derivatives
+        # of that push where they should pull
+        far = max(self._errors) > FAR
+        block = frozen if far else self._contact_block() + self._compliance()
         # the rows of the multipliers times S^-1, as the forces for which these stand: norms add
         # them to those of the solids
-        inverse, force = self._nodal_inverse(ym, my, mm), _column_size(ym)
+        inverse, force = self._nodal_inverse(ym, seen, mm), _column_size(ym)
         solve = sp.diags(force) @ inverse
-        block = sp.bmat([[yy, ym], [solve @ my, solve @ mm]], format="csr")
+        block = sp.bmat([[block[:n, :n], ym], [solve @ block[n:, :n], solve @ mm]], format="csr")
         residual = self._residual()
         residual[n:] = solve @ residual[n:]
         A = petsc_matrix(self._matrix(block), self.comm)
         x, b = A.createVecs()
         b.setArray(residual[self._rows_here])
-        blocks = ym, inverse @ my, sp.diags(1 / force)
+        blocks = ym, inverse @ seen, sp.diags(1 / force)
         count, done = 0, False
         if self._multigrid is not None:  # it goes on serving while it serves well
-            count, done = self._krylov(A, b, x, blocks, int(WORN * self._usual) + 1)
+            count, done = self._krylov(A, b, x, blocks, PATIENCE)
         if not done:
-            self._make_multigrid((yy - ym @ inverse @ my).tocsr())
-            self._usual, done = self._krylov(A, b, x, blocks, MAX_ITERATIONS)
-            count += self._usual
+            self._make_multigrid((yy - ym @ inverse @ seen).tocsr())
+            more, done = self._krylov(A, b, x, blocks, MAX_ITERATIONS)
+            count += more
         self.counts.append(count)
         local = x.array_r.copy()
         for thing in (A, x, b):

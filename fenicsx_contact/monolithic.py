@@ -95,15 +95,16 @@ class Monolithic(ABC):
         values[self._places.size :] = np.concatenate([*self._rows, np.empty(0)])
         return values
 
-    def _contact_block(self) -> sp.csr_matrix:
-        """What the contacts add to the matrix, scaled, (size, size), on every process."""
+    def _contact_block(self, frozen: bool = False) -> sp.csr_matrix:
+        """What the contacts add to the matrix, scaled, (size, size), on every process; if
+        ``frozen`` without the derivatives of the geometry."""
         tangents, rows, columns = [], [], []
         for part, traces in zip(self._parts, self._traces):
             operators = [(k, trace.spreading(), trace.seeing()) for k, trace in traces]
             active = part.active_places
             spread = sp.vstack([self._places.renumber(s, k) for k, s, _ in operators], "csr")
             see = sp.vstack([self._places.renumber(s, k) for k, _, s in operators], "csr")
-            tangents.append(part.sparse_tangent())
+            tangents.append(part.sparse_tangent(frozen))
             rows.append((spread[active], part.scales()[1][len(active) :]))
             columns.append((see[active], part.scales()[0][len(active) :]))
         if not tangents:

@@ -59,7 +59,7 @@ class PairedEquations:
         self.revision += 1
         self._operator = by_component(self.pairing.operator, d)
         J = self._operator[e.active_jumps]
-        self._transpose = J.T
+        self._J, self._transpose = J, J.T
         self._jump_rate, self._rates, self._gap_rate = J, None, gap_rate
         if exact and len(e.candidates):
             self._rates = rates = Rates(self.pairing)
@@ -113,27 +113,28 @@ class PairedEquations:
         forces = self._transpose @ residual[: len(e.active_jumps)]
         return np.concatenate([forces[self.active_places], residual[len(e.active_jumps) :]])
 
-    def _tangent(self) -> Matrix:
-        """Their tangent."""
+    def _tangent(self, frozen: bool = False) -> Matrix:
+        """Their tangent; if ``frozen`` without the derivatives of the geometry."""
         e, mine = self.equations, self.active_places
         F = e.active_tangent() if self.pairing.dense else e.sparse_tangent()
         w = len(e.active_jumps)
-        rows = F[:, :w] @ self._jump_rate
-        if self._rates is not None:
+        rates = None if frozen else self._rates
+        rows = F[:, :w] @ (self._J if frozen else self._jump_rate)
+        if rates is not None:
             assert self._parameters is not None
             parameters = self._parameters()[e.active][:, self._mine]
             rows = rows + parameters @ self._parameter_rate
         forces = self._transpose @ rows[:w]
-        if self._rates is not None:
+        if rates is not None:
             at_nodes = np.zeros(e.jumps)
             at_nodes[e.active_jumps] = e.residual()[e.active_jumps]
-            forces = forces + self._gap_rate * self._rates.spread(at_nodes.reshape(-1, self._d))
+            forces = forces + self._gap_rate * rates.spread(at_nodes.reshape(-1, self._d))
         multipliers = self._transpose @ F[:w, w:]
         return block([[forces[mine][:, mine], multipliers[mine]], [rows[w:][:, mine], F[w:, w:]]])
 
-    def sparse_tangent(self) -> sp.csr_matrix:
-        """Their tangent, sparse."""
-        return sp.csr_matrix(self._tangent())
+    def sparse_tangent(self, frozen: bool = False) -> sp.csr_matrix:
+        """Their tangent, sparse; if ``frozen`` without the derivatives of the geometry."""
+        return sp.csr_matrix(self._tangent(frozen))
 
     def active_tangent(self) -> np.ndarray:
         """Their tangent, dense."""

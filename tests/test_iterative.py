@@ -48,13 +48,13 @@ def test_it_finds_what_the_direct_solver_finds(scene, until, dt):
 
 def test_iterations_do_not_grow_with_the_mesh():
     counts = []
-    for n in (4, 8, 16):
+    for n in (8, 16):
         scene = pressed_cube(n, solver="iterative")
         assert scene.run(1.0, 1.0).finished
         counts.append(np.mean(scene.krylov))
         bearing = np.count_nonzero(scene.contacts[0].status)
         assert 0 < bearing < scene.contacts[0].surface.size
-    assert counts[1] < 1.5 * counts[0] and counts[2] < 1.5 * counts[0], counts
+    assert counts[1] < 1.5 * counts[0], counts  # unpreconditioned they double
 
 
 def test_large_scenes_in_space_choose_it(monkeypatch):
@@ -71,7 +71,8 @@ def test_rigid_solids_are_refused():
 
 
 def test_what_it_cannot_solve_it_stops_at_with_a_reason(monkeypatch):
-    monkeypatch.setattr("fenicsx_contact.iterative.MAX_ITERATIONS", 2)
+    for limit in ("MAX_ITERATIONS", "PATIENCE"):
+        monkeypatch.setattr(f"fenicsx_contact.iterative.{limit}", 2)
     cube = ElasticSolid(
         box((2, 2, 2)),
         youngs_modulus=1e6,

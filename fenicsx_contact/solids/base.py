@@ -122,6 +122,10 @@ class Solid(ABC):
         """Why the trial state is not admissible, or nothing."""
         return ""
 
+    def unsound(self, step: Step) -> str:
+        """Why the solution of the step, in the trial state, is not to be accepted, or nothing."""
+        return ""
+
     @abstractmethod
     def correct(self, step: Step) -> None:
         """Solve for the trial velocity with the forces spread so far, and move there."""

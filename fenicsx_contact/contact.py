@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from . import checks
-from .coupling import Coupling, ObstacleCoupling, PairCoupling, sides_of
+from .coupling import Coupling, ObstacleCoupling, PairCoupling, side_of
 from .equations import SurfaceEquations
 from .formulations import Discrete, Formulation, Lagrange, Velocity
 from .formulations import formulation as as_formulation
@@ -100,11 +100,9 @@ class Contact:
     def _couple(self, other: Obstacle | tuple[Solid, str]) -> Coupling:
         if not isinstance(other, tuple):
             return ObstacleCoupling(self.solid, self.equations, other)
-        slave = sides_of(
-            self.solid, self.facets, points=self.surface.points, cells=self.surface.cell_nodes
-        )
         solid, facets = other
-        pair = PairCoupling((self.solid, solid), (slave, sides_of(solid, facets)), self.equations)
+        sides = side_of(self.solid, self.facets, self.surface), side_of(solid, facets)
+        pair = PairCoupling((self.solid, solid), sides, self.equations)
         if not pair.faces:
             raise checks.InputError(
                 f"master = ({solid.name!r}, {facets!r}): nowhere faces {self.facets!r} of "
@@ -160,9 +158,7 @@ class Contact:
 
     def _choose(self, candidates: np.ndarray) -> None:
         candidates = (candidates & self._allowed) | self._kept
-        if isinstance(self.coupling, PairCoupling):
-            candidates &= self.coupling.near()
-        self.equations.choose(candidates)
+        self.equations.choose(candidates & self.coupling.near())
 
     def _bore(self) -> np.ndarray:
         return self._closed & (self.status > 0)
@@ -188,7 +184,7 @@ class Contact:
             trace.linearise(step)
         k, share = self.equations.fields, self._share(step)
         if self._paired:
-            self._take_pairs()
+            self._renew_points()
         if not self.coupling.fixed_normal:
             self._set_normal(self.coupling.normals())
         gap = self.gap
@@ -204,11 +200,10 @@ class Contact:
             k.elongation.x.array[:] = (self._stretch + rate * self.jump).ravel()
         self.coupling.linearise(step, exact, share)
 
-    def _take_pairs(self) -> None:
+    def _renew_points(self) -> None:
         """Weights by the paired area; laws of positions choose their candidates anew."""
-        assert isinstance(self.coupling, PairCoupling)
         if not self._at_points:
-            self.equations.set_weight(self.coupling.pairing.area)
+            self.equations.set_weight(self.coupling.area)
         if not isinstance(self.formulation, Velocity):
             self._choose(np.ones(self.surface.size, dtype=bool))
 
@@ -244,10 +239,7 @@ class Contact:
 
     def start(self, free: np.ndarray) -> None:
         """Starting values of a step, from the velocities of the points without contact, flat."""
-        if not self._paired:
-            self.equations.start(self.jump.ravel(), free)
-        else:
-            self.equations.start(self.jump.ravel(), self.coupling.to_jump(free).ravel())
+        self.equations.start(self.jump.ravel(), self.coupling.to_jump(free).ravel())
 
     def speed_limit(self, step: Step) -> np.ndarray | None:
         """The w_n that the law allows at each point at most, None for springs."""

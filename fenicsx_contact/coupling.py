@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from .paired import PairedEquations
 from .pairing import Pairing, Side
 from .pairing.matrices import square
 from .solids import Solid, Trace
+from .surface import Surface
 from .system import Part
 from .theta import Step
 
@@ -59,6 +59,15 @@ class Coupling(ABC):
     @abstractmethod
     def linearise(self, step: Step, exact: bool, share: float) -> None:
         """Take up the geometry where it is; see :class:`PairedEquations`."""
+
+    @property
+    @abstractmethod
+    def area(self) -> np.ndarray:
+        """Area of the slave that belongs to each node, where it meets something, (n,) in m²."""
+
+    @abstractmethod
+    def near(self) -> np.ndarray:
+        """Whether each node of the slave may meet anything in the step, (n,)."""
 
     def accept(self) -> None:
         """The followed state is the start of the next step."""
@@ -132,6 +141,13 @@ class ObstacleCoupling(Coupling):
             values[: self.equations.jumps] = self.velocities("trial_velocity")
             self.equations.values = values
 
+    @property
+    def area(self) -> np.ndarray:
+        return self.equations.fields.surface.area
+
+    def near(self) -> np.ndarray:
+        return np.ones(self._shape[0], dtype=bool)
+
     def mobility(self) -> np.ndarray:
         return self.traces[0].mobility().reshape(self._shape)
 
@@ -203,15 +219,19 @@ class PairCoupling(Coupling):
         moved = np.abs(self.pairing.places - self._start).max()
         return super().lift(step, extent) + float(moved) ** 2 / self._size
 
+    @property
+    def area(self) -> np.ndarray:
+        return self.pairing.area
+
     def near(self) -> np.ndarray:
-        """Nodes that may close in the step: those with a partner that is not far, (n,)."""
+        # those with a partner that is not far
         return self.pairing.paired & (self.pairing.gap > -0.5 * self.reach)
 
 
-def sides_of(solid: Solid, facets: str, **of_surface: Any) -> Side:
-    """The side that the named facets of a solid are; ``points``, ``cells``: renumbered ones."""
+def side_of(solid: Solid, facets: str, surface: Surface | None = None) -> Side:
+    """The side that the named facets of a solid are, in the numbers of the surface, if given."""
     points, cells, cell = solid.mesh.boundary(facets)
     inside = solid.mesh.behind(facets)
-    points = of_surface.get("points", points)
-    cells = of_surface.get("cells", cells)
+    if surface is not None:
+        points, cells = surface.points, surface.cell_nodes
     return Side(points, cells, cell, inside, getattr(solid, "degree", 1))

@@ -12,7 +12,7 @@ import numpy as np
 from .assembly import Assembly, Clock, scale_of
 from .checks import StepFailed
 from .condensed import Condensed
-from .monolithic import Monolithic
+from .monolithic import Direct
 from .newton import Newton
 from .theta import Step
 
@@ -35,7 +35,7 @@ class FullNewton:
     def __init__(self, assembly: Assembly, newton: Newton, solver: str) -> None:
         self._all, self._newton = assembly, newton
         self.errors: list[float] = []
-        self._system = (Condensed if solver == "condensed" else Monolithic)(assembly)
+        self._system = (Condensed if solver == "condensed" else Direct)(assembly)
 
     def solve(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         """See :meth:`~fenicsx_contact.fixed_point.FixedPoint.solve`."""

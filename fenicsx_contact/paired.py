@@ -164,9 +164,8 @@ class PairedEquations:
 
     def kind(self, row: int) -> str:
         """What an active row is."""
-        row -= len(self.active_places)
         e = self.equations
-        return "jump" if row < 0 else "multiplier" if row < len(e.candidates) else "friction"
+        return e.kind(max(row - len(self.active_places) + len(e.active_jumps), 0))
 
     def jump_operator(self) -> np.ndarray:
         """Jumps of the candidates from the active velocities."""

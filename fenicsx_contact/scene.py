@@ -16,7 +16,7 @@ from .history import COLUMNS, History, contact_columns
 from .impacts import cross_impacts
 from .newton import Newton
 from .run import run
-from .solids import Solid
+from .solids import MonolithicSolid, Solid
 from .statics import refuse_free, stands
 from .stepper import Stepper
 from .theta import Step, ThetaScheme
@@ -113,7 +113,7 @@ class Scene:
             solver = "monolithic" if nonlinear or large or floats else "condensed"
         checks.choice("geometry", geometry, ["newton", "fixed point"])
         checks.choice("solver", solver, ["condensed", "monolithic"])
-        alone = [solid.name for solid in self.solids if not solid.monolithic]
+        alone = [solid.name for solid in self.solids if not isinstance(solid, MonolithicSolid)]
         if geometry == "newton" and solver == "monolithic" and alone:
             raise checks.InputError(
                 f"solver = 'monolithic': {alone} cannot be part of a monolithic system; use "

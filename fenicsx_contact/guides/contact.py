@@ -74,6 +74,10 @@ class GuideCoupling(ObstacleCoupling):
         self._at = x
         return True
 
+    def near(self) -> np.ndarray:
+        # a station that the rod has passed meets nothing, though it bore a moment ago
+        return ~self._trace.void
+
     def gaps(self) -> np.ndarray:
         self._look()
         return -self._distances
@@ -157,12 +161,6 @@ class GuideContact(Contact):
         trace = BeamTrace(rod, s, self.stations, s[self.stations], within)
         self.trace = PairTrace(self.solid, trace) if isinstance(self.solid, RodInTube) else trace
         return GuideCoupling(self, self.trace, self._turn)
-
-    def _choose(self, candidates: np.ndarray) -> None:
-        # a station that the rod has passed meets nothing, though it bore a moment ago
-        there = ~self.trace.void
-        self._kept = self._kept & there
-        super()._choose(candidates & there)
 
     def normal_force(self) -> float:
         """Sum of the sizes of the normal forces in the last step, N."""

@@ -29,7 +29,6 @@ class RodInTube(Solid):
     """
 
     linear = True
-    monolithic = False
     supported = False
 
     def __init__(self, rod: BeamSolid, tube: BeamSolid) -> None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """What moves. A solid knows its inertia, its internal forces and its trace; it knows no contact."""
 
-from .base import Solid, Trace
+from .base import MonolithicSolid, MonolithicTrace, Solid, Trace
 from .beam import BeamSolid
 from .elastic import ElasticSolid
 from .hyperelastic import HyperelasticSolid, ciarlet, neo_hookean, st_venant_kirchhoff
@@ -12,6 +12,8 @@ __all__ = [
     "BeamSolid",
     "ElasticSolid",
     "HyperelasticSolid",
+    "MonolithicSolid",
+    "MonolithicTrace",
     "RigidSolid",
     "Section",
     "Solid",

@@ -66,14 +66,6 @@ class Trace(ABC):
     def mobility(self) -> np.ndarray:
         """About the diagonal of J A^-1 J', flat: it scales, it decides nothing."""
 
-    def seeing(self) -> sp.csr_matrix:
-        """J, (components of the points, unknowns of the solid), the same on every process."""
-        raise NotImplementedError
-
-    def spreading(self) -> sp.csr_matrix:
-        """The operator whose transpose spreads forces, likewise."""
-        return self.seeing()
-
     @abstractmethod
     def spread(self, force: np.ndarray) -> None:
         """Add point forces to the forces on the solid in this step."""
@@ -98,7 +90,6 @@ class Solid(ABC):
     linear: bool
     supported: bool
     massless = False
-    monolithic = True  # can be part of a monolithic system
     velocity: np.ndarray
     trial_velocity: np.ndarray
 
@@ -138,24 +129,6 @@ class Solid(ABC):
     def drop_forces(self) -> None:
         """Forget the forces spread so far."""
 
-    # for the monolithic system, of those that can be part of one: rows by process
-
-    def layout(self, comm: MPI.Comm) -> list[int]:
-        """Number of unknowns that each process owns."""
-        raise NotImplementedError
-
-    def owned_range(self, comm: MPI.Comm) -> slice:
-        """This process's unknowns among all of the solid; ``velocity`` holds them."""
-        raise NotImplementedError
-
-    def matrix_rows(self, comm: MPI.Comm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """This process's rows of A: row pointers, columns, values."""
-        raise NotImplementedError
-
-    def residual(self) -> np.ndarray:
-        """This process's rows of ``A v - b - J' f`` in the trial state, after `linearise`."""
-        raise NotImplementedError
-
     @abstractmethod
     def imbalance(self, step: Step) -> float:
         """Residual of the momentum balance in the trial state over the size of its terms."""
@@ -189,3 +162,44 @@ class Solid(ABC):
     @abstractmethod
     def fields(self) -> dict[str, np.ndarray]:
         """Displacement [m] and velocity [m/s] at the local nodes of the mesh's geometry."""
+
+
+class MonolithicTrace(Trace):
+    """A trace whose operators are at hand as matrices, the same on every process."""
+
+    @abstractmethod
+    def seeing(self) -> sp.csr_matrix:
+        """J, (components of the points, unknowns of the solid)."""
+
+    @abstractmethod
+    def spreading(self) -> sp.csr_matrix:
+        """The operator whose transpose spreads forces, likewise."""
+
+
+class MonolithicSolid(Solid):
+    """A solid that can be part of a monolithic system, whose rows are shared out by process.
+
+    Attributes:
+        linearisation: counts the changes of A, for those who keep what belongs to it.
+    """
+
+    linearisation = 0
+
+    @abstractmethod
+    def trace(self, points: np.ndarray) -> MonolithicTrace: ...
+
+    @abstractmethod
+    def layout(self, comm: MPI.Comm) -> list[int]:
+        """Number of unknowns that each process owns."""
+
+    @abstractmethod
+    def owned_range(self, comm: MPI.Comm) -> slice:
+        """This process's unknowns among all of the solid; ``velocity`` holds them."""
+
+    @abstractmethod
+    def matrix_rows(self, comm: MPI.Comm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """This process's rows of A: row pointers, columns, values."""
+
+    @abstractmethod
+    def residual(self) -> np.ndarray:
+        """This process's rows of ``A v - b - J' f`` in the trial state, after `linearise`."""

@@ -53,7 +53,6 @@ class BeamSolid(Solid):
             range, a driven axis that is supported or stretches.
     """
 
-    monolithic = False
     linear = True
 
     def __init__(

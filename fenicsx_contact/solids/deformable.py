@@ -21,7 +21,7 @@ from .. import checks, compat
 from ..linear import Factorisation
 from ..meshing import NamedMesh
 from ..theta import Step
-from .base import Solid
+from .base import MonolithicSolid
 from .boundary import Motion, Supports, Traction, Tractions
 from .deformable_trace import DeformableTrace
 from .redistribution import move_mass_inwards, relax
@@ -33,7 +33,7 @@ Field = Callable[[np.ndarray], np.ndarray]
 ROUND_OFF = 1e-14
 
 
-class DeformableSolid(Solid):
+class DeformableSolid(MonolithicSolid):
     """A solid with a displacement field; see its two kinds.
 
     Args:
@@ -121,7 +121,6 @@ class DeformableSolid(Solid):
         self._target: np.ndarray | None = None
         self._reaction = np.zeros(len(self.fixed_unknowns))
         self._momentum = self.multiply(self._mass, self.velocity)
-        self.linearisation = 0  # counts the changes of A, for those who keep columns of A^-1
 
     def nodes_of(self, names: Sequence[str]) -> np.ndarray:
         """The nodes of the named facets that this process owns."""

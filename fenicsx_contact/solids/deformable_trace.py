@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from .. import checks
 from ..theta import Step
-from .base import Trace
+from .base import MonolithicTrace, Trace
 
 if TYPE_CHECKING:
     from .deformable import DeformableSolid
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 FEW = 150
 
 
-class DeformableTrace(Trace):
+class DeformableTrace(MonolithicTrace):
     """A deformable solid seen from points that are nodes of its mesh; the operator is constant."""
 
     def __init__(self, solid: DeformableSolid, points: np.ndarray) -> None:
@@ -124,6 +124,9 @@ class DeformableTrace(Trace):
         return self._sum(mobility)
 
     def seeing(self) -> scipy.sparse.csr_matrix:
+        return self._whole
+
+    def spreading(self) -> scipy.sparse.csr_matrix:
         return self._whole
 
     def spread(self, force: np.ndarray) -> None:

@@ -20,7 +20,7 @@ from scipy.spatial.transform import Rotation
 from .. import checks
 from ..meshing import NamedMesh
 from ..theta import Step
-from .base import Solid, Trace
+from .base import MonolithicSolid, MonolithicTrace, Trace
 from .moments import moments
 
 #: A spin that changes by less than this share of it has settled; at most so many turns.
@@ -28,7 +28,7 @@ ROUND_OFF = 1e-15
 MAX_TURNS = 25
 
 
-class RigidSolid(Solid):
+class RigidSolid(MonolithicSolid):
     """A rigid solid.
 
     Args:
@@ -103,6 +103,7 @@ class RigidSolid(Solid):
     def linearise(self, step: Step) -> None:
         if self.dim == 3 or step.span != self._inverse_for:
             self._inverse_for = step.span
+            self.linearisation += 1
             d = self.dim
             self.inverse = np.zeros((len(self.velocity),) * 2)
             self.inverse[range(d), range(d)] = step.span / self.mass
@@ -237,7 +238,7 @@ class RigidSolid(Solid):
         return f"rigid, {weight}, {len(self.velocity)} unknowns"
 
 
-class RigidTrace(Trace):
+class RigidTrace(MonolithicTrace):
     """A rigid solid seen from points; the operator follows the rotation."""
 
     def __init__(self, solid: RigidSolid, points: np.ndarray) -> None:

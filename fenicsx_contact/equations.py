@@ -61,6 +61,12 @@ class SurfaceEquations:
         self._place = place[rows], place[self._tangent.indices]
         self._entries = self._place[0] * self.size + self._place[1]
         self._dense = np.zeros((self.size, self.size))
+        # entries of the tangent that join unknowns of the same point: all that are not zero
+        points, kinds = self._of_points(n, d)
+        mine = points[self._place[0]] == points[self._place[1]]
+        row, column = (place[mine] for place in self._place)
+        self._own = mine, (points[row], kinds[row], kinds[column])
+        self._blocks = np.zeros((n, k.components, k.components))
         self._z = k.unknowns.x.array
         self._key, self._scale, self._rates = b"", (0.0, 0.0), (0.0, 0.0)
         self.revision = 0  # counts the changes of candidates and scales
@@ -156,6 +162,12 @@ class SurfaceEquations:
         self._dense.ravel()[self._entries] = self._tangent()
         return self._dense
 
+    def _of_points(self, n: int, d: int) -> tuple[np.ndarray, np.ndarray]:
+        """Point and component of each unknown."""
+        more = np.arange(self.size - n * d)
+        points = np.concatenate([np.repeat(np.arange(n), d), more % n])
+        return points, np.concatenate([np.tile(np.arange(d), n), d + more // n])
+
     # -- as a part of a system: restricted to the candidates --------------------------------------
 
     @property
@@ -189,6 +201,18 @@ class SurfaceEquations:
         """And their tangent, dense."""
         dense = self.tangent()
         return dense if self._block is None else dense[self._block]
+
+    def point_tangents(self) -> np.ndarray:
+        """Tangents of the candidates one by one, (points, unknowns, unknowns)."""
+        mine, index = self._own
+        self._blocks[index] = self._tangent()[mine]
+        return self._blocks[self.candidates]
+
+    def force_scale(self) -> np.ndarray:
+        """Sizes of the forces on the candidates, (points,) in N."""
+        unit, speed = self._scale
+        weight = np.where(self.weight > 0, self.weight, 1.0)
+        return unit * speed * weight[self.candidates]
 
     def move(self, step: np.ndarray) -> None:
         """Add to the active unknowns."""

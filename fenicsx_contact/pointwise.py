@@ -22,11 +22,13 @@ import numpy as np
 from scipy.linalg import lapack
 
 #: C and D are rounded to these decimals in the factors.
-DECIMALS = 4
+DECIMALS = 1
 #: So many factors are kept: Newton's method passes through some states in each step.
 KEPT = 4
 #: Relative residual at which corrections end, how many there may be, and by what each must gain.
-EXACT, CORRECTIONS, GAIN = 1e-14, 12, 0.3
+EXACT, CORRECTIONS, GAIN = 1e-14, 20, 0.5
+#: Relative residual above which the rounded factors have not served.
+SERVED = 1e-11
 
 
 class PointwiseStep:
@@ -89,22 +91,16 @@ class PointwiseSolver:
             sizes: of its columns over those of its rows, (points, d).
             b: (points, d).
         """
-        factors = self._factors(C.round(DECIMALS), D.round(DECIMALS), W, sizes)
-        if factors is None:
-            return None
-        x, left, residual, size = np.zeros_like(b), np.inf, b, np.abs(b).max() or 1.0
-        for _ in range(CORRECTIONS):
-            step, _ = lapack.dgetrs(*factors, residual.ravel())
-            new = x + step.reshape(b.shape)
-            moved = (W @ (sizes * new).ravel()).reshape(b.shape)
-            residual = b - _times(C, moved) - _times(D, new)
-            now = float(np.abs(residual).max()) / size
-            if now < left:
-                x = new
-            if not now < GAIN * left or now <= EXACT:
-                break
-            left = now
-        return x
+        rows = 1 / np.maximum(np.abs(C).max(axis=2), np.abs(D).max(axis=2))
+        C, D, b = C * rows[..., None], D * rows[..., None], b * rows
+        x, left = np.zeros_like(b), np.inf
+        for blocks in ((_rounded(C), _rounded(D)), (C, D)):
+            factors = self._factors(*blocks, W, sizes)
+            if factors is not None:
+                x, left = _corrected(factors, C, D, W, sizes, b)
+            if left <= SERVED:
+                return x
+        return x if np.isfinite(left) else None
 
     def _factors(
         self, C: np.ndarray, D: np.ndarray, W: np.ndarray, sizes: np.ndarray
@@ -126,6 +122,35 @@ class PointwiseSolver:
                 self._kept.pop(next(iter(self._kept)))
             self._kept[key] = factors, pivots
         return self._kept[key]
+
+
+def _corrected(
+    factors: tuple[np.ndarray, np.ndarray],
+    C: np.ndarray,
+    D: np.ndarray,
+    W: np.ndarray,
+    sizes: np.ndarray,
+    b: np.ndarray,
+) -> tuple[np.ndarray, float]:
+    """The solution by corrections with factors of about the matrix, and its relative residual."""
+    x, left, residual, size = np.zeros_like(b), np.inf, b, np.abs(b).max() or 1.0
+    for _ in range(CORRECTIONS):
+        step, _ = lapack.dgetrs(*factors, residual.ravel())
+        new = x + step.reshape(b.shape)
+        moved = (W @ (sizes * new).ravel()).reshape(b.shape)
+        residual = b - _times(C, moved) - _times(D, new)
+        now = float(np.abs(residual).max()) / size
+        enough = now <= EXACT or not now < GAIN * left
+        if now < left:
+            x, left = new, now
+        if enough:
+            break
+    return x, left
+
+
+def _rounded(blocks: np.ndarray) -> np.ndarray:
+    """With one kind of zero."""
+    return blocks.round(DECIMALS) + 0.0
 
 
 def _times(blocks: np.ndarray, vectors: np.ndarray) -> np.ndarray:

@@ -5,8 +5,8 @@
 # **The question.** A die is pressed into a slab and drawn across it, as in `ironing.py`: two
 # deformable solids, Coulomb friction, large sliding, meshes that never match. How many Newton
 # iterations and how much time does a load step take, here and in GetFEM, which is compiled and has
-# the contact closest to ours: augmented multipliers on the die's surface, rays to the deformed slab,
-# and a tangent with the moving geometry?
+# the contact closest to ours: augmented multipliers on the die's surface, rays to the deformed
+# slab, and a tangent with the moving geometry?
 #
 # The same cells, laws and steps on both sides. GetFEM integrates contact by three Gauss points a
 # facet in place of our nodal means; its augmentation parameter is the fastest of three.
@@ -26,7 +26,7 @@ from typing import Any
 from fenicsx_contact.report import environment, write_summary
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from ironing import MATERIALS, iron  # noqa: E402
+from ironing import MATERIALS, iron
 
 RESULTS = Path("results") / "benchmark_ironing"
 PEER = Path(__file__).resolve().parent / "peers" / "ironing_getfem.py"
@@ -89,13 +89,13 @@ if __name__ == "__main__":
 # %% [markdown]
 # ## What to try next
 #
-# - `AUGMENTATION` in `peers/ironing_getfem.py`: with 100 its iterations double, and on a mesh of 1100
-#   unknowns they do not converge. Ours is scaled by the scene.
+# - `AUGMENTATION` in `peers/ironing_getfem.py`: with 100 it takes twice as many iterations, and on
+#   a mesh of 1100 unknowns they do not converge. Ours is scaled by the scene.
 #
 # ## Sources
 #
-# - K. Poulios, Y. Renard (2015), *An unconstrained integral approximation of large sliding frictional
-#   contact between deformable solids*, Computers & Structures 153, 75-90,
+# - K. Poulios, Y. Renard (2015), *An unconstrained integral approximation of large sliding
+#   frictional contact between deformable solids*, Computers & Structures 153, 75-90,
 #   doi:10.1016/j.compstruc.2015.02.027.
 # - Y. Renard, K. Poulios (2020), *GetFEM: automated FE modeling of multiphysics problems based on a
 #   generic weak form language*, ACM TOMS 47, doi:10.1145/3412849.

@@ -73,7 +73,7 @@ def iron(gf, n, material, drag_steps):
         along = WAY * max(0, step - PRESS_STEPS) / drag_steps
         way = [along, -DEPTH * min(step / PRESS_STEPS, 1.0)]
         start = perf_counter()
-        for name, mf in fems.items():
+        for name in fems:
             model.set_variable(f"before_{name}", model.variable(f"u_{name}"))
         model.set_variable("held_die", np.tile(way, fems["die"].nbdof() // 2))
         count, converged = model.solve(

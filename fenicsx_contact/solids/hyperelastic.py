@@ -184,11 +184,13 @@ class HyperelasticSolid(DeformableSolid):
     def linearise(self, step: Step) -> None:
         self._linearise_forces(step)
         if self._factor is None:
-            self._factor = Factorisation(self._mass.copy(), self.name)
-        matrix = self._factor.matrix
-        self._mass.copy(matrix)
-        matrix.scale(step.scheme.inertia / step.span)
-        matrix.axpy(step.gap_rate, self._tangent)
+            self._factor = Factorisation(self._tangent.copy(), self.name)
+        matrix, structure = self._factor.matrix, PETSc.Mat.Structure
+        self._tangent.copy(matrix, structure.SAME_NONZERO_PATTERN)
+        matrix.scale(step.gap_rate)
+        if step.scheme.inertia:
+            share = step.scheme.inertia / step.span
+            matrix.axpy(share, self._mass, structure.SUBSET_NONZERO_PATTERN)
         self.hold(matrix)
         self._factor.refactor()
         self.factorisation = self._factor

@@ -22,9 +22,6 @@ from .surface import Surface
 from .system import Part
 from .theta import Step
 
-#: Partners are sought within so many facets, and four times the way of the step.
-FACETS = 3.0
-
 
 class Coupling(ABC):
     """Traces of the solids on their points, and what they mean for the slave's nodes.
@@ -172,20 +169,27 @@ class PairCoupling(Coupling):
         self._shape = (self.pairing.total, sides[0].dim)
         self._n = self.pairing.n
         self._start = self._places()
-        self.pairing.update(self._start, np.inf)
-        self.faces = bool(self.pairing.paired.any())
+        self.faces = self._find()
         self.follow()
 
     def _places(self) -> np.ndarray:
         return np.concatenate([trace.positions() for trace in self.traces])
+
+    def _find(self) -> bool:
+        """Whether the sides face each other anywhere, near or, at last, far apart."""
+        way, farthest = 0.0, float(np.ptp(self._start, axis=0).sum())
+        while True:
+            self.pairing.update(self._start, way)
+            if self.pairing.paired.any() or way > farthest:
+                return bool(self.pairing.paired.any())
+            way = max(4 * way, 0.01 * farthest)
 
     def follow(self) -> None:
         for trace in self.traces:
             trace.follow()
         places = self._places()
         moved = float(np.abs(places - self._start).max())
-        self.reach = FACETS * self._size + 4 * moved
-        self.pairing.update(places, self.reach)
+        self.pairing.update(places, moved)
 
     def gaps(self) -> np.ndarray:
         return self.pairing.gap
@@ -224,8 +228,7 @@ class PairCoupling(Coupling):
         return self.pairing.area
 
     def near(self) -> np.ndarray:
-        # those with a partner that is not far
-        return self.pairing.paired & (self.pairing.gap > -0.5 * self.reach)
+        return self.pairing.near
 
 
 def side_of(solid: Solid, facets: str, surface: Surface | None = None) -> Side:

@@ -12,10 +12,13 @@ import numpy as np
 from .assembly import Assembly, Clock, scale_of
 from .checks import StepFailed
 from .condensed import Condensed
-from .monolithic import Direct
+from .iterative import Iterative
+from .monolithic import Direct, Monolithic
 from .newton import Newton
 from .theta import Step
 
+#: The linear systems, by name.
+SYSTEMS = {"condensed": Condensed, "monolithic": Direct, "iterative": Iterative}
 #: It ends as well where it falls no more and is below this: round-off.
 ROUGH = 1e-7
 #: How often a correction that inverts an element is halved.
@@ -35,7 +38,7 @@ class FullNewton:
     def __init__(self, assembly: Assembly, newton: Newton, solver: str) -> None:
         self._all, self._newton = assembly, newton
         self.errors: list[float] = []
-        self._system = (Condensed if solver == "condensed" else Direct)(assembly)
+        self._system: Condensed | Monolithic = SYSTEMS[solver](assembly)
 
     def solve(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         """See :meth:`~fenicsx_contact.fixed_point.FixedPoint.solve`."""

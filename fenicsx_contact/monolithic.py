@@ -15,6 +15,7 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 import scipy.sparse as sp
+from mpi4py import MPI
 from petsc4py import PETSc
 
 from .assembly import Assembly
@@ -43,6 +44,7 @@ class Monolithic(ABC):
             ]
             for contact in assembly.contacts
         ]
+        self._linearisations: list[int] = []
 
     def begin(self, step: Step) -> tuple[float, np.ndarray]:
         """Residual of the present state: its largest relative error, and the forces on all points
@@ -114,6 +116,45 @@ class Monolithic(ABC):
         n, m = self._places.size, self._size - self._places.size
         return sp.diags(np.repeat([0.0, -COMPLIANCE], [n, m]), format="csr")
 
+    @property
+    def _rows_here(self) -> slice:
+        """This process's rows of the system."""
+        mine, final = self._places.mine, self.comm.rank == self.comm.size - 1
+        return slice(mine.start, self._size if final else mine.stop)
+
+    def _matrix(self, extra: sp.csr_matrix) -> sp.csr_matrix:
+        """This process's rows of the solids' matrices and of what else there is, which is the same
+        on every process and, for the multipliers, may be larger."""
+        size, start = extra.shape[0], self._places.mine.start
+        rows = slice(start, min(self._rows_here.stop, size))
+        solids = self._solid_rows()
+        # multipliers come and go, behind
+        missing = rows.stop - rows.start - solids.shape[0]
+        indptr = np.pad(solids.indptr, (0, missing), "edge")
+        own = sp.csr_matrix((solids.data, solids.indices, indptr), (rows.stop - start, size))
+        return extra[rows] + own
+
+    def _solid_rows(self) -> sp.csr_matrix:
+        """This process's rows of the solids' own matrices, new if one of these is."""
+        now = [solid.linearisation for solid in self._solids]
+        if now != self._linearisations:
+            self._linearisations = now
+            entries, places, columns = [], [], []
+            mine = self._places.mine
+            for solid, own, numbers in zip(self._solids, self._places.own, self._places.numbers):
+                indptr, indices, values = solid.matrix_rows(self.comm)
+                entries.append(values)
+                places.append(np.repeat(own[: len(indptr) - 1], np.diff(indptr)) - mine.start)
+                columns.append(numbers[indices])
+            data, row, column = (np.concatenate(part) for part in (entries, places, columns))
+            shape = mine.stop - mine.start, self._places.size
+            self._own_rows = sp.csr_matrix((data, (row, column)), shape)
+        return self._own_rows
+
+    def _everywhere(self, local: np.ndarray) -> np.ndarray:
+        """The rows of all processes."""
+        return np.concatenate(self.comm.allgather(local)) if self.comm.size > 1 else local
+
     def stall(self) -> str:
         """What stalls."""
         names = [f"the system of contact {c.name!r}" for c in self._all.contacts]
@@ -125,47 +166,27 @@ class Monolithic(ABC):
 class Direct(Monolithic):
     """Solved by a direct factorisation, which is new in each iteration."""
 
-    _linearisations: list[int] | None = None
-
     def _solve(self) -> np.ndarray:
-        size, mine, final = self._size, self._places.mine, self.comm.rank == self.comm.size - 1
-        rows = slice(mine.start, size if final else mine.stop)
-        matrix = (self._contact_block() + self._compliance())[rows] + self._kept_rows(rows)
-        matrix.sort_indices()
-        n = matrix.shape[0]
-        csr = (matrix.indptr.astype(np.int32), matrix.indices.astype(np.int32), matrix.data)
-        A = PETSc.Mat().createAIJ(((n, size), (n, size)), csr=csr, comm=self.comm)
+        A = petsc_matrix(self._matrix(self._contact_block() + self._compliance()), self.comm)
         solver = direct_solver(A, "monolithic")
         x, b = A.createVecs()
-        b.setArray(self._residual()[rows])
+        b.setArray(self._residual()[self._rows_here])
         solver.solve(b, x)
         failed = solver.getConvergedReason() < 0
-        local = np.full(n, np.nan) if failed else x.array_r.copy()
+        local = np.full(len(x.array_r), np.nan) if failed else x.array_r.copy()
         for thing in (solver, A, x, b):
             thing.destroy()
-        return np.concatenate(self.comm.allgather(local)) if self.comm.size > 1 else local
+        return self._everywhere(local)
 
-    def _kept_rows(self, rows: slice) -> sp.csr_matrix:
-        """The rows of the solids, which change only with their linearisations."""
-        now = [solid.linearisation for solid in self._solids]
-        if now != self._linearisations:
-            self._linearisations, self._solid_matrix = now, self._solid_rows()
-        matrix = self._solid_matrix
-        shape = rows.stop - rows.start, self._size  # multipliers come and go, behind
-        indptr = np.pad(matrix.indptr, (0, shape[0] - matrix.shape[0]), "edge")
-        return sp.csr_matrix((matrix.data, matrix.indices, indptr), shape)
 
-    def _solid_rows(self) -> sp.csr_matrix:
-        """This process's rows of the solids' own matrices."""
-        mine = self._places.mine
-        entries, places, columns = [], [], []
-        for solid, own, numbers in zip(self._solids, self._places.own, self._places.numbers):
-            indptr, indices, values = solid.matrix_rows(self.comm)
-            entries.append(values)
-            places.append(np.repeat(own[: len(indptr) - 1], np.diff(indptr)) - mine.start)
-            columns.append(numbers[indices])
-        data, row, column = (np.concatenate(part) for part in (entries, places, columns))
-        return sp.csr_matrix((data, (row, column)), (mine.stop - mine.start, self._places.size))
+def petsc_matrix(rows: sp.csr_matrix, comm: MPI.Comm, columns: int | None = None) -> PETSc.Mat:
+    """The matrix whose rows, one process after the other, are these; ``columns``: how many of them
+    are this process's, as many as rows if not given."""
+    rows.sort_indices()
+    n, size = rows.shape
+    columns = n if columns is None else columns
+    csr = (rows.indptr.astype(np.int32), rows.indices.astype(np.int32), rows.data)
+    return PETSc.Mat().createAIJ(((n, PETSc.DECIDE), (columns, size)), csr=csr, comm=comm)
 
 
 def _onto(parts: list[tuple[sp.csr_matrix, np.ndarray]]) -> sp.csr_matrix:

@@ -112,11 +112,11 @@ class Scene:
             large = places > LARGE_SURFACE
             solver = "monolithic" if nonlinear or large or floats else "condensed"
         checks.choice("geometry", geometry, ["newton", "fixed point"])
-        checks.choice("solver", solver, ["condensed", "monolithic"])
+        checks.choice("solver", solver, ["condensed", "monolithic", "iterative"])
         alone = [solid.name for solid in self.solids if not isinstance(solid, MonolithicSolid)]
-        if geometry == "newton" and solver == "monolithic" and alone:
+        if geometry == "newton" and solver != "condensed" and alone:
             raise checks.InputError(
-                f"solver = 'monolithic': {alone} cannot be part of a monolithic system; use "
+                f"solver = {solver!r}: {alone} cannot be part of a monolithic system; use "
                 "'condensed'"
             )
         return geometry, solver

@@ -25,6 +25,8 @@ from .matrices import DENSE, Matrix, gather
 from .partners import meet
 from .side import Side
 
+#: Partners are sought within so many facets, and four times the way of the step.
+FACETS = 3.0
 #: A node with less than this share of its area paired has no partner.
 COVERED = 1e-4
 #: Facets whose paired part makes the mass matrix worse than this have no dual functions.
@@ -46,6 +48,7 @@ class Pairing:
         normal: outward unit normals of the slave at its corners, (n, d).
         area: paired share of the surface of each node, (n,).
         paired: nodes that have a partner.
+        reach: how far from each node partners were sought, (n,) in m.
     """
 
     def __init__(self, slave: Side, master: Side) -> None:
@@ -71,8 +74,12 @@ class Pairing:
         columns = [np.bincount(rows, column, self.n) for column in flat.T]
         return np.stack(columns, axis=-1).reshape(self.n, *values.shape[2:])
 
-    def update(self, places: np.ndarray, reach: float) -> None:
-        """Take up new places (N, d) of the nodes; partners are sought up to ``reach`` [m]."""
+    def update(self, places: np.ndarray, way: float) -> None:
+        """Take up new places (N, d) of the nodes, whose longest ``way`` [m] in the step tells how
+        far partners are sought."""
+        reach = FACETS * self.slave.sizes + 4 * way
+        self.reach = np.zeros(self.n)
+        np.maximum.at(self.reach, self.slave.corners, reach[:, None])
         slave, master = self.slave, self.master
         xs, xm = places[: len(slave.nodes)], places[len(slave.nodes) :]
         if slave.dim == 2:
@@ -85,7 +92,7 @@ class Pairing:
         x = np.einsum("qk,qkj->qj", values, xs[slave.cells[points.facet]])
         normal = slave.normals(xs, points.facet, slopes)
         length = np.linalg.norm(normal, axis=1)
-        hits = meet(x, normal / length[:, None], master, xm, reach)
+        hits = meet(x, normal / length[:, None], points.facet, reach[points.facet], master, xm)
 
         on = np.flatnonzero(hits.facet >= 0)
         self.facet, self.phi = points.facet[on], phi[on]
@@ -107,7 +114,7 @@ class Pairing:
         dual = self._dual(self.phi, weight[on]) * weight[on, None]
         self.shares = dual * share[slave.corners[self.facet]]  # psi_i w / a_i at the points
         gap = self.collect(self.shares * -self.distance[:, None], self.facet)
-        self.gap = np.where(self.paired, gap, -reach)
+        self.gap = np.where(self.paired, gap, -self.reach)
         both = np.concatenate([self.values, -self.their_values], axis=1)
         self.operator: Matrix = gather(
             self.shares[:, :, None] * both[:, None, :],
@@ -117,6 +124,11 @@ class Pairing:
             self.dense,
         )
         self._turn_normals(xs)
+
+    @property
+    def near(self) -> np.ndarray:
+        """Nodes that may close in the step: those with a partner that is not far, (n,)."""
+        return self.paired & (self.gap > -0.5 * self.reach)
 
     def _dual(self, phi: np.ndarray, weight: np.ndarray) -> np.ndarray:
         """The functions psi_i dual to phi_j on the paired part of each facet, at the points: there

@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
+from .search import candidates
 from .side import Side
 
 #: Overlap of facets, in local coordinates: rays through an edge must not pass between two facets.
@@ -32,44 +32,38 @@ class Hits:
     inverse: np.ndarray
 
 
-def meet(x: np.ndarray, n: np.ndarray, side: Side, nodes: np.ndarray, reach: float) -> Hits:
-    """Shoot rays from x (q, d) along the unit vectors n (q, d), to both sides, up to ``reach``.
+def meet(
+    x: np.ndarray,
+    n: np.ndarray,
+    bundle: np.ndarray,
+    reach: np.ndarray,
+    side: Side,
+    nodes: np.ndarray,
+) -> Hits:
+    """Shoot rays from x (q, d) along the unit vectors n (q, d), to both sides.
 
     Args:
         x, n: the rays.
+        bundle: facet from which each comes, (q,), ascending.
+        reach: how far each goes, (q,) in m.
         side: the other side, ``nodes`` (N, d) the present places of its nodes.
         reach: farthest distance, m; inf looks everywhere.
     """
     q, d = x.shape
-    ray, facet = _candidates(x, side, nodes, reach)
+    ray, facet = candidates(x, n, bundle, reach, nodes[side.cells])
     xi, alpha, inverse = _intersect(x[ray], n[ray], side, nodes, facet)
     normal = side.normals(nodes, facet, side.shape(xi)[1])
     facing = (normal * n[ray]).sum(axis=1) < FACING * np.linalg.norm(normal, axis=1)
-    good = facing & side.holds(xi, EDGE) & (np.abs(alpha) <= reach)
+    good = facing & side.holds(xi, EDGE) & (np.abs(alpha) <= reach[ray])
     ray, facet, xi, alpha, inverse = (a[good] for a in (ray, facet, xi, alpha, inverse))
     order = np.lexsort((facet, np.abs(alpha), ray))
     _, first = np.unique(ray[order], return_index=True)
     best = order[first]
-    result = Hits(np.full(q, -1), np.zeros((q, d - 1)), np.full(q, reach), np.zeros((q, d, d)))
+    result = Hits(np.full(q, -1), np.zeros((q, d - 1)), reach.copy(), np.zeros((q, d, d)))
     hit = ray[best]
     result.facet[hit], result.xi[hit] = facet[best], xi[best]
     result.distance[hit], result.inverse[hit] = alpha[best], inverse[best]
     return result
-
-
-def _candidates(
-    x: np.ndarray, side: Side, nodes: np.ndarray, reach: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs (ray, facet) that may meet within reach."""
-    middles = nodes[side.corners].mean(axis=1)
-    radius = np.linalg.norm(nodes[side.cells] - middles[:, None], axis=2).max() * (1 + 1e-6)
-    q, m = len(x), len(middles)
-    if not np.isfinite(reach) or q * m <= 4000:
-        return np.repeat(np.arange(q), m), np.tile(np.arange(m), q)
-    found = cKDTree(middles).query_ball_point(x, reach + radius)
-    count = np.fromiter(map(len, found), dtype=np.int64, count=q)
-    flat = np.fromiter((f for each in found for f in each), dtype=np.int64, count=count.sum())
-    return np.repeat(np.arange(q), count), flat
 
 
 def _intersect(

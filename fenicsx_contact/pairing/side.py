@@ -33,6 +33,7 @@ class Side:
         nodes: reference coordinates of the nodes of the trace, (N, d); the first n are ``points``.
         cells: nodes of each facet, (m, k), in basix's order.
         corners: corners of each facet, (m, corners).
+        sizes, size: about the diameters of the facets, (m,), and the largest, m.
         sign: +1 where the parametrisation of a facet makes its normal point outwards, else -1.
     """
 
@@ -49,7 +50,8 @@ class Side:
             at = self.linear_shape(self.element.points) @ points[cells]
             self.nodes, self.cells = _number(points, at)
         self.midpoint = self._midpoint(cell)
-        self.size = float(self._diameters(points).max())
+        self.sizes = self._diameters(points)
+        self.size = float(self.sizes.max())
         _, nearest = cKDTree(inside[:, 0]).query(points[cells].mean(axis=1))
         self.sign = np.ones(len(cells))
         middle = np.tile(self.midpoint, (len(cells), 1))

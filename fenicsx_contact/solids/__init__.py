@@ -3,6 +3,7 @@
 
 from .base import MonolithicSolid, MonolithicTrace, Solid, Trace
 from .beam import BeamSolid
+from .deformable import DeformableSolid
 from .elastic import ElasticSolid
 from .hyperelastic import HyperelasticSolid, ciarlet, neo_hookean, st_venant_kirchhoff
 from .rigid import RigidSolid
@@ -10,6 +11,7 @@ from .sections import Section, Support
 
 __all__ = [
     "BeamSolid",
+    "DeformableSolid",
     "ElasticSolid",
     "HyperelasticSolid",
     "MonolithicSolid",

@@ -105,7 +105,7 @@ def measure(steps: int, **scene: Any) -> dict[str, Any]:
             taken.append(perf_counter() - start)
             if each is both[0]:
                 newton.append(dict(zip(each.columns, rows[-1]))["newton"])
-    touching, free = both
+    touching = both[0]
     phases = {k: (v - before.get(k, 0.0)) / steps for k, v in touching.stepper.times.items()}
     return {
         **scene,

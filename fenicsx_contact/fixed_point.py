@@ -28,6 +28,8 @@ class FixedPoint:
 
     def __init__(self, assembly: Assembly, newton: Newton) -> None:
         self._all, self._newton = assembly, newton
+        for solid in assembly.solids:
+            solid.patient = True  # the loop goes on until all is in balance
         self.errors: list[float] = []
         self._system = assembly.surface_system()
 

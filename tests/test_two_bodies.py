@@ -110,7 +110,9 @@ def test_far_apart_nothing_is_paired():
     pair = Pairing(slave, master)
     pair.update(np.concatenate([slave.nodes + np.array([0, 5.0]), master.nodes]), 0.3)
     assert (pair.reach >= 4 * 0.3).all() and (pair.reach < 4.0).all()
-    assert not pair.paired.any() and (pair.gap == -pair.reach).all() and abs(pair.operator).sum() == 0
+    assert (
+        not pair.paired.any() and (pair.gap == -pair.reach).all() and abs(pair.operator).sum() == 0
+    )
 
 
 # -- dynamics --

@@ -27,6 +27,9 @@ from .elastic import elastic_constants
 #: A step may make this share of a solid's energies, by the quadrature of its forces.
 MADE = 1e-6
 
+#: An old tangent serves while each correction leaves at most this share of the error.
+RATE = 0.1
+
 #: A stored energy density [J/m³] as a UFL function of the deformation gradient, (3, 3).
 Energy = Callable[[Any], Any]
 
@@ -112,6 +115,10 @@ class HyperelasticSolid(DeformableSolid):
         self._stored = np.empty(0), 0.0
         self._tangent = compat.assemble_petsc_matrix(self._tangent_form)
         self._factor: Factorisation | None = None
+        # the way of the step whose tangent is to be used, and that of the one which was factored
+        self._way = self._taken = np.zeros(self.owned), np.zeros(self.owned)
+        self._key: tuple[float, ...] = ()
+        self._errors: list[float] = []
         if self.broken():
             raise checks.InputError(
                 f"displacement: with the initial field an element of solid {self.name!r} is "
@@ -155,14 +162,36 @@ class HyperelasticSolid(DeformableSolid):
         self._weight.value = weight
         compat.add_to_petsc_matrix(self._tangent, self._tangent_form)
 
-    def _linearise_forces(self, step: Step) -> None:
-        """The derivative of the internal forces of the step by the displacement at its end."""
+    def _take_tangent(self, step: Step) -> None:
+        """The matrix of the step: an old one if it will do, else that of the trial state."""
+        key = (step.span, step.gap_rate, step.scheme.inertia)
+        way = self._way
+        slow = len(self._errors) > 1 and self._errors[-1] > RATE * self._errors[-2]
+        if slow or not self.patient or not step.scheme.inertia or key != self._key:
+            way = self.displacement, self.trial_displacement
+        if way is self._taken:
+            return
+        self._way = self._taken = way
+        self._key = key
         self._tangent.zeroEntries()
         for share, weight in step.scheme.force_points:
             if share:
-                self._add_stiffness(self._at(share), weight * share)
+                self._add_stiffness(share * way[1] + (1 - share) * way[0], weight * share)
+        if self._factor is None:
+            self._factor = Factorisation(self._tangent.copy(), self.name)
+        matrix, structure = self._factor.matrix, PETSc.Mat.Structure
+        self._tangent.copy(matrix, structure.SAME_NONZERO_PATTERN)
+        matrix.scale(step.gap_rate)
+        if step.scheme.inertia:
+            share = step.scheme.inertia / step.span
+            matrix.axpy(share, self._mass, structure.SUBSET_NONZERO_PATTERN)
+        self.hold(matrix)
+        self._factor.refactor()
+        self.factorisation = self._factor
+        self.linearisation += 1
 
     def predict(self, step: Step) -> None:
+        self._errors = [1.0]
         super().predict(step)
         if self._target is not None and step.scheme.theta and self.broken():
             self._follow_supports(step)
@@ -182,25 +211,27 @@ class HyperelasticSolid(DeformableSolid):
         self.go((increment - known) / (theta * step.dt), step)
 
     def linearise(self, step: Step) -> None:
-        self._linearise_forces(step)
-        if self._factor is None:
-            self._factor = Factorisation(self._tangent.copy(), self.name)
-        matrix, structure = self._factor.matrix, PETSc.Mat.Structure
-        self._tangent.copy(matrix, structure.SAME_NONZERO_PATTERN)
-        matrix.scale(step.gap_rate)
-        if step.scheme.inertia:
-            share = step.scheme.inertia / step.span
-            matrix.axpy(share, self._mass, structure.SUBSET_NONZERO_PATTERN)
-        self.hold(matrix)
-        self._factor.refactor()
-        self.factorisation = self._factor
-        self.linearisation += 1
+        self._take_tangent(step)
         # A v+ = A v - r(v) + J' f
         self._force = np.zeros(self.owned)
         residual = np.sum(self._balance(step), axis=0)
-        self.free_load = self.multiply(matrix, self.trial_velocity) - residual
+        self.free_load = self.multiply(self.factorisation.matrix, self.trial_velocity) - residual
         self.free_load[self.fixed_unknowns] = self.trial_velocity[self.fixed_unknowns]
         self._free_velocity = None
+
+    def imbalance(self, step: Step) -> float:
+        self._errors.append(super().imbalance(step))
+        return self._errors[-1]
+
+    def state(self) -> dict[str, np.ndarray]:
+        start, end = self._way
+        tangent = {"tangent.key": np.array(self._key), "tangent.start": start, "tangent.end": end}
+        return {**super().state(), **tangent}
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        self._way = state["tangent.start"], state["tangent.end"]
+        self._key = tuple(float(value) for value in state["tangent.key"])
+        super().restore(state)
 
     def _state_changed(self) -> None:
         if self._stored[0] is not self.displacement:

@@ -45,15 +45,18 @@ FALL = 0.1  # m/s
 # %% [markdown]
 # ## The scenes
 #
-# Blocks of 1 m x 0.5 m (x 1 m), as many cells wide as there are points but one.
+# Blocks of 1 m x 0.5 m (x 1 m), as many cells wide as there are points but one; of two, the lower
+# one is 1.3 m wide.
 
 
 # %%
-def block(kind: str, dim: int, points: int, slide: float, lift: float = 0.0) -> Any:
+def block(
+    kind: str, dim: int, points: int, slide: float, width: float = 1.0, lift: float = 0.0
+) -> Any:
     """A block of so many points along an edge, that falls and may slide."""
     across, up = points - 1, points // 2
     if dim == 2:
-        size = {"width": 1.0, "height": 0.5, "n_width": across, "n_height": up}
+        size = {"width": width, "height": 0.5, "n_width": across, "n_height": up}
     else:
         size = {"length_x": 1.0, "length_y": 1.0, "n_x": across, "n_y": across}
         size |= {"height": 0.5, "n_z": up}
@@ -75,7 +78,8 @@ def scenes(kind: str, dim: int, points: int, slide: float, pair: bool) -> list[S
     """With contact and without."""
     result = []
     for touching in (True, False):
-        solids = [block(kind, dim, points, 0.0 if pair else slide)]
+        lower = (0.0, 1.3) if pair else (slide, 1.0)
+        solids = [block(kind, dim, points, *lower)]
         contacts = []
         floor = HalfSpace([0.0] * dim, np.eye(dim)[-1])
         if pair:

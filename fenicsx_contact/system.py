@@ -158,7 +158,8 @@ class SurfaceSystem:
         d = self.parts[0].equations.fields.surface.dim
         nw = len(self.active)
         steps, sizes = [], []
-        for part, place in self.placed:
+        placed = [each for each in self.placed if len(each.place)]
+        for part, place in placed:
             n = len(part.active_places) // d
             unknowns = _by_point(place, n, d)
             size = part.equations.force_scale()
@@ -177,7 +178,7 @@ class SurfaceSystem:
         dw = ((self.W @ change) * self._rows[:nw]).reshape(-1, d) - behind
         self.linear_force = self._spread(change - self.assembled[:nw])
         first = 0
-        for step, (part, place) in zip(steps, self.placed):
+        for step, (part, place) in zip(steps, placed):
             n = len(part.active_places) // d
             mine = slice(first, first + n)
             dm = step.multipliers(dw[mine], df[mine])

@@ -62,9 +62,11 @@ class SurfaceEquations:
         self._entries = self._place[0] * self.size + self._place[1]
         self._dense = np.zeros((self.size, self.size))
         # entries of the tangent that join unknowns of the same point: all that are not zero
-        points, kinds = self._of_points(n, d)
+        each, more = np.arange(n), np.arange(d, k.components)
+        points = np.concatenate([np.repeat(each, d), np.tile(each, len(more))])
+        kinds = np.concatenate([np.tile(np.arange(d), n), np.repeat(more, n)])
         mine = points[self._place[0]] == points[self._place[1]]
-        row, column = (place[mine] for place in self._place)
+        row, column = (each[mine] for each in self._place)
         self._own = mine, (points[row], kinds[row], kinds[column])
         self._blocks = np.zeros((n, k.components, k.components))
         self._z = k.unknowns.x.array
@@ -103,6 +105,7 @@ class SurfaceEquations:
             k.rho_n.value = self._augmentation[0] * unit
             k.pressure_scale.value = pressure
             share = np.where(self._chosen & (self.weight > 0), self.weight, 1.0)
+            self.force_scale = pressure * share  # of each point, N
             self.column_scale = np.full(self.size, speed)
             self.row_scale = np.full(self.size, 1 / speed)
             if self.semi > self.jumps:
@@ -162,12 +165,6 @@ class SurfaceEquations:
         self._dense.ravel()[self._entries] = self._tangent()
         return self._dense
 
-    def _of_points(self, n: int, d: int) -> tuple[np.ndarray, np.ndarray]:
-        """Point and component of each unknown."""
-        more = np.arange(self.size - n * d)
-        points = np.concatenate([np.repeat(np.arange(n), d), more % n])
-        return points, np.concatenate([np.tile(np.arange(d), n), d + more // n])
-
     # -- as a part of a system: restricted to the candidates --------------------------------------
 
     @property
@@ -207,12 +204,6 @@ class SurfaceEquations:
         mine, index = self._own
         self._blocks[index] = self._tangent()[mine]
         return self._blocks[self.candidates]
-
-    def force_scale(self) -> np.ndarray:
-        """Sizes of the forces on the candidates, (points,) in N."""
-        unit, speed = self._scale
-        weight = np.where(self.weight > 0, self.weight, 1.0)
-        return unit * speed * weight[self.candidates]
 
     def move(self, step: np.ndarray) -> None:
         """Add to the active unknowns."""

@@ -162,7 +162,7 @@ class SurfaceSystem:
         for part, place in placed:
             n = len(part.active_places) // d
             unknowns = _by_point(place, n, d)
-            size = part.equations.force_scale()
+            size = part.equations.force_scale[part.equations.candidates]
             K = part.equations.point_tangents() * self._columns[unknowns][:, None, :]
             K[:, :d] /= size[:, None, None]
             K[:, d:] *= self._rows[unknowns][:, d:, None]

@@ -37,9 +37,11 @@ OURS, THEIRS = 1e-4, 1.5e-3  # the errors at which run times are compared
 
 # %%
 def ours(quick: bool) -> list[dict[str, Any]]:
-    """Located impacts, few steps: errors and run times."""
-    shares = [1 / 2, 1 / 8] if quick else [1, 1 / 2, 1 / 4, 1 / 8, 1 / 16]
+    """Located impacts, few steps, uniform and adaptive: errors and run times."""
+    shares = [1 / 2, 1 / 8] if quick else [1, 0.7, 1 / 2, 1 / 4, 1 / 8, 1 / 16]
+    errors = [1e-5] if quick else [1e-4, 1e-5, 1e-6]
     settings = ladder("share", shares, located=True, impacts=3)
+    settings += ladder("step_error", errors, share=1, located=True, impacts=3)
     build = STUDIES["rocking_degree"].build
     study = Study("located", "impacts located", "three maxima", build, {"ours": settings})
     samples = measure(study, 1 if quick else 3)

@@ -7,6 +7,7 @@ It follows the solids through a step and feeds gaps and normals to the equations
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import frexp
 from typing import Any
 
 import numpy as np
@@ -43,6 +44,12 @@ class Contact:
             times values scaled by the scene. They act on the way to the solution, not on it.
         gap_tolerance: a point closer than this share of the surface's extent is closed.
         name: for messages and files.
+
+    Attributes:
+        gap, jump: at the start of the step, m and m/s; ``trial_jump`` in the trial state.
+        closed: points that count as closed at the start of the step.
+        status: of the points in the last step: 0 open, 1 stick, 2 slip.
+        force: mean of the last step on the solid, N.
 
     Raises:
         InputError: friction < 0 or NaN, unknown formulation or facets, dimensions that differ,
@@ -87,11 +94,12 @@ class Contact:
         self.coupling = self._couple(other)
         self.solids, self.traces = self.coupling.solids, self.coupling.traces
         self.part = self.coupling.part
-        self.force = np.zeros(self.surface.points.shape)  # mean of the last step, on the solid
+        self.force = np.zeros(self.surface.points.shape)
         self.status = np.zeros(self.surface.size)
-        self._closed = np.zeros(self.surface.size, dtype=bool)
+        self.closed = np.zeros(self.surface.size, dtype=bool)
+        self._lifted = np.zeros(self.surface.size)  # by finite rotation, at most, while it bears
         self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
-        self._unit = (0.0, 1.0, 0.0)
+        self._unit = (-np.inf, 1.0, 0.0)
         self._at_points = isinstance(self.formulation, (Lagrange, Discrete))
         self._remembers = isinstance(self.formulation, Discrete) and self.friction > 0
         self._set_normal(self.coupling.normals())
@@ -146,13 +154,17 @@ class Contact:
         open now only if ``closing``."""
         self.coupling.follow()
         if step.dt:  # an impact sees as closed what the step that led to it did
-            lift = self.coupling.lift(step, self.extent)
-            # a point that bore stays closed, though finite rotation lifts it by a hair: whether
-            # it opens is then for the law to say, not for round-off
-            bore = (self.status > 0) & (self.gap >= -HAIR * self.extent - lift)
-            self._closed = (self.gap >= -self.tolerance - lift) | bore
-        self._allowed = closing | self._closed
-        self._kept = self._bore() if step.dt else self._closed
+            self._lift = lift = self.coupling.lift(step, self.extent)
+            # a point that bore stays closed, though finite rotation lifts it by a hair, in this
+            # step or an earlier one: whether it opens is then for the law to say, not for round-off
+            hair = HAIR * self.extent + np.maximum(lift, self._lifted)
+            bore = (self.status > 0) & (self.gap >= -hair)
+            self.closed = bore | (self.gap >= -self.tolerance)
+            if lift:  # nor does one open that was lifted while others bore; what arrives is open
+                still = _dot(self.jump, self.normal) * step.dt <= lift
+                self.closed |= still & (self.gap >= -self.tolerance - lift)
+        self._allowed = closing | self.closed
+        self._kept = self._bore() if step.dt else self.closed
         candidates = self.formulation.candidates(self.coupling.gaps(), self.tolerance)
         self._choose(candidates)
 
@@ -161,21 +173,7 @@ class Contact:
         self.equations.choose(candidates & self.coupling.near())
 
     def _bore(self) -> np.ndarray:
-        return self._closed & (self.status > 0)
-
-    def arrival(self, moved: bool) -> float:
-        """Largest gap [m] of the points that were open at the start of the step, there or, if
-        ``moved``, in the trial state."""
-        gap = self.coupling.gaps() if moved else self.gap
-        return float(gap[self.chosen & ~self._closed].max(initial=-np.inf))
-
-    def strikes(self, dt: float) -> bool:
-        """Whether a point that counts as closed, but did not bear, arrives at the start of a step,
-        faster than the loads of the step would make it: else it is coming to rest."""
-        fresh = self.chosen & self._closed & (self.status == 0)
-        free = self.coupling.to_jump(np.concatenate([t.free_jump() for t in self.traces]))
-        now, then = (_dot(w, self.normal)[fresh] for w in (self.jump, free))
-        return bool(((now * dt > self.tolerance) & (now > np.abs(then - now))).any())
+        return self.closed & (self.status > 0)
 
     def linearise(self, step: Step, exact: bool = False) -> None:
         """Take up the trial states of the solids: operators, normals and gaps; if ``exact`` with
@@ -215,18 +213,23 @@ class Contact:
         self.equations.fields.set_normal(self.normal)
 
     def unit(self, step: Step) -> float:
-        """The pressure that stops 1 m/s at a typical point within the step; kept while the
-        length of the step does not change."""
-        if self._unit[0] != step.span:
+        """About the pressure that stops 1 m/s at a typical point within the step; kept while the
+        length of the step does not change by much."""
+        octave = float(frexp(step.span)[1])
+        if self._unit[0] != octave:
             mobility = self.coupling.mobility()
             flexible = (mobility * self.normal**2).sum(axis=1) * self.equations.weight
-            flexible = flexible[flexible > 0]
+            flexible = np.sort(flexible[flexible > 0])
             if not len(flexible):
                 return 1.0
             # between solids the gap of a closed point is not quite zero before the last iteration:
             # with less weight on it the sign of lam tells what bears
             share = 0.1 if self._paired else 1.0
-            self._unit = (step.span, share / float(np.median(flexible)), float(mobility.max()))
+            self._unit = (
+                octave,
+                share / float(flexible[len(flexible) // 2]),
+                float(mobility.max()),
+            )
         return self._unit[1]
 
     def push(self, force: np.ndarray, step: Step) -> float:
@@ -244,7 +247,7 @@ class Contact:
     def speed_limit(self, step: Step) -> np.ndarray | None:
         """The w_n that the law allows at each point at most, None for springs."""
         gap = self.equations.fields.gap.x.array
-        return self.formulation.speed_limit(gap, step.gap_rate, step.dt)
+        return self.formulation.speed_limit(gap, step.gap_rate, step.span)
 
     def follow(self) -> None:
         """Follow the solids to their trial states, which have just been computed."""
@@ -272,6 +275,8 @@ class Contact:
         """Keep what the next step starts from; ``force``: on the traces' points, flat."""
         self.force = self._nodal_force() if self._paired else force.reshape(self.normal.shape)
         self.status = self.equations.statuses()
+        lift = max(self._lift, self.coupling.lift(step, self.extent)) if step.dt else 0.0
+        self._lifted = np.where(self.status > 0, np.maximum(self._lifted, lift), 0.0)
         if self._remembers:
             self._keep_stretch(step)
         self.gap, self.jump = self.coupling.gaps(), self.trial_jump
@@ -325,6 +330,7 @@ class Contact:
             "unknowns": self.equations.values,
             "status": self.status,
             "force": self.force,
+            "lifted": self._lifted,
             "stretch": self._stretch,
             "unit": np.array(self._unit),
         }
@@ -333,9 +339,9 @@ class Contact:
         """Take up a state that :meth:`state` gave; the solid has been restored before."""
         self.equations.values = np.array(state["unknowns"])
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
-        self._stretch = np.array(state["stretch"])
-        span, unit, mobility = (float(value) for value in state["unit"])
-        self._unit = (span, unit, mobility)
+        self._lifted, self._stretch = np.array(state["lifted"]), np.array(state["stretch"])
+        octave, unit, mobility = (float(value) for value in state["unit"])
+        self._unit = (octave, unit, mobility)
         self.coupling.follow()
         self.coupling.accept()
         self._locate()
@@ -378,4 +384,4 @@ def _check_master(solid: Solid, facets: str, master: Any) -> Master:
 
 
 def _dot(a: Any, b: Any) -> np.ndarray:
-    return np.einsum("ij,ij->i", a, b)
+    return (a * b).sum(axis=1)

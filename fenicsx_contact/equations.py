@@ -89,6 +89,7 @@ class SurfaceEquations:
         blocks = np.arange(self.jumps, self.size, n)[:, None] + self.candidates
         self.active_multipliers = blocks.ravel()
         self.active = np.concatenate([self.active_jumps, blocks.ravel()]).astype(np.int64)
+        self._active_dofs = self._order[self.active]
         self._block = None if len(self.active) == self.size else np.ix_(self.active, self.active)
 
     def set_scale(self, unit: float, speed: float) -> None:
@@ -188,11 +189,11 @@ class SurfaceEquations:
 
     def active_values(self) -> np.ndarray:
         """The active unknowns."""
-        return self.values[self.active]
+        return self._z[self._active_dofs]
 
     def active_residual(self) -> np.ndarray:
         """Their rows."""
-        return self.residual()[self.active]
+        return self._residual()[self._active_dofs]
 
     def active_tangent(self) -> np.ndarray:
         """And their tangent, dense."""

@@ -15,10 +15,15 @@ from .condensed import Condensed
 from .iterative import Iterative
 from .monolithic import Direct, Monolithic
 from .newton import Newton
+from .system import SLOW
 from .theta import Step
 
 #: The linear systems, by name.
-SYSTEMS = {"condensed": Condensed, "monolithic": Direct, "iterative": Iterative}
+SYSTEMS: dict[str, type[Condensed] | type[Monolithic]] = {
+    "condensed": Condensed,
+    "monolithic": Direct,
+    "iterative": Iterative,
+}
 #: It ends as well where it falls no more and is below this: round-off.
 ROUGH = 1e-7
 #: How often a correction that inverts an element is halved.
@@ -38,7 +43,7 @@ class FullNewton:
     def __init__(self, assembly: Assembly, newton: Newton, solver: str) -> None:
         self._all, self._newton = assembly, newton
         self.errors: list[float] = []
-        self._system: Condensed | Monolithic = SYSTEMS[solver](assembly)
+        self.system: Condensed | Monolithic = SYSTEMS[solver](assembly)
 
     def solve(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         """See :meth:`~fenicsx_contact.fixed_point.FixedPoint.solve`."""
@@ -51,10 +56,10 @@ class FullNewton:
             clock("solids")
             for contact in self._all.contacts:
                 contact.linearise(step, exact=True)
-            speed = speed or self._speed()
+            speed = speed or self._speed(step)
             self._all.set_scale(step, scale_of(speed))
             clock("pairing")
-            error, force = self._system.begin(step)
+            error, force = self.system.begin(step)
             errors.append(error)
             clock("newton")
             stalled = iteration > 1 and errors[-2] <= error <= ROUGH
@@ -68,15 +73,16 @@ class FullNewton:
                 continue
             best, halved = error, 0
             self._advance(step, clock)
-        raise StepFailed(f"{self._system.stall()} after {len(errors) - 1} Newton iterations")
+        raise StepFailed(f"{self.system.stall()} after {len(errors) - 1} Newton iterations")
 
-    def _speed(self) -> float:
-        """The largest speed at the contacts, m/s, or else, at the start of a drive, anywhere in
-        the solids; 0 where nothing moves yet."""
+    def _speed(self, step: Step) -> float:
+        """The largest speed at the contacts, m/s, or that which their forces resolve, or else, at
+        the start of a drive, anywhere in the solids; 0 where nothing moves yet."""
         solids = [contact.coupling.velocities("trial_velocity") for contact in self._all.contacts]
         speed = max((float(np.abs(v).max(initial=0.0)) for v in solids), default=0.0)
-        if speed:
-            return speed
+        pushed = max((c.push(c.force, step) for c in self._all.contacts), default=0.0)
+        if speed or pushed:
+            return max(speed, SLOW * pushed)
         bodies = [solid for solid in self._all.solids if hasattr(solid, "space")]
         inside = [float(np.abs(solid.trial_velocity).max(initial=0.0)) for solid in bodies]
         comm = self._all.solids[0].mesh.mesh.comm
@@ -88,7 +94,7 @@ class FullNewton:
             [solid.trial_velocity.copy() for solid in self._all.solids],
             [contact.equations.values for contact in self._all.contacts],
         ]
-        if not self._system.iterate(step):
+        if not self.system.iterate(step):
             raise StepFailed("the linearised problem is singular: is a body without support?")
         clock("linear solve")
         for _ in range(HALVINGS):

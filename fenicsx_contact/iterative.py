@@ -15,20 +15,29 @@ augmented-Lagrangian preconditioner of Benzi and Olshanskii, SIAM J. Sci. Comput
 
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
 import scipy.sparse as sp
+from mpi4py import MPI
 from petsc4py import PETSc
 
 from .assembly import Assembly
-from .checks import InputError
+from .checks import StepFailed
 from .monolithic import Monolithic, petsc_matrix
+from .multigrid import Multigrid, rigid_modes
 from .solids import DeformableSolid
 
 #: Share of the residual at which a linear solve ends, and how many iterations it may take.
 TOLERANCE = 1e-6
 MAX_ITERATIONS = 300
+#: A hierarchy that takes more than so many times the iterations that it took at first is made anew.
+WORN = 1.5
 #: The springs are so many times as compliant as D says; a node moves its neighbours too.
 SOFT = 2.0
+
+#: C_ym, S^-1 C_my and what the rows of the multipliers are divided by.
+Blocks = tuple[sp.csr_matrix, sp.csr_matrix, sp.dia_matrix]
 
 
 class Iterative(Monolithic):
@@ -38,67 +47,81 @@ class Iterative(Monolithic):
     ``multigrid_``.
 
     Attributes:
-        counts: iterations of each linear solve so far.
-
-    Raises:
-        InputError: a solid without displacement field.
+        counts: iterations of the last linear solves.
     """
 
     def __init__(self, assembly: Assembly) -> None:
         super().__init__(assembly)
-        rigid = [s.name for s in self._solids if not isinstance(s, DeformableSolid)]
-        if rigid:
-            raise InputError(
-                f"solver = 'iterative': {rigid} have no displacement field; use 'monolithic'"
-            )
-        self._modes = np.vstack([_rigid_modes(s) for s in self._solids])
-        held = [own[s.fixed_unknowns] for s, own in zip(self._solids, self._places.own)]
+        solids = [s for s in self._solids if isinstance(s, DeformableSolid)]
+        self._modes = np.vstack([rigid_modes(s) for s in solids])
+        held = [own[s.fixed_unknowns] for s, own in zip(solids, self._places.own)]
         self._held = np.concatenate(held) - self._places.mine.start
-        self.counts: list[int] = []
+        self.counts: deque[int] = deque(maxlen=100)
+        self._multigrid: Multigrid | None = None
+        self._usual = 0  # iterations that the hierarchy took at first
 
     def _solve(self) -> np.ndarray:
         n = self._places.size
         block = self._contact_block() + self._compliance()
-        residual = self._residual()
-        scale = self._row_scale()
-        block, residual = sp.diags(scale) @ block, scale * residual
         yy, ym, my, mm = block[:n, :n], block[:n, n:], block[n:, :n], block[n:, n:]
-        inverse = self._nodal_inverse(ym, my, mm)
-        A = petsc_matrix(self._matrix(block.tocsr()), self.comm)
-        rows = self._rows_here
-        P = petsc_matrix(self._matrix((yy - ym @ inverse @ my).tocsr()), self.comm)
-        springs = _ThroughSprings(self, P, ym @ inverse, inverse @ my, inverse)
+        # the rows of the multipliers times S^-1, as the forces for which these stand: norms add
+        # them to those of the solids
+        inverse, force = self._nodal_inverse(ym, my, mm), _column_size(ym)
+        solve = sp.diags(force) @ inverse
+        block = sp.bmat([[yy, ym], [solve @ my, solve @ mm]], format="csr")
+        residual = self._residual()
+        residual[n:] = solve @ residual[n:]
+        A = petsc_matrix(self._matrix(block), self.comm)
+        x, b = A.createVecs()
+        b.setArray(residual[self._rows_here])
+        blocks = ym, inverse @ my, sp.diags(1 / force)
+        count, done = 0, False
+        if self._multigrid is not None:  # it goes on serving while it serves well
+            count, done = self._krylov(A, b, x, blocks, int(WORN * self._usual) + 1)
+        if not done:
+            self._make_multigrid((yy - ym @ inverse @ my).tocsr())
+            self._usual, done = self._krylov(A, b, x, blocks, MAX_ITERATIONS)
+            count += self._usual
+        self.counts.append(count)
+        local = x.array_r.copy()
+        for thing in (A, x, b):
+            thing.destroy()
+        if not done:
+            raise StepFailed(
+                f"GMRES does not end within {MAX_ITERATIONS} iterations; solver = 'monolithic' "
+                "needs none"
+            )
+        local[self._held] = 0.0  # to more digits than the tolerance leaves them
+        return self._everywhere(local)
+
+    def _make_multigrid(self, extra: sp.csr_matrix) -> None:
+        if self._multigrid is not None:
+            self._multigrid.destroy()
+        P = petsc_matrix(self._matrix(extra), self.comm)
+        self._multigrid = Multigrid(P, self._modes, self._solids[0].dim)
+
+    def _krylov(
+        self, A: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, blocks: Blocks, most: int
+    ) -> tuple[int, bool]:
+        """Go on from x; how many iterations it took, at most so many, and whether that is it."""
+        assert self._multigrid is not None
         solver = PETSc.KSP().create(self.comm)
         solver.setOptionsPrefix("iterative_")
         solver.setType("gmres")
         solver.setGMRESRestart(100)
         solver.setPCSide(PETSc.PC.Side.RIGHT)
-        solver.setTolerances(rtol=TOLERANCE, max_it=MAX_ITERATIONS)
+        solver.setInitialGuessNonzero(True)
+        solver.setTolerances(rtol=TOLERANCE, max_it=most)
         solver.getPC().setType("python")
-        solver.getPC().setPythonContext(springs)
+        solver.getPC().setPythonContext(
+            _ThroughSprings(self._multigrid, self._places.mine, blocks, self.comm)
+        )
         solver.setOperators(A)
         solver.setFromOptions()
-        x, b = A.createVecs()
-        b.setArray(residual[rows])
         solver.solve(b, x)
-        self.counts.append(solver.getIterationNumber())
-        failed = solver.getConvergedReason() < 0
-        local = np.full(len(x.array_r), np.nan) if failed else x.array_r.copy()
-        for thing in (solver, A, x, b, P):
-            thing.destroy()
-        local[self._held] = 0.0  # to more digits than the tolerance leaves them
-        return self._everywhere(local)
-
-    def _row_scale(self) -> np.ndarray:
-        """Makes the rows of the multipliers forces, as those of the solids are: norms add them."""
-        stiffness = float(np.median(self._diagonal()))
-        scale = np.ones(self._size)
-        last = self._places.size
-        for part in self._parts:
-            speed = part.scales()[0][0] if len(part.active_places) else 1.0
-            scale[last : last + part.multipliers] = stiffness * speed
-            last += part.multipliers
-        return scale
+        result = solver.getIterationNumber(), solver.getConvergedReason() > 0
+        solver.destroy()
+        return result
 
     def _diagonal(self) -> np.ndarray:
         """The diagonal of the solids' matrices, on every process."""
@@ -112,10 +135,13 @@ class Iterative(Monolithic):
         """S^-1: the multipliers of each node by what is left of their rows."""
         springs = my @ sp.diags(SOFT / self._diagonal()) @ ym
         S = (mm - springs).tocsr()
-        blocks, first = [], 0
+        empty = np.empty(0, dtype=np.int64)
+        blocks, first = [(np.empty(0), empty, empty)], 0
         for part in self._parts:
             nodes, m = len(part.equations.candidates), part.multipliers
-            k = m // nodes if nodes else 0
+            if not m:
+                continue
+            k = m // nodes
             at = first + np.arange(m).reshape(k, nodes).T  # (nodes, k)
             row, column = np.broadcast_arrays(at[:, :, None], at[:, None, :])
             dense = np.asarray(S[row.ravel(), column.ravel()]).reshape(nodes, k, k)
@@ -131,65 +157,36 @@ class _ThroughSprings:
 
     def __init__(
         self,
-        system: Iterative,
-        P: PETSc.Mat,
-        onto: sp.csr_matrix,
-        seen: sp.csr_matrix,
-        inverse: sp.csr_matrix,
+        multigrid: Multigrid,
+        mine: slice,
+        blocks: Blocks,
+        comm: MPI.Comm,
     ) -> None:
-        comm, places = system.comm, system._places
-        final = comm.rank == comm.size - 1
-        self._n = n = places.mine.stop - places.mine.start
-        m = inverse.shape[0] if final else 0
-        own = slice(0, m)
-        self._onto = petsc_matrix(onto.tocsr()[places.mine], comm, columns=m)
-        self._seen = petsc_matrix(seen.tocsr()[own], comm, columns=n)
-        self._inverse = petsc_matrix(inverse[own], comm)
-        self._P = P
-        P.setBlockSize(system._solids[0].dim)
-        P.setNearNullSpace(_null_space(P, system._modes))
-        self._multigrid = pc = PETSc.PC().create(comm)
-        pc.setOptionsPrefix("multigrid_")
-        pc.setType("gamg")
-        pc.setOperators(P)
-        pc.setFromOptions()
-        pc.setUp()
-        self._v, self._r = P.createVecs()
-        self._m, self._f = self._inverse.createVecs()
-        self._g = self._f.duplicate()
+        push, seen, multipliers = blocks
+        self._n = n = mine.stop - mine.start
+        m = seen.shape[0] if comm.rank == comm.size - 1 else 0
+        self._push = petsc_matrix((push @ multipliers).tocsr()[mine], comm, columns=m)
+        self._seen = petsc_matrix(seen.tocsr()[:m], comm, columns=n)
+        self._multipliers = multipliers.diagonal()[:m]
+        self._multigrid = multigrid
+        self._v, self._r = self._seen.createVecRight(), self._push.createVecLeft()
+        self._f, self._g = self._push.createVecRight(), self._seen.createVecLeft()
 
     def apply(self, pc: PETSc.PC, x: PETSc.Vec, y: PETSc.Vec) -> None:
         """y = P^-1 x."""
         both = x.array_r
         self._f.setArray(both[self._n :])
-        self._onto.mult(self._f, self._r)
+        self._push.mult(self._f, self._r)
         self._r.setArray(both[: self._n] - self._r.array_r)
         self._multigrid.apply(self._r, self._v)
-        self._inverse.mult(self._f, self._m)
         self._seen.mult(self._v, self._g)
-        y.setArray(np.concatenate([self._v.array_r, self._m.array_r - self._g.array_r]))
+        multipliers = self._multipliers * self._f.array_r - self._g.array_r
+        y.setArray(np.concatenate([self._v.array_r, multipliers]))
 
 
-def _rigid_modes(solid: DeformableSolid) -> np.ndarray:
-    """Rigid motions at the owned unknowns, (owned, 3 or 6)."""
-    d = solid.dim
-    x = solid.space.tabulate_dof_coordinates()[: solid.owned // d, :d]
-    pairs = [(i, j) for i in range(d) for j in range(i)]
-    modes = np.zeros((len(x), d, d + len(pairs)))
-    modes[:, range(d), range(d)] = 1.0
-    for k, (i, j) in enumerate(pairs):
-        modes[:, i, d + k], modes[:, j, d + k] = -x[:, j], x[:, i]
-    return modes.reshape(len(x) * d, -1)
-
-
-def _null_space(matrix: PETSc.Mat, modes: np.ndarray) -> PETSc.NullSpace:
-    """The modes, made orthonormal."""
-    vectors = []
-    for column in modes.T:
-        vector = matrix.createVecRight()
-        vector.setArray(column)
-        for other in vectors:
-            vector.axpy(-vector.dot(other), other)
-        vector.normalize()
-        vectors.append(vector)
-    return PETSc.NullSpace().create(vectors=vectors, comm=matrix.comm)
+def _column_size(matrix: sp.csr_matrix) -> np.ndarray:
+    """The largest entry of each column; of empty ones the largest of all, or 1."""
+    size = np.zeros(matrix.shape[1])
+    entries = matrix.tocoo()
+    np.maximum.at(size, entries.col, np.abs(entries.data))
+    return np.where(size > 0, size, size.max(initial=0.0) or 1.0)

@@ -85,6 +85,8 @@ class Newton:
                 return iteration
             if not np.isfinite(system.worst):
                 return iteration
+            if iteration == 1:  # from a first guess statuses may change
+                continue
             key = system.remember().tobytes()
             if key in seen and key != last and iteration > 4:
                 return iteration

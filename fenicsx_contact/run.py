@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The time loop: uniform steps, shorter ones where they fail, files as it goes."""
+"""The time loop: steps of a grid, in parts where they fail or err, and files as it goes."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import checks
+from .adaptive import AdaptivePace, ErrorControl, StepTooLong
 from .checks import StepFailed
 from .history import History
+from .pace import Pace
 from .storage import RunDirectory
 
 if TYPE_CHECKING:
@@ -29,6 +31,7 @@ def run(
     dt: float,
     *,
     directory: str | Path | None,
+    step_error: float | None,
     resume: bool,
     fields_every: int,
     progress: bool | None,
@@ -59,14 +62,18 @@ def run(
     if resume and scene.comm.size > 1:
         raise checks.InputError("resume = True: only a run on one process can be resumed")
 
+    pace = Pace(scene.stepper, dt, shortest)
+    if step_error is not None:
+        pace = AdaptivePace(ErrorControl(scene.stepper, scene.scheme, step_error), dt, shortest)
     first, done = scene.time, 0
     history = History((*scene.columns, *probes))
     files = RunDirectory(directory) if directory is not None and scene.comm.rank == 0 else None
-    fingerprint = _fingerprint(scene, dt)
+    fingerprint = _fingerprint(scene, dt, step_error)
     if files and resume and files.has_checkpoint:
         state = files.load(history, fingerprint)
         done = int(state.pop("run.steps"))
         scene.restore(state)
+        pace.restore(state)
     else:
         history.append([*scene.stepper.row(), *_measure(probes)])
         if files:
@@ -80,17 +87,17 @@ def run(
         try:
             # a run that stopped within a step of the grid resumes there
             reached = (scene.time - (first + k * dt)) / dt if k == done else 0.0
-            _cross(scene, history, dt, shortest, probes, reached)
+            _cross(scene, history, pace, probes, reached)
         except StepFailed as failure:
             history.reason = f"stopped at t = {scene.time:.9g} s: {failure}"
-            _save(scene, files, history, k)
+            _save(scene, files, history, k, pace)
             break
         scene.stepper.time = history.rows()[-1, 0] = first + (k + 1) * dt  # no sum of round-off
         if writer and (k + 1) % fields_every == 0:
             writer.write(scene.time)
         over = stop_when is not None and stop_when()
         if perf_counter() - checkpoint > CHECKPOINT_EVERY or k + 1 == steps or over:
-            _save(scene, files, history, k + 1)
+            _save(scene, files, history, k + 1, pace)
             checkpoint = perf_counter()
             bar.update(k + 1 - bar.n)
         if over:
@@ -124,10 +131,10 @@ def _measure(probes: Mapping[str, Callable[[], float]]) -> Iterator[float]:
             raise checks.InputError(f"probes[{name!r}]() = {value!r}: must be a number") from None
 
 
-def _fingerprint(scene: Scene, dt: float) -> str:
+def _fingerprint(scene: Scene, dt: float, step_error: float | None) -> str:
     """What must be the same for a run to be resumed: parameters, place, energies at the start."""
     lines = [scene.describe(), f"dt = {dt!r}, from {scene.time!r}, {scene.scheme}"]
-    lines.append(f"impacts located: {scene.locate_impacts}")
+    lines.append(f"impacts located: {scene.locate_impacts}, step_error: {step_error!r}")
     lines.append("energies " + ", ".join(f"{energy:.9g}" for energy in scene.stepper.energies))
     for contact in scene.contacts:
         lines.append(
@@ -141,35 +148,37 @@ def _fingerprint(scene: Scene, dt: float) -> str:
 def _cross(
     scene: Scene,
     history: History,
-    dt: float,
-    shortest: float,
+    pace: Pace,
     probes: Mapping[str, Callable[[], float]],
     done: float,
 ) -> None:
-    """Cross what is left of a step of the grid, in parts where it fails."""
-    part = 1.0 - done
+    """Cross what is left of a step of the grid, in parts as long as the pace has them."""
+    pace.begin(done)
     while done < 1.0 - 1e-12:
-        begin = scene.time
+        begin, end = scene.time, pace.end(done)
         try:
-            for row in scene.step(part * dt):
+            for row in scene.step((end - done) * pace.dt, pace.stepper):
                 history.append([*row, *_measure(probes)])
         except StepFailed as failure:
-            done += (scene.time - begin) / dt  # what an impact within the step had reached
-            part /= 2
-            if part < shortest:
-                raise StepFailed(f"{failure}; steps down to {2 * part * dt:.3g} s fail") from None
-            history.remarks.append((scene.time, f"step halved to {part * dt:.3g} s: {failure}"))
+            tried = end - done
+            done += (scene.time - begin) / pace.dt  # what an impact within the step had reached
+            if not pace.shorten(tried, failure):
+                raise StepFailed(f"{failure}; steps down to {tried * pace.dt:.3g} s fail") from None
+            if not isinstance(failure, StepTooLong):
+                remark = f"step halved to {tried / 2 * pace.dt:.3g} s: {failure}"
+                history.remarks.append((scene.time, remark))
             continue
         history.remarks += [(scene.time, remark) for remark in scene.remarks]
-        done += part
-        while part < 1.0 and (done / (2 * part)).is_integer():
-            part *= 2
-        part = min(part, 1.0 - done) if done < 1.0 else part
+        done = end
+        pace.lengthen(done)
 
 
-def _save(scene: Scene, files: RunDirectory | None, history: History, steps: int) -> None:
+def _save(
+    scene: Scene, files: RunDirectory | None, history: History, steps: int, pace: Pace
+) -> None:
     if files:
-        files.save(history, {**scene.state(), "run.steps": np.array(steps)})
+        state = {**scene.state(), **pace.state(), "run.steps": np.array(steps)}
+        files.save(history, state)
 
 
 def _field_writer(

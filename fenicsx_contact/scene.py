@@ -10,19 +10,18 @@ from time import perf_counter
 import numpy as np
 
 from . import checks
+from .adaptive import ErrorControl
 from .contact import Contact
 from .formulations import Velocity
 from .history import COLUMNS, History, contact_columns
-from .impacts import cross_impacts
+from .impacts import LocatedImpacts
+from .methods import choose
 from .newton import Newton
 from .run import run
-from .solids import MonolithicSolid, Solid
-from .statics import refuse_free, stands
+from .solids import Solid
+from .statics import refuse_free
 from .stepper import Stepper
 from .theta import Step, ThetaScheme
-
-#: Components of surface points above which no dense system is formed.
-LARGE_SURFACE = 1500
 
 
 class Scene:
@@ -38,10 +37,11 @@ class Scene:
             then of second order, and steps can be long.
         geometry: "newton": geometry, contact and solids in one Newton loop; "fixed point": the
             paper's loop around contact with frozen geometry. Default: "newton" where two solids
-            meet of which one is deformable.
-        solver: of the linear systems of "newton": "condensed" on the surfaces, or "monolithic".
+            meet of which one is deformable, and where the surfaces are large.
+        solver: of the linear systems of "newton": "condensed" on the surfaces, "monolithic" (one
+            sparse matrix, factored) or "iterative" (GMRES and multigrid; deformable solids only).
             Default: condensed if all solids are linear, the surfaces small, and, without inertia,
-            supports hold each solid.
+            supports hold each solid; iterative for large scenes in space.
         allow_free: accept a solid that has neither contact nor support.
         allow_growth: accept theta < 1/2, with which the scheme makes (1/2 - theta) dv' M dv of
             energy in each step, in deformable solids exponentially.
@@ -78,6 +78,7 @@ class Scene:
         checks.instance("scheme", self.scheme, ThetaScheme, "a ThetaScheme")
         checks.instance("newton", self.newton, Newton, "a Newton")
         self.locate_impacts = locate_impacts
+        self._impacts = LocatedImpacts(self.scheme) if locate_impacts else None
         self._check(allow_free, checks.number("deepest", deepest, at_least=0))
         if self.scheme.theta < 0.5 and not allow_growth:
             raise checks.InputError(
@@ -86,7 +87,9 @@ class Scene:
                 "allow_growth=True if that is meant"
             )
         self.comm = self.solids[0].mesh.mesh.comm
-        self.geometry, self.solver = self._method(geometry, solver)
+        self.geometry, self.solver = choose(
+            self.solids, self.contacts, self.scheme, geometry, solver
+        )
         self.stepper = Stepper(self.solids, self.contacts, self.newton, self.geometry, self.solver)
         self.remarks: list[str] = []
         self.stepper.times["set-up"] = perf_counter() - start
@@ -94,32 +97,6 @@ class Scene:
         for contact in self.contacts:
             columns += contact_columns(contact.name, contact.solid.dim)
         self.columns = tuple(columns)
-
-    def _method(self, geometry: str | None, solver: str | None) -> tuple[str, str]:
-        """How a step is solved, as asked or as the scene needs it."""
-        nonlinear = [s for s in self.solids if not s.linear and hasattr(s, "space")]
-        if geometry is None:
-            # rigid solids are hyperstatic: there the fixed point has a solver to fall back on
-            pairs = any(
-                len(contact.solids) > 1 and any(hasattr(s, "space") for s in contact.solids)
-                for contact in self.contacts
-            )
-            geometry = "newton" if pairs else "fixed point"
-        if solver is None:
-            places = sum(contact.part.places for contact in self.contacts)
-            # what only contact holds in equilibrium has no compliance of its own
-            floats = not self.scheme.inertia and not all(stands(s) for s in self.solids)
-            large = places > LARGE_SURFACE
-            solver = "monolithic" if nonlinear or large or floats else "condensed"
-        checks.choice("geometry", geometry, ["newton", "fixed point"])
-        checks.choice("solver", solver, ["condensed", "monolithic", "iterative"])
-        alone = [solid.name for solid in self.solids if not isinstance(solid, MonolithicSolid)]
-        if geometry == "newton" and solver != "condensed" and alone:
-            raise checks.InputError(
-                f"solver = {solver!r}: {alone} cannot be part of a monolithic system; use "
-                "'condensed'"
-            )
-        return geometry, solver
 
     def _check(self, allow_free: bool, deepest: float) -> None:
         for kind, things in (("solids", self.solids), ("contacts", self.contacts)):
@@ -185,19 +162,30 @@ class Scene:
         each linearisation of "fixed point", and at the end."""
         return self.stepper.errors
 
-    def step(self, dt: float) -> Iterator[list[float]]:
+    @property
+    def krylov(self) -> list[int]:
+        """Iterations of the last linear solves, at most 100, if the solver is iterative."""
+        return self.stepper.krylov
+
+    def step(
+        self, dt: float, stepper: Stepper | ErrorControl | None = None
+    ) -> Iterator[list[float]]:
         """Cross ``dt`` seconds; yields the rows of the history as the state reaches them.
+
+        Args:
+            dt: s.
+            stepper: takes the steps; default: :attr:`stepper`, whatever their error.
 
         Raises:
             StepFailed: with the reason; the state is that of the last row.
         """
-        self.remarks = []
-        if self.locate_impacts:
-            yield from cross_impacts(self.stepper, self.scheme, dt, self.remarks)
+        self.remarks, stepper = [], stepper or self.stepper
+        if self._impacts is not None:
+            yield from self._impacts.cross(stepper, dt, self.remarks)
         else:
-            trial = self.stepper.attempt(Step(dt, self.scheme, self.time))
+            trial = stepper.attempt(Step(dt, self.scheme, self.time))
             self.remarks += trial.remarks
-            yield self.stepper.accept(trial)
+            yield stepper.accept(trial)
 
     # -- whole runs -----------------------------------------------------------------------------
 
@@ -206,6 +194,7 @@ class Scene:
         until: float,
         dt: float,
         *,
+        step_error: float | None = None,
         directory: str | Path | None = None,
         resume: bool = False,
         fields_every: int = 0,
@@ -214,31 +203,37 @@ class Scene:
         probes: Mapping[str, Callable[[], float]] | None = None,
         stop_when: Callable[[], bool] | None = None,
     ) -> History:
-        """Run by uniform steps to the multiple of ``dt`` that is nearest to ``until``.
+        """Run by uniform steps to the multiple of ``dt`` that is nearest to ``until``; with a
+        ``step_error``, by steps that are halved and doubled within these as the motion asks.
 
         A step that fails is tried again at half its length, down to ``shortest`` of it; below
         that the run stops and its history says why.
 
         Args:
             until: the end, s.
-            dt: length of a step, s.
+            dt: length of a step, s; with a ``step_error``, of the longest.
+            step_error: what a step may add to the error of the motion, relative to the way in
+                it, by an estimate (see :mod:`fenicsx_contact.adaptive`); for theta = 1/2. None:
+                uniform steps. Impacts that are not located are rounded to a step all the same.
             directory: where to write the run as it goes; None keeps it in memory.
             resume: continue the run that was stopped in ``directory``, if there is one.
-            fields_every: write fields for ParaView every so many steps (0: never).
+            fields_every: write fields for ParaView every so many ``dt`` (0: never).
             progress: show a bar; default: if the run lasts and a person watches.
             shortest: shortest step, as a share of dt.
             probes: further columns of the history: for each name a function without arguments
                 that is called after each step.
-            stop_when: asked after each step whether what the run was for has happened; a run
+            stop_when: asked after each ``dt`` whether what the run was for has happened; a run
                 that reaches ``until`` without it says so in its reason.
 
         Raises:
-            InputError: dt <= 0, an end before the start, resume or fields without a directory.
+            InputError: dt <= 0, an end before the start, resume or fields without a directory, a
+                step_error <= 0 or with a scheme that is not of second order.
         """
         return run(
             self,
             until,
             dt,
+            step_error=step_error,
             directory=directory,
             resume=resume,
             fields_every=fields_every,
@@ -269,9 +264,11 @@ class Scene:
         stepper.work = np.array(state["scene.work"])
         stepper.energies = stepper.sum_energies()
 
-    def _things(self) -> list[tuple[str, Solid | Contact]]:
-        solids = [(f"solid.{solid.name}.", solid) for solid in self.solids]
-        return [*solids, *((f"contact.{contact.name}.", contact) for contact in self.contacts)]
+    def _things(self) -> list[tuple[str, Solid | Contact | LocatedImpacts]]:
+        things: list[tuple[str, Solid | Contact | LocatedImpacts]] = []
+        things += [(f"solid.{solid.name}.", solid) for solid in self.solids]
+        things += [(f"contact.{contact.name}.", contact) for contact in self.contacts]
+        return things + ([("impacts.", self._impacts)] if self._impacts else [])
 
     def describe(self) -> str:
         """What the scene consists of, and what was left out because nothing needs it."""

@@ -13,6 +13,7 @@ from .checks import StepFailed
 from .contact import Contact
 from .fixed_point import FixedPoint
 from .full_newton import FullNewton
+from .iterative import Iterative
 from .newton import Newton
 from .solids import Solid
 from .theta import Step
@@ -65,12 +66,16 @@ class Stepper:
         self.work, self.balance = np.zeros(4), 0.0
         self.energies = self.sum_energies()
 
-    def attempt(self, step: Step, closing: bool = True) -> Trial:
+    def attempt(
+        self, step: Step, closing: bool = True, rates: Sequence[np.ndarray] | None = None
+    ) -> Trial:
         """Solve a step from the present state.
 
         Args:
             step: its length and scheme.
             closing: whether points that are open now may close.
+            rates: accelerations of the solids, m/s², by which geometry is guessed, if they are
+                known from a step like it; they spare linearisations.
 
         Raises:
             StepFailed: with the reason; the state is as before.
@@ -82,6 +87,8 @@ class Stepper:
                 solid.predict(step)
             for contact in self.contacts:
                 contact.predict(step, closing)
+            if rates is not None:
+                self._guess(step, rates)
             clock("pairing")
             trial = Trial(step, *self._method.solve(step, clock))
             for solid in self.solids:
@@ -92,6 +99,17 @@ class Stepper:
             for contact, values in zip(self.contacts, before):
                 contact.equations.values = values
             raise
+
+    def _guess(self, step: Step, rates: Sequence[np.ndarray]) -> None:
+        for solid, rate in zip(self.solids, rates):
+            if not solid.linear:
+                solid.go(solid.velocity + step.dt * rate, step)
+        for contact in self.contacts:
+            contact.follow()
+
+    def mean_accelerations(self, step: Step) -> list[np.ndarray]:
+        """Of the solids in a step that was attempted last, m/s²."""
+        return [(solid.trial_velocity - solid.velocity) / step.dt for solid in self.solids]
 
     def accept(self, trial: Trial) -> list[float]:
         """Make the trial state the state; returns the row of the history."""
@@ -118,6 +136,12 @@ class Stepper:
         row = self.row(step.dt, trial.newton, trial.geometry)
         clock("history")
         return row
+
+    @property
+    def krylov(self) -> list[int]:
+        """Iterations of the last linear solves, at most 100, if the solver is iterative."""
+        system = getattr(self._method, "system", None)
+        return list(system.counts) if isinstance(system, Iterative) else []
 
     @property
     def errors(self) -> list[float]:

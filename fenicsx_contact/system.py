@@ -135,6 +135,8 @@ class SurfaceSystem:
                 self._scaling = rows[:, None] * columns
 
     def _gather(self, arrays: Sequence[np.ndarray]) -> np.ndarray:
+        if len(arrays) == 1:
+            return arrays[0]
         result = np.empty(self.size)
         for (_, place), array in zip(self.placed, arrays):
             result[place] = array
@@ -190,11 +192,11 @@ class SurfaceSystem:
     def _iterate_all(self) -> bool:
         """By all unknowns together."""
         nw = len(self.active)
-        A = np.zeros((self.size, self.size))
-        for part, place in self.placed:
-            if len(self.parts) == 1:
-                A[:] = part.active_tangent()
-            else:
+        if len(self.placed) == 1:
+            A = self.placed[0].part.active_tangent().copy()  # which is used again
+        else:
+            A = np.zeros((self.size, self.size))
+            for part, place in self.placed:
                 A[np.ix_(place, place)] = part.active_tangent()
         stiffness = A[:nw].copy()
         A[:nw] = self.W @ stiffness

@@ -242,7 +242,29 @@ def pressed_blocks() -> Scene:
     return Scene(solids, [contact], QuasiStatic())
 
 
-def pressed_boxes() -> Scene:
+def pressed_boxes(**scene: Any) -> Scene:
     """In space."""
     solids, contact = _pressed(3)
-    return Scene(solids, [contact], QuasiStatic())
+    return Scene(solids, [contact], QuasiStatic(), **scene)
+
+
+def iterated_boxes() -> Scene:
+    """The same, nothing factored."""
+    return pressed_boxes(solver="iterative")
+
+
+def pressed_cube(n: int = 4, **scene: Any) -> Scene:
+    """A linear elastic cube, pressed on a table by its top; its rounded base touches in part."""
+    mesh = box((n, n, n), (1.0, 1.0, 1.0), "tetrahedron")
+    x = mesh.mesh.geometry.x
+    x[:, 2] += 0.1 * (x[:, 0] ** 2 + x[:, 1] ** 2) * (1 - x[:, 2])
+    cube = ElasticSolid(
+        mesh,
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1000.0,
+        prescribed={"top": lambda t: [0.002 * t, 0.0, -0.01 * t]},
+    )
+    table = HalfSpace(point=(0, 0, 0), normal=(0, 0, 1))
+    contact = Contact(cube, "base", table, "gap", friction=0.3, name="c")
+    return Scene([cube], [contact], QuasiStatic(), geometry="newton", **scene)

@@ -49,6 +49,7 @@ RUNS = {
     "two_blocks": (0.04, 5e-4),
     "pressed_blocks": (4.0, 1.0),
     "pressed_boxes": (3.0, 1.0),
+    "iterated_boxes": (3.0, 1.0),
 }
 SPREAD = [name for name in RUNS if name not in ("rigid_box", "rocking_block", "elastic_cell")]
 

@@ -8,6 +8,8 @@ are those of the rod minus those of the tube at the depth where the rod is now.
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numpy as np
 
 from .. import checks
@@ -108,6 +110,11 @@ class RodInTube(Solid):
     def energies(self) -> tuple[float, float, float]:
         kinetic, strain, potential = np.sum([solid.energies() for solid in self._both], axis=0)
         return float(kinetic), float(strain), float(potential)
+
+    def root_mean_square(self, velocity: np.ndarray) -> float:
+        parts = zip(self._both, self.split(velocity))
+        total = sum(solid.mass * solid.root_mean_square(part) ** 2 for solid, part in parts)
+        return sqrt(total / sum(solid.mass for solid in self._both))
 
     def works(self, step: Step) -> tuple[float, float, float, float]:
         momentum, loads, held, pulled = np.sum([s.works(step) for s in self._both], axis=0)

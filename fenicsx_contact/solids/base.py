@@ -144,6 +144,10 @@ class Solid(ABC):
         """Kinetic, strain and potential energy of the state, J (J/m in 2D)."""
 
     @abstractmethod
+    def root_mean_square(self, velocity: np.ndarray) -> float:
+        """Of a velocity [m/s] or an acceleration [m/s²], over the mass."""
+
+    @abstractmethod
     def works(self, step: Step) -> tuple[float, float, float, float]:
         """Work on the mean velocity of the step in J, in the trial state: of the change of
         momentum, of internal forces and all loads, of the supports, of the tractions among the

@@ -10,6 +10,7 @@ inverted once; a fall adds one rank to its axial part.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from math import sqrt
 
 import numpy as np
 import scipy.sparse
@@ -238,6 +239,9 @@ class BeamSolid(Solid):
 
     def imbalance(self, step: Step) -> float:
         return 0.0
+
+    def root_mean_square(self, velocity: np.ndarray) -> float:
+        return sqrt(float(velocity @ (self._masses * velocity)) / self.mass)
 
     def works(self, step: Step) -> tuple[float, float, float, float]:
         mean = 0.5 * (self.velocity + self.trial_velocity)

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -333,6 +335,17 @@ class DeformableSolid(MonolithicSolid):
         kinetic = 0.5 * self._sum(self.velocity @ self._momentum)
         return kinetic, self.strain_energy(), -self._sum(self._load @ self.displacement)
 
+    @cached_property
+    def mass(self) -> float:
+        """kg (kg/m in 2D)."""
+        uniform = np.zeros(self.owned)
+        uniform[:: self.dim] = 1.0
+        return self._sum(uniform @ self.multiply(self._mass, uniform))
+
+    def root_mean_square(self, velocity: np.ndarray) -> float:
+        square = self._sum(velocity @ self.multiply(self._mass, velocity)) / self.mass
+        return sqrt(max(square, 0.0))  # not a round-off of zero
+
     def trace(self, points: np.ndarray) -> DeformableTrace:
         return DeformableTrace(self, points)
 
@@ -351,11 +364,9 @@ class DeformableSolid(MonolithicSolid):
         """Mean of a field over the mass, (d,), from its owned unknowns: of the displacement [m],
         that of the centre of mass; of the velocity [m/s], momentum over mass."""
         weighted, total = self.multiply(self._mass, values), np.zeros(self.dim)
-        uniform = np.zeros(self.owned)
-        uniform[:: self.dim] = 1.0
         for k in range(self.dim):
             total[k] = self._sum(weighted[k :: self.dim].sum())
-        return total / self._sum(uniform @ self.multiply(self._mass, uniform))
+        return total / self.mass
 
     def field(self, values: np.ndarray) -> Any:
         """A function of the solid's space from the values of its owned unknowns."""

@@ -10,6 +10,7 @@ free flight keeps it exactly.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -196,6 +197,9 @@ class RigidSolid(MonolithicSolid):
     def energies(self) -> tuple[float, float, float]:
         kinetic = 0.5 * self.velocity @ self._momentum
         return float(kinetic), 0.0, float(-self._load[: self.dim] @ self._place)
+
+    def root_mean_square(self, velocity: np.ndarray) -> float:
+        return sqrt(float(velocity @ self._momentum_of(velocity, self.trial_turn)) / self.mass)
 
     def works(self, step: Step) -> tuple[float, float, float, float]:
         mean = step.scheme.mean(self.velocity, self.trial_velocity)

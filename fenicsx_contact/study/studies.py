@@ -20,11 +20,14 @@ def ladder(name: str, values: Sequence[Any], **fixed: Any) -> list[dict[str, Any
 #: Steps over the time to the first impact.
 _UNIFORM = [1 / 50, 1 / 200, 1 / 800, 1 / 3200]
 _LOCATED = [1 / 4, 1 / 8, 1 / 16, 1 / 32]
+#: What a step may add to the error, relative to the way.
+_ERRORS = [1e-3, 1e-4, 1e-5, 1e-6]
 
 _ROCKING = {
     "velocity": ladder("share", _UNIFORM, theta=0.5),
     "velocity, theta = 1": ladder("share", _UNIFORM, theta=1.0),
     "velocity, impacts located": ladder("share", _LOCATED, located=True),
+    "velocity, located, adaptive": ladder("step_error", _ERRORS, share=1.0, located=True),
     "gap": ladder("share", _UNIFORM, formulation="gap", theta=1.0),
     "lagrange": ladder("share", _UNIFORM, formulation="lagrange", theta=1.0),
     "discrete": ladder("share", _UNIFORM, formulation="discrete", theta=1.0),
@@ -33,6 +36,7 @@ _ROCKING = {
 _CELLS = [25, 50, 100, 200]
 _BAR = {
     "velocity": ladder("cells", _CELLS),
+    "velocity, adaptive": ladder("cells", _CELLS, cfl=4.0, step_error=0.03),
     "velocity, forces at the end": ladder("cells", _CELLS, forces="end"),
     "velocity, theta = 1": ladder("cells", _CELLS, theta=1.0, forces="end"),
     "gap": ladder("cells", _CELLS, formulation="gap"),
@@ -73,6 +77,7 @@ STUDIES: dict[str, Study] = {
             oscillator,
             {
                 "velocity": ladder("steps", _STEPS),
+                "velocity, adaptive": ladder("step_error", [1e-2, *_ERRORS[:3]], steps=5),
                 "velocity, forces at the end": ladder("steps", _STEPS, forces="end"),
                 "velocity, theta = 1": ladder("steps", _STEPS, theta=1.0, forces="end"),
             },

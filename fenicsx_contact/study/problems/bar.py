@@ -49,6 +49,7 @@ def bar_at_wall(
     forces: str = "theta",
     formulation: str = "velocity",
     massless: bool = False,
+    step_error: float | None = None,
     speed: float = 1 / 3,
     aspect: float = 1.0,
     hyperelastic: bool = False,
@@ -64,7 +65,7 @@ def bar_at_wall(
     Args:
         cells: along the bar.
         cfl: cells that a wave crosses in a step.
-        theta, forces, formulation, normal_augmentation, allow_growth: as usual.
+        theta, forces, formulation, step_error, normal_augmentation, allow_growth: as usual.
         massless: whether the mass of the contact node is moved inwards.
         speed: of the bar over that of its waves.
         aspect: length over height of a cell.
@@ -104,6 +105,7 @@ def bar_at_wall(
         error=lambda history: _impulse_error(history, exact, reaction * contact_time),
         bound=_bound(cells, cfl, theta, forces, 2.0) + nonlinear,
         deepest=2 * speed * c * dt + 1e-9 * length,
+        step_error=step_error,
     )
 
 
@@ -115,6 +117,7 @@ def bar_released(
     forces: str = "theta",
     formulation: str = "velocity",
     massless: bool = False,
+    step_error: float | None = None,
 ) -> Problem:
     """A bar fixed at one end and released stretched by half: contact in [1, 2], [4, 5], [7, 8]
     with the reaction 1/2; E = rho = L = 1. Error: the largest of the wall's impulse at any time.
@@ -144,4 +147,5 @@ def bar_released(
         error=lambda history: _impulse_error(history, exact, 1.5 * height),
         bound=2 / 3 * _bound(cells, cfl, theta, forces, 8.0),
         deepest=0.5,
+        step_error=step_error,
     )

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The iterative solver: the results of the direct one, in as many iterations on every mesh."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scenes import box, elastic_block, pressed_boxes, pressed_cube, rigid_box, soft_block
+
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    HalfSpace,
+    InputError,
+    QuasiStatic,
+    Scene,
+    methods,
+)
+
+
+@pytest.mark.parametrize(
+    "scene, until, dt",
+    [
+        (pressed_boxes, 3.0, 1.0),
+        (pressed_cube, 2.0, 1.0),
+        (elastic_block, 0.02, 5e-4),
+        (soft_block, 0.02, 5e-4),
+    ],
+    ids=["pair of hyperelastic solids", "elastic on a table", "impact", "hyperelastic impact"],
+)
+def test_it_finds_what_the_direct_solver_finds(scene, until, dt):
+    runs = {}
+    for solver in ("monolithic", "iterative"):
+        made = scene(
+            **{"geometry": "newton", "solver": solver} if until < 1 else {"solver": solver}
+        )
+        history = made.run(until, dt)
+        assert history.finished, history.reason
+        runs[solver] = np.concatenate([made.solids[0].displacement, made.contacts[0].force.ravel()])
+        assert not history.remarks and bool(made.krylov) == (solver == "iterative")
+    direct, iterative = runs["monolithic"], runs["iterative"]
+    n = made.solids[0].owned
+    for part in (slice(0, n), slice(n, None)):
+        size = np.abs(direct[part]).max()
+        assert size > 0
+        assert np.abs(iterative[part] - direct[part]).max() < 1e-8 * size
+
+
+def test_iterations_do_not_grow_with_the_mesh():
+    counts = []
+    for n in (4, 8, 16):
+        scene = pressed_cube(n, solver="iterative")
+        assert scene.run(1.0, 1.0).finished
+        counts.append(np.mean(scene.krylov))
+        bearing = np.count_nonzero(scene.contacts[0].status)
+        assert 0 < bearing < scene.contacts[0].surface.size
+    assert counts[1] < 1.5 * counts[0] and counts[2] < 1.5 * counts[0], counts
+
+
+def test_large_scenes_in_space_choose_it(monkeypatch):
+    assert pressed_cube(2).solver == "condensed"
+    monkeypatch.setattr(methods, "LARGE_SURFACE", 10)
+    assert pressed_cube(2).solver == "monolithic"
+    monkeypatch.setattr(methods, "LARGE_SOLIDS", 10)
+    assert pressed_cube(2).solver == "iterative"
+
+
+def test_rigid_solids_are_refused():
+    with pytest.raises(InputError, match=r"solver = 'iterative'.*'monolithic'"):
+        rigid_box(geometry="newton", solver="iterative")
+
+
+def test_what_it_cannot_solve_it_stops_at_with_a_reason(monkeypatch):
+    monkeypatch.setattr("fenicsx_contact.iterative.MAX_ITERATIONS", 2)
+    cube = ElasticSolid(
+        box((2, 2, 2)),
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1000.0,
+        fixed=["top"],
+        gravity=(0, 0, -9.81),
+    )
+    table = HalfSpace(point=(0, 0, 0), normal=(0, 0, 1))
+    contact = Contact(cube, "base", table, "gap", name="c")
+    scene = Scene([cube], [contact], QuasiStatic(), geometry="newton", solver="iterative")
+    history = scene.run(1.0, 1.0)
+    assert not history.finished and "GMRES does not end" in history.reason
+    assert np.isfinite(history.rows()).all() and not cube.displacement.any()

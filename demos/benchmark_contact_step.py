@@ -10,7 +10,7 @@
 # method on the contact points. There the unknowns are the forces: the equations of a point know
 # only its own velocity and multipliers, which are eliminated first, and $W = J A^{-1} J^T$ was
 # formed once. Factors of that small dense system are kept from step to step.
-# A hyperelastic solid has a new $A$, and so a new $W$, in each linearisation; two solids
+# A hyperelastic solid keeps its $A$, and so its $W$, while corrections converge fast; two solids
 # see each other through a pairing that moves.
 #
 # The two blocks take their steps in turn; the ratio is that of the medians.

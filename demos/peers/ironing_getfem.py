@@ -14,7 +14,7 @@ import numpy as np
 
 DEPTH, WAY, PRESS_STEPS, FRICTION = 0.15, 1.5, 5, 0.3
 BODIES = {"die": 10.0, "slab": 1.0}  # Young's moduli; Poisson's ratio is 0.3
-# r of the brick: of 1, 10 and 100 the fastest; how far its rays reach
+# r of the brick: of 1, 10 and 100 the fastest at 4300 unknowns; how far its rays reach
 AUGMENTATION, RELEASE = {"linear": 1.0, "neo-Hookean": 10.0}, 0.4
 TOLERANCE, ITERATIONS = 1e-9, 60
 

@@ -11,6 +11,7 @@ import numpy as np
 from .checks import StepFailed
 from .contact import Contact
 from .solids import Solid, Trace
+from .system import SurfaceSystem
 from .theta import Step
 
 
@@ -31,6 +32,12 @@ class Assembly:
         ]
         self.slices = _slices(trace.jump(s.velocity).size for s, trace in self.sides)
 
+    def surface_system(self) -> SurfaceSystem:
+        """The surface problem of the contacts."""
+        hyperstatic = not all(hasattr(solid, "space") for solid in self.solids)
+        contacts = self.contacts
+        return SurfaceSystem([c.part for c in contacts], [c.name for c in contacts], hyperstatic)
+
     def free(self) -> np.ndarray:
         """Velocities of all points at the end of the step without contact, flat."""
         free = [trace.free_jump() for _, trace in self.sides]
@@ -48,6 +55,9 @@ class Assembly:
 
     def compliance(self, active: np.ndarray) -> np.ndarray:
         """W of the active points, whose indices among all are sorted."""
+        if len(self.sides) == 1:
+            _, trace = self.sides[0]
+            return trace.compliance(active, trace, active)
         W = np.zeros((len(active), len(active)))
         bounds = np.searchsorted(active, [part.start for part in self.slices] + [np.inf])
         ours = [

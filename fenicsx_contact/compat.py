@@ -212,8 +212,8 @@ class PointExpression:
         return np.asarray(values).reshape(len(self._cells), -1)
 
 
-def assemble_petsc_matrix(form: ufl.Form) -> PETSc.Mat:
-    """Assemble into a new PETSc matrix."""
+def assemble_petsc_matrix(form: Any) -> PETSc.Mat:
+    """Assemble a form, compiled or not, into a new PETSc matrix."""
     from dolfinx.fem import petsc
 
     matrix = petsc.assemble_matrix(fem.form(form))
@@ -221,11 +221,10 @@ def assemble_petsc_matrix(form: ufl.Form) -> PETSc.Mat:
     return matrix
 
 
-def refill_petsc_matrix(matrix: PETSc.Mat, form: Any) -> None:
-    """Assemble a compiled form into an existing matrix."""
+def add_to_petsc_matrix(matrix: PETSc.Mat, form: Any) -> None:
+    """Add a compiled form to an existing matrix of its pattern."""
     from dolfinx.fem import petsc
 
-    matrix.zeroEntries()
     petsc.assemble_matrix(matrix, form)
     matrix.assemble()
 

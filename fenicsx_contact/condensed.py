@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 
 from .assembly import Assembly
-from .system import SurfaceSystem
 from .theta import Step
 
 
@@ -18,8 +17,7 @@ class Condensed:
 
     def __init__(self, assembly: Assembly) -> None:
         self._all = assembly
-        contacts = assembly.contacts
-        self._surfaces = SurfaceSystem([c.part for c in contacts], [c.name for c in contacts])
+        self._surfaces = assembly.surface_system()
 
     def begin(self, step: Step) -> tuple[float, np.ndarray]:
         """Residual of the present state: its largest relative error, and the forces on all points

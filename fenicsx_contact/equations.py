@@ -61,6 +61,14 @@ class SurfaceEquations:
         self._place = place[rows], place[self._tangent.indices]
         self._entries = self._place[0] * self.size + self._place[1]
         self._dense = np.zeros((self.size, self.size))
+        # entries of the tangent that join unknowns of the same point: all that are not zero
+        each, more = np.arange(n), np.arange(d, k.components)
+        points = np.concatenate([np.repeat(each, d), np.tile(each, len(more))])
+        kinds = np.concatenate([np.tile(np.arange(d), n), np.repeat(more, n)])
+        mine = points[self._place[0]] == points[self._place[1]]
+        row, column = (each[mine] for each in self._place)
+        self._own = mine, (points[row], kinds[row], kinds[column])
+        self._blocks = np.zeros((n, k.components, k.components))
         self._z = k.unknowns.x.array
         self._key, self._scale, self._rates = b"", (0.0, 0.0), (0.0, 0.0)
         self.revision = 0  # counts the changes of candidates and scales
@@ -98,6 +106,7 @@ class SurfaceEquations:
             k.rho_n.value = self._augmentation[0] * unit
             k.pressure_scale.value = pressure
             share = np.where(self._chosen & (self.weight > 0), self.weight, 1.0)
+            self.force_scale = pressure * share  # of each point, N
             self.column_scale = np.full(self.size, speed)
             self.row_scale = np.full(self.size, 1 / speed)
             if self.semi > self.jumps:
@@ -190,6 +199,12 @@ class SurfaceEquations:
         """And their tangent, dense."""
         dense = self.tangent()
         return dense if self._block is None else dense[self._block]
+
+    def point_tangents(self) -> np.ndarray:
+        """Tangents of the candidates one by one, (points, unknowns, unknowns)."""
+        mine, index = self._own
+        self._blocks[index] = self._tangent()[mine]
+        return self._blocks[self.candidates]
 
     def move(self, step: np.ndarray) -> None:
         """Add to the active unknowns."""

@@ -12,7 +12,7 @@ import numpy as np
 from .assembly import Assembly, Clock, scale_of
 from .checks import StepFailed
 from .newton import Newton, NotConverged, Solution
-from .system import SLOW, SurfaceSystem
+from .system import SLOW
 from .theta import Step
 
 #: Relative error of the linearised operator, gaps and momentum at which the loop ends.
@@ -28,11 +28,10 @@ class FixedPoint:
 
     def __init__(self, assembly: Assembly, newton: Newton) -> None:
         self._all, self._newton = assembly, newton
+        for solid in assembly.solids:
+            solid.patient = True  # the loop goes on until all is in balance
         self.errors: list[float] = []
-        self._system = SurfaceSystem(
-            [contact.part for contact in assembly.contacts],
-            [contact.name for contact in assembly.contacts],
-        )
+        self._system = assembly.surface_system()
 
     def solve(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         """Solve a step whose solids and contacts are predicted.

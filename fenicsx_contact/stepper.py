@@ -90,7 +90,11 @@ class Stepper:
             if rates is not None:
                 self._guess(step, rates)
             clock("pairing")
-            return Trial(step, *self._method.solve(step, clock))
+            trial = Trial(step, *self._method.solve(step, clock))
+            for solid in self.solids:
+                if reason := solid.unsound(step):
+                    raise StepFailed(reason)
+            return trial
         except StepFailed:
             for contact, values in zip(self.contacts, before):
                 contact.equations.values = values

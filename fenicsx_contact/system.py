@@ -21,6 +21,7 @@ import scipy.sparse as sp
 from scipy.linalg import lapack
 
 from .equations import SurfaceEquations
+from .pointwise import PointwiseSolver, PointwiseStep
 
 #: Compliance added to the tangent, never to the residual. Points of a rigid solid are hyperstatic
 #: and their multipliers not unique; this picks those nearest to the last ones.
@@ -60,6 +61,10 @@ class Part(Protocol):
     def equations(self) -> SurfaceEquations: ...
 
 
+#: Above so many unknowns those of the points are condensed first.
+MANY = 60
+
+
 class _Place(NamedTuple):
     """Where the active unknowns of a part stand in the system."""
 
@@ -70,6 +75,10 @@ class _Place(NamedTuple):
 class SurfaceSystem:
     """The stacked equations of the contacts of a scene, restricted to the candidates.
 
+    Args:
+        parts, names: of the contacts.
+        hyperstatic: whether solids may have fewer unknowns than points: W is singular then.
+
     Attributes:
         parts, names: of the contacts.
         W, free: compliance of the active points and their velocities without contact.
@@ -77,10 +86,12 @@ class SurfaceSystem:
         linear_force: forces after :meth:`iterate` as the linearised equations have them.
     """
 
-    def __init__(self, parts: Sequence[Part], names: Sequence[str]) -> None:
-        self.parts, self.names = list(parts), list(names)
+    def __init__(self, parts: Sequence[Part], names: Sequence[str], hyperstatic: bool) -> None:
+        self.parts, self.names, self._hyperstatic = list(parts), list(names), hyperstatic
         self._total = sum(p.places for p in self.parts)
         self._revision = -1
+        self._solver = PointwiseSolver(COMPLIANCE)
+        self._sizes = np.empty(0), np.empty(0)
         self.worst = 0.0
 
     def arrange(self) -> np.ndarray:
@@ -118,7 +129,10 @@ class SurfaceSystem:
             for part, place in self.placed:
                 columns[place], rows[place] = part.scales()
             self._columns, self._rows = columns, rows
-            self._scaling = rows[:, None] * columns
+            nodal = all(part is part.equations for part in self.parts)
+            self._many = nodal and not self._hyperstatic and m > MANY
+            if not self._many:
+                self._scaling = rows[:, None] * columns
 
     def _gather(self, arrays: Sequence[np.ndarray]) -> np.ndarray:
         if len(arrays) == 1:
@@ -139,6 +153,44 @@ class SurfaceSystem:
 
     def iterate(self) -> bool:
         """One Newton step; False where the tangent is singular."""
+        return self._iterate_points() if self._many else self._iterate_all()
+
+    def _iterate_points(self) -> bool:
+        """By the forces of the points alone."""
+        d = self.parts[0].equations.fields.surface.dim
+        nw = len(self.active)
+        steps, sizes = [], []
+        placed = [each for each in self.placed if len(each.place)]
+        for part, place in placed:
+            n = len(part.active_places) // d
+            unknowns = _by_point(place, n, d)
+            size = part.equations.force_scale[part.equations.candidates]
+            K = part.equations.point_tangents() * self._columns[unknowns][:, None, :]
+            K[:, :d] /= size[:, None, None]
+            K[:, d:] *= self._rows[unknowns][:, d:, None]
+            steps.append(PointwiseStep(K, self.residual[unknowns[:, d:]], d))
+            sizes.append(np.repeat(size[:, None], d, axis=1))
+        C, D, c = (np.concatenate([getattr(s, a) for s in steps]) for a in ("C", "D", "c"))
+        size, behind = np.concatenate(sizes), self.residual[:nw].reshape(-1, d)
+        right = c + np.einsum("pij,pj->pi", C, behind)
+        df = self._solver.solve(C, D, self.W, size * self._rows[:nw].reshape(-1, d), right)
+        if df is None or not np.isfinite(df).all():
+            return False
+        change = (size * df).ravel()
+        dw = ((self.W @ change) * self._rows[:nw]).reshape(-1, d) - behind
+        self.linear_force = self._spread(change - self.assembled[:nw])
+        first = 0
+        for step, (part, place) in zip(steps, placed):
+            n = len(part.active_places) // d
+            mine = slice(first, first + n)
+            dm = step.multipliers(dw[mine], df[mine])
+            part.move(np.concatenate([dw[mine].ravel(), dm.T.ravel()]) * self._columns[place])
+            first += n
+        self.update()
+        return True
+
+    def _iterate_all(self) -> bool:
+        """By all unknowns together."""
         nw = len(self.active)
         if len(self.placed) == 1:
             A = self.placed[0].part.active_tangent().copy()  # which is used again
@@ -170,11 +222,17 @@ class SurfaceSystem:
         nw = len(self.active)
         scaled = self.residual.copy()
         scaled[:nw] /= np.maximum(
-            1.0, slow * (np.abs(self.W) @ np.abs(self.assembled[:nw])) * self._rows[:nw]
+            1.0, slow * (self._absolute() @ np.abs(self.assembled[:nw])) * self._rows[:nw]
         )
         errors = (p.error(scaled[place]).max(initial=0.0) for p, place in self.placed)
         self.worst = float(max(errors))
         return self.worst if np.isfinite(self.worst) else np.inf
+
+    def _absolute(self) -> np.ndarray:
+        """The absolute values of W, which changes rarely."""
+        if self._sizes[0] is not self.W:
+            self._sizes = self.W, np.abs(self.W)
+        return self._sizes[1]
 
     def force(self) -> np.ndarray:
         """Forces on the solids at all points, flat, N."""
@@ -228,3 +286,8 @@ class SurfaceSystem:
             p.kind(int(np.flatnonzero(place == row)[0])) for p, place in self.placed if row in place
         )
         return f"a {next(kinds)} row stalls at a scaled residual of {self.worst:.3g}"
+
+
+def _by_point(place: np.ndarray, n: int, d: int) -> np.ndarray:
+    """Places of the unknowns of each of n points, from those of a part, (n, unknowns)."""
+    return np.concatenate([place[: n * d].reshape(n, d), place[n * d :].reshape(-1, n).T], axis=1)

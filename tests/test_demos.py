@@ -196,3 +196,30 @@ def test_ironing(tmp_path, monkeypatch, capsys):
     for picture in ("forces.png", "newton.png", "ironing.gif", "ironing_3d.gif"):
         assert (demo.RESULTS / picture).stat().st_size > 5000
     assert capsys.readouterr().out.strip().splitlines()[-1].startswith("tangential/normal force")
+
+
+def test_benchmark_contact_step(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    demo = load("benchmark_contact_step")
+    summary = demo.main(quick=True)
+    assert json.loads((demo.RESULTS / "summary.json").read_text())["cases"]
+    for case in summary["cases"]:
+        assert case["step_s"] > 0 and case["flight_s"] > 0
+        assert case["ratio"] == pytest.approx(case["step_s"] / case["flight_s"])
+        assert 1 <= case["newton_per_step"] < 10
+    assert "a step with contact over one in flight" in capsys.readouterr().out
+
+
+def test_benchmark_ironing(tmp_path, monkeypatch, capsys):
+    """Without GetFEM: our figures, and that it was left out."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("GETFEM_PYTHON", str(tmp_path / "none"))
+    monkeypatch.syspath_prepend(str(DEMOS))
+    demo = load("benchmark_ironing")
+    summary = demo.main(quick=True)
+    for material in ("linear", "neo-Hookean"):
+        both = summary[f"{material}, n = 4"]
+        assert both["ours"]["reason"] == "finished" and both["ours"]["newton_per_step"] < 8
+        assert 0.29 < both["ours"]["force_ratio"] < 0.32
+        assert both["getfem"].startswith("left out")
+    assert "not compared" in capsys.readouterr().out

@@ -20,6 +20,8 @@ from fenicsx_contact import (
     neo_hookean,
     st_venant_kirchhoff,
 )
+from fenicsx_contact.study.problems import bar_at_wall
+from fenicsx_contact.theta import Step
 
 CELLS_2D, CELLS_3D = ("triangle", "quadrilateral"), ("tetrahedron", "hexahedron")
 CELLS = CELLS_2D + CELLS_3D
@@ -464,25 +466,115 @@ def test_uniaxial_stretch_energy(energy):
     assert solid.energies()[1] == pytest.approx(0.36 * 0.8 * expected, rel=1e-12)
 
 
-def test_finite_vibration_keeps_momentum_exactly_and_energy_at_second_order():
+def swinging(energy, steps, until=0.1):
+    """A free block in large strain and rotation, its history, and its momenta before and after."""
+    solid = HyperelasticSolid(
+        rectangle((2, 3)), energy=energy, density=1000.0, velocity=lambda x: 4 * bent(1.0)(x)
+    )
+    x = solid.space.tabulate_dof_coordinates()[:, :2]
+
+    def momenta():
+        p, at = solid._momentum.reshape(-1, 2), x + solid.displacement.reshape(-1, 2)
+        return np.array([*p.sum(axis=0), (at[:, 0] * p[:, 1] - at[:, 1] * p[:, 0]).sum()])
+
+    before = momenta()
+    history = fly(solid, until, until / steps)
+    assert history["strain"].max() > 0.1 * total_energy(history)[0]
+    return solid, history, before, momenta()
+
+
+@pytest.mark.parametrize("energy", ENERGIES)
+def test_finite_vibration_keeps_momentum_and_energy(energy):
+    """Angular momentum at second order."""
     errors = []
     for steps in (50, 100, 200):
-        solid = HyperelasticSolid(
-            rectangle((2, 3)),
-            energy=ENERGIES["st_venant_kirchhoff"],
-            density=1000.0,
-            velocity=lambda x: 4 * bent(1.0)(x),
-        )
-        momentum = solid._momentum.reshape(-1, 2).sum(axis=0)
-        history = fly(solid, 0.1, 0.1 / steps)
+        _, history, before, after = swinging(ENERGIES[energy], steps)
         check_energies(history, 1e-7)  # the outer loop ends at 1e-8
         total = total_energy(history)
-        assert history["strain"].max() > 0.1 * total[0]
-        after = solid._momentum.reshape(-1, 2).sum(axis=0)
-        np.testing.assert_allclose(after, momentum, rtol=1e-7)
-        errors.append(np.abs(total / total[0] - 1).max())
+        np.testing.assert_allclose(total, total[0], rtol=1e-7)
+        np.testing.assert_allclose(after[:2], before[:2], rtol=1e-7)
+        errors.append(abs(after[2] / before[2] - 1))
     assert errors[0] < 0.01
     np.testing.assert_allclose(rates(errors), 2, atol=0.25)
+
+
+def test_finite_vibration_converges_at_second_order():
+    ends = [
+        swinging(ENERGIES["neo_hookean"], steps)[0].displacement for steps in (100, 200, 400, 800)
+    ]
+    changes = [np.abs(a - b).max() for a, b in zip(ends[:-1], ends[1:])]
+    assert changes[-1] < 1e-3 * np.abs(ends[-1]).max()
+    np.testing.assert_allclose(rates(changes), 2, atol=0.1)
+
+
+@pytest.mark.parametrize("theta", [0.0, 0.3, 0.5, 0.8, 1.0])
+@pytest.mark.parametrize("forces", ["theta", "end"])
+def test_points_of_the_forces_are_a_mean(theta, forces):
+    """Of weight 1, about the theta-point: so a linear solid has its force there."""
+    scheme = ThetaScheme(theta, forces)
+    shares, weights = np.array(scheme.force_points).T
+    assert weights.sum() == pytest.approx(1, abs=1e-15) and weights.min() > 0
+    assert weights @ shares == pytest.approx(scheme.force_weight, abs=1e-15)
+    assert len(shares) == (1 if forces == "end" or theta in (0, 1) else 3 if theta == 0.5 else 4)
+
+
+@pytest.mark.parametrize(
+    ("theta", "forces"), [(0.5, "theta"), (0.8, "theta"), (0.3, "theta"), (1.0, "end")]
+)
+def test_tangent_of_a_step(theta, forces):
+    """Against central differences of the momentum balance."""
+    solid = HyperelasticSolid(
+        rectangle((2, 3)),
+        energy=ENERGIES["neo_hookean"],
+        density=1000.0,
+        displacement=bent(0.3),
+        fixed=["base"],
+        velocity=bent(20.0),
+    )
+    step = Step(0.01, ThetaScheme(theta, forces))
+    solid.predict(step)
+    start, way = solid.trial_velocity, np.zeros(solid.owned)
+    free = np.setdiff1d(np.arange(solid.owned), solid.fixed_unknowns)
+    way[free] = np.random.default_rng(1).standard_normal(len(free))
+    solid.linearise(step)
+    computed = solid.multiply(solid.factorisation.matrix, way)[free]
+    ends, h = [], 1e-4
+    for sign in (1, -1):
+        solid.go(start + sign * h * way, step)
+        ends.append(np.sum(solid._balance(step), axis=0)[free])
+    np.testing.assert_allclose(
+        computed, (ends[0] - ends[1]) / (2 * h), rtol=0, atol=1e-7 * np.abs(computed).max()
+    )
+
+
+@pytest.mark.parametrize(("speed", "cfl"), [(1 / 3, 1.0), (1.0, 0.3)])
+def test_violent_impact_makes_no_energy(speed, cfl, monkeypatch):
+    """A bar thrown at a wall at a third of its wave speed and at all of it; the forces of the
+    midpoint make 0.5 and 20 % of its energy."""
+
+    def made():
+        bar = bar_at_wall(cells=20, hyperelastic=True, speed=speed, cfl=cfl)
+        history = bar.run()
+        total = total_energy(history)
+        rise = (total - total[0]).max() / total[0]
+        return history, history["scheme"].max() / total[0], rise
+
+    history, scheme, rise = made()
+    assert history.finished, history.reason
+    assert np.abs(history["balance"]).max() < 1e-7 * history["kinetic"][0]
+    assert history["strain"].max() > 0.5 * history["kinetic"][0]
+    assert scheme < 5e-6 and rise < 1e-12
+
+    monkeypatch.setattr(ThetaScheme, "force_points", [(0.5, 1.0)])
+    monkeypatch.setattr("fenicsx_contact.solids.hyperelastic.MADE", np.inf)
+    assert made()[1] > 0.005 * (1 if speed < 1 else 20)
+
+
+def test_step_that_would_make_energy_is_refused():
+    bar = bar_at_wall(cells=20, hyperelastic=True, speed=1.0).scene
+    history = bar.run(0.9, 0.05, shortest=1.0)
+    assert "strains too much in a step" in history.reason
+    check_energies(history, 1e-7)
 
 
 def test_energy_of_the_user():

@@ -80,6 +80,7 @@ class Solid(ABC):
         dim: dimension of space.
         linear: one linearisation serves a whole step.
         massless: some of its boundary has no mass, and so no velocity of its own.
+        patient: an old linearisation may serve as long as corrections converge fast.
         supported: something holds it even without contact.
         velocity, trial_velocity: at the start and at the end of the step.
     """
@@ -90,6 +91,7 @@ class Solid(ABC):
     linear: bool
     supported: bool
     massless = False
+    patient = False
     velocity: np.ndarray
     trial_velocity: np.ndarray
 
@@ -111,6 +113,10 @@ class Solid(ABC):
 
     def broken(self) -> str:
         """Why the trial state is not admissible, or nothing."""
+        return ""
+
+    def unsound(self, step: Step) -> str:
+        """Why the solution of the step, in the trial state, is not to be accepted, or nothing."""
         return ""
 
     @abstractmethod

@@ -234,10 +234,13 @@ class DeformableSolid(MonolithicSolid):
             self._traction = self._tractions.total(step.force_time)
         return self._load + self._traction
 
-    def _force_point(self, step: Step) -> np.ndarray:
-        """The displacement at which the scheme takes the internal forces."""
-        weight = step.scheme.force_weight
-        return weight * self.trial_displacement + (1 - weight) * self.displacement
+    def _at(self, share: float) -> np.ndarray:
+        """The displacement at a share of the way of the step."""
+        return share * self.trial_displacement + (1 - share) * self.displacement
+
+    def _internal_forces(self, step: Step) -> np.ndarray:
+        """The internal forces of the step, as the scheme takes them."""
+        return self.internal_force(self._at(step.scheme.force_weight))
 
     def free_velocity(self) -> np.ndarray:
         """Velocity at the end of the step if no contact acted."""
@@ -282,7 +285,7 @@ class DeformableSolid(MonolithicSolid):
         else:
             self._trial_momentum = self._momentum
         if step.dt:
-            terms += [self.internal_force(self._force_point(step)), -self._loads(step)]
+            terms += [self._internal_forces(step), -self._loads(step)]
         return terms
 
     def imbalance(self, step: Step) -> float:

@@ -2,7 +2,9 @@
 """Hyperelastic solids: any stored energy in UFL, finite strain, same scene and contact.
 
 Each linearisation is a Newton step of the solid; the scene's outer loop repeats it together with
-the contact until the momentum balance holds.
+the contact until the momentum balance holds. The scheme says at which points of a step's way the
+internal forces are taken: at theta = 1/2 their mean conserves the energy, and the angular momentum
+to second order (the midpoint has it the other way round).
 """
 
 from __future__ import annotations
@@ -21,6 +23,12 @@ from ..meshing import NamedMesh
 from ..theta import Step
 from .deformable import DeformableSolid
 from .elastic import elastic_constants
+
+#: A step may make this share of a solid's energies, by the quadrature of its forces.
+MADE = 1e-6
+
+#: An old tangent serves while each correction leaves at most this share of the error.
+RATE = 0.1
 
 #: A stored energy density [J/m³] as a UFL function of the deformation gradient, (3, 3).
 Energy = Callable[[Any], Any]
@@ -100,11 +108,17 @@ class HyperelasticSolid(DeformableSolid):
         self._volume_ratio = compat.PointExpression(ufl.det(F), compat.lagrange_space(mesh.mesh))
         self._potential_form = fem.form(potential)
         self._force_form = fem.form(residual)
-        self._tangent_form = fem.form(ufl.derivative(residual, u, du))
-        self._buffer = np.zeros(self.owned)
+        self._weight = fem.Constant(mesh.mesh, 1.0)
+        self._tangent_form = fem.form(self._weight * ufl.derivative(residual, u, du))
+        # force and energy are kept with the displacement that they belong to, that very array
         self._last = np.empty(0), np.empty(0)
-        self._tangent = compat.assemble_petsc_matrix(ufl.derivative(residual, u, du))
+        self._stored = np.empty(0), 0.0
+        self._tangent = compat.assemble_petsc_matrix(self._tangent_form)
         self._factor: Factorisation | None = None
+        # the way of the step whose tangent is to be used, and that of the one which was factored
+        self._way = self._taken = np.zeros(self.owned), np.zeros(self.owned)
+        self._key: tuple[float, ...] = ()
+        self._errors: list[float] = []
         if self.broken():
             raise checks.InputError(
                 f"displacement: with the initial field an element of solid {self.name!r} is "
@@ -118,12 +132,17 @@ class HyperelasticSolid(DeformableSolid):
         self.displacement_field.x.scatter_forward()
 
     def internal_force(self, displacement: np.ndarray) -> np.ndarray:
-        if np.array_equal(displacement, self._last[0]):  # asked again for the same
-            return self._last[1].copy()
         self._set(displacement)
-        compat.assemble_owned(self._force_form, self._buffer)
-        self._last = displacement.copy(), self._buffer.copy()
-        return self._buffer.copy()
+        force = np.empty(self.owned)
+        compat.assemble_owned(self._force_form, force)
+        return force
+
+    def _internal_forces(self, step: Step) -> np.ndarray:
+        if self._last[0] is not self.trial_displacement:
+            points = step.scheme.force_points
+            force = np.sum([w * self.internal_force(self._at(share)) for share, w in points], 0)
+            self._last = self.trial_displacement, force
+        return self._last[1]
 
     def _stored_energy(self, displacement: np.ndarray) -> float:
         self._set(displacement)
@@ -134,11 +153,45 @@ class HyperelasticSolid(DeformableSolid):
         return self._tangent
 
     def stiffness(self, displacement: np.ndarray) -> PETSc.Mat:
-        self._set(displacement)
-        compat.refill_petsc_matrix(self._tangent, self._tangent_form)
+        self._tangent.zeroEntries()
+        self._add_stiffness(displacement, 1.0)
         return self._tangent
 
+    def _add_stiffness(self, displacement: np.ndarray, weight: float) -> None:
+        self._set(displacement)
+        self._weight.value = weight
+        compat.add_to_petsc_matrix(self._tangent, self._tangent_form)
+
+    def _take_tangent(self, step: Step) -> None:
+        """The matrix of the step: an old one if it will do, else that of the trial state."""
+        key = (step.span, step.gap_rate, step.scheme.inertia)
+        way = self._way
+        slow = len(self._errors) > 1 and self._errors[-1] > RATE * self._errors[-2]
+        if slow or not self.patient or not step.scheme.inertia or key != self._key:
+            way = self.displacement, self.trial_displacement
+        if way is self._taken:
+            return
+        self._way = self._taken = way
+        self._key = key
+        self._tangent.zeroEntries()
+        for share, weight in step.scheme.force_points:
+            if share:
+                self._add_stiffness(share * way[1] + (1 - share) * way[0], weight * share)
+        if self._factor is None:
+            self._factor = Factorisation(self._tangent.copy(), self.name)
+        matrix, structure = self._factor.matrix, PETSc.Mat.Structure
+        self._tangent.copy(matrix, structure.SAME_NONZERO_PATTERN)
+        matrix.scale(step.gap_rate)
+        if step.scheme.inertia:
+            share = step.scheme.inertia / step.span
+            matrix.axpy(share, self._mass, structure.SUBSET_NONZERO_PATTERN)
+        self.hold(matrix)
+        self._factor.refactor()
+        self.factorisation = self._factor
+        self.linearisation += 1
+
     def predict(self, step: Step) -> None:
+        self._errors = [1.0]
         super().predict(step)
         if self._target is not None and step.scheme.theta and self.broken():
             self._follow_supports(step)
@@ -158,29 +211,50 @@ class HyperelasticSolid(DeformableSolid):
         self.go((increment - known) / (theta * step.dt), step)
 
     def linearise(self, step: Step) -> None:
-        self.stiffness(self._force_point(step))
-        if self._factor is None:
-            self._factor = Factorisation(self._mass.copy(), self.name)
-        matrix = self._factor.matrix
-        self._mass.copy(matrix)
-        matrix.scale(step.scheme.inertia / step.span)
-        matrix.axpy(step.force_rate, self._tangent)
-        self.hold(matrix)
-        self._factor.refactor()
-        self.factorisation = self._factor
-        self.linearisation += 1
+        self._take_tangent(step)
         # A v+ = A v - r(v) + J' f
         self._force = np.zeros(self.owned)
         residual = np.sum(self._balance(step), axis=0)
-        self.free_load = self.multiply(matrix, self.trial_velocity) - residual
+        self.free_load = self.multiply(self.factorisation.matrix, self.trial_velocity) - residual
         self.free_load[self.fixed_unknowns] = self.trial_velocity[self.fixed_unknowns]
         self._free_velocity = None
 
+    def imbalance(self, step: Step) -> float:
+        self._errors.append(super().imbalance(step))
+        return self._errors[-1]
+
+    def state(self) -> dict[str, np.ndarray]:
+        start, end = self._way
+        tangent = {"tangent.key": np.array(self._key), "tangent.start": start, "tangent.end": end}
+        return {**super().state(), **tangent}
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        self._way = state["tangent.start"], state["tangent.end"]
+        self._key = tuple(float(value) for value in state["tangent.key"])
+        super().restore(state)
+
     def _state_changed(self) -> None:
-        self._strain = self._stored_energy(self.displacement)
+        if self._stored[0] is not self.displacement:
+            self._stored = self.displacement, self._stored_energy(self.displacement)
+        self._strain = self._stored[1]
 
     def strain_energy(self) -> float:
         return self._strain
+
+    def unsound(self, step: Step) -> str:
+        """The forces of a step are those of a few points of its way; more stored energy than
+        their work would come from nowhere."""
+        if not step.dt or not step.scheme.inertia or step.scheme.theta < 0.5:
+            return ""
+        end = self.trial_displacement
+        self._stored = end, self._stored_energy(end)
+        work = self._sum(self._internal_forces(step) @ (end - self.displacement))
+        made = self._stored[1] - self._strain - work
+        moving = self._sum(self.trial_velocity @ self._trial_momentum) / 2
+        size = max(moving, self.energies()[0]) + max(self._strain, self._stored[1])
+        if made <= MADE * size:
+            return ""
+        return f"solid {self.name!r} strains too much in a step: it would make {made:.3g} J"
 
     def broken(self) -> str:
         self._set(self.trial_displacement)

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+# %% [markdown]
+# # Benchmark: what contact costs a step
+#
+# **The question.** A block of 20 to 200 contact points lands on a rough floor, or slides on it: how
+# much longer does a step take than one of the same block in flight, and where does the time go?
+#
+# In flight a linear solid takes one solve by the factors of $A = M/\Delta t + \theta^2 \Delta t K$.
+# With contact it takes a second one, for the velocities that the contact changes, and Newton's
+# method on the contact points. There the unknowns are the forces: the equations of a point know
+# only its own velocity and multipliers, which are eliminated first, and $W = J A^{-1} J^T$ was
+# formed once. Factors of that small dense system are kept from step to step.
+# A hyperelastic solid keeps its $A$, and so its $W$, while corrections converge fast; two solids
+# see each other through a pairing that moves.
+#
+# The two blocks take their steps in turn; the ratio is that of the medians.
+
+# %%
+import sys
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    HalfSpace,
+    HyperelasticSolid,
+    Scene,
+    mesh_from_gmsh,
+    neo_hookean,
+)
+from fenicsx_contact.report import environment, write_summary
+
+MESHES = Path(__file__).resolve().parent.parent / "meshes"
+RESULTS = Path("results") / "benchmark_contact_step"
+E, NU, DENSITY, G, FRICTION = 1e6, 0.3, 1000.0, 9.81, 0.3  # Pa, -, kg/m³, m/s², -
+DT, FIRST = 5e-4, 6  # s; steps that are not counted: factors are made, the block lands
+FALL = 0.1  # m/s
+
+
+# %% [markdown]
+# ## The scenes
+#
+# Blocks of 1 m x 0.5 m (x 1 m), as many cells wide as there are points but one; of two, the lower
+# one is 1.3 m wide.
+
+
+# %%
+def block(
+    kind: str, dim: int, points: int, slide: float, width: float = 1.0, lift: float = 0.0
+) -> Any:
+    """A block of so many points along an edge, that falls and may slide."""
+    across, up = points - 1, points // 2
+    if dim == 2:
+        size = {"width": width, "height": 0.5, "n_width": across, "n_height": up}
+    else:
+        size = {"length_x": 1.0, "length_y": 1.0, "n_x": across, "n_y": across}
+        size |= {"height": 0.5, "n_z": up}
+    mesh = mesh_from_gmsh(MESHES / ("block.geo" if dim == 2 else "box.geo"), **size)
+    velocity, vertical = np.array([slide, *[0.0] * (dim - 2), -FALL]), np.eye(dim)[-1]
+    others: dict[str, Any] = {
+        "density": DENSITY,
+        "gravity": -G * vertical,
+        "velocity": lambda x: velocity[:, None] + 0 * x[:dim],
+        "displacement": lambda x: lift * vertical[:, None] + 0 * x[:dim],
+        "name": "upper" if lift else "block",
+    }
+    if kind == "linear":
+        return ElasticSolid(mesh, youngs_modulus=E, poisson_ratio=NU, **others)
+    return HyperelasticSolid(mesh, energy=neo_hookean(E, NU), **others)
+
+
+def scenes(kind: str, dim: int, points: int, slide: float, pair: bool) -> list[Scene]:
+    """With contact and without."""
+    result = []
+    for touching in (True, False):
+        lower = (0.0, 1.3) if pair else (slide, 1.0)
+        solids = [block(kind, dim, points, *lower)]
+        contacts = []
+        floor = HalfSpace([0.0] * dim, np.eye(dim)[-1])
+        if pair:
+            solids.append(block(kind, dim, points, slide, lift=0.5))
+        if touching:
+            contacts.append(Contact(solids[0], "base", floor, friction=FRICTION, name="floor"))
+        if touching and pair:
+            below = (solids[0], "top")
+            contacts.append(Contact(solids[1], "base", below, friction=FRICTION, name="pair"))
+        result.append(Scene(solids, contacts, allow_free=True))
+    return result
+
+
+def measure(steps: int, **scene: Any) -> dict[str, Any]:
+    """Medians of the time of a step, in turn with contact and without."""
+    both = scenes(**scene)
+    for each in both:
+        each.run(FIRST * DT, DT, progress=False)
+    before = dict(both[0].stepper.times)
+    times: tuple[list[float], list[float]] = ([], [])
+    newton = []
+    for _ in range(steps):
+        for each, taken in zip(both, times):
+            start = perf_counter()
+            rows = list(each.step(DT))
+            taken.append(perf_counter() - start)
+            if each is both[0]:
+                newton.append(dict(zip(each.columns, rows[-1]))["newton"])
+    touching = both[0]
+    phases = {k: (v - before.get(k, 0.0)) / steps for k, v in touching.stepper.times.items()}
+    return {
+        **scene,
+        "unknowns": sum(solid.unknowns for solid in touching.solids),
+        "points": sum(int(contact.chosen.sum()) for contact in touching.contacts),
+        "newton_per_step": float(np.mean(newton)),
+        "step_s": median(times[0]),
+        "flight_s": median(times[1]),
+        "ratio": median(times[0]) / median(times[1]),
+        "phases_s": phases,
+    }
+
+
+# %%
+def cases(quick: bool) -> list[dict[str, Any]]:
+    """What is measured."""
+    plane = (20,) if quick else (20, 50, 100, 200)
+    space = (4,) if quick else (7, 14)
+    result = [
+        {"kind": "linear", "dim": dim, "points": n, "slide": slide, "pair": False}
+        for dim, sizes in ((2, plane), (3, space))
+        for n in sizes
+        for slide in (0.0, 2.0)
+    ]
+    result += [
+        {"kind": "hyperelastic", "dim": dim, "points": n, "slide": slide, "pair": False}
+        for dim, sizes in ((2, plane[:3]), (3, space[:1]))
+        for n in sizes
+        for slide in (0.0, 2.0)
+    ]
+    result += [
+        {"kind": kind, "dim": 2, "points": plane[0], "slide": 0.2, "pair": True}
+        for kind in ("linear", "hyperelastic")
+    ]
+    return result
+
+
+def main(quick: bool = False) -> dict[str, Any]:
+    """Everything; returns the summary that is also written."""
+    steps = 5 if quick else 15
+    measured = []
+    print("| solids | unknowns | points | | step | in flight | ratio | Newton |")
+    print("|---|---|---|---|---|---|---|---|")
+    for case in cases(quick):
+        found = measure(steps, **case)
+        measured.append(found)
+        what = f"{found['kind']}, {found['dim']}D" + (", two" if found["pair"] else "")
+        print(
+            f"| {what} | {found['unknowns']} | {found['points']} "
+            f"| {'slides' if found['slide'] else 'lands'} | {1e3 * found['step_s']:.2f} ms "
+            f"| {1e3 * found['flight_s']:.2f} ms | {found['ratio']:.2f} "
+            f"| {found['newton_per_step']:.1f} |"
+        )
+    summary = {"cases": measured}
+    write_summary(RESULTS, summary)
+    spans = []
+    for kind in ("linear", "hyperelastic"):
+        ratios = [found["ratio"] for found in measured if found["kind"] == kind]
+        spans.append(f"{kind} {min(ratios):.2f} to {max(ratios):.2f}")
+    where = ", ".join(f"{key} {value}" for key, value in environment().items())
+    print(f"a step with contact over one in flight: {'; '.join(spans)}; {where}")
+    return summary
+
+
+# %%
+if __name__ == "__main__":
+    main(quick="--quick" in sys.argv[1:])
+
+# %% [markdown]
+# ## What to try next
+#
+# - `FRICTION = 0.0`: a point then has one multiplier.
+# - Another BLAS than the reference one, which Debian installs first: dense factors gain most.

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The linear system of a Newton step where the equations of a point know only its own unknowns.
+
+So it is with nodal integrals. With (w, m) the unknowns of a point, f its force and K its tangent,
+a step obeys::
+
+    df + K_ww dw + K_wm dm = 0        K_mw dw + K_mm dm = -r_m
+
+point by point, which without dm reads ``C dw + D df = c``; with ``dw = W df - r_w`` only the forces
+are left to solve for, half of the unknowns::
+
+    (C W + D) df = c + C r_w
+
+Where points stick the matrix is W's, where they slip it turns little from step to step. So factors
+are made of rounded C and D, and kept: corrections with them, which converge fast, solve the system.
+What is kept is a matter of time only: the same rounded blocks give the same factors.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import lapack
+
+#: C and D are rounded to these decimals in the factors.
+DECIMALS = 1
+#: So many factors are kept: Newton's method passes through some states in each step.
+KEPT = 4
+#: Relative residual at which corrections end, how many there may be, and by what each must gain.
+EXACT, CORRECTIONS, GAIN = 1e-14, 20, 0.5
+#: Relative residual above which the rounded factors have not served.
+SERVED = 1e-11
+
+
+class PointwiseStep:
+    """The equations of the points without their multipliers; pure numbers.
+
+    Args:
+        tangent: K of the points, (points, d + multipliers, d + multipliers).
+        residual: r_m of the points, (points, multipliers).
+        d: dimension of space.
+
+    Attributes:
+        C, D, c: (points, d, d) and (points, d).
+    """
+
+    def __init__(self, tangent: np.ndarray, residual: np.ndarray, d: int) -> None:
+        n, size, _ = tangent.shape
+        m = size - d
+        self._w = tangent[:, :, :d]
+        self._known = np.zeros((n, size))
+        self._known[:, d:] = -residual
+        # turn the rows: dm in the first m of them only
+        if m:
+            self._Q, self._R = np.linalg.qr(tangent[:, :, d:], mode="complete")
+        else:
+            self._Q = np.broadcast_to(np.eye(size), (n, size, size))
+        rest = np.swapaxes(self._Q[:, :, m:], 1, 2)
+        self.C, self.D, self.c = rest @ self._w, rest[:, :, :d], _times(rest, self._known)
+
+    def multipliers(self, dw: np.ndarray, df: np.ndarray) -> np.ndarray:
+        """dm of the points, (points, multipliers)."""
+        m = self._w.shape[1] - dw.shape[1]
+        if not m:
+            return np.zeros((len(dw), 0))
+        left = self._known - _times(self._w, dw)
+        left[:, : df.shape[1]] -= df
+        turned = _times(np.swapaxes(self._Q[:, :, :m], 1, 2), left)
+        return np.linalg.solve(self._R[:, :m], turned[..., None])[..., 0]
+
+
+class PointwiseSolver:
+    """Solves ``(C W + D) x = b``, C and D block diagonal, with factors that it keeps.
+
+    Args:
+        compliance: added to the diagonal of W in the factors, not in the system.
+    """
+
+    def __init__(self, compliance: float) -> None:
+        self._compliance = compliance
+        self._W = np.empty((0, 0))
+        self._kept: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
+
+    def solve(
+        self, C: np.ndarray, D: np.ndarray, W: np.ndarray, sizes: np.ndarray, b: np.ndarray
+    ) -> np.ndarray | None:
+        """The solution (points, d), or None if the matrix is singular.
+
+        Args:
+            C, D: blocks, (points, d, d), numbers.
+            W: (points d, points d).
+            sizes: of its columns over those of its rows, (points, d).
+            b: (points, d).
+        """
+        rows = 1 / np.maximum(np.abs(C).max(axis=2), np.abs(D).max(axis=2))
+        C, D, b = C * rows[..., None], D * rows[..., None], b * rows
+        x, left = np.zeros_like(b), np.inf
+        for blocks in ((_rounded(C), _rounded(D)), (C, D)):
+            factors = self._factors(*blocks, W, sizes)
+            if factors is not None:
+                x, left = _corrected(factors, C, D, W, sizes, b)
+            if left <= SERVED:
+                return x
+        return x if np.isfinite(left) else None
+
+    def _factors(
+        self, C: np.ndarray, D: np.ndarray, W: np.ndarray, sizes: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray] | None:
+        if W is not self._W and not np.array_equal(W, self._W):
+            self._kept.clear()
+        self._W = W
+        key = b"".join(array.tobytes() for array in (C, D, sizes))
+        if key not in self._kept:
+            n, d = sizes.shape
+            matrix = np.matmul(C, W.reshape(n, d, n * d)).reshape(n, d, n, d)
+            matrix *= sizes
+            each = np.arange(n)
+            matrix[each, :, each, :] += D + self._compliance * C
+            factors, pivots, singular = lapack.dgetrf(matrix.reshape(n * d, n * d))
+            if singular:
+                return None
+            if len(self._kept) == KEPT:
+                self._kept.pop(next(iter(self._kept)))
+            self._kept[key] = factors, pivots
+        return self._kept[key]
+
+
+def _corrected(
+    factors: tuple[np.ndarray, np.ndarray],
+    C: np.ndarray,
+    D: np.ndarray,
+    W: np.ndarray,
+    sizes: np.ndarray,
+    b: np.ndarray,
+) -> tuple[np.ndarray, float]:
+    """The solution by corrections with factors of about the matrix, and its relative residual."""
+    x, left, residual, size = np.zeros_like(b), np.inf, b, np.abs(b).max() or 1.0
+    for _ in range(CORRECTIONS):
+        step, _ = lapack.dgetrs(*factors, residual.ravel())
+        new = x + step.reshape(b.shape)
+        moved = (W @ (sizes * new).ravel()).reshape(b.shape)
+        residual = b - _times(C, moved) - _times(D, new)
+        now = float(np.abs(residual).max()) / size
+        enough = now <= EXACT or not now < GAIN * left
+        if now < left:
+            x, left = new, now
+        if enough:
+            break
+    return x, left
+
+
+def _rounded(blocks: np.ndarray) -> np.ndarray:
+    """With one kind of zero."""
+    return blocks.round(DECIMALS) + 0.0
+
+
+def _times(blocks: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    return np.einsum("pij,pj->pi", blocks, vectors)

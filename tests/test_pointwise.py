@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Newton's step by the forces of the points: the same as by all unknowns together."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scenes import FLOOR, G, box, elastic_block, light_footed_block, soft_block
+
+from fenicsx_contact import Contact, ElasticSolid, HalfSpace, Scene, system
+from fenicsx_contact.pointwise import PointwiseSolver, PointwiseStep
+
+
+def compliance(n, d, rng):
+    """Symmetric positive definite, coupling all points."""
+    A = rng.standard_normal((n * d, n * d))
+    return A @ A.T / (n * d) + np.eye(n * d)
+
+
+def joined(blocks):
+    n, d, _ = blocks.shape
+    result = np.zeros((n, d, n, d))
+    result[np.arange(n), :, np.arange(n), :] = blocks
+    return result.reshape(n * d, n * d)
+
+
+@pytest.mark.parametrize(("d", "m"), [(2, 2), (2, 1), (3, 3), (3, 0)])
+def test_step_without_multipliers_is_that_of_the_whole_system(d, m):
+    rng = np.random.default_rng(d + 10 * m)
+    n = 7
+    K = rng.standard_normal((n, d + m, d + m))
+    r_w, r_m, W = rng.standard_normal((n, d)), rng.standard_normal((n, m)), compliance(n, d, rng)
+    step = PointwiseStep(K, r_m, d)
+    right = step.c + np.einsum("pij,pj->pi", step.C, r_w)
+    sizes = rng.uniform(0.5, 2, (n, d))
+    scaled = W / sizes.ravel()  # columns in other units
+    df = PointwiseSolver(1e-8).solve(step.C, step.D, scaled, sizes, right)
+    dw = (W @ df.ravel()).reshape(n, d) - r_w
+    dm = step.multipliers(dw, df)
+    for k, x, f, r in zip(K, np.concatenate([dw, dm], axis=1), df, r_m):
+        np.testing.assert_allclose(k @ x, [*-f, *-r], rtol=0, atol=1e-9)
+
+
+def test_factors_of_rounded_blocks_serve_for_others():
+    """The solution is exact whatever is kept, and the same bits if nothing was."""
+    rng = np.random.default_rng(3)
+    n, d = 40, 2
+    W, b, sizes = compliance(n, d, rng), rng.standard_normal((n, d)), np.ones((n, d))
+    C, D = np.tile(np.eye(d), (n, 1, 1)), np.zeros((n, d, d))
+    keeps = PointwiseSolver(1e-8)
+    for _ in range(6):
+        C = C + 0.01 * rng.standard_normal(C.shape)
+        x = keeps.solve(C, D, W, sizes, b)
+        exact = np.linalg.solve(joined(C) @ W + joined(D), b.ravel()).reshape(n, d)
+        np.testing.assert_allclose(x, exact, rtol=0, atol=1e-10 * np.abs(exact).max())
+        np.testing.assert_array_equal(x, PointwiseSolver(1e-8).solve(C, D, W, sizes, b))
+    assert len(keeps._kept) < 6
+
+
+def test_hyperstatic_points_share_their_load():
+    """W of rank 2: a solution all the same."""
+    rng = np.random.default_rng(4)
+    J = rng.standard_normal((8, 2))
+    W, x = J @ J.T, rng.standard_normal((4, 2))
+    b = (W @ x.ravel()).reshape(4, 2)
+    C, D = np.tile(np.eye(2), (4, 1, 1)), np.zeros((4, 2, 2))
+    found = PointwiseSolver(1e-8).solve(C, D, W, np.ones((4, 2)), b)
+    np.testing.assert_allclose(W @ found.ravel(), b.ravel(), rtol=0, atol=1e-8 * np.abs(b).max())
+
+
+def sliding_box():
+    """An elastic box in space, thrown obliquely: its points slip in turning directions."""
+    solid = ElasticSolid(
+        box((3, 3, 2), (0.4, 0.4, 0.3)),
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1000.0,
+        gravity=(0, 0, -G),
+        velocity=lambda x: np.stack([0.5 - 2 * x[1], 0.3 + 2 * x[0], -0.5 - 0.2 * x[0]]),
+    )
+    floor = HalfSpace((0, 0, -0.003), (0, 0, 1))
+    return Scene([solid], [Contact(solid, "base", floor, friction=0.3, name="c")])
+
+
+def two_contacts():
+    """A block between two planes, with friction on one and without on the other."""
+    scene = elastic_block()
+    (solid,), (contact,) = scene.solids, scene.contacts
+    assert contact.coupling.obstacle is FLOOR
+    wall = Contact(solid, "right", HalfSpace((0.215, 0), (-1, 0)), name="wall")
+    return Scene([solid], [contact, wall])
+
+
+@pytest.mark.parametrize(
+    "make", [elastic_block, light_footed_block, soft_block, sliding_box, two_contacts]
+)
+def test_runs_are_the_same(make, monkeypatch):
+    histories = []
+    for many in (10**9, 0):
+        monkeypatch.setattr(system, "MANY", many)
+        history = make().run(0.025, 2e-4)
+        assert history.finished and history["c.bearing"].max() > 1
+        histories.append(history)
+    all_together, by_points = histories
+    assert by_points["c.slipping"].max() > 0
+    for what in ("kinetic", "strain", "friction", "c.force_x", "c.bearing", "c.slipping"):
+        a, b = all_together[what], by_points[what]
+        np.testing.assert_allclose(a, b, rtol=0, atol=1e-6 * np.abs(a).max())

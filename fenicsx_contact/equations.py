@@ -236,12 +236,16 @@ class SurfaceEquations:
         """The error that the scaled residuals of the active rows stand for.
 
         The friction row measures a speed where it sticks and Lam itself where it slips; far from
-        their natural size rho_n and rho_t would otherwise loosen the one or overdo the other.
+        their natural size rho_n and rho_t would otherwise loosen the one or overdo the other, and
+        pressures far above theirs, of a heavy body on a light one, overdo both.
         """
         result = np.abs(scaled)
         if self.size > self.semi:
             Lam = self.values[self.active[len(self.active_jumps) + len(self.candidates) :]]
-            result[len(result) - len(Lam) :][np.abs(Lam) >= 1] *= self.slip_weight
+            friction = result[len(result) - len(Lam) :]
+            friction[np.abs(Lam) >= 1] *= self.slip_weight
+            high = self.fields.bearing.x.array[self.candidates] / self.fields.pressure_scale.value
+            friction /= np.tile(np.maximum(1.0, high), self.fields.surface.dim - 1)
         return result
 
     def start(self, jump: np.ndarray, free: np.ndarray) -> None:

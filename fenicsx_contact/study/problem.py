@@ -29,6 +29,7 @@ class Problem:
         supplied: energy that the obstacles may supply, J (by pushing out what starts inside).
         round_off: share of the energies that round-off may leave unexplained.
         deepest: the deepest penetration that makes sense, m.
+        stop_when: ends the run before ``until``; see :meth:`~fenicsx_contact.scene.Scene.run`.
     """
 
     scene: Scene
@@ -41,10 +42,13 @@ class Problem:
     supplied: float = 0.0
     round_off: float = 0.0
     deepest: float = np.inf
+    stop_when: Callable[[], bool] | None = None
 
     def run(self) -> History:
         """Run the scene, which is then at its end."""
-        return self.scene.run(self.until, self.dt, probes=self.probes, progress=False)
+        return self.scene.run(
+            self.until, self.dt, probes=self.probes, stop_when=self.stop_when, progress=False
+        )
 
 
 def total_energy(history: History) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...axis import axis_mesh
 from ...fall import Fall
-from ...formulations import Gap, Lagrange, Velocity
+from ...formulations import Formulation, Gap, Lagrange, Velocity
 from ...guides import Guide, GuideContact, Sine, Straight, Tube, settle
 from ...history import History
 from ...references.rod import endless_insertion_force
@@ -20,10 +20,15 @@ from ..problem import Problem
 from .block import EXACT
 from .shapes import G
 
-#: The 24 rods of a cluster in parallel (Code_Aster, FDNL100) and the diameter of one (BEAVRS), m.
-RODS, LENGTH, DIAMETER = Section(mass=16.662, bending=850.0), 3.86, 9.68e-3
+#: The 24 rods of a cluster in parallel (Code_Aster, FDNL100), and the diameter of one (BEAVRS).
+BENDING, LENGTH, DIAMETER = 850.0, 3.86, 9.68e-3  # N m², m, m
+RODS = Section(mass=16.662, bending=BENDING)
 #: The laws as rods need them: gaps that were caught off the wall close.
-LAWS = {"velocity": Velocity(drift_correction=0.1), "gap": Gap(), "lagrange": Lagrange()}
+LAWS: dict[str, Formulation] = {
+    "velocity": Velocity(drift_correction=0.1),
+    "gap": Gap(),
+    "lagrange": Lagrange(),
+}
 
 
 def leaning_tube(
@@ -101,8 +106,8 @@ def bent_rod(*, clearance: float, amplitude: float = 10.0, cells: int = 37) -> P
     guide = Guide([Tube(-0.01, wave / 2 + 0.01, free, Sine(high, wave, "kinked"))])
     settle(rod, "rod", guide)
     contact = GuideContact(rod, "rod", guide, LAWS["velocity"], name="guide")
-    exact = endless_insertion_force(high, free, wave, RODS.bending) / 2
-    whole = endless_insertion_force(high, 1e-9 * high, wave, RODS.bending) / 2
+    exact = endless_insertion_force(high, free, wave, BENDING) / 2
+    whole = endless_insertion_force(high, 1e-9 * high, wave, BENDING) / 2
     coarse = (pi / cells) ** 2
     left = (1e-4 * free + coarse / 8 * high) / abs(high - free)
     period = rod.matrices.slowest_period()

@@ -17,6 +17,9 @@ from .surface import Surface, SurfaceFields
 
 #: The friction row keeps this share of its usual weight where the pressure vanishes.
 GUARD = 1e-8
+#: Points that approach or leave more slowly than this share of the speeds of a step do neither when
+#: it starts: among points that rest side by side round-off must not choose those that bear.
+STILL = 1e-9
 
 
 class SurfaceEquations:
@@ -264,7 +267,15 @@ class SurfaceEquations:
             d = self._surface.dim
             bearing = np.repeat(z[self.jumps : self.semi] < 0, d)
             z[: self.jumps][bearing] = jump[bearing]
+            self._still(z[: self.jumps].reshape(-1, d), z[self.jumps : self.semi] == 0)
         self.values = z
+
+    def _still(self, jumps: np.ndarray, open_: np.ndarray) -> None:
+        """Take round-off from the approach in the jumps (n, d) of points that did not bear."""
+        normals = self.fields.frame()[0]
+        approach = np.einsum("ij,ij->i", jumps, normals)
+        still = open_ & (np.abs(approach) < STILL * self._scale[1])
+        jumps[still] -= approach[still, None] * normals[still]
 
     def enter_slipping(self) -> None:
         """Let points that have just begun to bear slip along their jump.

@@ -65,8 +65,8 @@ def draw(study: Study, samples: list[Sample]) -> None:
 
     fig, ax = plots.figure(size=(6.5, 4.5))
     plots.fronts(ax, samples)
-    ax.set_title(study.title)
-    ax.set_ylabel(f"error of {study.quantity}")
+    ax.set_title(f"{study.title}\nerror of {study.quantity}", fontsize=8)
+    ax.set_ylabel("relative error")
     plots.save(fig, RESULTS / f"{study.name}.png")
 
 

@@ -120,11 +120,12 @@ def _sample(study: Study, method: str, setting: Setting, repeats: int) -> Sample
 
 
 def pareto(samples: Iterable[Sample]) -> list[Sample]:
-    """The samples that no other beats in both error and run time, by rising run time."""
+    """The samples that no other beats in both error and run time, by rising run time; an error has
+    to be smaller by a thousandth, for methods that agree differ by round-off."""
     front: list[Sample] = []
     usable = [s for s in samples if np.isfinite(s.error)]
     for sample in sorted(usable, key=lambda s: (s.run_time_s, s.error)):
-        if not front or sample.error < front[-1].error:
+        if not front or sample.error < 0.999 * front[-1].error:
             front.append(sample)
     return front
 

@@ -17,6 +17,9 @@ from .surface import Surface, SurfaceFields
 
 #: The friction row keeps this share of its usual weight where the pressure vanishes.
 GUARD = 1e-8
+#: Points that approach or leave more slowly than this share of the speeds of a step do neither when
+#: it starts: among points that rest side by side round-off must not choose those that bear.
+STILL = 1e-9
 
 
 class SurfaceEquations:
@@ -252,12 +255,16 @@ class SurfaceEquations:
         """The error that the scaled residuals of the active rows stand for.
 
         The friction row measures a speed where it sticks and Lam itself where it slips; far from
-        their natural size rho_n and rho_t would otherwise loosen the one or overdo the other.
+        their natural size rho_n and rho_t would otherwise loosen the one or overdo the other, and
+        pressures far above theirs, of a heavy body on a light one, overdo both.
         """
         result = np.abs(scaled)
         if self.size > self.semi:
             Lam = self.values[self.active[len(self.active_jumps) + len(self.candidates) :]]
-            result[len(result) - len(Lam) :][np.abs(Lam) >= 1] *= self.slip_weight
+            friction = result[len(result) - len(Lam) :]
+            friction[np.abs(Lam) >= 1] *= self.slip_weight
+            high = self.fields.bearing.x.array[self.candidates] / self.fields.pressure_scale.value
+            friction /= np.tile(np.maximum(1.0, high), self.fields.surface.dim - 1)
         return result
 
     def start(self, jump: np.ndarray, free: np.ndarray) -> None:
@@ -276,7 +283,15 @@ class SurfaceEquations:
             d = self._surface.dim
             bearing = np.repeat(z[self.jumps : self.semi] < 0, d)
             z[: self.jumps][bearing] = jump[bearing]
+            self._still(z[: self.jumps].reshape(-1, d), z[self.jumps : self.semi] == 0)
         self.values = z
+
+    def _still(self, jumps: np.ndarray, open_: np.ndarray) -> None:
+        """Take round-off from the approach in the jumps (n, d) of points that did not bear."""
+        normals = self.fields.frame()[0]
+        approach = np.einsum("ij,ij->i", jumps, normals)
+        still = open_ & (np.abs(approach) < STILL * self._scale[1])
+        jumps[still] -= approach[still, None] * normals[still]
 
     def enter_slipping(self) -> None:
         """Let points that have just begun to bear slip along their jump.

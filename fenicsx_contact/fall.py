@@ -29,7 +29,10 @@ class AxialForce(NamedTuple):
 class Water(Protocol):
     """What a fluid does to a falling rod; write another one and pass it in its place."""
 
-    buoyancy: float  # mass of the displaced fluid, kg
+    @property
+    def buoyancy(self) -> float:
+        """Mass of the displaced fluid, kg."""
+        ...
 
     def added_mass(self, travel: float) -> float:
         """Mass of fluid that moves with the rod, kg."""

@@ -75,11 +75,13 @@ def fronts(axes: Any, samples: Sequence[Any], colours: dict[str, str] | None = N
     """
     from .study import pareto
 
+    known = {**COLOURS, **(colours or {})}
+    others = (f"C{i}" for i in range(10) if f"C{i}" not in known.values())
     best = pareto(samples)
     axes.loglog([s.run_time_s for s in best], [s.error for s in best], color="0.85", lw=7, zorder=0)
     for method in dict.fromkeys(s.method for s in samples):
         mine = [s for s in samples if s.method == method and np.isfinite(s.error)]
-        colour = {**COLOURS, **(colours or {})}.get(method)
+        colour = known.get(method) or next(others, None)
         front = pareto(mine)
         (line,) = axes.loglog(
             [s.run_time_s for s in front], [s.error for s in front], color=colour, label=method
@@ -119,7 +121,7 @@ def stability_map(axes: Any, chart: Any, kinds: Sequence[str]) -> None:
     axes.pcolormesh(grid, cmap=colours, vmin=-0.5, vmax=len(names) - 0.5, ec="white", lw=1)
 
     def text(value: Any) -> str:
-        return f"{value:.2g}" if isinstance(value, float) else str(value)
+        return f"{value:.4g}" if isinstance(value, float) else str(value)
 
     axes.set_xticks(np.arange(len(x.values)) + 0.5, [text(v) for v in x.values], rotation=60)
     axes.set_yticks(np.arange(len(y.values)) + 0.5, [text(v) for v in y.values])

@@ -203,7 +203,9 @@ class SurfaceSystem:
         A.flat[: nw * self.size : self.size + 1] += 1.0
         A *= self._scaling
         regular = A.copy()
-        regular.flat[nw * (self.size + 1) :: self.size + 1] -= COMPLIANCE
+        # high pressures weigh in the rows of friction, and again in the forces of their unknowns
+        weight = np.maximum(1.0, np.abs(A[nw:, :nw]).max(axis=1, initial=0.0))
+        regular.flat[nw * (self.size + 1) :: self.size + 1] -= COMPLIANCE * weight**2
         factors, pivots, singular = lapack.dgetrf(regular)
         if singular:
             return False

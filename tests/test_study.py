@@ -26,6 +26,7 @@ from fenicsx_contact.study import (
     map_by_name,
     measure,
     pareto,
+    problems,
     rate,
     run_maps,
     summary,
@@ -50,6 +51,14 @@ def test_front_and_rate():
     assert np.isnan(rate(b[:1])) and np.isnan(rate([]))
 
 
+def test_rates_are_fitted_over_what_a_study_says():
+    finer = [sample("a", 1.0, 1.0, steps=1), sample("a", 1.0, 0.25, steps=1)]
+    for s, n in zip(finer, (3, 6)):
+        s.setting["elements"] = n
+    assert np.isnan(rate(finer)) and rate(finer, "elements") == pytest.approx(2.0)
+    assert "| 2.00 |" in table(finer, "elements")
+
+
 def test_measuring_keeps_failures_with_their_reasons():
     build = partial(rocking, tilt=0.01, impacts=1)
     methods = {
@@ -70,7 +79,10 @@ def test_measuring_keeps_failures_with_their_reasons():
         measure(study, repeats=0)
 
 
-@pytest.mark.parametrize("name", STUDIES)
+SLOW = pytest.param("rod_drop_bent", marks=pytest.mark.long)  # it computes its own reference
+
+
+@pytest.mark.parametrize("name", [SLOW if name == SLOW.values[0] else name for name in STUDIES])
 def test_each_study_converges_within_its_front(name):
     study = STUDIES[name].shortened()
     first = dict(list(study.methods.items())[:1])
@@ -125,6 +137,27 @@ def test_classes():
     assert verdict.kind == "refused" and "theta0 = 0.5" in verdict.reason
 
 
+EXTREMES = {
+    "collision": [{"mass_ratio": 1e-4}, {"mass_ratio": 1e4, "formulation": "gap", "theta": 1.0}],
+    "stacked": [{"mass_ratio": 1e-4}, {"mass_ratio": 1e4, "dt": 1.0}],
+    "pressed": [{"mesh_ratio": 1 / 50}, {"mesh_ratio": 50.0, "stiffness_ratio": 1e-4}],
+    "leaning_tube": [
+        {"clearance": c, "share": 0.05, "friction": f} for c, f in ((1e-7, 1), (1, 10))
+    ],
+    "bent_rod": [{"clearance": 1e-7}, {"clearance": 1.0, "amplitude": 5.0}],
+    "hertz": [{"elements": 4, "bodies": 1}],
+    "sliding_rigid": [{"friction": 0.3, "speed": 1e3, "gravity": g} for g in (0.0, 1e-6)],
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "setting"), [(name, setting) for name, those in EXTREMES.items() for setting in those]
+)
+def test_problems_at_the_ends_of_their_axes(name, setting):
+    verdict = judge(partial(getattr(problems, name), **setting))
+    assert verdict.kind == "within_error", verdict
+
+
 # -- worker processes --
 
 
@@ -175,6 +208,40 @@ def test_what_is_shipped():
     assert len({m.name for m in MAPS}) == len(MAPS)
     keys = [m.key(cell) for m in MAPS for cell in m.cells()]
     assert len(set(keys)) == len(keys)
+
+
+#: What the maps have to span: arguments, lowest and highest value (0 stands for itself).
+SPANS = [
+    ("dt", 1e-5, 10),
+    ("theta", 0, 1),
+    ("normal_augmentation", 1e-6, 1e6),
+    ("tangential_augmentation", 1e-6, 1e6),
+    ("youngs_modulus", 1e6, 1e16),
+    ("poisson_ratio", 0, 0.4999),
+    ("friction", 0, 10),
+    ("mass_ratio", 1e-4, 1e4),
+    ("speed", 1e-3, 1e3),
+    ("tilt", 1e-8, 0.6),
+    ("clearance", 1e-7, 1),
+    ("aspect", 1e-3, 1e3),
+    ("mesh_ratio", 0.02, 50),
+    ("gravity", 0, 1e6),
+]
+
+
+@pytest.mark.parametrize(("name", "low", "high"), SPANS)
+def test_axes_reach_from_one_extreme_to_the_other(name, low, high):
+    values = [v for m in MAPS for axis in (m.x, m.y) if axis.name == name for v in axis.values]
+    assert min(values) <= low and max(values) >= high
+
+
+@pytest.mark.parametrize("name", ["rocking_theta_dt", "bar_theta_cfl", "squeezed_young_dt"])
+def test_steps_span_four_decades(name):
+    steps = map_by_name(name).x.values
+    assert max(steps) / min(steps) >= 9.9e3
+
+
+def test_a_thinned_map_keeps_its_corners():
     thin = map_by_name("incline").thinned(3)
     assert len(thin.cells()) == 9 and thin.x.values[-1] == 10
 

@@ -10,6 +10,7 @@ from scenes import box, rectangle, total_energy
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
+    HalfSpace,
     HyperelasticSolid,
     InputError,
     QuasiStatic,
@@ -177,6 +178,27 @@ def test_no_energy_is_made_without_friction(kinds, law):
     energy = total_energy(history)
     assert energy[-1] < 0.999 * energy[0] or "rigid" not in kinds
     assert energy.max() < energy[0] * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap", "lagrange"])
+@pytest.mark.parametrize("ratio", [1e-4, 1e2, 1e4])
+def test_a_heavy_block_lies_on_a_light_one(ratio, law):
+    """Rigid, hyperstatic and rough: Newton alone finds both weights, step after step."""
+    blocks = []
+    for n, y, mass, name in ((4, 0.0, 100.0, "low"), (3, 0.5, 100.0 * ratio, "high")):
+        mesh = rectangle((n, 1), (0.2 * n, 0.5))
+        mesh.mesh.geometry.x[:, 1] += y
+        blocks.append(RigidSolid(mesh, mass=mass, gravity=(0, -9.81), name=name))
+    low, high = blocks
+    contacts = [
+        Contact(low, "base", HalfSpace((0, 0), (0, 1)), law, 0.3, name="floor"),
+        Contact(high, "base", (low, "top"), law, 0.3, name="seam"),
+    ]
+    history = Scene([low, high], contacts, ThetaScheme(1.0)).run(until=0.02, dt=1e-3)
+    assert history.finished and history["newton"].max() <= 5
+    weights = {"floor": 981 * (1 + ratio), "seam": 981 * ratio}
+    for name, weight in weights.items():
+        np.testing.assert_allclose(history[f"{name}.force_y"][1:], weight, rtol=1e-9)
 
 
 @pytest.mark.parametrize("law", ["velocity", "gap"])

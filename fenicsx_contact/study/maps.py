@@ -40,15 +40,23 @@ TILT = Axis(
     [1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.3, 0.42, 0.43, 0.6],
     "tilt [rad]; tipping at 0.423",
 )
-CFL = Axis("cfl", decades(-2, 1, 7), "cells that a wave crosses in a step")
+CFL = Axis("cfl", decades(-2.5, 1.5, 9), "cells that a wave crosses in a step")
 YOUNG = Axis("youngs_modulus", decades(6, 16, 11), "Young's modulus [Pa]")
+LAWS = Axis("formulation", ["velocity", "gap", "lagrange"], "formulation")
+MASS = Axis("mass_ratio", decades(-4, 4, 9), "mass of one body / of the other")
+MESH = Axis(
+    "mesh_ratio",
+    [0.02, 0.05, 0.15, 0.5, 1.0, 2.0, 7.0, 20.0, 50.0],
+    "cells of the slave / of the master",
+)
+CLEARANCE = Axis("clearance", decades(-7, 0, 8), "clearance / diameter of the rod")
 
 MAPS: list[Map] = [
     Map(
         "rocking_theta_dt",
         "Rocking block, velocity",
         partial(problems.rocking, tilt=1e-3, impacts=1),
-        Axis("share", decades(-4.5, -1, 8), DT),
+        Axis("share", decades(-4.5, -0.5, 9), DT),
         THETA,
     ),
     Map(
@@ -179,6 +187,78 @@ MAPS: list[Map] = [
         partial(problems.dropped, located=True),
         Axis("share", decades(-4, -1, 4), "step [s]"),
         Axis("speed", decades(-3, 3, 7), "speed [m/s]"),
+    ),
+    Map(
+        "sliding_gravity_speed",
+        "Rigid block sliding, gravity down to none",
+        partial(problems.sliding_rigid, friction=0.3),
+        Axis("gravity", [0.0, *decades(-6, 6, 7)], "gravity [m/s²]"),
+        Axis("speed", decades(-3, 3, 7), "speed [m/s]"),
+    ),
+    Map(
+        "collision_mass_dt",
+        "Two bars collide, velocity",
+        problems.collision,
+        MASS,
+        Axis("cfl", decades(-1, 1.5, 6), CFL.label),
+    ),
+    Map(
+        "collision_mass_law",
+        "Two bars collide, theta = 1",
+        partial(problems.collision, theta=1.0, forces="end"),
+        MASS,
+        LAWS,
+    ),
+    Map(
+        "stacked_mass_dt",
+        "Rigid block on another, velocity",
+        problems.stacked,
+        MASS,
+        Axis("dt", decades(-6, 0, 7), "step [s]"),
+    ),
+    Map("stacked_mass_law", "Rigid block on another", problems.stacked, MASS, LAWS),
+    Map(
+        "pressed_mesh_stiffness",
+        "Two blocks pressed, patch test",
+        problems.pressed,
+        MESH,
+        Axis("stiffness_ratio", decades(-4, 4, 9), "Young's modulus of slave / of master"),
+    ),
+    Map("pressed_mesh_nu", "Two blocks pressed, patch test", problems.pressed, MESH, NU),
+    Map(
+        "pressed_mesh_law",
+        "Two blocks pressed, fixed point",
+        partial(problems.pressed, geometry="fixed point"),
+        MESH,
+        Axis("formulation", ["gap", "lagrange"], "formulation"),
+    ),
+    Map(
+        "tube_clearance_friction",
+        "Rod in a leaning tube, velocity",
+        problems.leaning_tube,
+        CLEARANCE,
+        FRICTION,
+    ),
+    Map(
+        "tube_clearance_dt",
+        "Rod in a leaning tube, velocity",
+        problems.leaning_tube,
+        CLEARANCE,
+        Axis("share", decades(-3.5, -0.5, 7), "step [s]"),
+    ),
+    Map(
+        "tube_clearance_law",
+        "Rod in a leaning tube",
+        problems.leaning_tube,
+        CLEARANCE,
+        LAWS,
+    ),
+    Map(
+        "bent_clearance_amplitude",
+        "Rod bent by a sine",
+        problems.bent_rod,
+        CLEARANCE,
+        Axis("amplitude", [1.0, 2.0, 5.0, 10.0, 20.0, 30.0], "amplitude of the sine [mm]"),
     ),
 ]
 

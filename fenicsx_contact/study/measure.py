@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from statistics import median
 from time import perf_counter
 from typing import Any
@@ -28,6 +28,7 @@ class Study:
         quantity: what the error is an error of.
         build: makes a fresh :class:`Problem` from a setting.
         methods: for each method the settings of its ladder, from coarse to fine.
+        over: name of the setting against which rates are fitted; default: the number of steps.
     """
 
     name: str
@@ -35,11 +36,12 @@ class Study:
     quantity: str
     build: Callable[..., Problem]
     methods: Mapping[str, Sequence[Setting]]
+    over: str = "steps"
 
     def shortened(self) -> Study:
         """The same with the two coarsest settings of each ladder."""
         methods = {name: list(settings)[:2] for name, settings in self.methods.items()}
-        return Study(self.name, self.title, self.quantity, self.build, methods)
+        return replace(self, methods=methods)
 
 
 @dataclass(frozen=True)
@@ -118,33 +120,38 @@ def _sample(study: Study, method: str, setting: Setting, repeats: int) -> Sample
 
 
 def pareto(samples: Iterable[Sample]) -> list[Sample]:
-    """The samples that no other beats in both error and run time, by rising run time."""
+    """The samples that no other beats in both error and run time, by rising run time; an error has
+    to be smaller by a thousandth, for methods that agree differ by round-off."""
     front: list[Sample] = []
     usable = [s for s in samples if np.isfinite(s.error)]
     for sample in sorted(usable, key=lambda s: (s.run_time_s, s.error)):
-        if not front or sample.error < front[-1].error:
+        if not front or sample.error < 0.999 * front[-1].error:
             front.append(sample)
     return front
 
 
-def rate(samples: Iterable[Sample]) -> float:
-    """Order of convergence: minus the slope of log(error) over log(steps), fitted; NaN where
-    fewer than two samples have an error."""
-    points = [(s.steps, s.error) for s in samples if np.isfinite(s.error) and s.error > 0]
-    if len({steps for steps, _ in points}) < 2:
+def rate(samples: Iterable[Sample], over: str = "steps") -> float:
+    """Order of convergence: minus the slope of log(error) over log(steps), fitted; or over another
+    setting, by name, that varies. NaN where fewer than two samples have an error."""
+    good = [s for s in samples if np.isfinite(s.error) and s.error > 0]
+    sizes = [s.setting.get(over, s.steps) for s in good]
+    if len(set(sizes)) < 2:
+        sizes = [s.steps for s in good]
+    if len(set(sizes)) < 2:
         return np.nan
-    steps, errors = np.log(np.array(points, dtype=float)).T
-    return float(-np.polyfit(steps, errors, 1)[0])
+    return float(-np.polyfit(np.log(sizes), np.log([s.error for s in good]), 1)[0])
 
 
-def table(samples: Sequence[Sample]) -> str:
-    """All samples by method as Markdown, failures with their reasons; a star marks the front."""
+def table(samples: Sequence[Sample], over: str = "steps") -> str:
+    """All samples by method as Markdown, failures with their reasons; a star marks the front. The
+    rate is the one :func:`rate` fits."""
     front = {id(sample) for sample in pareto(samples)}
     rows = ["| method | setting | error | run time | set-up | steps | Newton | rate |"]
     rows.append("|---|---|---|---|---|---|---|---|")
     for method in dict.fromkeys(sample.method for sample in samples):
         mine = [sample for sample in samples if sample.method == method]
-        order = f"{rate(mine):.2f}" if np.isfinite(rate(mine)) else "-"
+        fitted = rate(mine, over)
+        order = f"{fitted:.2f}" if np.isfinite(fitted) else "-"
         for sample in mine:
             varied = [k for k in sample.setting if len({str(s.setting.get(k)) for s in mine}) > 1]
             setting = ", ".join(f"{k} = {_short(sample.setting[k])}" for k in varied) or "-"

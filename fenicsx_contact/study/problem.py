@@ -30,6 +30,7 @@ class Problem:
         round_off: share of the energies that round-off may leave unexplained.
         deepest: the deepest penetration that makes sense, m.
         step_error: see :meth:`~fenicsx_contact.scene.Scene.run`.
+        stop_when: ends the run before ``until``; see :meth:`~fenicsx_contact.scene.Scene.run`.
     """
 
     scene: Scene
@@ -43,11 +44,17 @@ class Problem:
     round_off: float = 0.0
     deepest: float = np.inf
     step_error: float | None = None
+    stop_when: Callable[[], bool] | None = None
 
     def run(self) -> History:
         """Run the scene, which is then at its end."""
         return self.scene.run(
-            self.until, self.dt, step_error=self.step_error, probes=self.probes, progress=False
+            self.until,
+            self.dt,
+            step_error=self.step_error,
+            probes=self.probes,
+            stop_when=self.stop_when,
+            progress=False,
         )
 
 

@@ -9,7 +9,15 @@ from math import radians
 from typing import Any
 
 from .measure import Study
-from .problems import bar_at_wall, bar_released, oscillator, rocking
+from .problems import (
+    bar_at_wall,
+    bar_released,
+    bent_drop,
+    hertz,
+    leaning_drop,
+    oscillator,
+    rocking,
+)
 
 
 def ladder(name: str, values: Sequence[Any], **fixed: Any) -> list[dict[str, Any]]:
@@ -47,9 +55,40 @@ _BAR = {
     ),
 }
 
+_ELEMENTS = [3, 4, 6, 9]
+_LOADED = {"formulation": "velocity", "steps": 10, "drift_correction": 1.0}
+_HERTZ_TWO = {
+    "gap, newton, condensed": ladder("elements", _ELEMENTS, solver="condensed"),
+    "gap, newton, monolithic": ladder("elements", _ELEMENTS, solver="monolithic"),
+    "gap, fixed point": ladder("elements", _ELEMENTS, geometry="fixed point"),
+    "lagrange": ladder("elements", _ELEMENTS, formulation="lagrange"),
+    "velocity, corrected, 10 load steps": ladder("elements", _ELEMENTS, **_LOADED),
+}
+_HERTZ_ONE = {
+    "gap, newton": ladder("elements", [*_ELEMENTS, 14], geometry="newton"),
+    "gap, fixed point": ladder("elements", [*_ELEMENTS, 14]),
+    "lagrange": ladder("elements", [*_ELEMENTS, 14], formulation="lagrange"),
+    "velocity, corrected, 10 load steps": ladder("elements", _ELEMENTS, **_LOADED),
+    "velocity, 6 elements, load steps": ladder(
+        "steps", [10, 40, 160], elements=6, formulation="velocity"
+    ),
+}
+
+_DROP = [8e-3, 4e-3, 2e-3, 1e-3]
+_LEANING = {
+    name: ladder("dt", _DROP, formulation=name)
+    for name in ("velocity", "gap", "lagrange", "discrete")
+} | {"velocity, theta = 1": ladder("dt", _DROP, theta=1.0)}
+_BENT = {
+    name: ladder("dt", _DROP[:3], formulation=name)
+    for name in ("velocity", "gap", "lagrange", "discrete")
+} | {"velocity, theta = 1": ladder("dt", _DROP[:3], theta=1.0)}
+
 _STEPS = [10, 20, 40, 80]
 _WORST = "the worst of the first three kinetic-energy maxima"
 _IMPULSE = "the largest of the wall's impulse at any time"
+_PRESSURE = "the pressure in L2"
+_DROP_TIME = "the worse of the times to the dashpot and to the end"
 
 STUDIES: dict[str, Study] = {
     study.name: study
@@ -81,6 +120,36 @@ STUDIES: dict[str, Study] = {
                 "velocity, forces at the end": ladder("steps", _STEPS, forces="end"),
                 "velocity, theta = 1": ladder("steps", _STEPS, theta=1.0, forces="end"),
             },
+        ),
+        Study(
+            "hertz",
+            "Hertz: two cylinders",
+            _PRESSURE,
+            hertz,
+            _HERTZ_TWO,
+            over="elements",
+        ),
+        Study(
+            "hertz_plane",
+            "Hertz: a cylinder on a rigid plane",
+            _PRESSURE,
+            partial(hertz, bodies=1),
+            _HERTZ_ONE,
+            over="elements",
+        ),
+        Study(
+            "rod_drop",
+            "Rod drop in a leaning tube",
+            _DROP_TIME,
+            leaning_drop,
+            _LEANING,
+        ),
+        Study(
+            "rod_drop_bent",
+            "Rod drop in an S with a kink",
+            _DROP_TIME + ", against the velocity law's own at 0.5 ms",
+            bent_drop,
+            _BENT,
         ),
     )
 }

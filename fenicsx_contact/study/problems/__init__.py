@@ -4,8 +4,12 @@ written to a file and sent to another process, and gives a fresh problem."""
 
 from .bar import bar_at_wall, bar_released
 from .block import at_rest, dropped, squeezed
+from .dropping import bent_drop, leaning_drop
 from .friction import incline, oscillator, sliding_elastic, sliding_rigid
+from .guided import bent_rod, leaning_tube
 from .hard import klarbring, painleve
+from .pairs import collision, pressed, stacked
+from .pressing import hertz
 from .rocking import BLOCK, rocking, toppling
 
 #: Where the block of :func:`rocking` tips over, rad.
@@ -15,14 +19,22 @@ __all__ = [
     "at_rest",
     "bar_at_wall",
     "bar_released",
+    "bent_drop",
+    "bent_rod",
+    "collision",
     "dropped",
+    "hertz",
     "incline",
     "klarbring",
+    "leaning_drop",
+    "leaning_tube",
     "oscillator",
     "painleve",
+    "pressed",
     "rocking",
     "sliding_elastic",
     "sliding_rigid",
     "squeezed",
+    "stacked",
     "toppling",
 ]

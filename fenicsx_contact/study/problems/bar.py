@@ -19,8 +19,8 @@ from ..problem import Problem
 from .shapes import rectangle
 
 
-def _bound(cells: int, cfl: float, theta: float, forces: str, travelled: float) -> float:
-    """Expected error of the impulse: how wide a front has become, over the contact of 2 L/c.
+def front_width(cells: int, cfl: float, theta: float, forces: str, travelled: float) -> float:
+    """Expected error of an impulse: how wide a front has become, over the contact of 2 L/c.
 
     By the modified equation a front that has travelled s is sqrt(2 D s/c) wide by numerical
     diffusion, D = c² dt times theta - 1/2 (forces at the theta-point) or theta/2 (at the end),
@@ -35,9 +35,9 @@ def _bound(cells: int, cfl: float, theta: float, forces: str, travelled: float) 
     return float((width + step + h) / 2)
 
 
-def _impulse_error(history: History, exact: Any, total: float) -> float:
-    """Largest error of the wall's impulse so far, over the whole impulse."""
-    impulse = history.impulse("wall")[:, 0]
+def impulse_error(history: History, contact: str, axis: int, exact: Any, total: float) -> float:
+    """Largest error of a contact's impulse so far, over the whole impulse."""
+    impulse = history.impulse(contact)[:, axis]
     return float(np.abs(impulse - exact(history.time)).max() / total)
 
 
@@ -102,8 +102,8 @@ def bar_at_wall(
         Scene([bar], [contact], ThetaScheme(theta, forces), allow_growth=allow_growth),
         until=1.5 * contact_time,
         dt=dt,
-        error=lambda history: _impulse_error(history, exact, reaction * contact_time),
-        bound=_bound(cells, cfl, theta, forces, 2.0) + nonlinear,
+        error=lambda history: impulse_error(history, "wall", 0, exact, reaction * contact_time),
+        bound=front_width(cells, cfl, theta, forces, 2.0) + nonlinear,
         deepest=2 * speed * c * dt + 1e-9 * length,
         step_error=step_error,
     )
@@ -144,8 +144,8 @@ def bar_released(
         Scene([bar], [contact], ThetaScheme(theta, forces)),
         until=9.0,
         dt=cfl / cells,
-        error=lambda history: _impulse_error(history, exact, 1.5 * height),
-        bound=2 / 3 * _bound(cells, cfl, theta, forces, 8.0),
+        error=lambda history: impulse_error(history, "wall", 0, exact, 1.5 * height),
+        bound=2 / 3 * front_width(cells, cfl, theta, forces, 8.0),
         deepest=0.5,
         step_error=step_error,
     )

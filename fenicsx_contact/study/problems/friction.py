@@ -39,9 +39,9 @@ def sliding_rigid(
     )
     contact = Contact(block, "base", FLOOR, friction=friction)
     start = float(block.place[0])
+    way = speed * rest * (0.5 if stops else 1.2)
 
     def error(history: History) -> float:
-        way = speed * rest / 2 if stops else speed * history.time[-1]
         return abs(float(history["x"][-1]) / way - 1)
 
     return Problem(
@@ -51,7 +51,7 @@ def sliding_rigid(
         error,
         bound=2 * share**2 + EXACT if stops else EXACT,
         probes={"x": lambda: float(block.place[0]) - start},
-        deepest=1e-6,
+        deepest=1e-6 + 1e-15 * way,  # what the last digit of the way is
     )
 
 

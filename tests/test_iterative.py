@@ -23,8 +23,8 @@ from fenicsx_contact import (
     [
         (pressed_boxes, 3.0, 1.0),
         (pressed_cube, 2.0, 1.0),
-        (elastic_block, 0.02, 5e-4),
-        (soft_block, 0.02, 5e-4),
+        (elastic_block, 0.015, 5e-4),
+        (soft_block, 0.015, 5e-4),
     ],
     ids=["pair of hyperelastic solids", "elastic on a table", "impact", "hyperelastic impact"],
 )

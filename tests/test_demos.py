@@ -3,6 +3,7 @@
 
 import importlib.util
 import json
+import os
 import sys
 from pathlib import Path
 
@@ -223,3 +224,19 @@ def test_benchmark_ironing(tmp_path, monkeypatch, capsys):
         assert 0.29 < both["ours"]["force_ratio"] < 0.32
         assert both["getfem"].startswith("left out")
     assert "not compared" in capsys.readouterr().out
+
+
+def test_benchmark_iterative(tmp_path, monkeypatch, capsys):
+    """Both solvers find the same, on one process and on two."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", str(DEMOS.parent), prepend=os.pathsep)
+    demo = load("benchmark_iterative")
+    summary = demo.main(quick=True)
+    for iterated, factored in zip(summary["iterative"], summary["monolithic"]):
+        assert iterated["unknowns"] == factored["unknowns"]
+        assert iterated["radius_error"] == pytest.approx(factored["radius_error"], abs=1e-6)
+        assert abs(iterated["radius_error"]) < 0.05
+        assert len(iterated["krylov"]) >= iterated["newton"] and not factored["krylov"]
+        assert max(iterated["krylov"]) < 100
+    assert (demo.RESULTS / "time.png").stat().st_size > 5000
+    assert "Krylov counts" in capsys.readouterr().out

@@ -34,8 +34,9 @@ TOLERANCE = 1e-6
 MAX_ITERATIONS = 300
 #: Relative error above which Newton's method goes on with frozen geometry.
 FAR = 0.1
-#: A hierarchy serves on while it takes no more iterations than this.
-PATIENCE = 60
+#: A hierarchy serves on while it takes no more iterations than this, and while the springs of the
+#: contact have changed by no more than this factor.
+PATIENCE, CHANGE = 60, 2.0
 #: The springs are so many times as compliant as D says; a node moves its neighbours too.
 SOFT = 2.0
 
@@ -61,6 +62,7 @@ class Iterative(Monolithic):
         self._held = np.concatenate(held) - self._places.mine.start
         self.counts: deque[int] = deque(maxlen=100)
         self._multigrid: Multigrid | None = None
+        self._stiffness = 0.0
 
     def _solve(self) -> np.ndarray:
         n = self._places.size
@@ -81,11 +83,12 @@ class Iterative(Monolithic):
         x, b = A.createVecs()
         b.setArray(residual[self._rows_here])
         blocks = ym, inverse @ seen, sp.diags(1 / force)
+        springs = (yy - ym @ inverse @ seen).tocsr()
         count, done = 0, False
-        if self._multigrid is not None:  # it goes on serving while it serves well
+        if self._serves(springs):
             count, done = self._krylov(A, b, x, blocks, PATIENCE)
         if not done:
-            self._make_multigrid((yy - ym @ inverse @ seen).tocsr())
+            self._make_multigrid(springs)
             more, done = self._krylov(A, b, x, blocks, MAX_ITERATIONS)
             count += more
         self.counts.append(count)
@@ -100,10 +103,16 @@ class Iterative(Monolithic):
         local[self._held] = 0.0  # to more digits than the tolerance leaves them
         return self._everywhere(local)
 
-    def _make_multigrid(self, extra: sp.csr_matrix) -> None:
+    def _serves(self, springs: sp.csr_matrix) -> bool:
+        """Whether there is a hierarchy, of about as much contact as there is now."""
+        now, then = springs.diagonal().sum(), self._stiffness
+        return self._multigrid is not None and then <= CHANGE * now and now <= CHANGE * then
+
+    def _make_multigrid(self, springs: sp.csr_matrix) -> None:
         if self._multigrid is not None:
             self._multigrid.destroy()
-        P = petsc_matrix(self._matrix(extra), self.comm)
+        P = petsc_matrix(self._matrix(springs), self.comm)
+        self._stiffness = springs.diagonal().sum()
         self._multigrid = Multigrid(P, self._modes, self._solids[0].dim)
 
     def _krylov(

@@ -36,7 +36,7 @@ MAX_ITERATIONS = 300
 FAR = 0.1
 #: A hierarchy serves on while it takes no more iterations than this, and while the springs of the
 #: contact have changed by no more than this factor.
-PATIENCE, CHANGE = 60, 2.0
+PATIENCE, CHANGE = 60, 1.2
 #: The springs are so many times as compliant as D says; a node moves its neighbours too.
 SOFT = 2.0
 

@@ -26,6 +26,9 @@ from .elastic import elastic_constants
 
 #: A step may make this share of a solid's energies, by the quadrature of its forces.
 MADE = 1e-6
+#: The stored energy of a solid that is strained by 1, times this, is its round-off: it is the small
+#: difference of large terms.
+NOISE = 1e-15
 
 #: An old tangent serves while each correction leaves at most this share of the error.
 RATE = 0.1
@@ -114,6 +117,11 @@ class HyperelasticSolid(DeformableSolid):
         self._last = np.empty(0), np.empty(0)
         self._stored = np.empty(0), 0.0
         self._tangent = compat.assemble_petsc_matrix(self._tangent_form)
+        swelling = self.space.tabulate_dof_coordinates()[
+            : self.owned // self.dim, : self.dim
+        ].ravel()
+        swollen = self._sum(swelling @ self.multiply(self._tangent, swelling))
+        self._noise = NOISE * abs(swollen)
         self._factor: Factorisation | None = None
         # the way of the step whose tangent is to be used, and that of the one which was factored
         self._way = self._taken = np.zeros(self.owned), np.zeros(self.owned)
@@ -252,7 +260,7 @@ class HyperelasticSolid(DeformableSolid):
         made = self._stored[1] - self._strain - work
         moving = self._sum(self.trial_velocity @ self._trial_momentum) / 2
         size = max(moving, self.energies()[0]) + max(self._strain, self._stored[1])
-        if made <= MADE * size:
+        if made <= MADE * size + self._noise:
             return ""
         return f"solid {self.name!r} strains too much in a step: it would make {made:.3g} J"
 

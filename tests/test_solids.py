@@ -616,3 +616,11 @@ def test_inverted_element_stops_the_run_with_a_reason():
     assert len(history) > 1 and np.isfinite(history.rows()).all()
     assert np.isfinite(solid.displacement).all()
     check_energies(history, 1e-6)
+
+
+def test_round_off_of_a_stored_energy_stops_no_slow_solid():
+    """At 1e-6 of the wave speed the stored energy is 1e-12 of the terms it is the difference of."""
+    bar = bar_at_wall(cells=20, hyperelastic=True, speed=1e-6, cfl=1.0)
+    history = bar.run()
+    assert history.finished and not history.remarks, history.reason
+    assert bar.error(history) < bar.bound < 0.2

@@ -10,7 +10,7 @@ import numpy as np
 
 from .checks import StepFailed
 from .contact import Contact
-from .solids import Solid, Trace
+from .solids import DeformableSolid, Solid, Trace
 from .system import SurfaceSystem
 from .theta import Step
 
@@ -34,7 +34,7 @@ class Assembly:
 
     def surface_system(self) -> SurfaceSystem:
         """The surface problem of the contacts."""
-        hyperstatic = not all(hasattr(solid, "space") for solid in self.solids)
+        hyperstatic = not all(isinstance(solid, DeformableSolid) for solid in self.solids)
         contacts = self.contacts
         return SurfaceSystem([c.part for c in contacts], [c.name for c in contacts], hyperstatic)
 

@@ -15,6 +15,7 @@ from .condensed import Condensed
 from .iterative import Iterative
 from .monolithic import Direct, Monolithic
 from .newton import Newton
+from .solids import DeformableSolid
 from .system import SLOW
 from .theta import Step
 
@@ -83,7 +84,7 @@ class FullNewton:
         pushed = max((c.push(c.force, step) for c in self._all.contacts), default=0.0)
         if speed or pushed:
             return max(speed, SLOW * pushed)
-        bodies = [solid for solid in self._all.solids if hasattr(solid, "space")]
+        bodies = [solid for solid in self._all.solids if isinstance(solid, DeformableSolid)]
         inside = [float(np.abs(solid.trial_velocity).max(initial=0.0)) for solid in bodies]
         comm = self._all.solids[0].mesh.mesh.comm
         return max((max(each) for each in comm.allgather([0.0, *inside])), default=0.0)

@@ -9,9 +9,9 @@ eliminated node by node,
 
 on frozen geometry, S in blocks of one node, and multigrid with rigid-body modes does the rest. That
 is the paper's augmentation, put to use: P differs from the system only in the compliance of the
-contact, W + W_ii in place of W, so the number of iterations does not grow with the mesh (the idea
-is that of the augmented-Lagrangian preconditioner of Benzi and Olshanskii, SIAM J. Sci. Comput. 28,
-2006).
+contact, W + W_ii in place of W, and no mesh changes by how much; what iterations grow by is
+multigrid's (the idea is that of the augmented-Lagrangian preconditioner of Benzi and Olshanskii,
+SIAM J. Sci. Comput. 28, 2006).
 """
 
 from __future__ import annotations
@@ -109,6 +109,7 @@ class Iterative(Monolithic):
         return self._multigrid is not None and then <= CHANGE * now and now <= CHANGE * then
 
     def _make_multigrid(self, springs: sp.csr_matrix) -> None:
+        """Set up the hierarchy of P, the solids with these springs."""
         if self._multigrid is not None:
             self._multigrid.destroy()
         P = petsc_matrix(self._matrix(springs), self.comm)

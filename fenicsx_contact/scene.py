@@ -18,7 +18,7 @@ from .impacts import LocatedImpacts
 from .methods import choose
 from .newton import Newton
 from .run import run
-from .solids import Solid
+from .solids import DeformableSolid, Solid
 from .statics import refuse_free
 from .stepper import Stepper
 from .theta import Step, ThetaScheme
@@ -280,7 +280,7 @@ class Scene:
             left_out.append("geometric fixed point (linear solids: one linearisation a step)")
         if not any(contact.friction for contact in self.contacts):
             left_out.append("friction")
-        if all(not hasattr(solid, "space") for solid in self.solids):
+        if not any(isinstance(solid, DeformableSolid) for solid in self.solids):
             left_out.append("function spaces and matrices on the volume (rigid solids)")
         lines.append("left out: " + "; ".join(left_out))
         return "\n".join(lines)

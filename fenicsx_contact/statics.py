@@ -10,6 +10,7 @@ import numpy as np
 
 from .checks import InputError
 from .contact import Contact
+from .solids import DeformableSolid
 
 #: Rigid motions that meet less than this share of the greatest resistance are free.
 FREE = 1e-10
@@ -25,7 +26,7 @@ def refuse_free(solids: Sequence[Any], contacts: Sequence[Contact]) -> None:
         InputError: a rigid solid, or one that can move rigidly, by name.
     """
     for solid in solids:
-        if not hasattr(solid, "space"):
+        if not isinstance(solid, DeformableSolid):
             raise InputError(
                 f"solids: {solid.name!r} is rigid, and a quasi-static scene has no inertia that "
                 "could move it; use a ThetaScheme, an obstacle or a stiff elastic solid"

@@ -187,7 +187,9 @@ class ErrorControl:
         """The error of the way in the trial state, over the length of the step, m/s."""
         (accelerations, time), (others, other_time) = self._mean(step), reference
         change = self._size([a - b for a, b in zip(accelerations, others)])
-        return step.dt**2 / 12 * change / (time - other_time)
+        # of this step and of a reference half as long
+        noise = 3 * self._stepper.resolution / step.dt
+        return step.dt**2 / 12 * max(change - noise, 0.0) / (time - other_time)
 
     def _fastest(self, step: Step) -> float:
         """The largest speed since the last impact, m/s."""

@@ -14,6 +14,9 @@ from .solids import DeformableSolid, Solid, Trace
 from .system import SurfaceSystem
 from .theta import Step
 
+#: Forces below this share of those that stop the speeds of a step within it are noise.
+NOISE = 1e-11
+
 
 class Assembly:
     """Solids and contacts, and where the points of each trace stand among all points.
@@ -79,6 +82,17 @@ class Assembly:
         """Scale the equations of all contacts by a typical speed, m/s."""
         for contact in self.contacts:
             contact.equations.set_scale(contact.unit(step), speed)
+
+    def imbalances(self, step: Step, solids: Iterable[Solid]) -> list[float]:
+        """Relative errors of the momentum balances of these solids in the trial state."""
+        noise = {id(solid): 0.0 for solid in self.solids}
+        for contact in self.contacts:
+            # of points that just touch, forces are the round-off of gaps
+            force = contact.equations.force_scale[contact.equations.candidates]
+            for solid in contact.solids:
+                least = NOISE * float(force.max(initial=0.0))
+                noise[id(solid)] = max(noise[id(solid)], least)
+        return [solid.imbalance(step, noise[id(solid)]) for solid in solids]
 
     def refuse_broken(self) -> None:
         """Raise StepFailed if a solid has no admissible trial state."""

@@ -26,7 +26,7 @@ class Condensed:
         self._surfaces.begin(self._all.free()[active], self._all.compliance(active))
         force = self._surfaces.force()
         self._all.spread(force)
-        errors = [solid.imbalance(step) for solid in self._all.solids if not solid.linear]
+        errors = self._all.imbalances(step, [s for s in self._all.solids if not s.linear])
         if self._surfaces.size:
             errors.append(self._surfaces.error(slow=0.0))
             self._surfaces.remember()

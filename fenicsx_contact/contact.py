@@ -242,7 +242,8 @@ class Contact:
 
     def start(self, free: np.ndarray) -> None:
         """Starting values of a step, from the velocities of the points without contact, flat."""
-        self.equations.start(self.jump.ravel(), self.coupling.to_jump(free).ravel())
+        jump = self.coupling.to_jump(free)
+        self.equations.start(self.jump.ravel(), jump.ravel(), self.tolerance)
 
     def speed_limit(self, step: Step) -> np.ndarray | None:
         """The w_n that the law allows at each point at most, None for springs."""

@@ -17,8 +17,8 @@ from .surface import Surface, SurfaceFields
 
 #: The friction row keeps this share of its usual weight where the pressure vanishes.
 GUARD = 1e-8
-#: Points that approach or leave more slowly than this share of the speeds of a step do neither when
-#: it starts: among points that rest side by side round-off must not choose those that bear.
+#: Points that approach or leave more slowly than this share of the speeds of a step touch when it
+#: starts: among points that rest side by side round-off must not choose those that bear.
 STILL = 1e-9
 
 
@@ -125,6 +125,11 @@ class SurfaceEquations:
                 self.row_scale[self.semi :] = np.tile(stick, components)
                 self.slip_weight = rho_t * speed
             self._refresh()
+
+    @property
+    def speed(self) -> float:
+        """The typical speed of the step by which its unknowns are scaled, m/s."""
+        return self._scale[1]
 
     def set_weight(self, weight: np.ndarray) -> None:
         """The points weigh otherwise in the integrals than before, (n,)."""
@@ -267,11 +272,12 @@ class SurfaceEquations:
             friction /= np.tile(np.maximum(1.0, high), self.fields.surface.dim - 1)
         return result
 
-    def start(self, jump: np.ndarray, free: np.ndarray) -> None:
+    def start(self, jump: np.ndarray, free: np.ndarray, tolerance: float) -> None:
         """Starting values of a step: what bore goes on, what closes starts from the free jump.
 
         Args:
             jump, free: of the last step and without contact, flat, m/s.
+            tolerance: gaps below it are none, m.
         """
         z = self.values
         idle = np.ones(self.size, dtype=bool)
@@ -283,15 +289,21 @@ class SurfaceEquations:
             d = self._surface.dim
             bearing = np.repeat(z[self.jumps : self.semi] < 0, d)
             z[: self.jumps][bearing] = jump[bearing]
-            self._still(z[: self.jumps].reshape(-1, d), z[self.jumps : self.semi] == 0)
+            open_ = z[self.jumps : self.semi] == 0
+            self._touch(z[: self.jumps].reshape(-1, d), open_, tolerance)
         self.values = z
 
-    def _still(self, jumps: np.ndarray, open_: np.ndarray) -> None:
-        """Take round-off from the approach in the jumps (n, d) of points that did not bear."""
-        normals = self.fields.frame()[0]
+    def _touch(self, jumps: np.ndarray, open_: np.ndarray, tolerance: float) -> None:
+        """Let points that did not bear, and that without contact would just touch, approach a
+        little in the jumps (n, d): all of them bear at first, and the law lets go of some."""
+        normals, rate = self.fields.frame()[0], self._rates[0]
         approach = np.einsum("ij,ij->i", jumps, normals)
-        still = open_ & (np.abs(approach) < STILL * self._scale[1])
-        jumps[still] -= approach[still, None] * normals[still]
+        slow = STILL * self._scale[1]
+        if rate:
+            approach += self.fields.gap.x.array / rate
+            slow = max(slow, tolerance / rate)
+        still = open_ & (np.abs(approach) < slow)
+        jumps[still] += (slow - approach[still, None]) * normals[still]
 
     def enter_slipping(self) -> None:
         """Let points that have just begun to bear slip along their jump.

@@ -95,7 +95,7 @@ class FixedPoint:
     def _nonlinearity(self, step: Step, speed: float, force: np.ndarray) -> float:
         """Largest relative error of what was linearised, in the trial state."""
         self._all.refuse_broken()
-        errors = [solid.imbalance(step) for solid in self._all.solids if not solid.linear]
+        errors = self._all.imbalances(step, [s for s in self._all.solids if not s.linear])
         for contact, part in zip(self._all.contacts, self._all.parts):
             jump, gap, size = contact.error(step)
             size = max(speed, size, SLOW * contact.push(force[part], step))

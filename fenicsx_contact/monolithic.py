@@ -59,7 +59,7 @@ class Monolithic(ABC):
             self._rows.append(rows)
             errors.append(float(part.error(rows).max(initial=0.0)))
         self._all.spread(force)
-        errors += [solid.imbalance(step) for solid in self._solids]
+        errors += self._all.imbalances(step, self._solids)
         self._errors = errors
         return float(np.max(errors)), force
 

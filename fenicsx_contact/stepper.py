@@ -56,6 +56,7 @@ class Stepper:
     ) -> None:
         self.solids, self.contacts = list(solids), list(contacts)
         self._assembly = Assembly(self.solids, self.contacts)
+        self._tolerance = newton.tolerance
         self._method: FixedPoint | FullNewton
         if geometry == "newton":
             self._method = FullNewton(self._assembly, newton, solver)
@@ -136,6 +137,11 @@ class Stepper:
         row = self.row(step.dt, trial.newton, trial.geometry)
         clock("history")
         return row
+
+    @property
+    def resolution(self) -> float:
+        """Errors of the velocities, m/s, with which Newton's method may end a step."""
+        return self._tolerance * max((c.equations.speed for c in self.contacts), default=0.0)
 
     @property
     def krylov(self) -> list[int]:

@@ -111,12 +111,12 @@ def test_springs_and_point_masses():
     axis = axis_mesh((0, 0), (0, 1), all=(1.0, 4))
     beam = BeamSolid(
         axis,
-        Section(mass=0.0, bending=1e9),
+        Section(mass=0.0, bending=1e7),
         masses=[(0.0, 3.0), (1.0, 5.0)],
         supports=[Support(0.0, lateral=12.0), Support(1.0, lateral=20.0)],
     )
     assert beam.mass == 8.0
-    assert beam.matrices.slowest_period() == pytest.approx(math.pi, rel=1e-6)
+    assert beam.matrices.slowest_period() == pytest.approx(math.pi, rel=1e-7)
 
 
 def test_first_frequency_converges_at_second_order():

@@ -100,7 +100,7 @@ class RodInTube(Solid):
         for solid in self._both:
             solid.drop_forces()
 
-    def imbalance(self, step: Step) -> float:
+    def imbalance(self, step: Step, noise: float = 0.0) -> float:
         return 0.0
 
     def accept(self) -> None:

@@ -132,8 +132,9 @@ class Solid(ABC):
         """Forget the forces spread so far."""
 
     @abstractmethod
-    def imbalance(self, step: Step) -> float:
-        """Residual of the momentum balance in the trial state over the size of its terms."""
+    def imbalance(self, step: Step, noise: float = 0.0) -> float:
+        """Residual of the momentum balance in the trial state over the size of its terms; less than
+        ``noise``, N, is none."""
 
     @abstractmethod
     def accept(self) -> None:

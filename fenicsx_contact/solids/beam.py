@@ -237,7 +237,7 @@ class BeamSolid(Solid):
         self._gain = np.zeros_like(self._gain)
         self._pushed = 0.0
 
-    def imbalance(self, step: Step) -> float:
+    def imbalance(self, step: Step, noise: float = 0.0) -> float:
         return 0.0
 
     def root_mean_square(self, velocity: np.ndarray) -> float:

@@ -288,14 +288,15 @@ class DeformableSolid(MonolithicSolid):
             terms += [self._internal_forces(step), -self._loads(step)]
         return terms
 
-    def imbalance(self, step: Step) -> float:
+    def imbalance(self, step: Step, noise: float = 0.0) -> float:
         terms = self._balance(step)
         # a stress-free body in flight has no forces but round-off, of its momentum and of K u
         self.last_stiffness.getDiagonal(self._y)
-        noise = ROUND_OFF * (np.abs(self._momentum) / step.span)
+        own_noise = noise + ROUND_OFF * (np.abs(self._momentum) / step.span)
         if step.dt and step.scheme.inertia:  # without inertia nothing may fly
-            noise += ROUND_OFF * np.abs(self._y.array_r * self.trial_displacement).max(initial=0.0)
-        total = np.maximum(np.abs(np.sum(terms, axis=0)) - noise, 0.0)
+            strained = np.abs(self._y.array_r * self.trial_displacement)
+            own_noise += ROUND_OFF * strained.max(initial=0.0)
+        total = np.maximum(np.abs(np.sum(terms, axis=0)) - own_noise, 0.0)
         total[self.fixed_unknowns] = 0.0
         own = np.array([[np.abs(t).max(initial=0.0) for t in (total, *terms)]])
         largest = np.max(self.comm.allgather(own), axis=0).ravel()

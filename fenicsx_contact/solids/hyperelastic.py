@@ -227,8 +227,8 @@ class HyperelasticSolid(DeformableSolid):
         self.free_load[self.fixed_unknowns] = self.trial_velocity[self.fixed_unknowns]
         self._free_velocity = None
 
-    def imbalance(self, step: Step) -> float:
-        self._errors.append(super().imbalance(step))
+    def imbalance(self, step: Step, noise: float = 0.0) -> float:
+        self._errors.append(super().imbalance(step, noise))
         return self._errors[-1]
 
     def state(self) -> dict[str, np.ndarray]:

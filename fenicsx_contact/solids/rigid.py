@@ -156,7 +156,7 @@ class RigidSolid(MonolithicSolid):
             self.inverse, self.trial_velocity - self.free_velocity - self.inverse @ self._force
         )
 
-    def imbalance(self, step: Step) -> float:
+    def imbalance(self, step: Step, noise: float = 0.0) -> float:
         if self.dim == 2:
             return 0.0  # its inertia does not turn: a linearisation is exact
         rate, load = (self._trial_momentum - self._momentum) / step.span, step.loaded * self._load

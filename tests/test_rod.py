@@ -32,7 +32,7 @@ def load(name):
     return module
 
 
-demo = load("rod_drop")
+demo, slowly = load("rod_drop"), load("rod_insertion")
 STRAIGHT = demo.Assumed(amplitude=0.0, friction=0.0)
 SMOOTH, KINKED = demo.Assumed(), demo.Assumed(kinked=True)
 COARSE = 2e-3  # twenty times the demo's step
@@ -165,7 +165,7 @@ def test_drop_in_smooth_and_kinked_tubes(smooth, kinked):
 def test_one_dof_law_fed_with_static_forces(case, smooth, kinked):
     """Lateral dynamics hardly matter: mu N(z) and the walls' push of a slow insertion give T5."""
     drop, a = {"smooth": (smooth, SMOOTH), "kinked": (kinked, KINKED)}[case]
-    slow = demo.insertion(replace(a, friction=0.0))
+    slow = slowly.insertion(replace(a, friction=0.0))
     assert slow.finished
 
     def held(z):

@@ -6,12 +6,14 @@ from .curves import AnyCurve, Bow, Curve, Sine, Straight
 from .elastic import RodInTube
 from .guide import Card, Guide, Tube
 from .settle import lay_in, settle
+from .watch import ForceMap
 
 __all__ = [
     "AnyCurve",
     "Bow",
     "Card",
     "Curve",
+    "ForceMap",
     "Guide",
     "GuideContact",
     "RodInTube",

@@ -20,6 +20,8 @@ GUARD = 1e-8
 #: Points that approach or leave more slowly than this share of the speeds of a step touch when it
 #: starts: among points that rest side by side round-off must not choose those that bear.
 STILL = 1e-9
+#: They approach then at this share of that: less than Newton's method resolves.
+HARDLY = 1e-3
 
 
 class SurfaceEquations:
@@ -303,7 +305,7 @@ class SurfaceEquations:
             approach += self.fields.gap.x.array / rate
             slow = max(slow, tolerance / rate)
         still = open_ & (np.abs(approach) < slow)
-        jumps[still] += (slow - approach[still, None]) * normals[still]
+        jumps[still] += (HARDLY * slow - approach[still, None]) * normals[still]
 
     def enter_slipping(self) -> None:
         """Let points that have just begun to bear slip along their jump.

@@ -6,11 +6,12 @@
 # much longer does a step take than one of the same block in flight, and where does the time go?
 #
 # In flight it vibrates, strained as much as landing strains it: a hyperelastic solid needs Newton's
-# method there, too. A linear solid takes one solve by the factors of $A = M/\Delta t + \theta^2 \Delta t K$.
-# With contact it takes a second one, for the velocities that the contact changes, and Newton's
-# method on the contact points. There the unknowns are the forces: the equations of a point know
-# only its own velocity and multipliers, which are eliminated first, and $W = J A^{-1} J^T$ was
-# formed once. Factors of that small dense system are kept from step to step.
+# method there, too. A linear solid takes one solve by the factors of
+# $A = M/\Delta t + \theta^2 \Delta t K$. With contact it takes a second one, for the velocities
+# that the contact changes, and Newton's method on the contact points. There the unknowns are the
+# forces: the equations of a point know only its own velocity and multipliers, which are eliminated
+# first, and $W = J A^{-1} J^T$ was formed once. Factors of that small dense system are kept from
+# step to step.
 # A hyperelastic solid keeps its $A$, and so its $W$, while corrections converge fast; two solids
 # see each other through a pairing that moves.
 #

@@ -263,15 +263,18 @@ class SurfaceEquations:
 
         The friction row measures a speed where it sticks and Lam itself where it slips; far from
         their natural size rho_n and rho_t would otherwise loosen the one or overdo the other, and
-        pressures far above theirs, of a heavy body on a light one, overdo both.
+        pressures far above theirs, of a heavy body on a light one, overdo both. Where hardly any
+        pressure is, hardly any friction depends on Lam.
         """
         result = np.abs(scaled)
         if self.size > self.semi:
             Lam = self.values[self.active[len(self.active_jumps) + len(self.candidates) :]]
             friction = result[len(result) - len(Lam) :]
             friction[np.abs(Lam) >= 1] *= self.slip_weight
-            high = self.fields.bearing.x.array[self.candidates] / self.fields.pressure_scale.value
-            friction /= np.tile(np.maximum(1.0, high), self.fields.surface.dim - 1)
+            pressure = -self.values[self.jumps : self.semi][self.candidates]
+            usual = pressure / (self._scale[0] * self._scale[1])
+            low = np.where(pressure > 0, np.minimum(1.0, usual / GUARD), 1.0)
+            friction *= np.tile(low / np.maximum(1.0, usual), self.fields.surface.dim - 1)
         return result
 
     def start(self, jump: np.ndarray, free: np.ndarray, tolerance: float) -> None:

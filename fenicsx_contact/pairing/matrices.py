@@ -17,6 +17,13 @@ Matrix = Any  # np.ndarray or sp.csr_matrix
 DENSE = 400_000
 
 
+def add_up(values: np.ndarray, rows: np.ndarray, n: int) -> np.ndarray:
+    """Sums (n, k) of the values (q, k) that belong to the same row."""
+    k = values.shape[1]
+    places = rows if k == 1 else (rows[:, None] * k + np.arange(k)).ravel()
+    return np.bincount(places, values.ravel(), n * k).reshape(n, k)
+
+
 def gather(
     entries: np.ndarray, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int], dense: bool
 ) -> Matrix:

@@ -46,7 +46,7 @@ def stack(matrices: Sequence[Matrix]) -> Matrix:
 def block(matrices: Sequence[Sequence[Matrix]]) -> Matrix:
     """A matrix of matrices."""
     if isinstance(matrices[0][0], np.ndarray):
-        return np.block(matrices)
+        return np.concatenate([np.concatenate(row, axis=1) for row in matrices])
     return sp.bmat(matrices, format="csr")
 
 
@@ -60,6 +60,16 @@ def used_columns(matrices: Sequence[Matrix]) -> np.ndarray:
 def square(matrix: Matrix) -> Matrix:
     """The squares of the entries."""
     return matrix**2 if isinstance(matrix, np.ndarray) else matrix.power(2)
+
+
+def by_point(blocks: np.ndarray, matrix: Matrix) -> Matrix:
+    """The product with a matrix of c k rows of the one whose diagonal blocks are (c, u, k)."""
+    c, u, k = blocks.shape
+    if isinstance(matrix, np.ndarray):
+        return (blocks @ matrix.reshape(c, k, matrix.shape[1])).reshape(c * u, matrix.shape[1])
+    indices = np.broadcast_to(np.arange(c * k).reshape(c, 1, k), blocks.shape)
+    indptr = np.arange(c * u + 1) * k
+    return sp.csr_matrix((blocks.ravel(), indices.ravel(), indptr), (c * u, c * k)) @ matrix
 
 
 def by_component(matrix: Matrix, d: int) -> Matrix:

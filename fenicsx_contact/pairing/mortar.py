@@ -56,6 +56,8 @@ class Pairing:
         self.n = int(slave.corners.max()) + 1
         self.total = len(slave.nodes) + len(master.nodes)
         self.dense = (self.total * slave.dim) ** 2 <= DENSE
+        self._sizes = np.zeros(self.n)  # of the largest facet at each node
+        np.maximum.at(self._sizes, slave.corners, slave.sizes[:, None])
         self._partners = Partners(slave, master)
         self._cuts = Cuts(slave, master) if slave.dim == 2 else None
         self._rule = whole(slave)
@@ -82,8 +84,7 @@ class Pairing:
         """Take up new places (N, d) of the nodes, whose longest ``way`` [m] in the step tells how
         far partners are sought."""
         reach = FACETS * self.slave.sizes + 4 * way
-        self.reach = np.zeros(self.n)
-        np.maximum.at(self.reach, self.slave.corners, reach[:, None])
+        self.reach = FACETS * self._sizes + 4 * way
         slave, master = self.slave, self.master
         xs, xm = places[: len(slave.nodes)], places[len(slave.nodes) :]
         if self._cuts:

@@ -12,8 +12,9 @@ import numpy as np
 from .assembly import Assembly, Clock, scale_of
 from .checks import StepFailed
 from .condensed import Condensed
+from .direct import Direct
 from .iterative import Iterative
-from .monolithic import Direct, Monolithic
+from .monolithic import Monolithic
 from .newton import Newton
 from .solids import DeformableSolid
 from .system import SLOW

@@ -19,7 +19,6 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from .assembly import Assembly
-from .linear import direct_solver
 from .numbering import Numbering
 from .solids import MonolithicSolid, MonolithicTrace
 from .system import COMPLIANCE
@@ -44,7 +43,9 @@ class Monolithic(ABC):
             ]
             for contact in assembly.contacts
         ]
+        self._operators: dict[tuple[int, str], tuple[list[sp.csr_matrix], sp.csr_matrix]] = {}
         self._linearisations: list[int] = []
+        self._patterns: list[tuple[np.ndarray, np.ndarray]] = []
 
     def begin(self, step: Step) -> tuple[float, np.ndarray]:
         """Residual of the present state: its largest relative error, and the forces on all points
@@ -98,19 +99,29 @@ class Monolithic(ABC):
     def _contact_block(self, frozen: bool = False) -> sp.csr_matrix:
         """What the contacts add to the matrix, scaled, (size, size), on every process; if
         ``frozen`` without the derivatives of the geometry."""
-        tangents, rows, columns = [], [], []
-        for part, traces in zip(self._parts, self._traces):
-            operators = [(k, trace.spreading(), trace.seeing()) for k, trace in traces]
-            active = part.active_places
-            spread = sp.vstack([self._places.renumber(s, k) for k, s, _ in operators], "csr")
-            see = sp.vstack([self._places.renumber(s, k) for k, _, s in operators], "csr")
-            tangents.append(part.sparse_tangent(frozen))
-            rows.append((spread[active], part.scales()[1][len(active) :]))
-            columns.append((see[active], part.scales()[0][len(active) :]))
-        if not tangents:
-            return sp.csr_matrix((self._size, self._size))
-        block = _onto(rows).T @ sp.block_diag(tangents, "csr") @ _onto(columns)
-        return block.tocsr()
+        block, last = sp.csr_matrix((self._size, self._size)), self._places.size
+        for number, part in enumerate(self._parts):
+            active, (columns, rows) = part.active_places, part.scales()
+            n, behind = len(active), range(last, last + part.multipliers)
+            push = self._operator(number, "spreading")[active]
+            see = self._operator(number, "seeing")[active]
+            left = _and_multipliers(push, rows[n:], behind, self._size)
+            right = _and_multipliers(see, columns[n:], behind, self._size)
+            block = block + left.T @ part.sparse_tangent(frozen) @ right
+            last = behind.stop
+        return block
+
+    def _operator(self, contact: int, which: str) -> sp.csr_matrix:
+        """The operators of the traces of a contact, by name, stacked, in the numbers of the
+        system; made once if they never change."""
+        traces = self._traces[contact]
+        now = [getattr(trace, which)() for _, trace in traces]
+        kept, stacked = self._operators.get((contact, which), ([], None))
+        if [id(each) for each in kept] != [id(each) for each in now]:
+            numbered = [self._places.renumber(each, k) for each, (k, _) in zip(now, traces)]
+            stacked = sp.vstack(numbered, "csr")
+            self._operators[contact, which] = now, stacked
+        return stacked
 
     def _compliance(self) -> sp.csr_matrix:
         """The compliance that makes the multipliers unique, where they are not."""
@@ -128,29 +139,39 @@ class Monolithic(ABC):
         on every process and, for the multipliers, may be larger."""
         size, start = extra.shape[0], self._places.mine.start
         rows = slice(start, min(self._rows_here.stop, size))
-        solids = self._solid_rows()
-        # multipliers come and go, behind
-        missing = rows.stop - rows.start - solids.shape[0]
-        indptr = np.pad(solids.indptr, (0, missing), "edge")
-        own = sp.csr_matrix((solids.data, solids.indices, indptr), (rows.stop - start, size))
-        return extra[rows] + own
+        return extra[rows] + self._solid_rows(rows.stop - start, size)
 
-    def _solid_rows(self) -> sp.csr_matrix:
-        """This process's rows of the solids' own matrices, new if one of these is."""
+    def _solid_rows(self, rows: int = 0, columns: int = 0) -> sp.csr_matrix:
+        """This process's rows of the solids' own matrices, new if one of these is; with empty
+        rows and columns behind, where multipliers come and go, if so many are asked for."""
         now = [solid.linearisation for solid in self._solids]
         if now != self._linearisations:
             self._linearisations = now
-            entries, places, columns = [], [], []
-            mine = self._places.mine
-            for solid, own, numbers in zip(self._solids, self._places.own, self._places.numbers):
-                indptr, indices, values = solid.matrix_rows(self.comm)
-                entries.append(values)
-                places.append(np.repeat(own[: len(indptr) - 1], np.diff(indptr)) - mine.start)
-                columns.append(numbers[indices])
-            data, row, column = (np.concatenate(part) for part in (entries, places, columns))
-            shape = mine.stop - mine.start, self._places.size
-            self._own_rows = sp.csr_matrix((data, (row, column)), shape)
-        return self._own_rows
+            matrices = [solid.matrix_rows(self.comm) for solid in self._solids]
+            self._arrange([matrix[:2] for matrix in matrices])
+            values = np.concatenate([matrix[2] for matrix in matrices])
+            self._values = values[self._order.data]
+        order = self._order
+        n, m = max(rows, order.shape[0]), max(columns, order.shape[1])
+        indptr = np.pad(order.indptr, (0, n - order.shape[0]), "edge")
+        return sp.csr_matrix((self._values, order.indices, indptr), (n, m))
+
+    def _arrange(self, patterns: list[tuple[np.ndarray, np.ndarray]]) -> None:
+        """Find where the entries of the solids' matrices stand, if not as before."""
+        if self._patterns and all(
+            np.array_equal(a, b) for pair in zip(patterns, self._patterns) for a, b in zip(*pair)
+        ):
+            return
+        self._patterns = patterns
+        mine, places, columns = self._places.mine, [], []
+        for (indptr, indices), own, numbers in zip(
+            patterns, self._places.own, self._places.numbers
+        ):
+            places.append(np.repeat(own[: len(indptr) - 1], np.diff(indptr)) - mine.start)
+            columns.append(numbers[indices])
+        row, column = np.concatenate(places), np.concatenate(columns)
+        shape = mine.stop - mine.start, self._places.size
+        self._order = sp.csr_matrix((np.arange(len(row)), (row, column)), shape)
 
     def _everywhere(self, local: np.ndarray) -> np.ndarray:
         """The rows of all processes."""
@@ -164,22 +185,6 @@ class Monolithic(ABC):
         return f"{names[worst]} stalls at a relative error of {self._errors[1 + worst]:.3g}"
 
 
-class Direct(Monolithic):
-    """Solved by a direct factorisation, which is new in each iteration."""
-
-    def _solve(self) -> np.ndarray:
-        A = petsc_matrix(self._matrix(self._contact_block() + self._compliance()), self.comm)
-        solver = direct_solver(A, "monolithic")
-        x, b = A.createVecs()
-        b.setArray(self._residual()[self._rows_here])
-        solver.solve(b, x)
-        failed = solver.getConvergedReason() < 0
-        local = np.full(len(x.array_r), np.nan) if failed else x.array_r.copy()
-        for thing in (solver, A, x, b):
-            thing.destroy()
-        return self._everywhere(local)
-
-
 def petsc_matrix(rows: sp.csr_matrix, comm: MPI.Comm, columns: int | None = None) -> PETSc.Mat:
     """The matrix whose rows, one process after the other, are these; ``columns``: how many of them
     are this process's, as many as rows if not given."""
@@ -190,14 +195,13 @@ def petsc_matrix(rows: sp.csr_matrix, comm: MPI.Comm, columns: int | None = None
     return PETSc.Mat().createAIJ(((n, PETSc.DECIDE), (columns, size)), csr=csr, comm=comm)
 
 
-def _onto(parts: list[tuple[sp.csr_matrix, np.ndarray]]) -> sp.csr_matrix:
-    """From the unknowns of the system to those of the parts, one part after the other, each with
-    its multipliers behind its velocities."""
-    count, blocks = sum(len(scale) for _, scale in parts), []
-    start = 0
-    for operator, scale in parts:
-        m = len(scale)
-        picked = sp.csr_matrix((scale, (np.arange(m), start + np.arange(m))), (m, count))
-        blocks += [[operator, None], [None, picked]]
-        start += m
-    return sp.bmat(blocks, format="csr")
+def _and_multipliers(
+    operator: sp.csr_matrix, scales: np.ndarray, behind: range, size: int
+) -> sp.csr_matrix:
+    """An operator on the velocities of a system of that size, and below it, for each multiplier,
+    whose numbers are ``behind``, its scale."""
+    last = len(operator.data)
+    data = np.concatenate([operator.data, scales])
+    indices = np.concatenate([operator.indices, behind])
+    indptr = np.concatenate([operator.indptr, np.arange(last + 1, last + 1 + len(behind))])
+    return sp.csr_matrix((data, indices, indptr), (operator.shape[0] + len(behind), size))

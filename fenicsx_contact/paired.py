@@ -15,7 +15,16 @@ import ufl
 from . import compat
 from .equations import SurfaceEquations
 from .pairing import Pairing
-from .pairing.matrices import Matrix, along, block, by_component, by_point, gather, stack, used_columns
+from .pairing.matrices import (
+    Matrix,
+    along,
+    block,
+    by_component,
+    by_point,
+    gather,
+    stack,
+    used_columns,
+)
 from .pairing.rates import Rates
 
 

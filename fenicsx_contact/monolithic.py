@@ -43,7 +43,7 @@ class Monolithic(ABC):
             ]
             for contact in assembly.contacts
         ]
-        self._operators: dict[tuple[int, str], tuple[list[sp.csr_matrix], sp.csr_matrix]] = {}
+        self._kept: dict[tuple[int, str], tuple] = {}
         self._linearisations: list[int] = []
         self._patterns: list[tuple[np.ndarray, np.ndarray]] = []
 
@@ -100,28 +100,31 @@ class Monolithic(ABC):
         """What the contacts add to the matrix, scaled, (size, size), on every process; if
         ``frozen`` without the derivatives of the geometry."""
         block, last = sp.csr_matrix((self._size, self._size)), self._places.size
-        for number, part in enumerate(self._parts):
-            active, (columns, rows) = part.active_places, part.scales()
-            n, behind = len(active), range(last, last + part.multipliers)
-            push = self._operator(number, "spreading")[active]
-            see = self._operator(number, "seeing")[active]
-            left = _and_multipliers(push, rows[n:], behind, self._size)
-            right = _and_multipliers(see, columns[n:], behind, self._size)
-            block = block + left.T @ part.sparse_tangent(frozen) @ right
-            last = behind.stop
+        for contact, part in enumerate(self._parts):
+            n, (columns, rows) = len(part.active_places), part.scales()
+            columns[:n] = rows[:n] = 1.0
+            tangent = part.sparse_tangent(frozen)
+            tangent.data *= np.repeat(rows, np.diff(tangent.indptr)) * columns[tangent.indices]
+            push, see = (self._onto(contact, which, last) for which in ("spreading", "seeing"))
+            block = block + push.T @ (tangent @ see)
+            last += part.multipliers
         return block
 
-    def _operator(self, contact: int, which: str) -> sp.csr_matrix:
-        """The operators of the traces of a contact, by name, stacked, in the numbers of the
-        system; made once if they never change."""
-        traces = self._traces[contact]
-        now = [getattr(trace, which)() for _, trace in traces]
-        kept, stacked = self._operators.get((contact, which), ([], None))
-        if [id(each) for each in kept] != [id(each) for each in now]:
-            numbered = [self._places.renumber(each, k) for each, (k, _) in zip(now, traces)]
-            stacked = sp.vstack(numbered, "csr")
-            self._operators[contact, which] = now, stacked
-        return stacked
+    def _onto(self, contact: int, which: str, last: int) -> sp.csr_matrix:
+        """From the unknowns of the system to the active ones of a contact, its multipliers, whose
+        numbers begin with ``last``, behind; by the operators of the traces of that name. Kept
+        while nothing changes."""
+        part, traces = self._parts[contact], self._traces[contact]
+        operators = [getattr(trace, which)() for _, trace in traces]
+        active, m = part.active_places, part.multipliers
+        key = (*map(id, operators), active.tobytes(), last, m, self._size)
+        if key != self._kept.get((contact, which), ((), None, None))[0]:
+            numbered = [self._places.renumber(each, k) for each, (k, _) in zip(operators, traces)]
+            velocities = sp.vstack(numbered, "csr")[active]
+            own = sp.csr_matrix((np.ones(m), (np.arange(m), last + np.arange(m))), (m, self._size))
+            velocities.resize(len(active), self._size)
+            self._kept[contact, which] = key, sp.vstack([velocities, own], "csr"), operators
+        return self._kept[contact, which][1]
 
     def _compliance(self) -> sp.csr_matrix:
         """The compliance that makes the multipliers unique, where they are not."""
@@ -193,15 +196,3 @@ def petsc_matrix(rows: sp.csr_matrix, comm: MPI.Comm, columns: int | None = None
     columns = n if columns is None else columns
     csr = (rows.indptr.astype(np.int32), rows.indices.astype(np.int32), rows.data)
     return PETSc.Mat().createAIJ(((n, PETSc.DECIDE), (columns, size)), csr=csr, comm=comm)
-
-
-def _and_multipliers(
-    operator: sp.csr_matrix, scales: np.ndarray, behind: range, size: int
-) -> sp.csr_matrix:
-    """An operator on the velocities of a system of that size, and below it, for each multiplier,
-    whose numbers are ``behind``, its scale."""
-    last = len(operator.data)
-    data = np.concatenate([operator.data, scales])
-    indices = np.concatenate([operator.indices, behind])
-    indptr = np.concatenate([operator.indptr, np.arange(last + 1, last + 1 + len(behind))])
-    return sp.csr_matrix((data, indices, indptr), (operator.shape[0] + len(behind), size))

@@ -31,7 +31,7 @@ class Spheres:
         arms = facets - middles[:, None]
         return cls(middles, BULGE * np.sqrt((arms**2).sum(axis=2).max(axis=1)))
 
-    def wider(self, by: np.ndarray) -> Spheres:
+    def wider(self, by: np.ndarray | float) -> Spheres:
         """With larger radii."""
         return Spheres(self.middles, self.radii + by)
 
@@ -45,17 +45,17 @@ class Near:
     """Pairs of spheres of two sets that meet, and some that do not."""
 
     def __init__(self) -> None:
-        self._ones: Spheres | None = None
+        self._sought: tuple[Spheres, Spheres] | None = None
+        self._margin = 0.0
+        self._pairs = np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
 
     def __call__(self, ones: Spheres, others: Spheres) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the pairs, ascending in the first."""
-        if self._ones is not None:
-            moved = ones.changed(self._ones) + others.changed(self._others)
-            if moved <= self._margin:
-                return self._pairs
-        self._margin = MARGIN * float(np.mean(ones.radii))
-        self._ones, self._others = ones, others
-        self._pairs = _close(ones.wider(self._margin), others)
+        sought = self._sought
+        if not sought or ones.changed(sought[0]) + others.changed(sought[1]) > self._margin:
+            self._sought = ones, others
+            self._margin = MARGIN * float(ones.radii.mean())
+            self._pairs = _close(ones.wider(self._margin), others)
         return self._pairs
 
 

@@ -103,7 +103,8 @@ class FullNewton:
             if not any(solid.broken() for solid in self._all.solids):
                 break
             self._halve(step)
-        self._all.refuse_broken()
+        else:
+            self._all.refuse_broken()
         for contact in self._all.contacts:
             contact.equations.enter_slipping()
             contact.follow()

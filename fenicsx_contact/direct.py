@@ -28,6 +28,7 @@ class Direct(Monolithic):
         super().__init__(assembly)
         self._step: Step | None = None
         self._system: _System | None = None
+        self._adjacent: dict[int, sp.csr_matrix] = {}
 
     def begin(self, step: Step) -> tuple[float, np.ndarray]:
         if step is not self._step:
@@ -45,10 +46,10 @@ class Direct(Monolithic):
         here = self._system is not None and self._system.holds(contacts)
         old = bool(self.comm.allreduce(here, op=MPI.MIN)) if self.comm.size > 1 else here
         if not old:
-            self._make()
+            self._make(contacts)
         change = self._solve_with(contacts)
         if old and not np.isfinite(change).all():  # it may lack pivots or memory for these values
-            self._make()
+            self._make(contacts)
             change = self._solve_with(contacts)
         return change
 
@@ -57,44 +58,46 @@ class Direct(Monolithic):
         matrices = self._solid_rows(*contacts.shape), contacts
         return self._everywhere(self._system.solve(matrices, self._residual()[self._rows_here]))
 
-    def _make(self) -> None:
-        """A system with room for what the contacts may add to the solids."""
+    def _make(self, contacts: sp.csr_matrix) -> None:
+        """A system with room for what the contacts add to the solids, and may add soon."""
         self._drop()
         seen = self._seen()
-        room = _pattern(seen.T.tocsr()[self._rows_here] @ seen)
+        room = _pattern(seen.T.tocsr()[self._rows_here] @ seen) + _pattern(contacts)
         self._system = _System(_pattern(self._solid_rows(*room.shape)), room, self.comm)
 
     def _seen(self) -> sp.csr_matrix:
         """Ones where a point of a contact sees an unknown, its multipliers among them, or may see
         it when its partner is the next facet, (points, size). Whatever it sees it may couple."""
-        last, blocks = self._places.size, [sp.csr_matrix((0, self._size))]
+        last, n, blocks = self._places.size, self._places.size, [sp.csr_matrix((0, self._size))]
         for contact, part in enumerate(self._parts):
             points, m = len(part.equations.candidates), part.multipliers
-            J, see = part.jump_operator(), _pattern(self._onto(contact, "seeing", last))
+            if not points:
+                continue
+            see = self._onto(contact, "seeing", last)
+            see, J = see[: see.shape[0] - m, :n], part.jump_operator()
             if J is not None:
-                J = sp.block_diag([_pattern(sp.csr_matrix(J)), sp.identity(m)])
-                see = J @ see @ self._neighbours(contact)
-            jumps = np.repeat(np.arange(points), (see.shape[0] - m) // max(points, 1))
-            point = np.concatenate([jumps, np.arange(m) % max(points, 1)])
-            place = point, np.arange(len(point))
-            gather = sp.csr_matrix((np.ones(len(point)), place), (points, len(point)))
-            blocks.append(gather @ see)
+                see = _pattern(sp.csr_matrix(J)) @ _pattern(see) @ self._neighbours(contact)
+            see, own = see.tocoo(), np.arange(m)  # component by component
+            row = np.concatenate([see.row // (see.shape[0] // points), own % points])
+            place = row, np.concatenate([see.col, last + own])
+            blocks.append(sp.csr_matrix((np.ones(len(row)), place), (points, self._size)))
             last += m
         return sp.vstack(blocks, "csr")
 
     def _neighbours(self, contact: int) -> sp.csr_matrix:
-        """Ones where two unknowns of the surfaces of a contact, of which one is this process's,
-        belong to the same cell, or are the same."""
-        mine, size = self._places.mine, self._size
-        numbers = [self._places.numbers[k][t.seeing().indices] for k, t in self._traces[contact]]
-        surface = np.unique(np.concatenate(numbers))
-        own = surface[(surface >= mine.start) & (surface < mine.stop)]
-        rows = _pattern(self._solid_rows(0, size)[own - mine.start])
-        on = np.zeros(size)
-        on[surface] = 1.0
-        place = own, np.arange(len(own))
-        placed = sp.csr_matrix((np.ones(len(own)), place), (size, len(own)))
-        return placed @ rows @ sp.diags(on) + sp.identity(size)
+        """Ones where two unknowns of the surfaces of a contact belong to the same cell; made once,
+        for the solids' patterns stay."""
+        if contact not in self._adjacent:
+            mine, n = self._places.mine, self._places.size
+            surface = np.zeros(n, dtype=bool)
+            for k, trace in self._traces[contact]:
+                surface[self._places.numbers[k][trace.seeing().indices]] = True
+            rows = self._solid_rows().tocoo()
+            both = surface[mine.start + rows.row] & surface[rows.col]
+            found = self.comm.allgather((mine.start + rows.row[both], rows.col[both]))
+            place = tuple(np.concatenate(each) for each in zip(*found))
+            self._adjacent[contact] = sp.csr_matrix((np.ones(len(place[0])), place), (n, n))
+        return self._adjacent[contact]
 
 
 class _System:

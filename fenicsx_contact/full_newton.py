@@ -46,6 +46,8 @@ class FullNewton:
         self._all, self._newton = assembly, newton
         self.errors: list[float] = []
         self.system: Condensed | Monolithic = SYSTEMS[solver](assembly)
+        for solid in assembly.solids:  # a new tangent costs a new compliance of the surfaces
+            solid.patient = isinstance(self.system, Condensed)
 
     def solve(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         """See :meth:`~fenicsx_contact.fixed_point.FixedPoint.solve`."""

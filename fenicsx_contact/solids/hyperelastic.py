@@ -129,6 +129,7 @@ class HyperelasticSolid(DeformableSolid):
         self._way = self._taken = np.zeros(self.owned), np.zeros(self.owned)
         self._key: tuple[float, ...] = ()
         self._errors: list[float] = []
+        self._predicted = self.trial_velocity
         if self.broken():
             raise checks.InputError(
                 f"displacement: with the initial field an element of solid {self.name!r} is "
@@ -233,6 +234,7 @@ class HyperelasticSolid(DeformableSolid):
     def predict(self, step: Step) -> None:
         self._errors, self._made = [1.0], False
         super().predict(step)
+        self._predicted = self.trial_velocity
         if self._target is not None and step.scheme.theta and self.broken():
             self._follow_supports(step)
 
@@ -257,8 +259,10 @@ class HyperelasticSolid(DeformableSolid):
         self._free_load = self._free_velocity = None
 
     def imbalance(self, step: Step) -> float:
-        self._errors.append(super().imbalance(step))
-        return self._errors[-1]
+        error = super().imbalance(step)
+        if self.trial_velocity is not self._predicted:  # else nothing has been corrected yet
+            self._errors.append(error)
+        return error
 
     def state(self) -> dict[str, np.ndarray]:
         start, end = self._way

@@ -57,7 +57,7 @@ class Cuts:
         ends = slave_nodes[self._slave.corners]  # (m, 2, d)
         along = ends[:, 1] - ends[:, 0]
         square = (along**2).sum(axis=1)
-        facets = Spheres(ends.mean(axis=1), 0.5 * np.sqrt(square) + self._master.size)
+        facets = Spheres(ends.sum(axis=1) / 2, 0.5 * np.sqrt(square) + self._master.size)
         corners = Spheres(master_nodes[self._corners], np.zeros(len(self._corners)))
         facet, corner = self._near(facets, corners)
         corner = corners.middles[corner]
@@ -69,7 +69,7 @@ class Cuts:
         s = np.concatenate([np.zeros(len(along)), np.ones(len(along)), s[cut]])
         order = np.lexsort((s, facet))
         facet, s = facet[order], s[order]
-        length = np.where(facet[1:] == facet[:-1], np.diff(s), 0.0)
+        length = np.where(facet[1:] == facet[:-1], s[1:] - s[:-1], 0.0)
         kept = np.flatnonzero(length > 1e-10)
         x, w = self._rule
         xi = (s[kept, None] + length[kept, None] * x).reshape(-1, 1)

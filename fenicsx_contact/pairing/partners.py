@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .search import Near, Spheres, candidates
+from .search import Near, Spheres, candidates, first_of_each
 from .side import Side
 
 #: Overlap of facets, in local coordinates: rays through an edge must not pass between two facets.
@@ -69,7 +69,7 @@ class Partners:
         good = facing & side.holds(xi, EDGE) & (np.abs(alpha) <= reach[origin[ray]])
         good = np.flatnonzero(good)
         order = good[np.lexsort((facet[good], np.abs(alpha[good]), ray[good]))]
-        best = order[np.diff(ray[order], prepend=-1) > 0]
+        best = order[first_of_each(ray[order])]
         return Hits(ray[best], facet[best], xi[best], alpha[best], inverse[best])
 
 

@@ -27,7 +27,7 @@ class Spheres:
     @classmethod
     def around(cls, facets: np.ndarray) -> Spheres:
         """Those of facets whose nodes are at (n, k, d)."""
-        middles = facets.mean(axis=1)
+        middles = facets.sum(axis=1) / facets.shape[1]
         arms = facets - middles[:, None]
         return cls(middles, BULGE * np.sqrt((arms**2).sum(axis=2).max(axis=1)))
 
@@ -94,8 +94,8 @@ def candidates(
         bundles, facets: spheres around the origins of each bundle, and around the facets.
         near: finds which of them are near.
     """
-    start = np.flatnonzero(np.diff(bundle, prepend=-1))
-    count = np.diff(np.append(start, len(x)))
+    start = np.flatnonzero(first_of_each(bundle))
+    count = np.bincount(bundle)
     axis = np.add.reduceat(n, start)
     axis /= np.sqrt((axis**2).sum(axis=1))[:, None]
     turned = np.sqrt(((n - axis[bundle]) ** 2).sum(axis=1))
@@ -110,6 +110,13 @@ def candidates(
     facet = np.repeat(facet, count[one])
     seen = _aside(facets.middles[facet] - x[ray], n[ray]) <= facets.radii[facet]
     return ray[seen], facet[seen]
+
+
+def first_of_each(numbers: np.ndarray) -> np.ndarray:
+    """Where in ascending numbers a new one begins."""
+    first = np.ones(len(numbers), dtype=bool)
+    first[1:] = numbers[1:] != numbers[:-1]
+    return first
 
 
 def _aside(arm: np.ndarray, axis: np.ndarray) -> np.ndarray:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The linear system of the full Newton method, factored.
 
-Before a sparse matrix is factored its pattern is analysed, which may take longer than the rest. With
-partners and statuses the pattern changes, by little: so it is made with room for all that points may
-see, partners one facet away among it, and kept while that will do; but not beyond a step, for a
-run must give the same bits whether it was interrupted or not.
+Before a sparse matrix is factored its pattern is analysed, which may take longer than the rest.
+With partners and statuses the pattern changes, by little: so it is made with room for all that
+points may see, partners one facet away among it, and kept while that will do; but not beyond a
+step, for a run must give the same bits whether it was interrupted or not.
 """
 
 from __future__ import annotations

@@ -14,8 +14,9 @@ from .theta import ThetaScheme
 
 #: Components of surface points above which no dense system is formed.
 LARGE_SURFACE = 1500
-#: Components up to which nonlinear solids in motion enter by their compliance.
-SMALL_SURFACE = 300
+#: Components up to which nonlinear solids in motion enter by their compliance: it is made anew when
+#: a tangent is, and above that costs more than it saves.
+SMALL_SURFACE = 150
 #: Unknowns of solids in space above which nothing is factored (demos/benchmark_iterative.py).
 LARGE_SOLIDS = 10_000
 

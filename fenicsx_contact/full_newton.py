@@ -12,8 +12,9 @@ import numpy as np
 from .assembly import Assembly, Clock, scale_of
 from .checks import StepFailed
 from .condensed import Condensed
+from .direct import Direct
 from .iterative import Iterative
-from .monolithic import Direct, Monolithic
+from .monolithic import Monolithic
 from .newton import Newton
 from .solids import DeformableSolid
 from .system import SLOW
@@ -45,6 +46,8 @@ class FullNewton:
         self._all, self._newton = assembly, newton
         self.errors: list[float] = []
         self.system: Condensed | Monolithic = SYSTEMS[solver](assembly)
+        for solid in assembly.solids:  # a new tangent costs a new compliance of the surfaces
+            solid.patient = isinstance(self.system, Condensed)
 
     def solve(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         """See :meth:`~fenicsx_contact.fixed_point.FixedPoint.solve`."""
@@ -102,7 +105,8 @@ class FullNewton:
             if not any(solid.broken() for solid in self._all.solids):
                 break
             self._halve(step)
-        self._all.refuse_broken()
+        else:
+            self._all.refuse_broken()
         for contact in self._all.contacts:
             contact.equations.enter_slipping()
             contact.follow()

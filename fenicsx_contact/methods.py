@@ -14,6 +14,9 @@ from .theta import ThetaScheme
 
 #: Components of surface points above which no dense system is formed.
 LARGE_SURFACE = 1500
+#: Components up to which nonlinear solids in motion enter by their compliance: it is made anew when
+#: a tangent is, and above that costs more than it saves.
+SMALL_SURFACE = 150
 #: Unknowns of solids in space above which nothing is factored (demos/benchmark_iterative.py).
 LARGE_SOLIDS = 10_000
 
@@ -30,7 +33,8 @@ def choose(
     Raises:
         InputError: an unknown name, or a solver that cannot take one of the solids.
     """
-    large = sum(contact.part.places for contact in contacts) > LARGE_SURFACE
+    places = sum(contact.part.places for contact in contacts)
+    large = places > LARGE_SURFACE
     deformable = [solid for solid in solids if isinstance(solid, DeformableSolid)]
     if geometry is None:
         # rigid solids are hyperstatic: there the fixed point has a solver to fall back on
@@ -44,7 +48,9 @@ def choose(
         # what only contact holds in equilibrium has no compliance of its own
         floats = not scheme.inertia and not all(stands(solid) for solid in solids)
         in_space = sum(solid.unknowns for solid in deformable if solid.dim == 3)
-        if not (nonlinear or large or floats):
+        # the tangent of a nonlinear solid in motion serves for many steps, and so does a compliance
+        keeps = scheme.inertia and places <= SMALL_SURFACE
+        if not large and not floats and (keeps or not nonlinear):
             solver = "condensed"
         elif len(deformable) == len(solids) and in_space > LARGE_SOLIDS:
             solver = "iterative"

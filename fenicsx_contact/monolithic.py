@@ -19,7 +19,6 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from .assembly import Assembly
-from .linear import direct_solver
 from .numbering import Numbering
 from .solids import MonolithicSolid, MonolithicTrace
 from .system import COMPLIANCE
@@ -44,7 +43,9 @@ class Monolithic(ABC):
             ]
             for contact in assembly.contacts
         ]
+        self._kept: dict[tuple[int, str], tuple] = {}
         self._linearisations: list[int] = []
+        self._patterns: list[tuple[np.ndarray, np.ndarray]] = []
 
     def begin(self, step: Step) -> tuple[float, np.ndarray]:
         """Residual of the present state: its largest relative error, and the forces on all points
@@ -98,19 +99,32 @@ class Monolithic(ABC):
     def _contact_block(self, frozen: bool = False) -> sp.csr_matrix:
         """What the contacts add to the matrix, scaled, (size, size), on every process; if
         ``frozen`` without the derivatives of the geometry."""
-        tangents, rows, columns = [], [], []
-        for part, traces in zip(self._parts, self._traces):
-            operators = [(k, trace.spreading(), trace.seeing()) for k, trace in traces]
-            active = part.active_places
-            spread = sp.vstack([self._places.renumber(s, k) for k, s, _ in operators], "csr")
-            see = sp.vstack([self._places.renumber(s, k) for k, _, s in operators], "csr")
-            tangents.append(part.sparse_tangent(frozen))
-            rows.append((spread[active], part.scales()[1][len(active) :]))
-            columns.append((see[active], part.scales()[0][len(active) :]))
-        if not tangents:
-            return sp.csr_matrix((self._size, self._size))
-        block = _onto(rows).T @ sp.block_diag(tangents, "csr") @ _onto(columns)
-        return block.tocsr()
+        block, last = sp.csr_matrix((self._size, self._size)), self._places.size
+        for contact, part in enumerate(self._parts):
+            n, (columns, rows) = len(part.active_places), part.scales()
+            columns[:n] = rows[:n] = 1.0
+            tangent = part.sparse_tangent(frozen)
+            tangent.data *= np.repeat(rows, np.diff(tangent.indptr)) * columns[tangent.indices]
+            push, see = (self._onto(contact, which, last) for which in ("spreading", "seeing"))
+            block = block + push.T @ (tangent @ see)
+            last += part.multipliers
+        return block
+
+    def _onto(self, contact: int, which: str, last: int) -> sp.csr_matrix:
+        """From the unknowns of the system to the active ones of a contact, its multipliers, whose
+        numbers begin with ``last``, behind; by the operators of the traces of that name. Kept
+        while nothing changes."""
+        part, traces = self._parts[contact], self._traces[contact]
+        operators = [getattr(trace, which)() for _, trace in traces]
+        active, m = part.active_places, part.multipliers
+        key = (*map(id, operators), active.tobytes(), last, m, self._size)
+        if key != self._kept.get((contact, which), ((), None, None))[0]:
+            numbered = [self._places.renumber(each, k) for each, (k, _) in zip(operators, traces)]
+            velocities = sp.vstack(numbered, "csr")[active]
+            own = sp.csr_matrix((np.ones(m), (np.arange(m), last + np.arange(m))), (m, self._size))
+            velocities.resize(len(active), self._size)
+            self._kept[contact, which] = key, sp.vstack([velocities, own], "csr"), operators
+        return self._kept[contact, which][1]
 
     def _compliance(self) -> sp.csr_matrix:
         """The compliance that makes the multipliers unique, where they are not."""
@@ -128,29 +142,39 @@ class Monolithic(ABC):
         on every process and, for the multipliers, may be larger."""
         size, start = extra.shape[0], self._places.mine.start
         rows = slice(start, min(self._rows_here.stop, size))
-        solids = self._solid_rows()
-        # multipliers come and go, behind
-        missing = rows.stop - rows.start - solids.shape[0]
-        indptr = np.pad(solids.indptr, (0, missing), "edge")
-        own = sp.csr_matrix((solids.data, solids.indices, indptr), (rows.stop - start, size))
-        return extra[rows] + own
+        return extra[rows] + self._solid_rows(rows.stop - start, size)
 
-    def _solid_rows(self) -> sp.csr_matrix:
-        """This process's rows of the solids' own matrices, new if one of these is."""
+    def _solid_rows(self, rows: int = 0, columns: int = 0) -> sp.csr_matrix:
+        """This process's rows of the solids' own matrices, new if one of these is; with empty
+        rows and columns behind, where multipliers come and go, if so many are asked for."""
         now = [solid.linearisation for solid in self._solids]
         if now != self._linearisations:
             self._linearisations = now
-            entries, places, columns = [], [], []
-            mine = self._places.mine
-            for solid, own, numbers in zip(self._solids, self._places.own, self._places.numbers):
-                indptr, indices, values = solid.matrix_rows(self.comm)
-                entries.append(values)
-                places.append(np.repeat(own[: len(indptr) - 1], np.diff(indptr)) - mine.start)
-                columns.append(numbers[indices])
-            data, row, column = (np.concatenate(part) for part in (entries, places, columns))
-            shape = mine.stop - mine.start, self._places.size
-            self._own_rows = sp.csr_matrix((data, (row, column)), shape)
-        return self._own_rows
+            matrices = [solid.matrix_rows(self.comm) for solid in self._solids]
+            self._arrange([matrix[:2] for matrix in matrices])
+            values = np.concatenate([matrix[2] for matrix in matrices])
+            self._values = values[self._order.data]
+        order = self._order
+        n, m = max(rows, order.shape[0]), max(columns, order.shape[1])
+        indptr = np.pad(order.indptr, (0, n - order.shape[0]), "edge")
+        return sp.csr_matrix((self._values, order.indices, indptr), (n, m))
+
+    def _arrange(self, patterns: list[tuple[np.ndarray, np.ndarray]]) -> None:
+        """Find where the entries of the solids' matrices stand, if not as before."""
+        if self._patterns and all(
+            np.array_equal(a, b) for pair in zip(patterns, self._patterns) for a, b in zip(*pair)
+        ):
+            return
+        self._patterns = patterns
+        mine, places, columns = self._places.mine, [], []
+        for (indptr, indices), own, numbers in zip(
+            patterns, self._places.own, self._places.numbers
+        ):
+            places.append(np.repeat(own[: len(indptr) - 1], np.diff(indptr)) - mine.start)
+            columns.append(numbers[indices])
+        row, column = np.concatenate(places), np.concatenate(columns)
+        shape = mine.stop - mine.start, self._places.size
+        self._order = sp.csr_matrix((np.arange(len(row)), (row, column)), shape)
 
     def _everywhere(self, local: np.ndarray) -> np.ndarray:
         """The rows of all processes."""
@@ -164,22 +188,6 @@ class Monolithic(ABC):
         return f"{names[worst]} stalls at a relative error of {self._errors[1 + worst]:.3g}"
 
 
-class Direct(Monolithic):
-    """Solved by a direct factorisation, which is new in each iteration."""
-
-    def _solve(self) -> np.ndarray:
-        A = petsc_matrix(self._matrix(self._contact_block() + self._compliance()), self.comm)
-        solver = direct_solver(A, "monolithic")
-        x, b = A.createVecs()
-        b.setArray(self._residual()[self._rows_here])
-        solver.solve(b, x)
-        failed = solver.getConvergedReason() < 0
-        local = np.full(len(x.array_r), np.nan) if failed else x.array_r.copy()
-        for thing in (solver, A, x, b):
-            thing.destroy()
-        return self._everywhere(local)
-
-
 def petsc_matrix(rows: sp.csr_matrix, comm: MPI.Comm, columns: int | None = None) -> PETSc.Mat:
     """The matrix whose rows, one process after the other, are these; ``columns``: how many of them
     are this process's, as many as rows if not given."""
@@ -188,16 +196,3 @@ def petsc_matrix(rows: sp.csr_matrix, comm: MPI.Comm, columns: int | None = None
     columns = n if columns is None else columns
     csr = (rows.indptr.astype(np.int32), rows.indices.astype(np.int32), rows.data)
     return PETSc.Mat().createAIJ(((n, PETSc.DECIDE), (columns, size)), csr=csr, comm=comm)
-
-
-def _onto(parts: list[tuple[sp.csr_matrix, np.ndarray]]) -> sp.csr_matrix:
-    """From the unknowns of the system to those of the parts, one part after the other, each with
-    its multipliers behind its velocities."""
-    count, blocks = sum(len(scale) for _, scale in parts), []
-    start = 0
-    for operator, scale in parts:
-        m = len(scale)
-        picked = sp.csr_matrix((scale, (np.arange(m), start + np.arange(m))), (m, count))
-        blocks += [[operator, None], [None, picked]]
-        start += m
-    return sp.bmat(blocks, format="csr")

@@ -15,7 +15,16 @@ import ufl
 from . import compat
 from .equations import SurfaceEquations
 from .pairing import Pairing
-from .pairing.matrices import Matrix, along, block, by_component, stack, used_columns
+from .pairing.matrices import (
+    Matrix,
+    along,
+    block,
+    by_component,
+    by_point,
+    gather,
+    stack,
+    used_columns,
+)
 from .pairing.rates import Rates
 
 
@@ -33,11 +42,11 @@ class PairedEquations:
 
     def __init__(self, equations: SurfaceEquations, pairing: Pairing) -> None:
         self.equations, self.pairing = equations, pairing
-        self._d = equations.fields.surface.dim
+        self._d, self._dense = equations.fields.surface.dim, pairing.dense
         self.velocities = np.zeros(self.places)
         self.active_places = np.empty(0, dtype=np.int64)
         self.revision = 0
-        self._parameters: _ParameterTangent | None = None
+        self._parameters: _ParameterTangents | None = None
         self._rates: Rates | None = None
 
     @property
@@ -59,8 +68,8 @@ class PairedEquations:
         self.revision += 1
         self._operator = by_component(self.pairing.operator, d)
         J = self._operator[e.active_jumps]
-        self._J, self._transpose = J, J.T
-        self._jump_rate, self._rates, self._gap_rate = J, None, gap_rate
+        self._rates, self._gap_rate = None, gap_rate
+        seen = [J]
         if exact and len(e.candidates):
             self._rates = rates = Rates(self.pairing)
             full = self._operator + gap_rate * rates.jump(velocities.reshape(-1, d))
@@ -68,16 +77,16 @@ class PairedEquations:
             normal = e.fields.normal.x.array.reshape(n, d)
             jump = (self._operator @ velocities).reshape(n, d)
             gap = share * gap_rate * (rates.gap - along(normal, full) - along(jump, turn))
-            self._jump_rate = full[e.active_jumps]
-            # as the form's parameters stand: gaps, then normals node by node
-            mine = np.concatenate([e.candidates, n + e.active_jumps])
-            self._parameter_rate = stack([gap, turn])[mine]
-            if self._parameters is None:
-                self._parameters = _ParameterTangent(e)
-            self._mine = mine
-            self.active_places = used_columns([J, self._jump_rate, self._parameter_rate])
-        else:
-            self.active_places = used_columns([J])
+            seen += [full[e.active_jumps], gap[e.candidates], turn[e.active_jumps]]
+        self.active_places = mine = used_columns(seen)
+        self._J = J[:, mine]
+        if self._rates:
+            # point by point what its equations read: jumps, gap and normal
+            jumps = np.arange(len(e.active_jumps)).reshape(-1, d)
+            gaps = jumps.size + np.arange(len(jumps))[:, None]
+            order = np.concatenate([jumps, gaps, jumps.size + len(jumps) + jumps], axis=1)
+            self._seen = stack([each[:, mine] for each in seen[1:]])[order.ravel()]
+            self._parameters = self._parameters or _ParameterTangents(e)
         self._set_jumps()
 
     def _set_jumps(self) -> None:
@@ -110,27 +119,32 @@ class PairedEquations:
         """Their rows: forces J' F_w, then those of the multipliers."""
         e = self.equations
         residual = e.active_residual()
-        forces = self._transpose @ residual[: len(e.active_jumps)]
-        return np.concatenate([forces[self.active_places], residual[len(e.active_jumps) :]])
+        forces = self._J.T @ residual[: len(e.active_jumps)]
+        return np.concatenate([forces, residual[len(e.active_jumps) :]])
 
     def _tangent(self, frozen: bool = False) -> Matrix:
         """Their tangent; if ``frozen`` without the derivatives of the geometry."""
-        e, mine = self.equations, self.active_places
-        F = e.active_tangent() if self.pairing.dense else e.sparse_tangent()
-        w = len(e.active_jumps)
-        rates = None if frozen else self._rates
-        rows = F[:, :w] @ (self._J if frozen else self._jump_rate)
-        if rates is not None:
+        e, mine, d, J = self.equations, self.active_places, self._d, self._J
+        tangents = e.point_tangents()
+        c, u, _ = tangents.shape
+        read, seen = tangents[:, :, :d], J
+        exact = self._rates is not None and not frozen
+        if exact:
             assert self._parameters is not None
-            parameters = self._parameters()[e.active][:, self._mine]
-            rows = rows + parameters @ self._parameter_rate
-        forces = self._transpose @ rows[:w]
-        if rates is not None:
-            at_nodes = np.zeros(e.jumps)
-            at_nodes[e.active_jumps] = e.residual()[e.active_jumps]
-            forces = forces + self._gap_rate * rates.spread(at_nodes.reshape(-1, self._d))
-        multipliers = self._transpose @ F[:w, w:]
-        return block([[forces[mine][:, mine], multipliers[mine]], [rows[w:][:, mine], F[w:, w:]]])
+            read, seen = np.concatenate([read, self._parameters()], axis=2), self._seen
+        forces = J.T @ by_point(read[:, :d], seen)
+        if exact:
+            assert self._rates is not None
+            at_nodes = np.zeros((self.pairing.n, d))
+            at_nodes[e.candidates] = e.active_residual()[: c * d].reshape(c, d)
+            forces = forces + self._gap_rate * self._rates.spread(at_nodes)[mine][:, mine]
+        own = np.arange(c * (u - d)).reshape(u - d, c).T  # multipliers stand component by component
+        order = np.arange(c * (u - d)).reshape(c, u - d).T.ravel()
+        rows = by_point(read[:, d:], seen)[order]
+        columns = by_point(tangents[:, :d, d:].transpose(0, 2, 1), J)[order].T
+        inner = tangents[:, d:, d:]
+        corner = gather(inner, own[:, :, None], own[:, None], (own.size, own.size), self._dense)
+        return block([[forces, columns], [rows, corner]])
 
     def sparse_tangent(self, frozen: bool = False) -> sp.csr_matrix:
         """Their tangent, sparse; if ``frozen`` without the derivatives of the geometry."""
@@ -139,7 +153,7 @@ class PairedEquations:
     def active_tangent(self) -> np.ndarray:
         """Their tangent, dense."""
         tangent = self._tangent()
-        return tangent if self.pairing.dense else tangent.toarray()
+        return tangent if self._dense else tangent.toarray()
 
     def move(self, step: np.ndarray) -> None:
         """Add to the active unknowns."""
@@ -170,12 +184,11 @@ class PairedEquations:
 
     def jump_operator(self) -> np.ndarray:
         """Jumps of the candidates from the active velocities."""
-        J = self._operator[self.equations.active_jumps][:, self.active_places]
-        return J if self.pairing.dense else J.toarray()
+        return self._J if self._dense else self._J.toarray()
 
 
-class _ParameterTangent:
-    """Derivative of the contact terms by gap and normal at the nodes, sparse."""
+class _ParameterTangents:
+    """Derivatives of the contact terms by gap and normal, point by point."""
 
     def __init__(self, equations: SurfaceEquations) -> None:
         k = equations.fields
@@ -186,19 +199,25 @@ class _ParameterTangent:
         form = ufl.derivative(equations.form, k.normal, normal)
         form += ufl.derivative(equations.form, k.gap, trial[0])
         self._assembler = compat.MatrixAssembler(form)
-        place = np.empty(n * (1 + d), dtype=np.int64)
+        point, kind = np.empty((2, n * (1 + d)), dtype=np.int64)
         for component in range(1 + d):
             dofs = compat.cell_dofs(space.sub(component)).ravel()
-            nodes = k.surface.cell_nodes.ravel()
-            place[dofs] = nodes if component == 0 else n + nodes * d + component - 1
+            point[dofs], kind[dofs] = k.surface.cell_nodes.ravel(), component
         lengths = np.diff(self._assembler.indptr)
-        rows = equations.order_of_rows[np.repeat(np.arange(equations.size), lengths)]
-        self._place = rows, place[self._assembler.indices]
-        self._shape = equations.size, n * (1 + d)
+        row = equations.order_of_rows[np.repeat(np.arange(equations.size), lengths)]
+        column, jump = self._assembler.indices, row < equations.jumps
+        behind = row - equations.jumps
+        at = np.where(jump, row // d, behind % n)
+        what = np.where(jump, row % d, d + behind // n)
+        self._mine = at == point[column]  # all that are not zero
+        self._place = at[self._mine], what[self._mine], kind[column][self._mine]
+        self._blocks = np.zeros((n, k.components, 1 + d))
         self._equations, self._revision = equations, -1
 
-    def __call__(self) -> sp.csr_matrix:
+    def __call__(self) -> np.ndarray:
+        """Those of the candidates, (points, unknowns, 1 + d)."""
         if self._revision != self._equations.revision:
             self._revision = self._equations.revision
             self._assembler.refresh_constants()
-        return sp.csr_matrix((self._assembler(), self._place), self._shape)
+        self._blocks[self._place] = self._assembler()[self._mine]
+        return self._blocks[self._equations.candidates]

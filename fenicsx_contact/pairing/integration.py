@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import basix
 import numpy as np
-from scipy.spatial import cKDTree
 
+from .search import Near, Spheres
 from .side import Side
 
 #: Degree of the rule on the facets of a surface in space, and points on a piece of a line.
@@ -43,38 +43,37 @@ def whole(side: Side) -> Points:
     return Points(facet, xi, np.tile(w, m))
 
 
-def pieces(slave: Side, slave_nodes: np.ndarray, master: Side, master_nodes: np.ndarray) -> Points:
-    """Points on the pieces into which the corners of the master cut the facets of a line.
+class Cuts:
+    """Points on the pieces into which the corners of the master cut the facets of a line."""
 
-    Args:
-        slave, master: the sides.
-        slave_nodes, master_nodes: present places of their nodes, (N, d).
-    """
-    ends = slave_nodes[slave.corners]  # (m, 2, d)
-    along = ends[:, 1] - ends[:, 0]
-    square = (along**2).sum(axis=1)
-    corners = master_nodes[np.unique(master.corners)]
-    facet, corner = _near(ends.mean(axis=1), 0.5 * np.sqrt(square) + master.size, corners)
-    s = ((corners[corner] - ends[facet, 0]) * along[facet]).sum(axis=1) / square[facet]
-    cut = (s > 1e-9) & (s < 1 - 1e-9)
-    m = len(along)
-    facet = np.concatenate([np.arange(m), np.arange(m), facet[cut]])
-    s = np.concatenate([np.zeros(m), np.ones(m), s[cut]])
-    order = np.lexsort((s, facet))
-    facet, s = facet[order], s[order]
-    length = np.where(facet[1:] == facet[:-1], np.diff(s), 0.0)
-    kept = np.flatnonzero(length > 1e-10)
-    x, w = _gauss(PIECE_POINTS[max(slave.degree, master.degree)])
-    xi = (s[kept, None] + length[kept, None] * x).reshape(-1, 1)
-    return Points(np.repeat(facet[kept], len(w)), xi, (length[kept, None] * w).ravel())
+    def __init__(self, slave: Side, master: Side) -> None:
+        self._slave, self._master = slave, master
+        self._rule = _gauss(PIECE_POINTS[max(slave.degree, master.degree)])
+        self._corners = np.unique(master.corners)
+        self._near = Near()
 
-
-def _near(centres: np.ndarray, radii: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Pairs (centre, point) closer than the radii."""
-    found = cKDTree(points).query_ball_point(centres, radii)
-    count = np.fromiter(map(len, found), dtype=np.int64, count=len(found))
-    flat = np.fromiter((i for each in found for i in each), dtype=np.int64, count=count.sum())
-    return np.repeat(np.arange(len(centres)), count), flat
+    def points(self, slave_nodes: np.ndarray, master_nodes: np.ndarray) -> Points:
+        """Those of the present places of the nodes, (N, d)."""
+        ends = slave_nodes[self._slave.corners]  # (m, 2, d)
+        along = ends[:, 1] - ends[:, 0]
+        square = (along**2).sum(axis=1)
+        facets = Spheres(ends.sum(axis=1) / 2, 0.5 * np.sqrt(square) + self._master.size)
+        corners = Spheres(master_nodes[self._corners], np.zeros(len(self._corners)))
+        facet, corner = self._near(facets, corners)
+        corner = corners.middles[corner]
+        close = ((corner - facets.middles[facet]) ** 2).sum(axis=1) <= facets.radii[facet] ** 2
+        s = ((corner - ends[facet, 0]) * along[facet]).sum(axis=1) / square[facet]
+        cut = close & (s > 1e-9) & (s < 1 - 1e-9)
+        each = np.arange(len(along))
+        facet = np.concatenate([each, each, facet[cut]])
+        s = np.concatenate([np.zeros(len(along)), np.ones(len(along)), s[cut]])
+        order = np.lexsort((s, facet))
+        facet, s = facet[order], s[order]
+        length = np.where(facet[1:] == facet[:-1], s[1:] - s[:-1], 0.0)
+        kept = np.flatnonzero(length > 1e-10)
+        x, w = self._rule
+        xi = (s[kept, None] + length[kept, None] * x).reshape(-1, 1)
+        return Points(np.repeat(facet[kept], len(w)), xi, (length[kept, None] * w).ravel())
 
 
 def _gauss(n: int) -> tuple[np.ndarray, np.ndarray]:

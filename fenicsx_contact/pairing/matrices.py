@@ -17,6 +17,13 @@ Matrix = Any  # np.ndarray or sp.csr_matrix
 DENSE = 400_000
 
 
+def add_up(values: np.ndarray, rows: np.ndarray, n: int) -> np.ndarray:
+    """Sums (n, k) of the values (q, k) that belong to the same row."""
+    k = values.shape[1]
+    places = rows if k == 1 else (rows[:, None] * k + np.arange(k)).ravel()
+    return np.bincount(places, values.ravel(), n * k).reshape(n, k)
+
+
 def gather(
     entries: np.ndarray, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int], dense: bool
 ) -> Matrix:
@@ -39,7 +46,7 @@ def stack(matrices: Sequence[Matrix]) -> Matrix:
 def block(matrices: Sequence[Sequence[Matrix]]) -> Matrix:
     """A matrix of matrices."""
     if isinstance(matrices[0][0], np.ndarray):
-        return np.block(matrices)
+        return np.concatenate([np.concatenate(row, axis=1) for row in matrices])
     return sp.bmat(matrices, format="csr")
 
 
@@ -53,6 +60,16 @@ def used_columns(matrices: Sequence[Matrix]) -> np.ndarray:
 def square(matrix: Matrix) -> Matrix:
     """The squares of the entries."""
     return matrix**2 if isinstance(matrix, np.ndarray) else matrix.power(2)
+
+
+def by_point(blocks: np.ndarray, matrix: Matrix) -> Matrix:
+    """The product with a matrix of c k rows of the one whose diagonal blocks are (c, u, k)."""
+    c, u, k = blocks.shape
+    if isinstance(matrix, np.ndarray):
+        return (blocks @ matrix.reshape(c, k, matrix.shape[1])).reshape(c * u, matrix.shape[1])
+    indices = np.broadcast_to(np.arange(c * k).reshape(c, 1, k), blocks.shape)
+    indptr = np.arange(c * u + 1) * k
+    return sp.csr_matrix((blocks.ravel(), indices.ravel(), indptr), (c * u, c * k)) @ matrix
 
 
 def by_component(matrix: Matrix, d: int) -> Matrix:

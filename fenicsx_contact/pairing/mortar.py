@@ -20,9 +20,9 @@ from math import prod
 
 import numpy as np
 
-from .integration import pieces, whole
-from .matrices import DENSE, Matrix, gather
-from .partners import meet
+from .integration import Cuts, Points, whole
+from .matrices import DENSE, Matrix, add_up, gather
+from .partners import Partners
 from .side import Side
 
 #: Partners are sought within so many facets, and four times the way of the step.
@@ -56,62 +56,67 @@ class Pairing:
         self.n = int(slave.corners.max()) + 1
         self.total = len(slave.nodes) + len(master.nodes)
         self.dense = (self.total * slave.dim) ** 2 <= DENSE
+        self._sizes = np.zeros(self.n)  # of the largest facet at each node
+        np.maximum.at(self._sizes, slave.corners, slave.sizes[:, None])
+        self._partners = Partners(slave, master)
+        self._cuts = Cuts(slave, master) if slave.dim == 2 else None
         self._rule = whole(slave)
         self._rule_shapes = self._shapes(self._rule.xi)
-        self._rule_weight = self._rule.weight * slave.reference_measure(
-            self._rule.facet, self._rule.xi
-        )
+        self._rule_weight = self._weight(self._rule, self._rule_shapes[1])
         phi = self._rule_shapes[2] * self._rule_weight[:, None]
         self.full_area = self.collect(phi, self._rule.facet)
 
     def _shapes(self, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        return *self.slave.shape(xi), self.slave.linear_shape(xi)
+        values, slopes = self.slave.shape(xi)
+        linear = values if self.slave.degree == 1 else self.slave.linear_shape(xi)
+        return values, slopes, linear
+
+    def _weight(self, points: Points, slopes: np.ndarray) -> np.ndarray:
+        return points.weight * self.slave.reference_measure(points.facet, slopes)
 
     def collect(self, values: np.ndarray, facet: np.ndarray) -> np.ndarray:
         """Sum values (q, corners, ...) of points on slave facets to the corners, (n, ...)."""
         rows = self.slave.corners[facet].ravel()
         flat = values.reshape(len(rows), prod(values.shape[2:]))  # also of no points
-        columns = [np.bincount(rows, column, self.n) for column in flat.T]
-        return np.stack(columns, axis=-1).reshape(self.n, *values.shape[2:])
+        return add_up(flat, rows, self.n).reshape(self.n, *values.shape[2:])
 
     def update(self, places: np.ndarray, way: float) -> None:
         """Take up new places (N, d) of the nodes, whose longest ``way`` [m] in the step tells how
         far partners are sought."""
         reach = FACETS * self.slave.sizes + 4 * way
-        self.reach = np.zeros(self.n)
-        np.maximum.at(self.reach, self.slave.corners, reach[:, None])
+        self.reach = FACETS * self._sizes + 4 * way
         slave, master = self.slave, self.master
         xs, xm = places[: len(slave.nodes)], places[len(slave.nodes) :]
-        if slave.dim == 2:
-            points = pieces(slave, xs, master, xm)
-            values, slopes, phi = self._shapes(points.xi)
-            weight = points.weight * slave.reference_measure(points.facet, points.xi)
+        if self._cuts:
+            points = self._cuts.points(xs, xm)
+            shapes = self._shapes(points.xi)
+            weight = self._weight(points, shapes[1])
         else:
-            points, weight = self._rule, self._rule_weight
-            values, slopes, phi = self._rule_shapes
+            points, shapes, weight = self._rule, self._rule_shapes, self._rule_weight
+        values, slopes, phi = shapes
         x = np.einsum("qk,qkj->qj", values, xs[slave.cells[points.facet]])
         normal = slave.normals(xs, points.facet, slopes)
-        length = np.linalg.norm(normal, axis=1)
-        hits = meet(x, normal / length[:, None], points.facet, reach[points.facet], master, xm)
+        length = np.sqrt((normal**2).sum(axis=1))
+        unit = normal / length[:, None]
+        hits = self._partners.meet(x, unit, points.facet, reach, (xs, xm))
 
-        on = np.flatnonzero(hits.facet >= 0)
-        self.facet, self.phi = points.facet[on], phi[on]
+        on = hits.ray
+        self.facet, self.phi, weight = points.facet[on], phi[on], weight[on]
         self.values, self.slopes = values[on], slopes[:, on]
-        self.unit, self.length = (normal / length[:, None])[on], length[on]
-        self.distance, self.inverse = hits.distance[on], hits.inverse[on]
-        partner = hits.facet[on]
-        self.their_values, self.their_slopes = master.shape(hits.xi[on])
+        self.unit, self.length = unit[on], length[on]
+        self.distance, self.inverse = hits.distance, hits.inverse
+        self.their_values, self.their_slopes = master.shape(hits.xi)
         self.nodes = np.concatenate(
-            [slave.cells[self.facet], master.cells[partner] + len(slave.nodes)], axis=1
+            [slave.cells[self.facet], master.cells[hits.facet] + len(slave.nodes)], axis=1
         )
         self.places = places
 
-        weighted = self.phi * weight[on, None]
+        weighted = self.phi * weight[:, None]
         area = self.collect(weighted, self.facet)
         self.paired = area > COVERED * self.full_area
         self.area = np.where(self.paired, area, 0.0)
         share = 1 / np.where(self.paired, area, np.inf)
-        dual = self._dual(self.phi, weight[on]) * weight[on, None]
+        dual = self._dual(self.phi, weight) * weight[:, None]
         self.shares = dual * share[slave.corners[self.facet]]  # psi_i w / a_i at the points
         gap = self.collect(self.shares * -self.distance[:, None], self.facet)
         self.gap = np.where(self.paired, gap, -self.reach)
@@ -134,12 +139,12 @@ class Pairing:
         """The functions psi_i dual to phi_j on the paired part of each facet, at the points: there
         int psi_i phi_j = delta_ij int phi_j. phi_i itself where that part is too small to tell."""
         m, k = self.slave.corners.shape
-        mass = np.zeros((m, k, k))
-        np.add.at(mass, self.facet, weight[:, None, None] * phi[:, :, None] * phi[:, None, :])
+        products = (weight[:, None, None] * phi[:, :, None] * phi[:, None, :]).reshape(-1, k * k)
+        mass = add_up(products, self.facet, m).reshape(m, k, k)
         lumped = mass.sum(axis=2)
         scale = np.where(lumped > 0, lumped, 1.0) ** -0.5
-        regular = mass * scale[:, :, None] * scale[:, None, :]
-        good = np.linalg.cond(regular) < ILL
+        eigenvalues = np.linalg.eigvalsh(mass * scale[:, :, None] * scale[:, None, :])
+        good = ILL * eigenvalues[:, 0] > eigenvalues[:, -1]
         turn = np.tile(np.eye(k), (m, 1, 1))
         turn[good] = lumped[good, :, None] * np.linalg.inv(mass[good])
         return np.einsum("qij,qj->qi", turn[self.facet], phi)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .search import candidates
+from .search import Near, Spheres, candidates, first_of_each
 from .side import Side
 
 #: Overlap of facets, in local coordinates: rays through an edge must not pass between two facets.
@@ -23,80 +23,94 @@ FACING = -0.05
 
 @dataclass(frozen=True)
 class Hits:
-    """For each ray: facet of the other side (-1: none), local coordinates (q, d - 1), alpha (q,),
-    and ``inverse``, (q, d, d): M^-1 of  M (dxi, dalpha) = dx + alpha dn - dx_m."""
+    """The rays that meet something (h,), facets of the other side (h,), local coordinates there
+    (h, d - 1), alpha (h,), and ``inverse``, (h, d, d): M^-1 of  M (dxi, dalpha) = dx + alpha dn -
+    dx_m."""
 
+    ray: np.ndarray
     facet: np.ndarray
     xi: np.ndarray
     distance: np.ndarray
     inverse: np.ndarray
 
 
-def meet(
-    x: np.ndarray,
-    n: np.ndarray,
-    bundle: np.ndarray,
-    reach: np.ndarray,
-    side: Side,
-    nodes: np.ndarray,
-) -> Hits:
-    """Shoot rays from x (q, d) along the unit vectors n (q, d), to both sides.
+class Partners:
+    """Shoots rays from the facets of one side to those of the other."""
 
-    Args:
-        x, n: the rays.
-        bundle: facet from which each comes, (q,), ascending.
-        reach: how far each goes, (q,) in m.
-        side: the other side, ``nodes`` (N, d) the present places of its nodes.
-        reach: farthest distance, m; inf looks everywhere.
-    """
-    q, d = x.shape
-    ray, facet = candidates(x, n, bundle, reach, nodes[side.cells])
-    xi, alpha, inverse = _intersect(x[ray], n[ray], side, nodes, facet)
-    normal = side.normals(nodes, facet, side.shape(xi)[1])
-    facing = (normal * n[ray]).sum(axis=1) < FACING * np.linalg.norm(normal, axis=1)
-    good = facing & side.holds(xi, EDGE) & (np.abs(alpha) <= reach[ray])
-    ray, facet, xi, alpha, inverse = (a[good] for a in (ray, facet, xi, alpha, inverse))
-    order = np.lexsort((facet, np.abs(alpha), ray))
-    _, first = np.unique(ray[order], return_index=True)
-    best = order[first]
-    result = Hits(np.full(q, -1), np.zeros((q, d - 1)), reach.copy(), np.zeros((q, d, d)))
-    hit = ray[best]
-    result.facet[hit], result.xi[hit] = facet[best], xi[best]
-    result.distance[hit], result.inverse[hit] = alpha[best], inverse[best]
-    return result
+    def __init__(self, side: Side, other: Side) -> None:
+        self._side, self._other = side, other
+        self._near = Near()
+
+    def meet(
+        self,
+        x: np.ndarray,
+        n: np.ndarray,
+        origin: np.ndarray,
+        reach: np.ndarray,
+        places: tuple[np.ndarray, np.ndarray],
+    ) -> Hits:
+        """What the rays from x (q, d) along the unit vectors n (q, d), to both sides, meet first.
+
+        Args:
+            x, n: the rays.
+            origin: facet from which each comes, (q,), ascending; from each comes one at least.
+            reach: how far those of each facet go, m.
+            places: present places of the nodes of both sides, (N, d).
+        """
+        side, nodes = self._other, places[1]
+        bundles = Spheres.around(places[0][self._side.cells])
+        facets = Spheres.around(nodes[side.cells])
+        ray, facet = candidates(x, n, origin, reach, bundles, facets, self._near)
+        direction = n[ray]
+        xi, alpha, inverse, tangents = _intersect(x[ray], direction, side, nodes, facet)
+        normal = side.normal(tangents, facet)
+        size = np.sqrt((normal**2).sum(axis=1))
+        facing = (normal * direction).sum(axis=1) < FACING * size
+        good = facing & side.holds(xi, EDGE) & (np.abs(alpha) <= reach[origin[ray]])
+        good = np.flatnonzero(good)
+        order = good[np.lexsort((facet[good], np.abs(alpha[good]), ray[good]))]
+        best = order[first_of_each(ray[order])]
+        return Hits(ray[best], facet[best], xi[best], alpha[best], inverse[best])
 
 
 def _intersect(
     x: np.ndarray, n: np.ndarray, side: Side, nodes: np.ndarray, facet: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Where rays meet the facets, continued beyond their edges: xi, alpha, M^-1."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Where rays meet the facets, continued beyond their edges: xi, alpha, M^-1 and the tangents
+    of the facets there, (d - 1, q, d)."""
     q, d = x.shape
     xi, alpha = np.tile(side.midpoint, (q, 1)), np.zeros(q)
     matrix = np.empty((q, d, d))
     matrix[:, :, -1] = -n
     places = nodes[side.cells[facet]]
-    straight = side.degree == 1 and side.cell != "quadrilateral"
-    for _ in range(1 if straight else 8):
+    for _ in range(1 if side.straight else 8):
         values, slopes = side.shape(xi)
         error = x + alpha[:, None] * n - np.einsum("qk,qkj->qj", values, places)
-        matrix[:, :, :-1] = np.einsum("tqk,qkj->qjt", slopes, places)
+        tangents = np.einsum("tqk,qkj->tqj", slopes, places)
+        matrix[:, :, :-1] = np.moveaxis(tangents, 0, 2)
         inverse = _inverse(matrix)
         step = np.einsum("qij,qj->qi", inverse, error)
         # far from the facet a curved one need not be met: do not run away
-        xi = np.clip(xi + step[:, :-1], -5.0, 6.0) if not straight else xi + step[:, :-1]
+        xi = xi + step[:, :-1] if side.straight else np.clip(xi + step[:, :-1], -5.0, 6.0)
         alpha = alpha + step[:, -1]
         if np.abs(step[:, :-1]).max(initial=0.0) < 1e-13:
             break
-    if not straight:
+    if not side.straight:
         miss = np.abs(step[:, :-1]).max(axis=1, initial=0.0) > 1e-9
         xi[miss] = -1.0  # not on the facet
-    return xi, alpha, inverse
+    return xi, alpha, inverse, tangents
 
 
 def _inverse(matrix: np.ndarray) -> np.ndarray:
-    """Inverses (q, d, d); a ray along a facet, which has none, gives a far-away point."""
-    singular = np.abs(np.linalg.det(matrix)) < 1e-300
-    if singular.any():
-        matrix = matrix.copy()
-        matrix[singular] = np.eye(matrix.shape[1]) * 1e-30
-    return np.linalg.inv(matrix)
+    """Inverses (q, d, d) by Cramer's rule; a ray along a facet, which has none, gives a far-away
+    point."""
+    if matrix.shape[1] == 2:
+        (a, b), (c, d) = matrix[:, 0].T, matrix[:, 1].T
+        adjugate = np.stack([d, -b, -c, a], axis=1).reshape(-1, 2, 2)
+    else:
+        a, b, c = np.moveaxis(matrix, 2, 0)
+        adjugate = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+    determinant = np.einsum("qi,qi->q", adjugate[:, 0], matrix[:, :, 0])
+    singular = np.abs(determinant) < 1e-300
+    adjugate[singular] = np.eye(matrix.shape[1])
+    return adjugate / np.where(singular, 1e-30, determinant)[:, None, None]

@@ -61,7 +61,8 @@ class Rates:
         corners, nodes = pair.slave.corners[facets], pair.slave.cells[facets]
         project = np.eye(d) - pair.normal[:, :, None] * pair.normal[:, None, :]
         project /= pair.mean_length[:, None, None]
-        entries = np.einsum("qc,qcij,qkjl->qcikl", pair.mean_weight, project[corners], turn)
+        project = pair.mean_weight[:, :, None, None] * project[corners]
+        entries = np.einsum("qcij,qkjl->qcikl", project, turn)
         rows = (corners[:, :, None] * d + np.arange(d))[:, :, :, None, None]
         columns = (nodes[:, :, None] * d + np.arange(d))[:, None, None]
         return gather(entries, rows, columns, (pair.n * d, pair.total * d), pair.dense)
@@ -70,7 +71,8 @@ class Rates:
         """Derivative of the nodal jumps J v at fixed velocities (N, d), sparse (n d, N d)."""
         pair, d = self._pair, self._pair.slave.dim
         sheared = self._sheared(velocity)  # (q, d - 1, d)
-        entries = -np.einsum("qc,qti,qktl->qcikl", pair.shares, sheared, self._slide)
+        moved = np.einsum("qti,qktl->qikl", sheared, self._slide)
+        entries = -pair.shares[:, :, None, None, None] * moved[:, None]
         rows = (pair.slave.corners[pair.facet][:, :, None] * d + np.arange(d))[..., None]
         flat = entries.reshape(*entries.shape[:3], -1)
         shape = (pair.n * d, pair.total * d)
@@ -86,7 +88,8 @@ class Rates:
         """Derivative of J' f at fixed nodal forces f (n, d), sparse (N d, N d)."""
         pair, d = self._pair, self._pair.slave.dim
         at_points = np.einsum("qc,qcj->qj", pair.shares, force[pair.slave.corners[pair.facet]])
-        entries = -np.einsum("tqb,qi,qktl->qbikl", pair.their_slopes, at_points, self._slide)
+        moved = np.einsum("tqb,qktl->qbkl", pair.their_slopes, self._slide)
+        entries = -at_points[:, None, :, None, None] * moved[:, :, None]
         own = self._columns.reshape(len(entries), -1, d)[:, pair.values.shape[1] :]
         flat = entries.reshape(*entries.shape[:3], -1)
         shape = (pair.total * d,) * 2

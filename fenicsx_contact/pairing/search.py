@@ -3,7 +3,8 @@
 
 The rays of a facet are a bundle. A bundle sees the facets whose spheres enter the tube around it;
 trees find those near it, one tree for facets of about the same size, so that a few large ones far
-away do not make everything near.
+away do not make everything near. What is near is found with some margin, and sought again only
+when something has moved farther.
 """
 
 from __future__ import annotations
@@ -13,69 +14,115 @@ from scipy.spatial import cKDTree
 
 #: Spheres are larger by this factor than their facets' nodes tell: curved ones bulge.
 BULGE = 1.1
+#: What is near is sought this share of a typical sphere farther than asked.
+MARGIN = 0.3
+
+
+class Spheres:
+    """Spheres, middles (n, d) and radii (n,); around facets from the places of their nodes."""
+
+    def __init__(self, middles: np.ndarray, radii: np.ndarray) -> None:
+        self.middles, self.radii = middles, radii
+
+    @classmethod
+    def around(cls, facets: np.ndarray) -> Spheres:
+        """Those of facets whose nodes are at (n, k, d)."""
+        middles = facets.sum(axis=1) / facets.shape[1]
+        arms = facets - middles[:, None]
+        return cls(middles, BULGE * np.sqrt((arms**2).sum(axis=2).max(axis=1)))
+
+    def wider(self, by: np.ndarray | float) -> Spheres:
+        """With larger radii."""
+        return Spheres(self.middles, self.radii + by)
+
+    def changed(self, old: Spheres) -> float:
+        """By how much one reaches farther than the old one did, at most."""
+        away = np.sqrt(((self.middles - old.middles) ** 2).sum(axis=1))
+        return float((away + self.radii - old.radii).max(initial=0.0))
+
+
+class Near:
+    """Pairs of spheres of two sets that meet, and some that do not."""
+
+    def __init__(self) -> None:
+        self._sought: tuple[Spheres, Spheres] | None = None
+        self._margin = 0.0
+        self._pairs = np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+
+    def __call__(self, ones: Spheres, others: Spheres) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the pairs, ascending in the first."""
+        sought = self._sought
+        if not sought or ones.changed(sought[0]) + others.changed(sought[1]) > self._margin:
+            self._sought = ones, others
+            self._margin = MARGIN * float(ones.radii.mean())
+            self._pairs = _close(ones.wider(self._margin), others)
+        return self._pairs
+
+
+def _close(ones: Spheres, others: Spheres) -> tuple[np.ndarray, np.ndarray]:
+    found_ones, found_others = [], []
+    octave = np.floor(np.log2(np.maximum(others.radii, np.finfo(float).tiny)))
+    for each in np.unique(octave):
+        members = np.flatnonzero(octave == each)
+        tree = cKDTree(others.middles[members])
+        reach = ones.radii + others.radii[members].max()
+        found = tree.query_ball_point(ones.middles, reach)
+        count = np.fromiter(map(len, found), dtype=np.int64, count=len(found))
+        flat = np.fromiter((i for some in found for i in some), np.int64, count.sum())
+        found_ones.append(np.repeat(np.arange(len(count)), count))
+        found_others.append(members[flat])
+    one, other = np.concatenate(found_ones), np.concatenate(found_others)
+    order = np.lexsort((other, one))
+    return one[order], other[order]
 
 
 def candidates(
     x: np.ndarray,
     n: np.ndarray,
     bundle: np.ndarray,
-    reach: np.ndarray,
-    facets: np.ndarray,
+    far: np.ndarray,
+    bundles: Spheres,
+    facets: Spheres,
+    near: Near,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pairs (ray, facet) that may meet.
 
     Args:
         x, n: origins and unit directions of the rays, (q, d), which run to both sides.
-        bundle: number of the bundle of each ray, (q,), ascending.
-        reach: how far each ray goes, (q,) in m.
-        facets: places of the nodes of the facets, (m, k, d).
+        bundle: number of the bundle of each ray, (q,), ascending; each bundle has rays.
+        far: how far the rays of each bundle go, m.
+        bundles, facets: spheres around the origins of each bundle, and around the facets.
+        near: finds which of them are near.
     """
-    if not len(x):
-        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
-    middles = facets.mean(axis=1)
-    radii = BULGE * np.linalg.norm(facets - middles[:, None], axis=2).max(axis=1)
-    start = np.flatnonzero(np.diff(bundle, prepend=bundle[0] - 1))
-    count = np.diff(np.append(start, len(x)))
-    of = np.repeat(np.arange(len(start)), count)
-    centre = np.add.reduceat(x, start) / count[:, None]
-    axis = np.add.reduceat(n, start) / count[:, None]
-    spread = np.maximum.reduceat(np.linalg.norm(n - axis[of], axis=1), start)
-    radius = np.maximum.reduceat(np.linalg.norm(x - centre[of], axis=1), start)
-    axis /= np.linalg.norm(axis, axis=1)[:, None]
-    far = np.maximum.reduceat(reach, start)
+    start = np.flatnonzero(first_of_each(bundle))
+    count = np.bincount(bundle)
+    axis = np.add.reduceat(n, start)
+    axis /= np.sqrt((axis**2).sum(axis=1))[:, None]
+    turned = np.sqrt(((n - axis[bundle]) ** 2).sum(axis=1))
+    slack = bundles.radii + 2 * np.maximum.reduceat(turned, start) * far
 
-    one, facet = _close(centre, radius + far, middles, radii)
-    slack = radius[one] + radii[facet] + 2 * spread[one] * far[one]
-    seen = _aside(middles[facet] - centre[one], axis[one]) <= slack
+    one, facet = near(bundles.wider(far), facets)
+    aside = _aside(facets.middles[facet] - bundles.middles[one], axis[one])
+    seen = aside <= slack[one] + facets.radii[facet]
     one, facet = one[seen], facet[seen]
 
     ray = np.repeat(start[one], count[one]) + _counted(count[one])
     facet = np.repeat(facet, count[one])
-    seen = _aside(middles[facet] - x[ray], n[ray]) <= radii[facet]
+    seen = _aside(facets.middles[facet] - x[ray], n[ray]) <= facets.radii[facet]
     return ray[seen], facet[seen]
+
+
+def first_of_each(numbers: np.ndarray) -> np.ndarray:
+    """Where in ascending numbers a new one begins."""
+    first = np.ones(len(numbers), dtype=bool)
+    first[1:] = numbers[1:] != numbers[:-1]
+    return first
 
 
 def _aside(arm: np.ndarray, axis: np.ndarray) -> np.ndarray:
     """Distance from the axis."""
     along = np.einsum("ij,ij->i", arm, axis)
-    return np.linalg.norm(arm - along[:, None] * axis, axis=1)
-
-
-def _close(
-    centres: np.ndarray, reach: np.ndarray, middles: np.ndarray, radii: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs (centre, middle) whose spheres meet, and some that do not."""
-    ones, others = [], []
-    octave = np.floor(np.log2(np.maximum(radii, np.finfo(float).tiny)))
-    for each in np.unique(octave):
-        members = np.flatnonzero(octave == each)
-        tree = cKDTree(middles[members])
-        found = tree.query_ball_point(centres, reach + radii[members].max())
-        count = np.fromiter(map(len, found), dtype=np.int64, count=len(found))
-        flat = np.fromiter((i for some in found for i in some), np.int64, count.sum())
-        ones.append(np.repeat(np.arange(len(centres)), count))
-        others.append(members[flat])
-    return np.concatenate(ones), np.concatenate(others)
+    return np.sqrt(((arm - along[:, None] * axis) ** 2).sum(axis=1))
 
 
 def _counted(counts: np.ndarray) -> np.ndarray:

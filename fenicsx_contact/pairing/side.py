@@ -34,6 +34,7 @@ class Side:
         cells: nodes of each facet, (m, k), in basix's order.
         corners: corners of each facet, (m, corners).
         sizes, size: about the diameters of the facets, (m,), and the largest, m.
+        straight: whether the facets are and stay so, with constant slopes.
         sign: +1 where the parametrisation of a facet makes its normal point outwards, else -1.
     """
 
@@ -41,6 +42,7 @@ class Side:
         self, points: np.ndarray, cells: np.ndarray, cell: str, inside: np.ndarray, degree: int = 1
     ) -> None:
         self.dim, self.cell, self.degree = points.shape[1], cell, degree
+        self.straight = degree == 1 and cell != "quadrilateral"
         self.corners = cells
         self._linear = self._element(1)
         self.element = self._element(degree)
@@ -56,6 +58,7 @@ class Side:
         self.sign = np.ones(len(cells))
         middle = np.tile(self.midpoint, (len(cells), 1))
         normal = self.normals(self.nodes, np.arange(len(cells)), self.shape(middle)[1])
+        self._measures = np.linalg.norm(normal, axis=1)  # at the middles
         outwards = points[cells].mean(axis=1) - inside[nearest, 1]
         self.sign = np.where(np.einsum("ij,ij->i", normal, outwards) < 0, -1.0, 1.0)
 
@@ -82,10 +85,12 @@ class Side:
         """Shape functions of the corners at local coordinates, (q, corners)."""
         return _tabulate(self._linear, 0, xi)[0]
 
-    def reference_measure(self, facet: np.ndarray, xi: np.ndarray) -> np.ndarray:
-        """Surface element of the reference placement at points of the facets, (q,)."""
-        normal = self.normals(self.nodes, facet, self.shape(xi)[1])
-        return np.linalg.norm(normal, axis=1)
+    def reference_measure(self, facet: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+        """Surface element of the reference placement at points of the facets, (q,), from the
+        derivatives of the shape functions."""
+        if self.straight:
+            return self._measures[facet]
+        return np.linalg.norm(self.normals(self.nodes, facet, slopes), axis=1)
 
     def tangents(self, nodes: np.ndarray, facets: np.ndarray, slopes: np.ndarray) -> np.ndarray:
         """Covariant tangents at points of the facets, (d - 1, q, d), from the places of the nodes
@@ -94,7 +99,10 @@ class Side:
 
     def normals(self, nodes: np.ndarray, facets: np.ndarray, slopes: np.ndarray) -> np.ndarray:
         """Outward normals, not of unit length but of the length of the surface element, (q, d)."""
-        g = self.tangents(nodes, facets, slopes)
+        return self.normal(self.tangents(nodes, facets, slopes), facets)
+
+    def normal(self, g: np.ndarray, facets: np.ndarray) -> np.ndarray:
+        """The same from the tangents g (d - 1, q, d) at the points."""
         normal = g[0] @ _TURN.T if self.dim == 2 else np.cross(g[0], g[1])
         return normal * self.sign[facets, None]
 

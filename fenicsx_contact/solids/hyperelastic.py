@@ -123,10 +123,13 @@ class HyperelasticSolid(DeformableSolid):
         swollen = self._sum(swelling @ self.multiply(self._tangent, swelling))
         self._noise = NOISE * abs(swollen)
         self._factor: Factorisation | None = None
+        self._made = False  # a tangent in this step
+        self._free_load: np.ndarray | None = None
         # the way of the step whose tangent is to be used, and that of the one which was factored
         self._way = self._taken = np.zeros(self.owned), np.zeros(self.owned)
         self._key: tuple[float, ...] = ()
         self._errors: list[float] = []
+        self._predicted = self.trial_velocity
         if self.broken():
             raise checks.InputError(
                 f"displacement: with the initial field an element of solid {self.name!r} is "
@@ -158,6 +161,8 @@ class HyperelasticSolid(DeformableSolid):
 
     @property
     def last_stiffness(self) -> PETSc.Mat:
+        if not self._made:
+            self._make_tangent()
         return self._tangent
 
     def stiffness(self, displacement: np.ndarray) -> PETSc.Mat:
@@ -170,21 +175,29 @@ class HyperelasticSolid(DeformableSolid):
         self._weight.value = weight
         compat.add_to_petsc_matrix(self._tangent, self._tangent_form)
 
-    def _take_tangent(self, step: Step) -> None:
-        """The matrix of the step: an old one if it will do, else that of the trial state."""
+    def _choose_tangent(self, step: Step) -> None:
+        """The matrix of the step: an old one if it will do, else that of the trial state. It is
+        made when it is first asked for: the last state of a step needs none."""
         key = (step.span, step.gap_rate, step.scheme.inertia)
-        way = self._way
         slow = len(self._errors) > 1 and self._errors[-1] > RATE * self._errors[-2]
         if slow or not self.patient or not step.scheme.inertia or key != self._key:
-            way = self.displacement, self.trial_displacement
-        if way is self._taken:
+            self._way = self.displacement, self.trial_displacement
+        if self._way is not self._taken:
+            self._key = key
+            self.linearisation += 1
+        self._linearised = step, self.trial_velocity
+
+    def _make_tangent(self) -> None:
+        """Assemble the matrix that was chosen."""
+        self._made = True
+        if self._way is self._taken:
             return
-        self._way = self._taken = way
-        self._key = key
+        (step, _), self._taken = self._linearised, self._way
+        start, end = self._way
         self._tangent.zeroEntries()
         for share, weight in step.scheme.force_points:
             if share:
-                self._add_stiffness(share * way[1] + (1 - share) * way[0], weight * share)
+                self._add_stiffness(share * end + (1 - share) * start, weight * share)
         if self._factor is None:
             self._factor = Factorisation(self._tangent.copy(), self.name)
         matrix, structure = self._factor.matrix, PETSc.Mat.Structure
@@ -195,12 +208,33 @@ class HyperelasticSolid(DeformableSolid):
             matrix.axpy(share, self._mass, structure.SUBSET_NONZERO_PATTERN)
         self.hold(matrix)
         self._factor.refactor()
-        self.factorisation = self._factor
-        self.linearisation += 1
+
+    @property
+    def factorisation(self) -> Factorisation:  # type: ignore[override]
+        """That of the matrix of the step."""
+        self._make_tangent()
+        assert self._factor is not None
+        return self._factor
+
+    @property
+    def free_load(self) -> np.ndarray:  # type: ignore[override]
+        """b of ``A v+ = b + J' f``, from ``A v+ = A v - r(v) + J' f``."""
+        if self._free_load is None:
+            velocity = self._linearised[1]
+            load = self.multiply(self.factorisation.matrix, velocity) - self._residual
+            load[self.fixed_unknowns] = velocity[self.fixed_unknowns]
+            self._free_load = load
+        return self._free_load
+
+    def residual(self) -> np.ndarray:
+        result = self._residual - self._force
+        result[self.fixed_unknowns] = 0.0
+        return result
 
     def predict(self, step: Step) -> None:
-        self._errors = [1.0]
+        self._errors, self._made = [1.0], False
         super().predict(step)
+        self._predicted = self.trial_velocity
         if self._target is not None and step.scheme.theta and self.broken():
             self._follow_supports(step)
 
@@ -219,17 +253,16 @@ class HyperelasticSolid(DeformableSolid):
         self.go((increment - known) / (theta * step.dt), step)
 
     def linearise(self, step: Step) -> None:
-        self._take_tangent(step)
-        # A v+ = A v - r(v) + J' f
+        self._choose_tangent(step)
         self._force = np.zeros(self.owned)
-        residual = np.sum(self._balance(step), axis=0)
-        self.free_load = self.multiply(self.factorisation.matrix, self.trial_velocity) - residual
-        self.free_load[self.fixed_unknowns] = self.trial_velocity[self.fixed_unknowns]
-        self._free_velocity = None
+        self._residual = np.sum(self._balance(step), axis=0)
+        self._free_load = self._free_velocity = None
 
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
-        self._errors.append(super().imbalance(step, noise))
-        return self._errors[-1]
+        error = super().imbalance(step, noise)
+        if self.trial_velocity is not self._predicted:  # else nothing has been corrected yet
+            self._errors.append(error)
+        return error
 
     def state(self) -> dict[str, np.ndarray]:
         start, end = self._way

@@ -322,7 +322,7 @@ class SurfaceEquations:
         _, tangents = self.fields.frame()
         Lam = z[self.semi :].reshape(-1, n)
         new = (z[self.jumps : self.semi] < 0) & ~Lam.any(axis=0)
-        new[np.setdiff1d(np.arange(n), self.candidates)] = False
+        new &= self.fields.closed.x.array > 0  # candidates
         jump = np.einsum("tij,ij->ti", tangents, z[: self.jumps].reshape(n, -1))
         size = np.linalg.norm(jump, axis=0)
         new &= size > 0

@@ -351,14 +351,16 @@ class DeformableSolid(MonolithicSolid):
         return DeformableTrace(self, points)
 
     def state(self) -> dict[str, np.ndarray]:
-        return {"displacement": self.displacement, "velocity": self.velocity}
+        # without inertia the momentum is not M v
+        state = {"displacement": self.displacement, "velocity": self.velocity}
+        return {**state, "momentum": self._momentum}
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         self.displacement = np.array(state["displacement"])
         self.velocity = np.array(state["velocity"])
         self.trial_displacement = self.displacement.copy()
         self.trial_velocity = self.velocity.copy()
-        self._momentum = self.multiply(self._mass, self.velocity)
+        self._momentum = np.array(state["momentum"])
         self._state_changed()
 
     def mean(self, values: np.ndarray) -> np.ndarray:

@@ -32,8 +32,8 @@ from .solids import DeformableSolid
 #: Share of the residual at which a linear solve ends, and how many iterations it may take.
 TOLERANCE = 1e-6
 MAX_ITERATIONS = 300
-#: Relative error above which Newton's method goes on with frozen geometry.
-FAR = 0.1
+#: Relative error up to which derivatives of the geometry are used.
+NEAR = 0.1
 #: A hierarchy serves on for solids that have changed while it takes no more iterations than this.
 PATIENCE = 40
 
@@ -67,7 +67,7 @@ class Iterative(Monolithic):
         yy, ym, seen, mm = frozen[:n, :n], frozen[:n, n:], frozen[n:, :n], frozen[n:, n:]
         # far from the solution some points are paired with what they will not meet, and derivatives
         # of that push where they should pull
-        far = max(self._errors) > FAR
+        far = max(self._errors) > NEAR
         block = frozen if far else self._contact_block() + self._compliance()
         # the rows of the multipliers times S^-1, as the forces for which these stand: norms add
         # them to those of the solids

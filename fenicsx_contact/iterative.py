@@ -9,9 +9,9 @@ eliminated node by node,
 
 on frozen geometry, S in blocks of one node, and multigrid with rigid-body modes does the rest. That
 is the paper's augmentation, put to use: P differs from the system only in the compliance of the
-contact, W + W_ii in place of W, and no mesh changes by how much; what iterations grow by is
-multigrid's (the idea is that of the augmented-Lagrangian preconditioner of Benzi and Olshanskii,
-SIAM J. Sci. Comput. 28, 2006).
+contact, W + W_ii in place of W, and no mesh changes by how much; nor does the multigrid take more
+cycles on finer meshes, for its levels know the solids apart (the idea is that of the
+augmented-Lagrangian preconditioner of Benzi and Olshanskii, SIAM J. Sci. Comput. 28, 2006).
 """
 
 from __future__ import annotations

@@ -120,12 +120,11 @@ def exponent(rows: list[dict[str, Any]]) -> float:
     return float(np.polyfit(size, time, 1)[0])
 
 
-def speed_up(n: int) -> dict[str, float]:
-    """What two processes gain over one, measured one after the other."""
+def speed_up(one: dict[str, Any]) -> dict[str, float]:
+    """What two processes gain over the one that a row of the table was measured with."""
     if shutil.which("mpirun") is None:
         return {}
-    one, two = (measured(n, "iterative", processes) for processes in (1, 2))
-    _print(one)
+    two = measured(one["setting"]["n"], "iterative", processes=2)
     _print(two)
     gains = {
         phase: one["phases_s"][phase] / two["phases_s"][phase]
@@ -167,7 +166,7 @@ def main(quick: bool = False) -> dict[str, Any]:
     rows = summary["iterative"]
     summary["counts_ratio"] = float(np.mean(rows[-1]["krylov"]) / np.mean(rows[0]["krylov"]))
     summary["exponent"] = exponent(rows)
-    summary["speed_up"] = speed_up(sizes[-1] if quick else sizes[2])
+    summary["speed_up"] = speed_up(rows[-1])
     write_summary(RESULTS, summary)
     draw(summary)
     where = ", ".join(f"{key} {value}" for key, value in environment().items())

@@ -12,8 +12,9 @@ import numpy as np
 from .assembly import Assembly, Clock, scale_of
 from .checks import StepFailed
 from .condensed import Condensed
+from .coupling import PairCoupling
 from .direct import Direct
-from .iterative import Iterative
+from .iterative import NEAR, Iterative
 from .monolithic import Monolithic
 from .newton import Newton
 from .solids import DeformableSolid
@@ -48,6 +49,8 @@ class FullNewton:
         self.system: Condensed | Monolithic = SYSTEMS[solver](assembly)
         for solid in assembly.solids:  # a new tangent costs a new compliance of the surfaces
             solid.patient = isinstance(self.system, Condensed)
+        #: the error up to which the system uses derivatives of the geometry
+        self._near = NEAR if isinstance(self.system, Iterative) else np.inf
 
     def solve(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         """See :meth:`~fenicsx_contact.fixed_point.FixedPoint.solve`."""
@@ -58,8 +61,7 @@ class FullNewton:
             for solid in self._all.solids:
                 solid.linearise(step)
             clock("solids")
-            for contact in self._all.contacts:
-                contact.linearise(step, exact=True)
+            self._see(step, exact=self._near == np.inf)
             speed = speed or self._speed(step)
             self._all.set_scale(step, scale_of(speed))
             clock("pairing")
@@ -76,8 +78,18 @@ class FullNewton:
                 self._halve(step)
                 continue
             best, halved = error, 0
+            if error <= self._near < np.inf:
+                self._see(step, exact=True)
+                clock("pairing")
             self._advance(step, clock)
         raise StepFailed(f"{self.system.stall()} after {len(errors) - 1} Newton iterations")
+
+    def _see(self, step: Step, exact: bool) -> None:
+        """Take up the geometry of the contacts; ``exact`` with its derivatives, which between
+        solids take longest."""
+        for contact in self._all.contacts:
+            paired = isinstance(contact.coupling, PairCoupling)
+            contact.linearise(step, exact=exact or not paired)
 
     def _speed(self, step: Step) -> float:
         """The largest speed at the contacts, m/s, or that which their forces resolve, or else, at

@@ -9,9 +9,9 @@ eliminated node by node,
 
 on frozen geometry, S in blocks of one node, and multigrid with rigid-body modes does the rest. That
 is the paper's augmentation, put to use: P differs from the system only in the compliance of the
-contact, W + W_ii in place of W, and no mesh changes by how much; what iterations grow by is
-multigrid's (the idea is that of the augmented-Lagrangian preconditioner of Benzi and Olshanskii,
-SIAM J. Sci. Comput. 28, 2006).
+contact, W + W_ii in place of W, and no mesh changes by how much; nor does the multigrid take more
+cycles on finer meshes, for its levels know the solids apart (the idea is that of the
+augmented-Lagrangian preconditioner of Benzi and Olshanskii, SIAM J. Sci. Comput. 28, 2006).
 """
 
 from __future__ import annotations
@@ -32,13 +32,10 @@ from .solids import DeformableSolid
 #: Share of the residual at which a linear solve ends, and how many iterations it may take.
 TOLERANCE = 1e-6
 MAX_ITERATIONS = 300
-#: Relative error above which Newton's method goes on with frozen geometry.
-FAR = 0.1
-#: A hierarchy serves on while it takes no more iterations than this, and while the springs of the
-#: contact have changed by no more than this factor.
-PATIENCE, CHANGE = 60, 1.2
-#: The springs are so many times as compliant as D says; a node moves its neighbours too.
-SOFT = 2.0
+#: Relative error up to which derivatives of the geometry are used.
+NEAR = 0.1
+#: A hierarchy serves on for solids that have changed while it takes no more iterations than this.
+PATIENCE = 40
 
 #: C_ym, S^-1 C_my and what the rows of the multipliers are divided by.
 Blocks = tuple[sp.csr_matrix, sp.csr_matrix, sp.dia_matrix]
@@ -62,7 +59,7 @@ class Iterative(Monolithic):
         self._held = np.concatenate(held) - self._places.mine.start
         self.counts: deque[int] = deque(maxlen=100)
         self._multigrid: Multigrid | None = None
-        self._stiffness = 0.0
+        self._made_of: list[int] = []
 
     def _solve(self) -> np.ndarray:
         n = self._places.size
@@ -70,7 +67,7 @@ class Iterative(Monolithic):
         yy, ym, seen, mm = frozen[:n, :n], frozen[:n, n:], frozen[n:, :n], frozen[n:, n:]
         # far from the solution some points are paired with what they will not meet, and derivatives
         # of that push where they should pull
-        far = max(self._errors) > FAR
+        far = max(self._errors) > NEAR
         block = frozen if far else self._contact_block() + self._compliance()
         # the rows of the multipliers times S^-1, as the forces for which these stand: norms add
         # them to those of the solids
@@ -84,11 +81,10 @@ class Iterative(Monolithic):
         b.setArray(residual[self._rows_here])
         blocks = ym, inverse @ seen, sp.diags(1 / force)
         springs = (yy - ym @ inverse @ seen).tocsr()
-        count, done = 0, False
-        if self._serves(springs):
-            count, done = self._krylov(A, b, x, blocks, PATIENCE)
-        if not done:
-            self._make_multigrid(springs)
+        stale = self._renew(springs)
+        count, done = self._krylov(A, b, x, blocks, PATIENCE if stale else MAX_ITERATIONS)
+        if stale and not done:
+            self._renew(springs, anew=True)
             more, done = self._krylov(A, b, x, blocks, MAX_ITERATIONS)
             count += more
         self.counts.append(count)
@@ -103,18 +99,19 @@ class Iterative(Monolithic):
         local[self._held] = 0.0  # to more digits than the tolerance leaves them
         return self._everywhere(local)
 
-    def _serves(self, springs: sp.csr_matrix) -> bool:
-        """Whether there is a hierarchy, of about as much contact as there is now."""
-        now, then = springs.diagonal().sum(), self._stiffness
-        return self._multigrid is not None and then <= CHANGE * now and now <= CHANGE * then
-
-    def _make_multigrid(self, springs: sp.csr_matrix) -> None:
-        """Set up the hierarchy of P, the solids with these springs."""
-        if self._multigrid is not None:
-            self._multigrid.destroy()
+    def _renew(self, springs: sp.csr_matrix, anew: bool = False) -> bool:
+        """Set up the multigrid of P, the solids with these springs; whether its coarser levels are
+        those of solids that have changed since, which they never are if made ``anew``."""
         P = petsc_matrix(self._matrix(springs), self.comm)
-        self._stiffness = springs.diagonal().sum()
-        self._multigrid = Multigrid(P, self._modes, self._solids[0].dim)
+        if self._multigrid is None or anew:
+            if self._multigrid is not None:
+                self._multigrid.destroy()
+            solids = petsc_matrix(self._solid_rows(), self.comm)
+            self._multigrid = Multigrid(solids, self._modes, self._solids[0].dim)
+            solids.destroy()
+            self._made_of = self._linearisations
+        self._multigrid.stiffen(P, petsc_matrix(springs[self._places.mine], self.comm))
+        return self._made_of != self._linearisations
 
     def _krylov(
         self, A: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, blocks: Blocks, most: int
@@ -149,7 +146,7 @@ class Iterative(Monolithic):
         self, ym: sp.csr_matrix, my: sp.csr_matrix, mm: sp.csr_matrix
     ) -> sp.csr_matrix:
         """S^-1: the multipliers of each node by what is left of their rows."""
-        springs = my @ sp.diags(SOFT / self._diagonal()) @ ym
+        springs = my @ sp.diags(1 / self._diagonal()) @ ym
         S = (mm - springs).tocsr()
         empty = np.empty(0, dtype=np.int64)
         blocks, first = [(np.empty(0), empty, empty)], 0

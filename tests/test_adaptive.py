@@ -9,6 +9,7 @@ from math import atan2, pi, radians, sqrt
 import numpy as np
 import pytest
 import scenes
+from processes import killed_after
 from scenes import FLOOR, G, elastic_block, located_block, rectangle
 
 import fenicsx_contact.adaptive
@@ -25,7 +26,6 @@ from fenicsx_contact import (
     Scene,
     ThetaScheme,
     read_history,
-    storage,
 )
 from fenicsx_contact.references.housner import Block, rocking
 
@@ -218,26 +218,12 @@ def test_units_do_not_matter():
 @pytest.mark.parametrize(
     ("build", "until", "dt"), [(located_block, 0.15, 0.015), (elastic_block, 0.05, 2e-3)]
 )
-def test_killed_and_resumed_to_the_same_bits(build, until, dt, tmp_path, monkeypatch):
+def test_killed_and_resumed_to_the_same_bits(build, until, dt, tmp_path):
     whole = build().run(until, dt, step_error=1e-3)
     assert len(np.unique(whole["dt"][whole["dt"] > 0])) > 3
 
-    class Killed(Exception):
-        pass
-
-    save, saves = storage.RunDirectory.save, []
-
-    def dying(self, history, state):
-        if len(saves) == 5:
-            raise Killed
-        saves.append(len(history))
-        save(self, history, state)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(fenicsx_contact.run, "CHECKPOINT_EVERY", 0.0)
-        patch.setattr(storage.RunDirectory, "save", dying)
-        with pytest.raises(Killed):
-            build().run(until, dt, step_error=1e-3, directory=tmp_path)
+    with killed_after(5) as saves:
+        build().run(until, dt, step_error=1e-3, directory=tmp_path)
     assert len(read_history(tmp_path)) == saves[-1] < len(whole)
     with pytest.raises(InputError, match="another scene"):
         build().run(until, dt, step_error=1e-4, directory=tmp_path, resume=True)

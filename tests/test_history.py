@@ -18,6 +18,7 @@ import meshio
 import numpy as np
 import pytest
 import scenes
+from processes import killed_after
 from scenes import FLOOR, FLOOR_3D, G, box, check_energies, elastic_block, rectangle, rocking_block
 
 import fenicsx_contact
@@ -34,7 +35,6 @@ from fenicsx_contact import (
     ThetaScheme,
     neo_hookean,
     read_history,
-    storage,
 )
 from fenicsx_contact.newton import NotConverged
 
@@ -162,26 +162,12 @@ def test_killed_run_is_read_and_resumed_to_the_same_bits(name, way, tmp_path):
     np.testing.assert_array_equal(read.rows(), whole.rows())
 
 
-def test_a_run_without_inertia_resumes_to_the_same_bits(tmp_path, monkeypatch):
+def test_a_run_without_inertia_resumes_to_the_same_bits(tmp_path):
     """Its momentum is that of the start, whatever its velocity."""
     until, dt = 1.0, 0.125
     whole = scenes.pressed_blocks().run(until, dt)
-    save, count = storage.RunDirectory.save, []
-
-    class Killed(Exception):
-        pass
-
-    def dying(self, history, state):
-        if len(count) == 4:
-            raise Killed
-        count.append(len(history))
-        save(self, history, state)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(fenicsx_contact.run, "CHECKPOINT_EVERY", 0.0)
-        patch.setattr(storage.RunDirectory, "save", dying)
-        with pytest.raises(Killed):
-            scenes.pressed_blocks().run(until, dt, directory=tmp_path)
+    with killed_after(4):
+        scenes.pressed_blocks().run(until, dt, directory=tmp_path)
     assert 1 < len(read_history(tmp_path)) < len(whole)
     resumed = scenes.pressed_blocks().run(until, dt, directory=tmp_path, resume=True)
     np.testing.assert_array_equal(resumed.rows(), whole.rows())

@@ -3,10 +3,7 @@
 
 from __future__ import annotations
 
-import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import gmsh
@@ -15,8 +12,8 @@ import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
+from processes import mpirun, output_of
 
-import fenicsx_contact
 from fenicsx_contact import (
     InputError,
     NamedMesh,
@@ -385,23 +382,5 @@ def test_two_processes(tmp_path):
     mesh = block("quad")
     mesh.cell_sets["part"] = [np.arange(n) for n in (0, 0, 2)]
     mesh.write(tmp_path / "clash.inp")
-    path = [str(Path(fenicsx_contact.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
-    environment = {
-        **os.environ,
-        "PYTHONPATH": os.pathsep.join(filter(None, path)),
-        "OMP_NUM_THREADS": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-        "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
-    }
     code = SCRIPT.format(tests=str(Path(__file__).parent), directory=str(tmp_path))
-    ended = subprocess.run(
-        ["mpirun", "-n", "2", sys.executable, "-c", code],
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
-    assert ended.returncode == 0, ended.stdout + ended.stderr
+    output_of(mpirun(code, 2), timeout=120)

@@ -3,17 +3,15 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import meshio
 import numpy as np
 import pytest
+from processes import mpirun, output_of
 
-import fenicsx_contact
 from fenicsx_contact import History, read_history
 
 pytestmark = pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
@@ -66,30 +64,11 @@ def start(name: str, processes: int, directory: Path, fields_every: int = 0) -> 
         directory=str(directory),
         fields_every=fields_every,
     )
-    path = [str(Path(fenicsx_contact.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
-    environment = {
-        **os.environ,
-        "PYTHONPATH": os.pathsep.join(filter(None, path)),
-        "OMP_NUM_THREADS": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-        "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
-    }
-    command = ["mpirun", "-n", str(processes), sys.executable, "-c", code]
-    return subprocess.Popen(
-        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-    )
+    return mpirun(code, processes)
 
 
 def finish(process: subprocess.Popen, directory: Path) -> History:
-    try:
-        output, _ = process.communicate(timeout=60)
-    except subprocess.TimeoutExpired:
-        process.terminate()
-        process.communicate(timeout=10)
-        raise
-    assert process.returncode == 0, output
+    output_of(process, timeout=60)
     return read_history(directory)
 
 

@@ -85,14 +85,19 @@ class Assembly:
 
     def imbalances(self, step: Step, solids: Iterable[Solid]) -> list[float]:
         """Relative errors of the momentum balances of these solids in the trial state."""
-        noise = {id(solid): 0.0 for solid in self.solids}
-        for contact in self.contacts:
-            # of points that just touch, forces are the round-off of gaps
-            force = contact.equations.force_scale[contact.equations.candidates]
-            for solid in contact.solids:
-                least = NOISE * float(force.max(initial=0.0))
-                noise[id(solid)] = max(noise[id(solid)], least)
-        return [solid.imbalance(step, noise[id(solid)]) for solid in solids]
+        return [solid.imbalance(step, self.noise(solid)) for solid in solids]
+
+    def noise(self, solid: Solid | None = None) -> float:
+        """Forces [N] of contacts of the solid, or of any, that are none: of points that just touch
+        they are the round-off of gaps."""
+        return NOISE * max(
+            (
+                float(contact.equations.force_scale[contact.equations.candidates].max(initial=0.0))
+                for contact in self.contacts
+                if solid is None or any(solid is each for each in contact.solids)
+            ),
+            default=0.0,
+        )
 
     def refuse_broken(self) -> None:
         """Raise StepFailed if a solid has no admissible trial state."""

@@ -11,6 +11,9 @@ import numpy as np
 from .assembly import Assembly
 from .theta import Step
 
+#: Changes of forces count this much of errors: what a correction leaves is of second order.
+SETTLED = 1e-7
+
 
 class Condensed:
     """Linear systems in the velocities of the active points and the multipliers."""
@@ -18,6 +21,7 @@ class Condensed:
     def __init__(self, assembly: Assembly) -> None:
         self._all = assembly
         self._surfaces = assembly.surface_system()
+        self._force: np.ndarray | float = 0.0  # of the last state
 
     def begin(self, step: Step) -> tuple[float, np.ndarray]:
         """Residual of the present state: its largest relative error, and the forces on all points
@@ -29,8 +33,16 @@ class Condensed:
         errors = self._all.imbalances(step, [s for s in self._all.solids if not s.linear])
         if self._surfaces.size:
             errors.append(self._surfaces.error(slow=0.0))
+            errors.append(SETTLED * self._changed(force))
             self._surfaces.remember()
         return max(errors, default=0.0), force
+
+    def _changed(self, force: np.ndarray) -> float:
+        """By how much the last correction changed the forces, over the largest. Where a fine mesh
+        of a stiff solid meets a soft one, small errors of gaps hide large ones of forces."""
+        before, self._force = self._force, force
+        size = np.abs(force).max(initial=0.0)
+        return float(np.abs(force - before).max() / size) if size > self._all.noise() else 0.0
 
     def iterate(self, step: Step) -> bool:
         """Solve, and move the solids; False if the system is singular."""

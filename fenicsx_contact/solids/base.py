@@ -133,8 +133,8 @@ class Solid(ABC):
 
     @abstractmethod
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
-        """Residual of the momentum balance in the trial state over the size of its terms; less than
-        ``noise``, N, is none."""
+        """Residual of the momentum balance in the trial state over the size of its terms; 0 where
+        none of them is more than ``noise``, N."""
 
     @abstractmethod
     def accept(self) -> None:

@@ -292,15 +292,16 @@ class DeformableSolid(MonolithicSolid):
         terms = self._balance(step)
         # a stress-free body in flight has no forces but round-off, of its momentum and of K u
         self.last_stiffness.getDiagonal(self._y)
-        own_noise = noise + ROUND_OFF * (np.abs(self._momentum) / step.span)
+        round_off = ROUND_OFF * (np.abs(self._momentum) / step.span)
         if step.dt and step.scheme.inertia:  # without inertia nothing may fly
             strained = np.abs(self._y.array_r * self.trial_displacement)
-            own_noise += ROUND_OFF * strained.max(initial=0.0)
-        total = np.maximum(np.abs(np.sum(terms, axis=0)) - own_noise, 0.0)
+            round_off += ROUND_OFF * strained.max(initial=0.0)
+        total = np.maximum(np.abs(np.sum(terms, axis=0)) - round_off, 0.0)
         total[self.fixed_unknowns] = 0.0
         own = np.array([[np.abs(t).max(initial=0.0) for t in (total, *terms)]])
         largest = np.max(self.comm.allgather(own), axis=0).ravel()
-        return float(largest[0] / (largest[1:].max() or 1.0))
+        size = largest[1:].max()
+        return float(largest[0] / size) if size > noise else 0.0
 
     def accept(self) -> None:
         self.velocity = self.trial_velocity.copy()

@@ -138,7 +138,8 @@ def pressed(
 
     Bound: the elements hold the solution, and in the plane the mortar integrals are exact, 1e-8;
     a solve loses 1e-16 times its condition number, which grows with the square of the cells and
-    the ratio of the moduli and 1/(1 - 2 nu), times ten.
+    the ratio of the moduli and 1/(1 - 2 nu), times ten. Gaps are differences of coordinates, which
+    are rounded to 2e-16 m; such an error is worth the stiffer modulus over the finer cells.
 
     Args:
         mesh_ratio: cells of the upper block, the slave, along the seam over those of the lower
@@ -182,7 +183,7 @@ def pressed(
         1.0,
         1.0,
         error,
-        EXACT + 1e-15 * condition,
+        EXACT + 1e-15 * condition + 2e-16 * max(cells) * max(moduli) / pressure,
         energy_size=pressure * depth,
         supplied=pressure * depth,
         deepest=depth,

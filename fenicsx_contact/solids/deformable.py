@@ -361,7 +361,9 @@ class DeformableSolid(MonolithicSolid):
         self.velocity = np.array(state["velocity"])
         self.trial_displacement = self.displacement.copy()
         self.trial_velocity = self.velocity.copy()
-        self._momentum = np.array(state["momentum"])
+        given = state.get("momentum")
+        moving = self.multiply(self._mass, self.velocity)
+        self._momentum = moving if given is None else np.array(given)
         self._state_changed()
 
     def mean(self, values: np.ndarray) -> np.ndarray:

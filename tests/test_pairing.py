@@ -8,7 +8,7 @@ from scenes import pressed_blocks, rectangle
 from fenicsx_contact import Contact, HyperelasticSolid, Scene, direct, neo_hookean
 from fenicsx_contact.condensed import Condensed
 from fenicsx_contact.pairing import Pairing, Side
-from fenicsx_contact.pairing.search import Near, Spheres
+from fenicsx_contact.pairing.search import Near, Spheres, candidates
 
 
 def line(n: int, left: float, right: float, y: float, inside: float, degree: int) -> Side:
@@ -91,3 +91,31 @@ def test_tangents_in_motion_serve_for_many_steps():
     history = scene.run(0.02, 5e-4)
     assert history.finished and history["up.base.bearing"].max() > 0
     assert max(solid.linearisation for solid in scene.solids) < history["newton"].sum() / 4
+
+
+def test_no_facet_that_a_ray_meets_is_missed():
+    """Facets of all sizes, rays short and long: against all pairs."""
+    rng = np.random.default_rng(1)
+    met = 0
+    for d in (2, 3) * 50:
+        bundles, facets = rng.integers(1, 30), rng.integers(1, 60)
+        size = 0.1 * 10.0 ** rng.uniform(-1, 1, (facets, 1, 1))
+        there = Spheres.around(3 * rng.random((facets, 1, d)) + size * rng.random((facets, d, d)))
+        corners = 3 * rng.random((bundles, 1, d)) + 0.05 * rng.random((bundles, d, d))
+        bundle = np.repeat(np.arange(bundles), 3)
+        x = corners.mean(axis=1)[bundle] + 0.01 * rng.standard_normal((len(bundle), d))
+        n = rng.standard_normal((bundles, d))[bundle] + 0.05 * rng.standard_normal(x.shape)
+        n /= np.linalg.norm(n, axis=1)[:, None]
+        far = 10.0 ** rng.uniform(-3, 0.5, bundles)
+        found = candidates(x, n, bundle, far, Spheres.around(corners), there, Near())
+        pairs = set(zip(*(each.tolist() for each in found)))
+        assert len(pairs) == len(found[0])  # each once
+
+        arm = there.middles - x[:, None]
+        along = np.einsum("qfi,qi->qf", arm, n)
+        along = np.clip(along, -far[bundle, None], far[bundle, None])
+        distance = np.linalg.norm(arm - along[..., None] * n[:, None], axis=2)
+        needed = set(zip(*(each.tolist() for each in np.nonzero(distance <= there.radii))))
+        assert needed <= pairs
+        met += len(needed)
+    assert met > 1000

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Which rays may meet which facets: a search by trees, coarse and safe, before any intersection.
 
-The rays of a facet are a bundle. A bundle sees the facets whose spheres enter the tube around it;
-trees find those near it, one tree for facets of about the same size, so that a few large ones far
-away do not make everything near. What is near is found with some margin, and sought again only
-when something has moved farther.
+The rays of a facet are a bundle. A bundle sees the facets whose spheres enter the tube around it,
+which is cut into pieces about as long as wide; trees find what is near a piece, one tree for facets
+of about the same size, so that a few large ones far away do not make everything near. What is near
+is found with some margin, and sought again only when something has moved farther.
 """
 
 from __future__ import annotations
+
+from itertools import chain
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -51,12 +53,17 @@ class Near:
 
     def __call__(self, ones: Spheres, others: Spheres) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the pairs, ascending in the first."""
-        sought = self._sought
-        if not sought or ones.changed(sought[0]) + others.changed(sought[1]) > self._margin:
+        if self._moved(ones, others):
             self._sought = ones, others
             self._margin = MARGIN * float(ones.radii.mean())
             self._pairs = _close(ones.wider(self._margin), others)
         return self._pairs
+
+    def _moved(self, ones: Spheres, others: Spheres) -> bool:
+        """By more than the margin."""
+        if self._sought is None or len(self._sought[0].radii) != len(ones.radii):
+            return True
+        return ones.changed(self._sought[0]) + others.changed(self._sought[1]) > self._margin
 
 
 def _close(ones: Spheres, others: Spheres) -> tuple[np.ndarray, np.ndarray]:
@@ -68,7 +75,7 @@ def _close(ones: Spheres, others: Spheres) -> tuple[np.ndarray, np.ndarray]:
         reach = ones.radii + others.radii[members].max()
         found = tree.query_ball_point(ones.middles, reach)
         count = np.fromiter(map(len, found), dtype=np.int64, count=len(found))
-        flat = np.fromiter((i for some in found for i in some), np.int64, count.sum())
+        flat = np.fromiter(chain.from_iterable(found), np.int64, count.sum())
         found_ones.append(np.repeat(np.arange(len(count)), count))
         found_others.append(members[flat])
     one, other = np.concatenate(found_ones), np.concatenate(found_others)
@@ -101,9 +108,17 @@ def candidates(
     turned = np.sqrt(((n - axis[bundle]) ** 2).sum(axis=1))
     slack = bundles.radii + 2 * np.maximum.reduceat(turned, start) * far
 
-    one, facet = near(bundles.wider(far), facets)
-    aside = _aside(facets.middles[facet] - bundles.middles[one], axis[one])
-    seen = aside <= slack[one] + facets.radii[facet]
+    pieces = np.maximum(1, np.ceil((far + bundles.radii) / slack)).astype(np.int64)
+    half = (far + bundles.radii) / pieces
+    of, which = np.repeat(np.arange(len(pieces)), pieces), _counted(pieces)
+    middles = bundles.middles[of] + ((2 * which + 1 - pieces[of]) * half[of])[:, None] * axis[of]
+    piece, facet = near(Spheres(middles, np.hypot(slack, half)[of]), facets)
+
+    one = of[piece]
+    arm = facets.middles[facet] - bundles.middles[one]
+    along = np.einsum("ij,ij->i", arm, axis[one]) / (2 * half[one]) + pieces[one] / 2
+    mine = np.clip(np.floor(along), 0, pieces[one] - 1) == which[piece]
+    seen = mine & (_aside(arm, axis[one]) <= slack[one] + facets.radii[facet])
     one, facet = one[seen], facet[seen]
 
     ray = np.repeat(start[one], count[one]) + _counted(count[one])

@@ -2,9 +2,9 @@
 """The linear system of the full Newton method, factored.
 
 Before a sparse matrix is factored its pattern is analysed, which may take longer than the rest.
-With partners and statuses the pattern changes, by little: so it is made with room for all that
-points may see, partners one facet away among it, and kept while that will do; but not beyond a
-step, for a run must give the same bits whether it was interrupted or not.
+With partners and statuses the pattern changes, by little: so in the plane it is made with room for
+all that points may see, partners one facet away among it, and kept while that will do; but not
+beyond a step, for a run must give the same bits whether it was interrupted or not.
 """
 
 from __future__ import annotations
@@ -61,13 +61,15 @@ class Direct(Monolithic):
     def _make(self, contacts: sp.csr_matrix) -> None:
         """A system with room for what the contacts add to the solids, and may add soon."""
         self._drop()
-        seen = self._seen()
-        room = _pattern(seen.T.tocsr()[self._rows_here] @ seen) + _pattern(contacts)
+        room = _pattern(contacts)
+        if self._solids[0].dim == 2:  # in space the analysis costs little, and room much
+            seen = self._seen()
+            room += _pattern(seen.T.tocsr()[self._rows_here] @ seen)
         self._system = _System(_pattern(self._solid_rows(*room.shape)), room, self.comm)
 
     def _seen(self) -> sp.csr_matrix:
         """Ones where a point of a contact sees an unknown, its multipliers among them, or may see
-        it when its partner is the next facet, (points, size). Whatever it sees it may couple."""
+        it soon, (points, size). Whatever it sees it may couple."""
         last, n, blocks = self._places.size, self._places.size, [sp.csr_matrix((0, self._size))]
         for contact, part in enumerate(self._parts):
             points, m = len(part.equations.candidates), part.multipliers

@@ -16,7 +16,15 @@ SETTLED = 1e-7
 
 
 class Condensed:
-    """Linear systems in the velocities of the active points and the multipliers."""
+    """Linear systems in the velocities of the active points and the multipliers.
+
+    Attributes:
+        near: the error up to which derivatives of the geometry are used.
+        patient: whether old tangents of the solids may serve: a new one costs a new compliance.
+    """
+
+    near = np.inf
+    patient = True
 
     def __init__(self, assembly: Assembly) -> None:
         self._all = assembly

@@ -14,7 +14,7 @@ from .checks import StepFailed
 from .condensed import Condensed
 from .coupling import PairCoupling
 from .direct import Direct
-from .iterative import NEAR, Iterative
+from .iterative import Iterative
 from .monolithic import Monolithic
 from .newton import Newton
 from .solids import DeformableSolid
@@ -47,10 +47,8 @@ class FullNewton:
         self._all, self._newton = assembly, newton
         self.errors: list[float] = []
         self.system: Condensed | Monolithic = SYSTEMS[solver](assembly)
-        for solid in assembly.solids:  # a new tangent costs a new compliance of the surfaces
-            solid.patient = isinstance(self.system, Condensed)
-        #: the error up to which the system uses derivatives of the geometry
-        self._near = NEAR if isinstance(self.system, Iterative) else np.inf
+        for solid in assembly.solids:
+            solid.patient = self.system.patient
 
     def solve(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         """See :meth:`~fenicsx_contact.fixed_point.FixedPoint.solve`."""
@@ -61,7 +59,8 @@ class FullNewton:
             for solid in self._all.solids:
                 solid.linearise(step)
             clock("solids")
-            self._see(step, exact=self._near == np.inf)
+            near = self.system.near
+            self._see(step, exact=near == np.inf)
             speed = speed or self._speed(step)
             self._all.set_scale(step, scale_of(speed))
             clock("pairing")
@@ -78,7 +77,7 @@ class FullNewton:
                 self._halve(step)
                 continue
             best, halved = error, 0
-            if error <= self._near < np.inf:
+            if error <= near < np.inf:
                 self._see(step, exact=True)
                 clock("pairing")
             self._advance(step, clock)

@@ -51,6 +51,8 @@ class Iterative(Monolithic):
         counts: iterations of the last linear solves.
     """
 
+    near = NEAR
+
     def __init__(self, assembly: Assembly) -> None:
         super().__init__(assembly)
         solids = [s for s in self._solids if isinstance(s, DeformableSolid)]
@@ -67,7 +69,7 @@ class Iterative(Monolithic):
         yy, ym, seen, mm = frozen[:n, :n], frozen[:n, n:], frozen[n:, :n], frozen[n:, n:]
         # far from the solution some points are paired with what they will not meet, and derivatives
         # of that push where they should pull
-        far = max(self._errors) > NEAR
+        far = max(self._errors) > self.near
         block = frozen if far else self._contact_block() + self._compliance()
         # the rows of the multipliers times S^-1, as the forces for which these stand: norms add
         # them to those of the solids

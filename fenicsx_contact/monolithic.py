@@ -26,7 +26,14 @@ from .theta import Step
 
 
 class Monolithic(ABC):
-    """Linear systems in the velocities of all solids and the multipliers."""
+    """Linear systems in the velocities of all solids and the multipliers.
+
+    Attributes:
+        near, patient: as of :class:`~fenicsx_contact.condensed.Condensed`.
+    """
+
+    near = np.inf
+    patient = False
 
     def __init__(self, assembly: Assembly) -> None:
         self._all = assembly

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .. import checks
 from .contact import GuideContact
 
 
@@ -20,12 +21,18 @@ class ForceMap:
 
     Attributes:
         shapes: times [s], and depths and first lateral places [m] of the guided nodes then.
+
+    Raises:
+        InputError: a number that is not positive.
     """
 
     def __init__(
         self, dt: float, duration: float = 0.01, height: float = 0.05, every: float = 0.04
     ) -> None:
-        self.dt, self.duration, self.height, self.every = dt, duration, height, every
+        self.dt = checks.number("dt", dt, above=0)
+        self.duration = checks.number("duration", duration, above=0)
+        self.height = checks.number("height", height, above=0)
+        self.every = checks.number("every", every, above=0)
         self.shapes: list[tuple[float, np.ndarray, np.ndarray]] = []
         self._cells: dict[tuple[int, int], float] = {}
         self._time = 0.0

@@ -39,8 +39,8 @@ from fenicsx_contact import (
     ThetaScheme,
     mesh_from_gmsh,
 )
+from fenicsx_contact.output.report import write_summary
 from fenicsx_contact.references.bars import ReleasedBar, ThrownBar
-from fenicsx_contact.report import write_summary
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
 RESULTS = Path("results") / "bar_impact"
@@ -149,7 +149,7 @@ def figures_of_released(history: History) -> dict[str, Any]:
 # %%
 def draw(histories: dict[str, History]) -> None:
     """Reaction and energy against time."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     fig, axes = plots.figure(3, 2, size=(9, 7))
     for ax, (name, history) in zip(np.ravel(axes), histories.items()):
@@ -166,7 +166,7 @@ def draw(histories: dict[str, History]) -> None:
 
 def animate() -> None:
     """The thrown bar: a compression wave runs through it and back."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     thrown("velocity", directory=RESULTS / "run", fields_every=24)
     plots.animate(

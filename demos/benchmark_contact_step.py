@@ -35,7 +35,7 @@ from fenicsx_contact import (
     mesh_from_gmsh,
     neo_hookean,
 )
-from fenicsx_contact.report import environment, write_summary
+from fenicsx_contact.output.report import environment, write_summary
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
 RESULTS = Path("results") / "benchmark_contact_step"

@@ -24,7 +24,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from fenicsx_contact.report import environment, write_summary
+from fenicsx_contact.output.report import environment, write_summary
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from ironing import MATERIALS, iron

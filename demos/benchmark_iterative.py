@@ -43,8 +43,8 @@ import numpy as np
 from mpi4py import MPI
 
 from fenicsx_contact import Contact, ElasticSolid, QuasiStatic, Scene, mesh_from_gmsh
+from fenicsx_contact.output.report import environment, write_summary
 from fenicsx_contact.references.hertz import PointContact, effective_modulus
-from fenicsx_contact.report import environment, write_summary
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
 RESULTS = Path("results") / "benchmark_iterative"
@@ -135,7 +135,7 @@ def speed_up(one: dict[str, Any]) -> dict[str, float]:
 
 def draw(summary: dict[str, Any]) -> None:
     """Time and iterations by the number of unknowns."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     fig, ax = plots.figure(size=(5.5, 3.5))
     for solver in ("iterative", "monolithic"):

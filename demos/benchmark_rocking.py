@@ -22,9 +22,9 @@ from typing import Any
 
 import numpy as np
 
+from fenicsx_contact.output.report import environment, write_summary
 from fenicsx_contact.references.housner import rocking
 from fenicsx_contact.references.swings import swings
-from fenicsx_contact.report import environment, write_summary
 from fenicsx_contact.study import STUDIES, Study, ladder, measure
 from fenicsx_contact.study.problems.rocking import BLOCK
 

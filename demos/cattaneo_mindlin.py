@@ -41,8 +41,8 @@ from fenicsx_contact import (
     Velocity,
     mesh_from_gmsh,
 )
+from fenicsx_contact.output.report import write_summary
 from fenicsx_contact.references.hertz import LineContact, ShearedLine, effective_modulus
-from fenicsx_contact.report import write_summary
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
 RESULTS = Path("results") / "cattaneo_mindlin"
@@ -145,7 +145,7 @@ def figures(contact: Contact) -> dict[str, float]:
 # %%
 def draw(contact: Contact) -> None:
     """Shear and its bound mu p against the exact curves."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     reference, x = exact(contact), contact.surface.points[:, 0]
     a = reference.contact.half_width

@@ -31,7 +31,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from fenicsx_contact.report import environment, write_summary
+from fenicsx_contact.output.report import environment, write_summary
 from fenicsx_contact.study import STUDIES, Sample, Study, measure, pareto, rate, table
 
 RESULTS = Path("results") / "error_against_run_time"
@@ -61,7 +61,7 @@ def run(study: Study, quick: bool = False) -> list[Sample]:
 # %%
 def draw(study: Study, samples: list[Sample]) -> None:
     """Dots: all samples; lines: each method's front; grey: the front of all."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     fig, ax = plots.figure(size=(6.5, 4.5))
     plots.fronts(ax, samples)

@@ -45,8 +45,8 @@ from fenicsx_contact import (
     mesh_from_gmsh,
     neo_hookean,
 )
+from fenicsx_contact.output.report import write_summary
 from fenicsx_contact.references.hertz import LineContact, PointContact, effective_modulus
-from fenicsx_contact.report import write_summary
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
 RESULTS = Path("results") / "hertz"
@@ -278,7 +278,7 @@ def sphere(n: int, width: float = 0.1) -> dict[str, float]:
 # %%
 def draw(pressed: Pressed, table: dict[str, Any]) -> None:
     """The profile against Hertz's, errors against the mesh, and the stress."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     contact = pressed.contact
     x, p = contact.surface.points[:, 0], pressure(contact)
@@ -309,7 +309,7 @@ def draw(pressed: Pressed, table: dict[str, Any]) -> None:
 
 def picture(n: int) -> None:
     """Von Mises stress in the deformed bodies about the contact."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     pressed = benchmark(n)
     pressed.to(pressed.depth, directory=RESULTS / "run", fields_every=1)

@@ -44,7 +44,7 @@ from fenicsx_contact import (
     ciarlet,
     mesh_from_gmsh,
 )
-from fenicsx_contact.report import write_summary
+from fenicsx_contact.output.report import write_summary
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
 RESULTS = Path("results") / "ironing"
@@ -143,7 +143,7 @@ def errors_of_a_step(n: int, material: str, steps: int = 17) -> list[float]:
 # %%
 def draw(curves: dict[str, History], errors: dict[str, list[float]]) -> None:
     """Forces against the way of the die, and errors against iterations."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     fig, axes = plots.figure(rows=2, size=(7, 5.5), sharey=False)
     for label, history in curves.items():
@@ -180,7 +180,7 @@ def draw(curves: dict[str, History], errors: dict[str, list[float]]) -> None:
 
 def animate(n: int, drag_steps: int) -> None:
     """The die across the slab, coloured by the displacement; in 2D and, slantwise, in 3D."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     for name, more in (("ironing", {}), ("ironing_3d", {"n_width": 2, "slant": 0.1})):
         run = {"directory": RESULTS / name, "fields_every": 1}

@@ -43,7 +43,7 @@ from fenicsx_contact import (
     ThetaScheme,
     mesh_from_gmsh,
 )
-from fenicsx_contact.report import environment, write_summary
+from fenicsx_contact.output.report import environment, write_summary
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
 RESULTS = Path("results") / "leave_out"
@@ -202,7 +202,7 @@ def imports() -> dict[str, float]:
         return median(times)
 
     nothing, package = seconds("pass"), seconds("import fenicsx_contact")
-    pictures = seconds("import fenicsx_contact.plots, pyvista")
+    pictures = seconds("import fenicsx_contact.output.plots, pyvista")
     return {"package_s": package - nothing, "pictures_s": pictures - package}
 
 

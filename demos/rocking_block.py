@@ -23,13 +23,13 @@
 # $$ d_n < 0: \lambda = 0, \qquad d_n \ge 0:\; w_n \le 0,\ \lambda \le 0,\ \lambda w_n = 0,
 #    \qquad \Lambda = P(\Lambda + \rho_t w_t),\quad r = \mu\lambda\Lambda $$
 #
-# with $P$ the projection on the unit ball. `fenicsx_contact/laws.py` has them in UFL.
+# with $P$ the projection on the unit ball. `fenicsx_contact/theory/laws.py` has them in UFL.
 #
 # ## The discrete form
 #
 # The unknowns $w$, $\lambda$, $\Lambda$ are fields on the base, which is a mesh of its own, and
 # the weak form (7) of the paper is integrated there at the nodes: see `weak_form` in
-# `fenicsx_contact/formulations.py`. Time is crossed by the $\theta$-scheme (8),
+# `fenicsx_contact/theory/formulations.py`. Time is crossed by the $\theta$-scheme (8),
 # $u^+ = u^- + \Delta t\,((1-\theta)v^- + \theta v^+)$. A point is a candidate for contact in a
 # step when the explicit prediction of its gap is closed. The block itself has three unknowns.
 
@@ -56,9 +56,9 @@ from fenicsx_contact import (
     ThetaScheme,
     mesh_from_gmsh,
 )
+from fenicsx_contact.output.report import write_summary
 from fenicsx_contact.references.housner import Block, rocking
 from fenicsx_contact.references.swings import swings
-from fenicsx_contact.report import write_summary
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
 RESULTS = Path("results") / "rocking_block"
@@ -240,7 +240,7 @@ def stiffening(quick: bool = False) -> dict[str, list[float]]:
 # %%
 def draw_energy(histories: dict[str, dict[str, History]]) -> None:
     """Figure 3 of the paper: kinetic energy against time, Housner's maxima as dots."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     for label, runs in histories.items():
         exact = rocking(BLOCK, CASES[label].angle, impacts=IMPACTS)
@@ -260,7 +260,7 @@ def draw_energy(histories: dict[str, dict[str, History]]) -> None:
 
 def draw_studies(times: dict[str, list[tuple[float, float]]], stiff: dict[str, Any]) -> None:
     """Error against run time, and the elastic block on its way to the rigid one."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     fig, ax = plots.figure(size=(6, 4))
     plots.error_against_run_time(ax, times)
@@ -278,7 +278,7 @@ def draw_studies(times: dict[str, list[tuple[float, float]]], stiff: dict[str, A
 
 def draw_block(quick: bool) -> None:
     """An animation of the block, its motion magnified, from the fields that a run writes."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     case, steps = CASES["degree"], 2400
     run = RESULTS / "run"

@@ -30,8 +30,8 @@ from scipy.optimize import brentq
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from rod_drop import DASHPOT, Assumed, Drop, draw_forces, drop
 
-from fenicsx_contact.guides import ForceMap
-from fenicsx_contact.report import write_summary
+from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.rods import ForceMap
 
 RESULTS = Path("results") / "rod_calibration"
 PAPER = 1.52  # s, read in the paper's text; its measured curve is not public
@@ -69,7 +69,7 @@ def sensitivities(a: Assumed, dt: float, share: float = 0.1) -> dict[str, float]
 # %%
 def draw_speeds(drops: dict[str, Drop]) -> None:
     """Speeds of fall; the measured curve of the paper's figure is not public."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     fig, ax = plots.figure()
     for colour, (name, one) in zip(("k", "C0", "0.6"), drops.items()):

@@ -49,10 +49,10 @@ from fenicsx_contact import (
     Velocity,
     axis_mesh,
 )
-from fenicsx_contact.formulations import Formulation
-from fenicsx_contact.guides import Card, ForceMap, Guide, GuideContact, Sine, Tube, settle
+from fenicsx_contact.output.report import write_summary
 from fenicsx_contact.references.rod import one_dof_drop
-from fenicsx_contact.report import write_summary
+from fenicsx_contact.rods import Card, ForceMap, Guide, GuideContact, Sine, Tube, settle
+from fenicsx_contact.theory.formulations import Formulation
 
 RESULTS = Path("results") / "rod_drop"
 G = 9.81
@@ -244,7 +244,7 @@ def at_long_steps(a: Assumed, dt: float, fine: dict[str, Any]) -> dict[str, Any]
 # %%
 def draw_speeds(drops: dict[str, Drop], bent: Drop, straight: Drop) -> None:
     """Speeds of fall, in the layout of the paper's Figure 5."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     fig, ax = plots.figure()
     for name, one in {**drops, "kinked inlet": bent, "straight": straight}.items():
@@ -260,7 +260,7 @@ def draw_speeds(drops: dict[str, Drop], bent: Drop, straight: Drop) -> None:
 
 def draw_forces(forces: ForceMap, file: Path) -> None:
     """Where and when the guide bears, means over 10 ms and 5 cm."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     image, extent = forces.picture()
     fig, ax = plots.figure(size=(7, 5))
@@ -281,7 +281,7 @@ def draw_forces(forces: ForceMap, file: Path) -> None:
 
 def animate(forces: ForceMap, a: Assumed) -> None:
     """Rod and guide, lateral distances magnified."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     corridor = guide(a)
     depth = np.linspace(-3.6, corridor.bottom - 1e-6, 800)

@@ -29,7 +29,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from rod_drop import BOTTOM, DASHPOT, Assumed, drop
 
-from fenicsx_contact.report import write_summary
+from fenicsx_contact.output.report import write_summary
 
 RESULTS = Path("results") / "rod_drop_map"
 FRICTION = np.round(np.linspace(0.0, 0.6, 13), 3)
@@ -102,7 +102,7 @@ def compute(
 # %%
 def draw(drops: dict[tuple[float, float], dict[str, Any]]) -> None:
     """T5 and total over friction and amplitude; crosses where the rod jams."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     frictions, amplitudes = (np.unique([case[i] for case in drops]) for i in (0, 1))
     fig, axes = plots.figure(1, 2, size=(10, 4))

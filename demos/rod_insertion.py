@@ -26,8 +26,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from rod_drop import BOTTOM, VELOCITY, Assumed, guide, rod
 
 from fenicsx_contact import Driven, History, Scene, ThetaScheme
-from fenicsx_contact.guides import GuideContact, settle
-from fenicsx_contact.report import write_summary
+from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.rods import GuideContact, settle
 
 RESULTS = Path("results") / "rod_insertion"
 GUIDES = {"S, tangent": Assumed(), "S, kinked inlet": Assumed(kinked=True)}
@@ -78,7 +78,7 @@ def figures(h: History) -> dict[str, Any]:
 # %%
 def draw(runs: dict[str, History]) -> None:
     """Resistance of the guide in a slow insertion."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     fig, ax = plots.figure()
     for i, (name, h) in enumerate(runs.items()):

@@ -35,7 +35,7 @@ from typing import Any
 
 import numpy as np
 
-from fenicsx_contact.report import environment, write_summary
+from fenicsx_contact.output.report import environment, write_summary
 from fenicsx_contact.study import MAPS, Map, Verdict, run_maps, summary
 
 RESULTS = Path("results") / "stability_map"
@@ -63,7 +63,7 @@ def run(quick: bool = False) -> tuple[list[Map], dict[str, list[Verdict]]]:
 # %%
 def draw(maps: list[Map], verdicts: dict[str, list[Verdict]]) -> None:
     """All maps, six to a figure."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     for page, first in enumerate(range(0, len(maps), 6), start=1):
         shown = maps[first : first + 6]

@@ -44,7 +44,7 @@ from fenicsx_contact import (
     ThetaScheme,
     mesh_from_gmsh,
 )
-from fenicsx_contact.report import write_summary
+from fenicsx_contact.output.report import write_summary
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
 RESULTS = Path("results") / "stick_slip"
@@ -200,7 +200,7 @@ def oscillator(steps: int = 80) -> tuple[dict[str, Any], History]:
 # %%
 def draw(swing: History, slide: History) -> None:
     """The oscillator's and the sliding block's motion."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     fig, ax = plots.figure(size=(6, 3.5))
     ax.plot(swing.time * 1e3, swing["x"] * 1e3, label="computed")
@@ -223,7 +223,7 @@ def draw(swing: History, slide: History) -> None:
 
 def animate() -> None:
     """The elastic block slides, leaning, stops and swings."""
-    from fenicsx_contact import plots
+    from fenicsx_contact.output import plots
 
     stop_of_elastic(directory=RESULTS / "run", fields_every=2)
     plots.animate(

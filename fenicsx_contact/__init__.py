@@ -1,34 +1,33 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Frictional contact and impact at the level of velocities, in UFL on dolfinx."""
 
-from ._environment import require_dolfinx
+from .base.environment import require_dolfinx
 
 require_dolfinx()
 
-from .axis import AxisMesh, axis_mesh  # noqa: E402
-from .checks import InputError  # noqa: E402
-from .contact import Contact  # noqa: E402
-from .fall import Driven, Fall, GuideTubeWater  # noqa: E402
-from .formulations import GAP, LAGRANGE, VELOCITY, Discrete, Gap, Lagrange, Velocity  # noqa: E402
-from .history import History  # noqa: E402
-from .mesh_files import mesh_from_file  # noqa: E402
-from .meshing import NamedMesh, mesh_from_gmsh, name_facets  # noqa: E402
-from .newton import Newton  # noqa: E402
-from .obstacles import HalfSpace  # noqa: E402
+from .base.checks import InputError  # noqa: E402
+from .base.mesh import NamedMesh, mesh_from_gmsh, name_facets  # noqa: E402
+from .base.mesh_files import mesh_from_file  # noqa: E402
+from .contact.contact import Contact  # noqa: E402
+from .contact.obstacle import HalfSpace  # noqa: E402
+from .output.history import History  # noqa: E402
+from .output.storage import read_history  # noqa: E402
+from .rods.axis import AxisMesh, axis_mesh  # noqa: E402
+from .rods.beam import BeamSolid  # noqa: E402
+from .rods.drive import Driven, Fall, GuideTubeWater  # noqa: E402
+from .rods.sections import Section, Support  # noqa: E402
 from .scene import Scene  # noqa: E402
 from .solids import (  # noqa: E402
-    BeamSolid,
     ElasticSolid,
     HyperelasticSolid,
     RigidSolid,
-    Section,
-    Support,
     ciarlet,
     neo_hookean,
     st_venant_kirchhoff,
 )
-from .storage import read_history  # noqa: E402
-from .theta import QuasiStatic, ThetaScheme  # noqa: E402
+from .solve.newton import Newton  # noqa: E402
+from .theory.formulations import GAP, LAGRANGE, VELOCITY, Discrete, Gap, Lagrange, Velocity  # noqa: E402
+from .theory.theta import QuasiStatic, ThetaScheme  # noqa: E402
 
 __version__ = "0.1.0"
 

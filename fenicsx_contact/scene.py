@@ -9,19 +9,19 @@ from time import perf_counter
 
 import numpy as np
 
-from . import checks
-from .adaptive import ErrorControl
-from .contact import Contact
-from .formulations import Velocity
-from .history import COLUMNS, History, contact_columns
-from .impacts import LocatedImpacts
-from .methods import choose
-from .newton import Newton
-from .run import run
+from .base import checks
+from .contact.contact import Contact
+from .output.history import COLUMNS, History, contact_columns
 from .solids import DeformableSolid, Solid
-from .statics import refuse_free
-from .stepper import Stepper
-from .theta import Step, ThetaScheme
+from .solve.choose import choose
+from .solve.newton import Newton
+from .solve.statics import refuse_free
+from .steps.adaptive import ErrorControl
+from .steps.impacts import LocatedImpacts
+from .steps.run import run
+from .steps.step import Stepper
+from .theory.formulations import Velocity
+from .theory.theta import Step, ThetaScheme
 
 
 class Scene:
@@ -214,7 +214,7 @@ class Scene:
             until: the end, s.
             dt: length of a step, s; with a ``step_error``, of the longest.
             step_error: what a step may add to the error of the motion, relative to the way in
-                it, by an estimate (see :mod:`fenicsx_contact.adaptive`); for theta = 1/2. None:
+                it, by an estimate (:mod:`fenicsx_contact.steps.adaptive`); for theta = 1/2. None:
                 uniform steps. Impacts that are not located are rounded to a step all the same.
             directory: where to write the run as it goes; None keeps it in memory.
             resume: continue the run that was stopped in ``directory``, if there is one.

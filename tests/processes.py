@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-import fenicsx_contact.run
-from fenicsx_contact import storage
+import fenicsx_contact.steps.run
+from fenicsx_contact.output import storage
 
 
 def mpirun(code: str, processes: int) -> subprocess.Popen:
@@ -63,6 +63,6 @@ def killed_after(checkpoints: int) -> Iterator[list[int]]:
         save(self, history, state)
 
     with pytest.MonkeyPatch.context() as patch, pytest.raises(Killed):
-        patch.setattr(fenicsx_contact.run, "CHECKPOINT_EVERY", 0.0)
+        patch.setattr(fenicsx_contact.steps.run, "CHECKPOINT_EVERY", 0.0)
         patch.setattr(storage.RunDirectory, "save", dying)
         yield saves

@@ -12,9 +12,9 @@ import scenes
 from processes import killed_after
 from scenes import FLOOR, G, elastic_block, located_block, rectangle
 
-import fenicsx_contact.adaptive
-import fenicsx_contact.run
 import fenicsx_contact.solids.elastic
+import fenicsx_contact.steps.adaptive
+import fenicsx_contact.steps.run
 from fenicsx_contact import (
     Contact,
     Discrete,
@@ -268,7 +268,7 @@ def test_without_a_step_error_nothing_of_it_is_there(monkeypatch):
     def refuse(*_):
         raise AssertionError("made")
 
-    monkeypatch.setattr(fenicsx_contact.run, "ErrorControl", refuse)
+    monkeypatch.setattr(fenicsx_contact.steps.run, "ErrorControl", refuse)
     history = located_block().run(0.05, 1e-3)
     assert history.finished and "error" not in history.times
     with pytest.raises(AssertionError, match="made"):

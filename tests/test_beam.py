@@ -20,9 +20,9 @@ from fenicsx_contact import (
     Support,
     ThetaScheme,
     axis_mesh,
-    compat,
 )
-from fenicsx_contact.theta import Step
+from fenicsx_contact.base import compat
+from fenicsx_contact.theory.theta import Step
 
 UNIFORM = (1.0, 8)
 UNEVEN = np.array([0.0, 0.03, 0.31, 0.35, 0.36, 0.71, 0.9, 0.97, 1.0])

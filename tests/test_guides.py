@@ -20,7 +20,8 @@ from fenicsx_contact import (
     Velocity,
     axis_mesh,
 )
-from fenicsx_contact.guides import (
+from fenicsx_contact.references.rod import endless_insertion_force
+from fenicsx_contact.rods import (
     AnyCurve,
     Bow,
     Card,
@@ -32,7 +33,6 @@ from fenicsx_contact.guides import (
     Tube,
     settle,
 )
-from fenicsx_contact.references.rod import endless_insertion_force
 
 L, EI, C = 3.66, 850.0, 0.775e-3
 ROD = Section(mass=16.662, bending=EI)

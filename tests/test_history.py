@@ -36,7 +36,7 @@ from fenicsx_contact import (
     neo_hookean,
     read_history,
 )
-from fenicsx_contact.newton import NotConverged
+from fenicsx_contact.solve.newton import NotConverged
 
 # name: builder in scenes.py, end, step
 RUNS = {
@@ -90,7 +90,7 @@ sys.path.insert(0, {tests!r})
 import fenicsx_contact.run
 from fenicsx_contact import storage
 import scenes
-fenicsx_contact.run.CHECKPOINT_EVERY = {every}
+fenicsx_contact.steps.run.CHECKPOINT_EVERY = {every}
 save, replace, count = storage.RunDirectory.save, os.replace, 0
 
 def die():
@@ -363,9 +363,9 @@ def test_fields(cell, kind, tmp_path):
         )
     floor = HalfSpace(0.0 * down, -down)
     scene = Scene([solid], [Contact(solid, "base", floor, friction=0.3, name="contact")])
-    cells = fenicsx_contact.compat.cell_geometry(mesh.mesh).copy()
+    cells = fenicsx_contact.base.compat.cell_geometry(mesh.mesh).copy()
     history = scene.run(0.012, 1e-3, directory=tmp_path, fields_every=4)
-    np.testing.assert_array_equal(fenicsx_contact.compat.cell_geometry(mesh.mesh), cells)
+    np.testing.assert_array_equal(fenicsx_contact.base.compat.cell_geometry(mesh.mesh), cells)
 
     times, files = collection(tmp_path / "fields" / f"{kind}.pvd")
     np.testing.assert_array_equal(times, history.time[::4])

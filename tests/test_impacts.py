@@ -9,7 +9,7 @@ from scenes import FLOOR, rectangle
 
 from fenicsx_contact import Contact, ElasticSolid, InputError, RigidSolid, Scene, ThetaScheme
 from fenicsx_contact.references.housner import Block, rocking
-from fenicsx_contact.theta import Step
+from fenicsx_contact.theory.theta import Step
 
 BLOCK = Block(width=0.36, height=0.80, mass=417.6)
 

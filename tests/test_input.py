@@ -25,12 +25,12 @@ from fenicsx_contact import (
     Scene,
     ThetaScheme,
     Velocity,
-    compat,
     mesh_from_gmsh,
     name_facets,
     neo_hookean,
     st_venant_kirchhoff,
 )
+from fenicsx_contact.base import compat
 
 NAN, INF = float("nan"), float("inf")
 BLOCK = Path(__file__).parents[1] / "meshes" / "block.geo"

@@ -7,15 +7,8 @@ import numpy as np
 import pytest
 from scenes import box, elastic_block, pressed_boxes, pressed_cube, rigid_box, soft_block
 
-from fenicsx_contact import (
-    Contact,
-    ElasticSolid,
-    HalfSpace,
-    InputError,
-    QuasiStatic,
-    Scene,
-    methods,
-)
+from fenicsx_contact import Contact, ElasticSolid, HalfSpace, InputError, QuasiStatic, Scene
+from fenicsx_contact.solve import choose as methods
 
 
 @pytest.mark.parametrize(
@@ -95,7 +88,7 @@ def test_rigid_solids_are_refused():
 
 def test_what_it_cannot_solve_it_stops_at_with_a_reason(monkeypatch):
     for limit in ("MAX_ITERATIONS", "PATIENCE"):
-        monkeypatch.setattr(f"fenicsx_contact.iterative.{limit}", 2)
+        monkeypatch.setattr(f"fenicsx_contact.solve.krylov.{limit}", 2)
     cube = ElasticSolid(
         box((2, 2, 2)),
         youngs_modulus=1e6,

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from fenicsx_contact import GAP, VELOCITY, Discrete, Lagrange, Velocity
-from fenicsx_contact.equations import SurfaceEquations
-from fenicsx_contact.surface import Surface
+from fenicsx_contact.contact.equations import SurfaceEquations
+from fenicsx_contact.contact.surface import Surface
 
 SURFACES = {
     2: (np.array([[0.0, 0.0], [1.0, 0.0], [2.5, 0.0]]), np.array([[0, 1], [1, 2]]), "interval"),

@@ -14,14 +14,9 @@ import ufl
 from dolfinx import fem
 from processes import mpirun, output_of
 
-from fenicsx_contact import (
-    InputError,
-    NamedMesh,
-    compat,
-    mesh_from_file,
-    mesh_from_gmsh,
-)
-from fenicsx_contact.mesh_names import element_sets
+from fenicsx_contact import InputError, NamedMesh, mesh_from_file, mesh_from_gmsh
+from fenicsx_contact.base import compat
+from fenicsx_contact.base.mesh_names import element_sets
 
 MESHES = Path(__file__).parents[1] / "meshes"
 SIZE = {"triangle": (2.0, 3.0), "quad": (2.0, 3.0), "tetra": (2.0, 3.0, 1.5)}

@@ -11,7 +11,8 @@ import pytest
 from scipy.spatial import cKDTree
 from test_mesh_files import area, flux, volume
 
-from fenicsx_contact import InputError, NamedMesh, compat, mesh_from_gmsh
+from fenicsx_contact import InputError, NamedMesh, mesh_from_gmsh
+from fenicsx_contact.base import compat
 
 MESHES = Path(__file__).parents[1] / "meshes"
 

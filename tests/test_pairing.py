@@ -5,10 +5,11 @@ import numpy as np
 import pytest
 from scenes import pressed_blocks, rectangle
 
-from fenicsx_contact import Contact, HyperelasticSolid, Scene, direct, neo_hookean
-from fenicsx_contact.condensed import Condensed
-from fenicsx_contact.pairing import Pairing, Side
-from fenicsx_contact.pairing.search import Near, Spheres, candidates
+from fenicsx_contact import Contact, HyperelasticSolid, Scene, neo_hookean
+from fenicsx_contact.contact.mortar import Pairing, Side
+from fenicsx_contact.contact.mortar.search import Near, Spheres, candidates
+from fenicsx_contact.solve import sparse as direct
+from fenicsx_contact.solve.condensed import Condensed
 
 
 def line(n: int, left: float, right: float, y: float, inside: float, degree: int) -> Side:

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scenes import FLOOR, G, box, elastic_block, light_footed_block, soft_block
 
-from fenicsx_contact import Contact, ElasticSolid, HalfSpace, Scene, system
-from fenicsx_contact.pointwise import PointwiseSolver, PointwiseStep
+from fenicsx_contact import Contact, ElasticSolid, HalfSpace, Scene
+from fenicsx_contact.solve import surface_problem as system
+from fenicsx_contact.solve.pointwise import PointwiseSolver, PointwiseStep
 
 
 def compliance(n, d, rng):

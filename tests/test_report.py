@@ -6,7 +6,7 @@ import json
 import dolfinx
 import numpy as np
 
-from fenicsx_contact.report import write_summary
+from fenicsx_contact.output.report import write_summary
 
 
 def test_summary_is_strict_json(tmp_path):

@@ -198,7 +198,8 @@ def renumbered(mesh: NamedMesh) -> NamedMesh:
     """The same mesh with its nodes and cells in another order."""
     from mpi4py import MPI
 
-    from fenicsx_contact import compat, name_facets
+    from fenicsx_contact import name_facets
+    from fenicsx_contact.base import compat
 
     x = mesh.mesh.geometry.x[:, :2]
     cells = compat.cell_geometry(mesh.mesh)

@@ -9,17 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fenicsx_contact import (
-    Fall,
-    Gap,
-    GuideTubeWater,
-    InputError,
-    Scene,
-    ThetaScheme,
-    Velocity,
-)
-from fenicsx_contact.guides import GuideContact, settle
+from fenicsx_contact import Fall, Gap, GuideTubeWater, InputError, Scene, ThetaScheme, Velocity
 from fenicsx_contact.references.rod import one_dof_drop
+from fenicsx_contact.rods import GuideContact, settle
 
 DEMOS = Path(__file__).resolve().parent.parent / "demos"
 

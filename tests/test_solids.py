@@ -21,7 +21,7 @@ from fenicsx_contact import (
     st_venant_kirchhoff,
 )
 from fenicsx_contact.study.problems import bar_at_wall
-from fenicsx_contact.theta import Step
+from fenicsx_contact.theory.theta import Step
 
 CELLS_2D, CELLS_3D = ("triangle", "quadrilateral"), ("tetrahedron", "hexahedron")
 CELLS = CELLS_2D + CELLS_3D

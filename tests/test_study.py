@@ -12,7 +12,7 @@ import pytest
 from test_demos import load
 
 from fenicsx_contact import InputError
-from fenicsx_contact.history import History
+from fenicsx_contact.output.history import History
 from fenicsx_contact.study import (
     CLASSES,
     MAPS,

@@ -15,10 +15,10 @@ from fenicsx_contact import (
     Scene,
     ThetaScheme,
     Velocity,
-    compat,
 )
-from fenicsx_contact.laws import ball_projection
-from fenicsx_contact.surface import Surface
+from fenicsx_contact.base import compat
+from fenicsx_contact.contact.surface import Surface
+from fenicsx_contact.theory.laws import ball_projection
 
 FLOOR = HalfSpace((0, 0), (0, 1))
 

@@ -19,8 +19,8 @@ from fenicsx_contact import (
     ThetaScheme,
     neo_hookean,
 )
-from fenicsx_contact.pairing import Pairing, Side
-from fenicsx_contact.pairing.rates import Rates
+from fenicsx_contact.contact.mortar import Pairing, Side
+from fenicsx_contact.contact.mortar.rates import Rates
 
 # -- the pairing and its derivatives --
 

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import checks
+from ..base import checks
 
 
 @dataclass(frozen=True)

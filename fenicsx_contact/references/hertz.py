@@ -33,7 +33,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import checks
+from ..base import checks
 
 
 def effective_modulus(

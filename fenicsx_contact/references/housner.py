@@ -34,7 +34,7 @@ from typing import Any
 import numpy as np
 from scipy.special import elliprf
 
-from .. import checks
+from ..base import checks
 
 #: Swings smaller than this fraction of the first are taken as rest.
 NEGLIGIBLE = 1e-16

@@ -2,24 +2,19 @@
 """What moves. A solid knows its inertia, its internal forces and its trace; it knows no contact."""
 
 from .base import MonolithicSolid, MonolithicTrace, Solid, Trace
-from .beam import BeamSolid
 from .deformable import DeformableSolid
 from .elastic import ElasticSolid
 from .hyperelastic import HyperelasticSolid, ciarlet, neo_hookean, st_venant_kirchhoff
 from .rigid import RigidSolid
-from .sections import Section, Support
 
 __all__ = [
-    "BeamSolid",
     "DeformableSolid",
     "ElasticSolid",
     "HyperelasticSolid",
     "MonolithicSolid",
     "MonolithicTrace",
     "RigidSolid",
-    "Section",
     "Solid",
-    "Support",
     "Trace",
     "ciarlet",
     "neo_hookean",

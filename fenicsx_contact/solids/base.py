@@ -21,8 +21,8 @@ import numpy as np
 import scipy.sparse as sp
 from mpi4py import MPI
 
-from ..meshing import NamedMesh
-from ..theta import Step
+from ..base.mesh import NamedMesh
+from ..theory.theta import Step
 
 
 class Trace(ABC):

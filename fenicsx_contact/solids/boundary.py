@@ -10,7 +10,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from .. import checks, compat
+from ..base import checks, compat
 
 if TYPE_CHECKING:
     from .deformable import DeformableSolid

@@ -19,14 +19,14 @@ from dolfinx import fem
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from .. import checks, compat
-from ..linear import Factorisation
-from ..meshing import NamedMesh
-from ..theta import Step
+from ..base import checks, compat
+from ..base.mesh import NamedMesh
+from ..theory.theta import Step
 from .base import MonolithicSolid
 from .boundary import Motion, Supports, Traction, Tractions
-from .deformable_trace import DeformableTrace
-from .redistribution import move_mass_inwards, relax
+from .factor import Factorisation
+from .mass_redistribution import move_mass_inwards, relax
+from .trace import DeformableTrace
 
 #: A field given as a function of ``x`` (3, n) with values (d, n).
 Field = Callable[[np.ndarray], np.ndarray]

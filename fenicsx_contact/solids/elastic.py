@@ -14,15 +14,15 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
-from .. import checks, compat
-from ..linear import Factorisation
-from ..meshing import NamedMesh
-from ..theta import Step
+from ..base import checks, compat
+from ..base.mesh import NamedMesh
+from ..theory.theta import Step
 from .deformable import DeformableSolid
+from .factor import Factorisation
 
 
 def elastic_constants(youngs_modulus: float, poisson_ratio: float) -> tuple[float, float]:
-    """E [Pa] > 0 and nu in (-1, 1/2), or an :class:`~fenicsx_contact.checks.InputError`."""
+    """E [Pa] > 0 and nu in (-1, 1/2), or an :class:`~fenicsx_contact.base.checks.InputError`."""
     E = checks.number("youngs_modulus", youngs_modulus, above=0)
     nu = checks.number("poisson_ratio", poisson_ratio, above=-1)
     if nu >= 0.5:

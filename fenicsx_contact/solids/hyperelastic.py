@@ -17,12 +17,12 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
-from .. import checks, compat
-from ..linear import Factorisation
-from ..meshing import NamedMesh
-from ..theta import Step
+from ..base import checks, compat
+from ..base.mesh import NamedMesh
+from ..theory.theta import Step
 from .deformable import DeformableSolid
 from .elastic import elastic_constants
+from .factor import Factorisation
 
 #: A step may make this share of a solid's energies, by the quadrature of its forces.
 MADE = 1e-6

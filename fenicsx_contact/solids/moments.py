@@ -9,8 +9,8 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from .. import compat
-from ..meshing import NamedMesh
+from ..base import compat
+from ..base.mesh import NamedMesh
 
 
 def moments(mesh: NamedMesh) -> tuple[float, np.ndarray, np.ndarray]:

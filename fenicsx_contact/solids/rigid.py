@@ -18,9 +18,9 @@ import scipy.sparse as sp
 from mpi4py import MPI
 from scipy.spatial.transform import Rotation
 
-from .. import checks
-from ..meshing import NamedMesh
-from ..theta import Step
+from ..base import checks
+from ..base.mesh import NamedMesh
+from ..theory.theta import Step
 from .base import MonolithicSolid, MonolithicTrace, Trace
 from .moments import moments
 

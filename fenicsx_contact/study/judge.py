@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ..checks import InputError
-from ..history import History
+from ..base.checks import InputError
+from ..output.history import History
 from .problem import Problem, energy_size, total_energy
 
 #: In the order of falling worth.

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from .. import checks
-from ..checks import InputError
+from ..base import checks
+from ..base.checks import InputError
 from .problem import Problem
 
 Setting = Mapping[str, Any]

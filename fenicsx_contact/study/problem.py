@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..history import History
+from ..output.history import History
 from ..scene import Scene
 
 

@@ -9,15 +9,7 @@ from math import radians
 from typing import Any
 
 from .measure import Study
-from .problems import (
-    bar_at_wall,
-    bar_released,
-    bent_drop,
-    hertz,
-    leaning_drop,
-    oscillator,
-    rocking,
-)
+from .problems import bar_at_wall, bar_released, bent_drop, hertz, leaning_drop, oscillator, rocking
 
 
 def ladder(name: str, values: Sequence[Any], **fixed: Any) -> list[dict[str, Any]]:

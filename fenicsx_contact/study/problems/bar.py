@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from ...contact import Contact
-from ...history import History
-from ...obstacles import HalfSpace
+from ...contact.contact import Contact
+from ...contact.obstacle import HalfSpace
+from ...output.history import History
 from ...scene import Scene
 from ...solids import ElasticSolid, HyperelasticSolid, neo_hookean
 from ...solids.deformable import DeformableSolid
-from ...theta import ThetaScheme
+from ...theory.theta import ThetaScheme
 from ..problem import Problem
 from .shapes import rectangle
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...contact import Contact
-from ...history import History
-from ...obstacles import HalfSpace
+from ...contact.contact import Contact
+from ...contact.obstacle import HalfSpace
+from ...output.history import History
 from ...scene import Scene
 from ...solids import ElasticSolid, RigidSolid
-from ...theta import ThetaScheme
+from ...theory.theta import ThetaScheme
 from ..problem import Problem
 from .shapes import FLOOR, G, rectangle
 

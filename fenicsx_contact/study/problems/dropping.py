@@ -10,15 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from ...axis import axis_mesh
-from ...fall import Fall, GuideTubeWater
-from ...formulations import Discrete, Formulation, Gap, Lagrange, Velocity
-from ...guides import Card, Guide, GuideContact, Sine, Tube, settle
-from ...history import History
+from ...output.history import History
 from ...references.rod import one_dof_drop
+from ...rods import Card, Guide, GuideContact, Sine, Tube, settle
+from ...rods.axis import axis_mesh
+from ...rods.beam import BeamSolid
+from ...rods.drive import Fall, GuideTubeWater
+from ...rods.sections import Section
 from ...scene import Scene
-from ...solids import BeamSolid, Section
-from ...theta import ThetaScheme
+from ...theory.formulations import Discrete, Formulation, Gap, Lagrange, Velocity
+from ...theory.theta import ThetaScheme
 from ..problem import Problem
 from .shapes import G
 

@@ -7,15 +7,16 @@ from math import asin, cos, inf, pi, sin
 
 import numpy as np
 
-from ...axis import axis_mesh
-from ...fall import Fall
-from ...formulations import Formulation, Gap, Lagrange, Velocity
-from ...guides import Guide, GuideContact, Sine, Straight, Tube, settle
-from ...history import History
+from ...output.history import History
 from ...references.rod import endless_insertion_force
+from ...rods import Guide, GuideContact, Sine, Straight, Tube, settle
+from ...rods.axis import axis_mesh
+from ...rods.beam import BeamSolid
+from ...rods.drive import Fall
+from ...rods.sections import Section, Support
 from ...scene import Scene
-from ...solids import BeamSolid, Section, Support
-from ...theta import ThetaScheme
+from ...theory.formulations import Formulation, Gap, Lagrange, Velocity
+from ...theory.theta import ThetaScheme
 from ..problem import Problem
 from .block import EXACT
 from .shapes import G

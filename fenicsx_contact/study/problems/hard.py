@@ -7,11 +7,11 @@ from math import cos, pi, sin
 
 import numpy as np
 
-from ...contact import Contact
-from ...history import History
+from ...contact.contact import Contact
+from ...output.history import History
 from ...scene import Scene
 from ...solids import HyperelasticSolid, RigidSolid
-from ...theta import ThetaScheme
+from ...theory.theta import ThetaScheme
 from ..problem import Problem
 from .block import EXACT
 from .shapes import FLOOR, G, rectangle

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from ...contact import Contact
-from ...history import History
+from ...contact.contact import Contact
+from ...output.history import History
 from ...scene import Scene
 from ...solids import ElasticSolid, RigidSolid
-from ...theta import QuasiStatic, ThetaScheme
+from ...theory.theta import QuasiStatic, ThetaScheme
 from ..problem import Problem
 from .bar import front_width, impulse_error
 from .block import EXACT

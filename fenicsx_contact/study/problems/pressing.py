@@ -13,15 +13,15 @@ from typing import Any
 
 import numpy as np
 
-from ...contact import Contact
-from ...formulations import Velocity
-from ...history import History
-from ...meshing import NamedMesh
-from ...obstacles import HalfSpace
+from ...base.mesh import NamedMesh
+from ...contact.contact import Contact
+from ...contact.obstacle import HalfSpace
+from ...output.history import History
 from ...references.hertz import LineContact, effective_modulus
 from ...scene import Scene
 from ...solids import ElasticSolid
-from ...theta import QuasiStatic
+from ...theory.formulations import Velocity
+from ...theory.theta import QuasiStatic
 from ..problem import Problem
 from .shapes import rectangle
 

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ...contact import Contact
-from ...formulations import Discrete, Lagrange
-from ...history import History
+from ...contact.contact import Contact
+from ...output.history import History
 from ...references.housner import Block
 from ...references.housner import rocking as housner
 from ...references.swings import swings
 from ...scene import Scene
 from ...solids import RigidSolid
-from ...theta import ThetaScheme
+from ...theory.formulations import Discrete, Lagrange
+from ...theory.theta import ThetaScheme
 from ..problem import Problem
 from .shapes import FLOOR, G, rectangle
 

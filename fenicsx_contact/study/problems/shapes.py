@@ -7,8 +7,8 @@ import dolfinx
 import numpy as np
 from mpi4py import MPI
 
-from ...meshing import NamedMesh, name_facets
-from ...obstacles import HalfSpace
+from ...base.mesh import NamedMesh, name_facets
+from ...contact.obstacle import HalfSpace
 
 FLOOR = HalfSpace((0, 0), (0, 1))
 G = 9.81  # m/s²

@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Meshes with named facets from any file that meshio reads: gmsh, Abaqus, VTK, XDMF, MED, ..."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import dolfinx
+import meshio
+import numpy as np
+from mpi4py import MPI
+
+from . import checks, compat
+from .mesh import NamedMesh
+from .mesh_names import PointSet, element_sets, listed, named_elements
+
+#: For meshio's name of a cell: dolfinx's, its nodes in dolfinx's order, the vertices of its facets
+#: and, for each vertex, those of the edges that leave it in a right-handed order (meshio's order).
+_CELLS: dict[str, tuple[str, list[int], list[list[int]], list[list[int]]]] = {
+    "triangle": ("triangle", [0, 1, 2], [[0, 1], [1, 2], [2, 0]], [[0, 1, 2]]),
+    "quad": (
+        "quadrilateral",
+        [0, 1, 3, 2],
+        [[0, 1], [1, 2], [2, 3], [3, 0]],
+        [[0, 1, 3], [1, 2, 0], [2, 3, 1], [3, 0, 2]],
+    ),
+    "tetra": (
+        "tetrahedron",
+        [0, 1, 2, 3],
+        [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]],
+        [[0, 1, 2, 3]],
+    ),
+    "hexahedron": (
+        "hexahedron",
+        [0, 1, 3, 2, 4, 5, 7, 6],
+        [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]],
+        [
+            *([0, 1, 3, 4], [1, 2, 0, 5], [2, 3, 1, 6], [3, 0, 2, 7]),
+            *([4, 7, 5, 0], [5, 4, 6, 1], [6, 5, 7, 2], [7, 6, 4, 3]),
+        ],
+    ),
+}
+_ALLOWED = "first-order triangles or quadrilaterals in 2D, tetrahedra or hexahedra in 3D"
+
+
+@dataclass(frozen=True)
+class _Solid:
+    """What rank 0 has read: points (n, d), cells (m, k) in dolfinx's order, the cell's name, and
+    for each name of facets their vertices, sorted, (f, v)."""
+
+    points: np.ndarray
+    cells: np.ndarray
+    cell: str
+    facets: dict[str, np.ndarray]
+
+
+def mesh_from_file(
+    file: str | Path,
+    comm: MPI.Comm = MPI.COMM_WORLD,
+    *,
+    solid: str | None = None,
+    facets: Mapping[str, str | int] | None = None,
+    data: str | None = None,
+) -> NamedMesh:
+    """A mesh with named facets from a file of any format that meshio reads.
+
+    The solid is made of the file's cells of highest dimension, of first order and one type. Its
+    facets have the names of the file's sets of facet elements (gmsh's physical names, Abaqus'
+    element sets, MED's groups). A file without names gives a mesh without; for facets by place,
+    :func:`name_facets` takes its ``mesh``.
+
+    Args:
+        file: path of the file; its ending tells the format.
+        comm: the processes over which the mesh is distributed; the first one reads.
+        solid: name of the cells to take, if the file holds more than this solid.
+        facets: the names to give, each with what bears it in the file: the name of a set of facet
+            elements or else of points (all boundary facets whose vertices are in it), or the value
+            of the facet elements' integer cell data. All sets of facet elements if not given.
+        data: name of that cell data, if the file has several.
+
+    Raises:
+        InputError: no such file or not readable, cells of other kinds or distorted, no such name.
+    """
+    path = Path(file)
+    checks.instance("facets", facets, (Mapping, type(None)), "a dict from names, or None")
+    read: tuple[str, _Solid | None] = ("", None)
+    if comm.rank == 0:
+        try:
+            read = "", _solid(_read(path), solid, facets, data)
+        except checks.InputError as problem:
+            read = str(problem), None
+    message, on_root = read
+    message = comm.bcast(message)
+    if message:
+        raise checks.InputError(f"file = {str(file)!r}: {message}")
+    cell, gdim, corners, named = comm.bcast(
+        (on_root.cell, on_root.points.shape[1], on_root.cells.shape[1], on_root.facets)
+        if on_root
+        else None
+    )
+    cells = on_root.cells if on_root else np.empty((0, corners), dtype=np.int64)
+    points = on_root.points if on_root else np.empty((0, gdim))
+    return _tagged(compat.create_mesh(comm, cells, points, cell), named)
+
+
+def _tagged(mesh: Any, named: dict[str, np.ndarray]) -> NamedMesh:
+    """Names for the facets whose vertices are given by their numbers in the file."""
+    fdim = mesh.topology.dim - 1
+    mesh.topology.create_entities(fdim)
+    index_map = mesh.topology.index_map(fdim)
+    local = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
+    numbers = np.asarray(mesh.geometry.input_global_indices, dtype=np.int64)
+    vertices = np.sort(numbers[compat.facet_geometry(mesh, local)], axis=1)
+    names: dict[str, int] = {}
+    tag = np.zeros(len(local), dtype=np.int32)
+    for name, wanted in named.items():
+        found = _rows_in(vertices, wanted)
+        taken = np.unique(tag[found])
+        same = [n for n in names if np.array_equal(named[n], wanted)]
+        names[name] = names[same[0]] if same else len(names) + 1
+        clash = "" if same or not taken.any() else next(n for n in names if names[n] == taken[-1])
+        if clash := max(mesh.comm.allgather(clash)):
+            raise checks.InputError(
+                f"facets: {name!r} and {clash!r} claim the same facet; choose by facets = {{...}}"
+            )
+        tag[found] = names[name]
+    tagged = np.flatnonzero(tag).astype(np.int32)
+    return NamedMesh(mesh, dolfinx.mesh.meshtags(mesh, fdim, tagged, tag[tagged]), names)
+
+
+def _rows_in(rows: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Which of the rows are among those wanted; as indices."""
+    if not len(rows) or not len(wanted):
+        return np.empty(0, dtype=np.int64)
+    maybe = np.flatnonzero(np.isin(rows, wanted).all(axis=1))
+    _, number = np.unique(np.concatenate([wanted, rows[maybe]]), axis=0, return_inverse=True)
+    number = number.ravel()
+    return maybe[np.isin(number[len(wanted) :], number[: len(wanted)])]
+
+
+def _read(path: Path) -> meshio.Mesh:
+    """The file by meshio, whose readers raise all sorts of things, or print and exit."""
+    if not path.is_file():
+        raise checks.InputError("no such file")
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            return meshio.read(path)
+    except (Exception, SystemExit) as failure:
+        what = str(failure) if isinstance(failure, Exception) else ""
+        text = " ".join(f"{said.getvalue()} {what}".split())
+        raise checks.InputError(
+            f"meshio cannot read it: {text or type(failure).__name__}"
+        ) from None
+
+
+def _solid(
+    mesh: meshio.Mesh, solid: str | None, wanted: Mapping[str, str | int] | None, data: str | None
+) -> _Solid:
+    """The cells of the solid, its points alone, and its named facets."""
+    dim = max((block.dim for block in mesh.cells if len(block.data)), default=0)
+    chosen = [block.dim == dim for block in mesh.cells]
+    if dim < 2:
+        raise checks.InputError(f"holds no cells of a solid; allowed are {_ALLOWED}")
+    picked: list[Any] = [slice(None) if yes else [] for yes in chosen]
+    if solid is not None:
+        sets = element_sets(mesh, dim)
+        if solid not in sets:
+            raise checks.InputError(f"solid = {solid!r}: it has {listed(sets)} for cells")
+        picked = sets[solid]
+    parts = [(b.type, b.data[p]) for b, p, yes in zip(mesh.cells, picked, chosen) if yes]
+    parts = [(kind, nodes) for kind, nodes in parts if len(nodes)]
+    kinds = {kind for kind, _ in parts}
+    if len(kinds) != 1 or not kinds <= set(_CELLS):
+        hint = "" if solid else "; if it holds several solids choose one by solid = ..."
+        raise checks.InputError(
+            f"has cells of type {', '.join(sorted(kinds))}; allowed are {_ALLOWED}, of one type"
+            f"{hint}"
+        )
+    kind = kinds.pop()
+    name, order, facet_vertices, _ = _CELLS[kind]
+    nodes = np.concatenate([part for _, part in parts]).astype(np.int64)
+    used, cells = np.unique(nodes, return_inverse=True)
+    cells = cells.reshape(nodes.shape)
+    points = _points(mesh, used, dim)
+    _check_shape(points, cells, kind)
+    new = np.full(len(mesh.points), -1, dtype=np.int64)
+    new[used] = np.arange(len(used))
+    all_facets = np.sort(cells[:, facet_vertices].reshape(-1, len(facet_vertices[0])), axis=1)
+    all_facets, cells_of = np.unique(all_facets, axis=0, return_counts=True)
+    facets: dict[str, np.ndarray] = {}
+    for label, elements in named_elements(mesh, dim - 1, wanted, data).items():
+        if isinstance(elements, PointSet):
+            rows = all_facets[cells_of == 1]
+            found = rows[np.isin(rows, new[elements.points]).all(axis=1)]
+        else:
+            fits = elements.shape[1] == all_facets.shape[1]
+            rows = np.unique(np.sort(new[elements], axis=1), axis=0)
+            found = rows[_rows_in(rows, all_facets)] if fits else rows[:0]
+            if len(found) and len(found) < len(rows) and solid is None:
+                raise checks.InputError(
+                    f"facets: {len(rows) - len(found)} of the {len(rows)} elements of {label!r} "
+                    "are no facets of the cells"
+                )
+        if len(found):
+            facets[label] = found
+        elif wanted is not None:
+            raise checks.InputError(f"facets: {label!r} has no facet of the solid")
+    return _Solid(points, cells[:, order], name, facets)
+
+
+def _points(mesh: meshio.Mesh, used: np.ndarray, dim: int) -> np.ndarray:
+    """The points that belong to a cell, in as many dimensions as the cells."""
+    x = np.asarray(mesh.points, dtype=np.float64)[used]
+    if not np.isfinite(x).all():
+        raise checks.InputError("has a point with a coordinate that is not finite")
+    if x.shape[1] > dim and np.ptp(x[:, dim:]) > 1e-9 * np.ptp(x, axis=0).max():
+        raise checks.InputError(
+            "holds a surface in 3D, not a mesh of a solid (in 2D all points have one z)"
+        )
+    return x[:, :dim]
+
+
+def _check_shape(x: np.ndarray, cells: np.ndarray, kind: str) -> None:
+    """Refuse cells that are flat or turn over at some vertex; all of one sense may be reversed."""
+    corner_sign = []
+    for vertex, *others in _CELLS[kind][3]:
+        edges = x[cells[:, others]] - x[cells[:, [vertex]]]
+        flat = 1e-12 * np.linalg.norm(edges, axis=2).prod(axis=1)
+        volume = np.linalg.det(edges)
+        corner_sign.append(np.where(np.abs(volume) > flat, np.sign(volume), 0))
+    bad = np.flatnonzero(np.abs(np.sum(corner_sign, axis=0)) < len(corner_sign))
+    if len(bad):
+        raise checks.InputError(
+            f"{len(bad)} of its {len(cells)} cells are without volume or turned over at a vertex, "
+            f"the first at {x[cells[bad[0]]].mean(axis=0).tolist()}"
+        )

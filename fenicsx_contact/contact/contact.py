@@ -1,0 +1,388 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A contact: a solid's facets against an obstacle or another solid's, with or without friction.
+
+It follows the solids through a step and feeds gaps and normals to the equations of its surface.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import frexp
+from typing import Any
+
+import numpy as np
+
+from ..base import checks
+from ..solids import Solid
+from ..theory.formulations import Discrete, Formulation, Lagrange, Velocity
+from ..theory.formulations import formulation as as_formulation
+from ..theory.theta import Step
+from .equations import SurfaceEquations
+from .jump import Coupling, ObstacleCoupling, PairCoupling, side_of
+from .obstacle import Obstacle
+from .surface import Surface
+
+#: What a solid's facets may meet: an obstacle, or the named facets of another solid.
+Master = Obstacle | tuple[Solid, str]
+
+#: Distances below this share of the coordinates are noise.
+ROUND_OFF = 1e-14
+#: A point that bore is still closed at this share of the surface's extent from the obstacle.
+HAIR = 1e-6
+
+
+class Contact:
+    """A contact between the named facets of a solid (slave) and what they may touch (master).
+
+    Args:
+        solid: the slave; between two solids better the softer one, or the one of the finer mesh.
+        facets: the name of its facets in contact.
+        master: an obstacle, or another solid and the name of its facets.
+        formulation: a formulation or its name; see :mod:`fenicsx_contact.theory.formulations`.
+        friction: Coulomb's coefficient; 0 leaves friction out, unknowns and all.
+        normal_augmentation, tangential_augmentation: pure numbers; rho_n and rho_t are these
+            times values scaled by the scene. They act on the way to the solution, not on it.
+        gap_tolerance: a point closer than this share of the surface's extent is closed.
+        name: for messages and files.
+
+    Attributes:
+        gap, jump: at the start of the step, m and m/s; ``trial_jump`` in the trial state.
+        closed: points that count as closed at the start of the step.
+        status: of the points in the last step: 0 open, 1 stick, 2 slip.
+        force: mean of the last step on the solid, N.
+
+    Raises:
+        InputError: friction < 0 or NaN, unknown formulation or facets, dimensions that differ,
+            points of a formulation that are no nodes of the facets, surfaces that do not face
+            each other anywhere or are the same.
+    """
+
+    def __init__(
+        self,
+        solid: Solid,
+        facets: str,
+        master: Master,
+        formulation: Formulation | str = "velocity",
+        friction: float = 0.0,
+        *,
+        normal_augmentation: float = 1.0,
+        tangential_augmentation: float = 1.0,
+        gap_tolerance: float = 1e-11,
+        name: str | None = None,
+    ) -> None:
+        checks.instance("solid", solid, Solid, "a solid")
+        other = _check_master(solid, facets, master)
+        self.solid, self.facets = solid, facets
+        self.formulation = as_formulation(formulation)
+        self.friction = checks.number("friction", friction, at_least=0)
+        augmentation = (
+            checks.number("normal_augmentation", normal_augmentation, above=0),
+            checks.number("tangential_augmentation", tangential_augmentation, above=0),
+        )
+        self.name = name or f"{solid.name}.{facets}"
+        self.surface = self._make_surface()
+        self.extent = float(np.ptp(self.surface.points, axis=0).max())
+        self.tolerance = checks.number("gap_tolerance", gap_tolerance, at_least=0) * self.extent
+
+        self.chosen, weight = self._points()
+        self._paired = isinstance(other, tuple)
+        if self._paired and weight is self.surface.area:
+            weight = weight.copy()  # by what of it is paired
+        self.equations = SurfaceEquations(
+            self.surface, self.formulation, self.friction, self.chosen, weight, augmentation
+        )
+        self.coupling = self._couple(other)
+        self.solids, self.traces = self.coupling.solids, self.coupling.traces
+        self.part = self.coupling.part
+        self.force = np.zeros(self.surface.points.shape)
+        self.status = np.zeros(self.surface.size)
+        self.closed = np.zeros(self.surface.size, dtype=bool)
+        self._lifted = np.zeros(self.surface.size)  # by finite rotation, at most, while it bears
+        self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
+        self._unit = (-np.inf, 1.0, 0.0)
+        self._at_points = isinstance(self.formulation, (Lagrange, Discrete))
+        self._remembers = isinstance(self.formulation, Discrete) and self.friction > 0
+        self._set_normal(self.coupling.normals())
+        self._locate()
+
+    def _couple(self, other: Obstacle | tuple[Solid, str]) -> Coupling:
+        if not isinstance(other, tuple):
+            return ObstacleCoupling(self.solid, self.equations, other)
+        solid, facets = other
+        sides = side_of(self.solid, self.facets, self.surface), side_of(solid, facets)
+        pair = PairCoupling((self.solid, solid), sides, self.equations)
+        if not pair.faces:
+            raise checks.InputError(
+                f"master = ({solid.name!r}, {facets!r}): nowhere faces {self.facets!r} of "
+                f"{self.solid.name!r}; the outward normals of the two must point at each other"
+            )
+        return pair
+
+    def _points(self) -> tuple[np.ndarray, np.ndarray]:
+        """The points that the formulation acts on, and their weights in the integrals."""
+        chosen = np.ones(self.surface.size, dtype=bool)
+        if not isinstance(self.formulation, (Lagrange, Discrete)):
+            return chosen, self.surface.area
+        points = self.formulation.points
+        if points is not None:
+            problem = f"points = {points!r}: each must be a node of the facets {self.facets!r}"
+            try:
+                wanted = np.array(points, dtype=float)
+            except (TypeError, ValueError):
+                raise checks.InputError(problem) from None
+            if wanted.ndim != 2 or wanted.shape[1] != self.surface.dim or not len(wanted):
+                raise checks.InputError(f"{problem}, {self.surface.dim} coordinates each")
+            nodes = self.surface.nodes_at(wanted, 1e-6 * self.extent)
+            if (nodes < 0).any():
+                raise checks.InputError(problem)
+            chosen[:] = False
+            chosen[nodes] = True
+        return chosen, chosen.astype(float)
+
+    def _make_surface(self) -> Surface:
+        return Surface(*self.solid.mesh.boundary(self.facets))
+
+    def _locate(self) -> None:
+        """Gap (n,) and jump (n, d) at the start of a step."""
+        self.gap = self.coupling.gaps()
+        self.jump = self.coupling.jump("velocity")
+
+    # -- the step -------------------------------------------------------------------------------
+
+    def predict(self, step: Step, closing: bool = True) -> None:
+        """Choose the candidates by the gaps of the solids' explicit prediction; those that are
+        open now only if ``closing``."""
+        self.coupling.follow()
+        if step.dt:  # an impact sees as closed what the step that led to it did
+            self._lift = lift = self.coupling.lift(step, self.extent)
+            # a point that bore stays closed, though finite rotation lifts it by a hair, in this
+            # step or an earlier one: whether it opens is then for the law to say, not for round-off
+            hair = HAIR * self.extent + np.maximum(lift, self._lifted)
+            bore = (self.status > 0) & (self.gap >= -hair)
+            self.closed = bore | (self.gap >= -self.tolerance)
+            if lift:  # nor does one open that was lifted while others bore; what arrives is open
+                still = _dot(self.jump, self.normal) * step.dt <= lift
+                self.closed |= still & (self.gap >= -self.tolerance - lift)
+        self._allowed = closing | self.closed
+        self._kept = self._bore() if step.dt else self.closed
+        candidates = self.formulation.candidates(self.coupling.gaps(), self.tolerance)
+        self._choose(candidates)
+
+    def _choose(self, candidates: np.ndarray) -> None:
+        candidates = (candidates & self._allowed) | self._kept
+        self.equations.choose(candidates & self.coupling.near())
+
+    def _bore(self) -> np.ndarray:
+        return self.closed & (self.status > 0)
+
+    def linearise(self, step: Step, exact: bool = False) -> None:
+        """Take up the trial states of the solids: operators, normals and gaps; if ``exact`` with
+        the derivatives of all these."""
+        for trace in self.traces:
+            trace.linearise(step)
+        k, share = self.equations.fields, self._share(step)
+        if self._paired:
+            self._renew_points()
+        if not self.coupling.fixed_normal:
+            self._set_normal(self.coupling.normals())
+        gap = self.gap
+        if share:
+            # the gap at the end of the step as a function of w: end + gap_rate w_n
+            approach = _dot(self.coupling.jump("trial_velocity"), self.normal)
+            self._end = self.coupling.gaps() - step.gap_rate * approach
+            gap = (1 - share) * gap + share * self._end
+        k.gap.x.array[:] = gap
+        self.equations.set_rates(share * step.gap_rate, step.span)
+        if self._remembers:
+            rate = step.scheme.force_weight * (step.dt - step.gap_rate)
+            k.elongation.x.array[:] = (self._stretch + rate * self.jump).ravel()
+        self.coupling.linearise(step, exact, share)
+
+    def _renew_points(self) -> None:
+        """Weights by the paired area; laws of positions choose their candidates anew."""
+        if not self._at_points:
+            self.equations.set_weight(self.coupling.area)
+        if not isinstance(self.formulation, Velocity):
+            self._choose(np.ones(self.surface.size, dtype=bool))
+
+    def _share(self, step: Step) -> float:
+        return self.formulation.gap_share(step.scheme.force_weight)
+
+    def _set_normal(self, normal: np.ndarray) -> None:
+        self.normal = np.ascontiguousarray(normal)
+        self.equations.fields.set_normal(self.normal)
+
+    def unit(self, step: Step) -> float:
+        """About the pressure that stops 1 m/s at a typical point within the step; kept while the
+        length of the step does not change by much."""
+        octave = float(frexp(step.span)[1])
+        if self._unit[0] != octave:
+            mobility = self.coupling.mobility()
+            flexible = (mobility * self.normal**2).sum(axis=1) * self.equations.weight
+            flexible = np.sort(flexible[flexible > 0])
+            if not len(flexible):
+                return 1.0
+            # between solids the gap of a closed point is not quite zero before the last iteration:
+            # with less weight on it the sign of lam tells what bears
+            share = 0.1 if self._paired else 1.0
+            self._unit = (
+                octave,
+                share / float(flexible[len(flexible) // 2]),
+                float(mobility.max()),
+            )
+        return self._unit[1]
+
+    def push(self, force: np.ndarray, step: Step) -> float:
+        """The speed that forces on the points (N) would give to one alone, m/s."""
+        largest = float(np.abs(force).max(initial=0.0))
+        if not largest:
+            return 0.0
+        self.unit(step)
+        return largest * self._unit[2]
+
+    def start(self, free: np.ndarray) -> None:
+        """Starting values of a step, from the velocities of the points without contact, flat."""
+        jump = self.coupling.to_jump(free)
+        self.equations.start(self.jump.ravel(), jump.ravel(), self.tolerance)
+
+    def speed_limit(self, step: Step) -> np.ndarray | None:
+        """The w_n that the law allows at each point at most, None for springs."""
+        gap = self.equations.fields.gap.x.array
+        return self.formulation.speed_limit(gap, step.gap_rate, step.span)
+
+    def follow(self) -> None:
+        """Follow the solids to their trial states, which have just been computed."""
+        self.coupling.follow()
+        self.trial_jump = self.coupling.jump("trial_velocity")
+
+    def error(self, step: Step) -> tuple[float, float, float]:
+        """Follow the solids to their trial states, which have just been computed; by how much the
+        jumps [m/s] and gaps [m] there differ from the linearised ones over the candidates, and
+        the largest speed [m/s] of a point."""
+        self.follow()
+        points = self.equations.candidates
+        if not len(points):
+            return 0.0, 0.0, 0.0
+        linear = self.equations.values[: self.equations.jumps].reshape(self.normal.shape)
+        jump = np.abs(self.trial_jump - linear)[points].max()
+        gap = 0.0
+        if self._share(step):
+            expected = self._end + step.gap_rate * _dot(linear, self.normal)
+            gap = float(np.abs(self.coupling.gaps() - expected)[points].max())
+            gap = max(0.0, gap - ROUND_OFF * float(np.abs(self.coupling.positions()).max()))
+        return float(jump), gap, float(np.abs(self.trial_jump).max())
+
+    def accept(self, force: np.ndarray, step: Step) -> None:
+        """Keep what the next step starts from; ``force``: on the traces' points, flat."""
+        self.force = self._nodal_force() if self._paired else force.reshape(self.normal.shape)
+        self.status = self.equations.statuses()
+        lift = max(self._lift, self.coupling.lift(step, self.extent)) if step.dt else 0.0
+        self._lifted = np.where(self.status > 0, np.maximum(self._lifted, lift), 0.0)
+        if self._remembers:
+            self._keep_stretch(step)
+        self.gap, self.jump = self.coupling.gaps(), self.trial_jump
+        self.coupling.accept()
+
+    def _nodal_force(self) -> np.ndarray:
+        """Forces on the slave at the nodes of the surface, (n, d) in N."""
+        force = np.zeros(self.equations.jumps)
+        active = self.equations.active_jumps
+        if len(active):
+            force[active] = -self.equations.residual()[active]
+        return force.reshape(self.normal.shape)
+
+    def _keep_stretch(self, step: Step) -> None:
+        """Stretch of the tangential springs: elastic while they stick, returned on slip."""
+        assert isinstance(self.formulation, Discrete)
+        tangential = self.force - _dot(self.force, self.normal)[:, None] * self.normal
+        held = -tangential / self.formulation.stiffness_t
+        stuck = self._stretch + (held - self._stretch) / (step.scheme.force_weight or 1.0)
+        self._stretch = np.where((self.status == 1)[:, None], stuck, held)
+
+    # -- what it tells --------------------------------------------------------------------------
+
+    def work(self, means: Mapping[int, np.ndarray], span: float) -> tuple[float, float]:
+        """Work of the contact on its solids in the step, J: of the normal and of the friction
+        forces, from the solids' mean velocities (by id). Both are losses, of an obstacle at rest
+        or between solids."""
+        if not self.force.any():
+            return 0.0, 0.0
+        jump = self.coupling.mean_jump(means)
+        total = span * float((self.force * jump).sum())
+        normal = span * float((_dot(self.force, self.normal) * _dot(jump, self.normal)).sum())
+        return normal, total - normal
+
+    def counts(self) -> tuple[int, int]:
+        """Points that bear, and that slip, in the last step."""
+        return int(np.count_nonzero(self.status)), int(np.count_nonzero(self.status > 1))
+
+    def depth(self) -> float:
+        """Penetration of the deepest point, m."""
+        return max(0.0, float(self.gap[self.chosen].max()))
+
+    @property
+    def multiplier(self) -> np.ndarray | None:
+        """lam at the nodes in the last step, Pa (N for point multipliers), None for springs."""
+        return self.equations.multiplier
+
+    def state(self) -> dict[str, np.ndarray]:
+        """The arrays from which :meth:`restore` continues identically."""
+        return {
+            "unknowns": self.equations.values,
+            "status": self.status,
+            "force": self.force,
+            "lifted": self._lifted,
+            "stretch": self._stretch,
+            "unit": np.array(self._unit),
+        }
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        """Take up a state that :meth:`state` gave; the solid has been restored before."""
+        self.equations.values = np.array(state["unknowns"])
+        self.status, self.force = np.array(state["status"]), np.array(state["force"])
+        self._lifted, self._stretch = np.array(state["lifted"]), np.array(state["stretch"])
+        octave, unit, mobility = (float(value) for value in state["unit"])
+        self._unit = (octave, unit, mobility)
+        self.coupling.follow()
+        self.coupling.accept()
+        self._locate()
+
+    def describe(self) -> str:
+        """What is there and what was left out."""
+        k, n = self.equations.fields, int(self.chosen.sum())
+        parts = [f"{self.formulation.name}, {n} points"]
+        parts.append(f"friction {self.friction:g}" if k.has_friction else "no friction (no Lam)")
+        unknowns = n * (k.components - self.surface.dim)
+        parts.append(f"{unknowns} multipliers" if unknowns else "springs (no multipliers)")
+        return ", ".join(parts)
+
+
+def _check_master(solid: Solid, facets: str, master: Any) -> Master:
+    """The master as given, or a refusal."""
+    if not isinstance(master, tuple):
+        checks.instance(
+            "master", master, Obstacle, "an obstacle (HalfSpace, ...) or (solid, name of facets)"
+        )
+        if master.dim != solid.dim:
+            raise checks.InputError(
+                f"master = {master!r}: has dimension {master.dim}, the solid {solid.dim}"
+            )
+        return master
+    if len(master) != 2 or not isinstance(master[0], Solid) or not isinstance(master[1], str):
+        raise checks.InputError(f"master = {master!r}: must be (solid, name of facets)")
+    other, theirs = master
+    if other.dim != solid.dim:
+        raise checks.InputError(
+            f"master = ({other.name!r}, {theirs!r}): has dimension {other.dim}, "
+            f"{solid.name!r} has {solid.dim}"
+        )
+    if other is solid and theirs == facets:
+        raise checks.InputError(
+            f"master = ({other.name!r}, {theirs!r}): a surface cannot be in contact with itself; "
+            "name the two parts that may meet"
+        )
+    return other, theirs
+
+
+def _dot(a: Any, b: Any) -> np.ndarray:
+    return (a * b).sum(axis=1)

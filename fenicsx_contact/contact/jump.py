@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What the points of a contact surface meet: an obstacle, or another solid.
+
+Both give gaps, normals and jumps at the nodes of the slave, and the part of the surface system in
+which they enter. Nothing else in a contact knows which of the two it is.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..solids import Solid, Trace
+from ..solve.surface_problem import Part
+from ..theory.theta import Step
+from .equations import SurfaceEquations
+from .mortar import Pairing, Side
+from .mortar.matrices import square
+from .obstacle import Obstacle
+from .pair_equations import PairedEquations
+from .surface import Surface
+
+
+class Coupling(ABC):
+    """Traces of the solids on their points, and what they mean for the slave's nodes.
+
+    Attributes:
+        solids, traces: the slave's first.
+        part: the equations, in the velocities of the traces' points.
+        fixed_normal: whether the normals never change.
+    """
+
+    solids: list[Solid]
+    traces: list[Trace]
+    part: Part
+    fixed_normal: bool
+
+    @abstractmethod
+    def follow(self) -> None:
+        """Take up the trial states of the solids."""
+
+    @abstractmethod
+    def gaps(self) -> np.ndarray:
+        """Gaps d_n in the followed state, positive: penetration, (n,) in m."""
+
+    @abstractmethod
+    def normals(self) -> np.ndarray:
+        """Outward unit normals of the slave, (n, d)."""
+
+    @abstractmethod
+    def to_jump(self, velocities: np.ndarray) -> np.ndarray:
+        """Nodal jumps (n, d) from velocities of the traces' points, flat."""
+
+    @abstractmethod
+    def linearise(self, step: Step, exact: bool, share: float) -> None:
+        """Take up the geometry where it is; see :class:`PairedEquations`."""
+
+    @property
+    @abstractmethod
+    def area(self) -> np.ndarray:
+        """Area of the slave that belongs to each node, where it meets something, (n,) in m²."""
+
+    @abstractmethod
+    def near(self) -> np.ndarray:
+        """Whether each node of the slave may meet anything in the step, (n,)."""
+
+    def accept(self) -> None:
+        """The followed state is the start of the next step."""
+        for trace in self.traces:
+            trace.accept()
+
+    def velocities(self, which: str) -> np.ndarray:
+        """Velocities of the traces' points: of the solids' ``velocity`` or ``trial_velocity``."""
+        parts = [t.jump(getattr(s, which)) for s, t in zip(self.solids, self.traces)]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    def jump(self, which: str) -> np.ndarray:
+        """Nodal jumps (n, d), likewise."""
+        return self.to_jump(self.velocities(which))
+
+    def mean_jump(self, means: Mapping[int, np.ndarray]) -> np.ndarray:
+        """Nodal jumps from mean velocities of the solids, by id, by the operators whose
+        transposes spread the forces."""
+        parts = [t.mean_jump(means[id(s)]) for s, t in zip(self.solids, self.traces)]
+        return self.to_jump(parts[0] if len(parts) == 1 else np.concatenate(parts))
+
+    @abstractmethod
+    def mobility(self) -> np.ndarray:
+        """What a unit force moves the slave's nodes against the other side, about, (n, d)."""
+
+    @abstractmethod
+    def describe(self) -> str:
+        """The master in a few words."""
+
+    def positions(self) -> np.ndarray:
+        """Places of the slave's nodes, (n, d) in m."""
+        return self.traces[0].positions()
+
+    def lift(self, step: Step, extent: float) -> float:
+        """How far a closed point may have opened in the step by finite rotation alone, m."""
+        return extent * max(solid.turn(step) for solid in self.solids) ** 2
+
+
+class ObstacleCoupling(Coupling):
+    """Nodes of a solid before an obstacle: their velocities are the jumps."""
+
+    def __init__(
+        self,
+        solid: Solid,
+        equations: SurfaceEquations,
+        obstacle: Obstacle,
+        trace: Trace | None = None,
+    ) -> None:
+        self.obstacle = obstacle
+        self.part = self.equations = equations
+        self.solids = [solid]
+        self.traces = [trace or solid.trace(equations.fields.surface.points)]
+        self.fixed_normal = obstacle.flat
+        self._shape = equations.fields.surface.points.shape
+
+    def follow(self) -> None:
+        self.traces[0].follow()
+
+    def gaps(self) -> np.ndarray:
+        return -self.obstacle.distance(self.traces[0].positions())
+
+    def normals(self) -> np.ndarray:
+        return -self.obstacle.normals(self.traces[0].positions())
+
+    def to_jump(self, velocities: np.ndarray) -> np.ndarray:
+        return velocities.reshape(self._shape)
+
+    def linearise(self, step: Step, exact: bool, share: float) -> None:
+        if exact:
+            values = self.equations.values
+            values[: self.equations.jumps] = self.velocities("trial_velocity")
+            self.equations.values = values
+
+    @property
+    def area(self) -> np.ndarray:
+        return self.equations.fields.surface.area
+
+    def near(self) -> np.ndarray:
+        return np.ones(self._shape[0], dtype=bool)
+
+    def mobility(self) -> np.ndarray:
+        return self.traces[0].mobility().reshape(self._shape)
+
+    def describe(self) -> str:
+        plain = type(self.obstacle).__repr__ is object.__repr__  # would tell an address in memory
+        return type(self.obstacle).__name__ if plain else repr(self.obstacle)
+
+
+class PairCoupling(Coupling):
+    """The facets of a solid before those of another."""
+
+    fixed_normal = False
+
+    def __init__(
+        self, solids: tuple[Solid, Solid], sides: tuple[Side, Side], equations: SurfaceEquations
+    ) -> None:
+        self.solids, self.equations = list(solids), equations
+        self.pairing = Pairing(*sides)
+        self.traces = [solid.trace(side.nodes) for solid, side in zip(solids, sides)]
+        self.part = self._part = PairedEquations(equations, self.pairing)
+        self._size = max(side.size for side in sides)
+        self._shape = (self.pairing.total, sides[0].dim)
+        self._n = self.pairing.n
+        self._start = self._places()
+        self.faces = self._find()
+        self.follow()
+
+    def _places(self) -> np.ndarray:
+        return np.concatenate([trace.positions() for trace in self.traces])
+
+    def _find(self) -> bool:
+        """Whether the sides face each other anywhere, near or, at last, far apart."""
+        way, farthest = 0.0, float(np.ptp(self._start, axis=0).sum())
+        while True:
+            self.pairing.update(self._start, way)
+            if self.pairing.paired.any() or way > farthest:
+                return bool(self.pairing.paired.any())
+            way = max(4 * way, 0.01 * farthest)
+
+    def follow(self) -> None:
+        for trace in self.traces:
+            trace.follow()
+        places = self._places()
+        moved = float(np.abs(places - self._start).max())
+        self.pairing.update(places, moved)
+
+    def gaps(self) -> np.ndarray:
+        return self.pairing.gap
+
+    def normals(self) -> np.ndarray:
+        return self.pairing.normal
+
+    def to_jump(self, velocities: np.ndarray) -> np.ndarray:
+        return self.pairing.operator @ velocities.reshape(self._shape)
+
+    def linearise(self, step: Step, exact: bool, share: float) -> None:
+        velocities = self.velocities("trial_velocity")
+        self._part.linearise(velocities, exact, step.gap_rate, share)
+
+    def accept(self) -> None:
+        super().accept()
+        self._start = self.pairing.places
+
+    def mobility(self) -> np.ndarray:
+        mobility = np.concatenate([trace.mobility() for trace in self.traces])
+        return square(self.pairing.operator) @ mobility.reshape(self._shape)
+
+    def describe(self) -> str:
+        return f"{self.solids[1].name!r}, {len(self.pairing.master.cells)} facets"
+
+    def positions(self) -> np.ndarray:
+        return self.pairing.places[: self._n]
+
+    def lift(self, step: Step, extent: float) -> float:
+        # so does sliding along a curved surface
+        moved = np.abs(self.pairing.places - self._start).max()
+        return super().lift(step, extent) + float(moved) ** 2 / self._size
+
+    @property
+    def area(self) -> np.ndarray:
+        return self.pairing.area
+
+    def near(self) -> np.ndarray:
+        return self.pairing.near
+
+
+def side_of(solid: Solid, facets: str, surface: Surface | None = None) -> Side:
+    """The side that the named facets of a solid are, in the numbers of the surface, if given."""
+    points, cells, cell = solid.mesh.boundary(facets)
+    inside = solid.mesh.behind(facets)
+    if surface is not None:
+        points, cells = surface.points, surface.cell_nodes
+    return Side(points, cells, cell, inside, getattr(solid, "degree", 1))

@@ -1,0 +1,223 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The equations of a contact between two solids, in the velocities of the nodes of both sides.
+
+The weak form (7) sees them through jumps ``w = J y``, gaps and normals at the slave's nodes. With
+the geometry frozen J alone enters the tangent; Newton's method for the whole problem needs besides
+how J, gaps and normals turn with the nodes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+import ufl
+
+from ..base import compat
+from .equations import SurfaceEquations
+from .mortar import Pairing
+from .mortar.matrices import (
+    Matrix,
+    along,
+    block,
+    by_component,
+    by_point,
+    gather,
+    stack,
+    used_columns,
+)
+from .mortar.rates import Rates
+
+
+class PairedEquations:
+    """A part of a system, see :class:`~fenicsx_contact.solve.surface_problem.Part`.
+
+    Args:
+        equations: of the slave surface.
+        pairing: of the two sides.
+
+    Attributes:
+        velocities: of the nodes of both sides, flat, m/s.
+        active_places: those of them that the candidates see.
+    """
+
+    def __init__(self, equations: SurfaceEquations, pairing: Pairing) -> None:
+        self.equations, self.pairing = equations, pairing
+        self._d, self._dense = equations.fields.surface.dim, pairing.dense
+        self.velocities = np.zeros(self.places)
+        self.active_places = np.empty(0, dtype=np.int64)
+        self.revision = 0
+        self._parameters: _ParameterTangents | None = None
+        self._rates: Rates | None = None
+
+    @property
+    def places(self) -> int:
+        """Number of velocities: components of all nodes of both sides."""
+        return self.pairing.total * self._d
+
+    def linearise(self, velocities: np.ndarray, exact: bool, gap_rate: float, share: float) -> None:
+        """Take up the pairing where it is now.
+
+        Args:
+            velocities: of the nodes, flat.
+            exact: with the derivatives of the geometry.
+            gap_rate: derivative of the places by the velocities, s.
+            share: of the end of the step in the gap that the law reads.
+        """
+        e, d, n = self.equations, self._d, self.pairing.n
+        self.velocities = velocities.copy()
+        self.revision += 1
+        self._operator = by_component(self.pairing.operator, d)
+        J = self._operator[e.active_jumps]
+        self._rates, self._gap_rate = None, gap_rate
+        seen = [J]
+        if exact and len(e.candidates):
+            self._rates = rates = Rates(self.pairing)
+            full = self._operator + gap_rate * rates.jump(velocities.reshape(-1, d))
+            turn = gap_rate * rates.normal
+            normal = e.fields.normal.x.array.reshape(n, d)
+            jump = (self._operator @ velocities).reshape(n, d)
+            gap = share * gap_rate * (rates.gap - along(normal, full) - along(jump, turn))
+            seen += [full[e.active_jumps], gap[e.candidates], turn[e.active_jumps]]
+        self.active_places = mine = used_columns(seen)
+        self._J = J[:, mine]
+        if self._rates:
+            # point by point what its equations read: jumps, gap and normal
+            jumps = np.arange(len(e.active_jumps)).reshape(-1, d)
+            gaps = jumps.size + np.arange(len(jumps))[:, None]
+            order = np.concatenate([jumps, gaps, jumps.size + len(jumps) + jumps], axis=1)
+            self._seen = stack([each[:, mine] for each in seen[1:]])[order.ravel()]
+            self._parameters = self._parameters or _ParameterTangents(e)
+        self._set_jumps()
+
+    def _set_jumps(self) -> None:
+        values = self.equations.values
+        values[: self.equations.jumps] = self._operator @ self.velocities
+        self.equations.values = values
+
+    # -- as a part of a system ------------------------------------------------------------------
+
+    @property
+    def multipliers(self) -> int:
+        """Number of active multipliers."""
+        return self.equations.multipliers
+
+    def scales(self) -> tuple[np.ndarray, np.ndarray]:
+        """Sizes of the active unknowns, and what makes their rows pure numbers."""
+        e, n = self.equations, len(self.active_places)
+        return tuple(
+            np.concatenate([np.full(n, scale[0]), scale[e.active_multipliers]])
+            for scale in (e.column_scale, e.row_scale)
+        )
+
+    def active_values(self) -> np.ndarray:
+        """The active unknowns."""
+        e = self.equations
+        mine = self.velocities[self.active_places]
+        return np.concatenate([mine, e.values[e.active_multipliers]])
+
+    def active_residual(self) -> np.ndarray:
+        """Their rows: forces J' F_w, then those of the multipliers."""
+        e = self.equations
+        residual = e.active_residual()
+        forces = self._J.T @ residual[: len(e.active_jumps)]
+        return np.concatenate([forces, residual[len(e.active_jumps) :]])
+
+    def _tangent(self, frozen: bool = False) -> Matrix:
+        """Their tangent; if ``frozen`` without the derivatives of the geometry."""
+        e, mine, d, J = self.equations, self.active_places, self._d, self._J
+        tangents = e.point_tangents()
+        c, u, _ = tangents.shape
+        read, seen = tangents[:, :, :d], J
+        exact = self._rates is not None and not frozen
+        if exact:
+            assert self._parameters is not None
+            read, seen = np.concatenate([read, self._parameters()], axis=2), self._seen
+        forces = J.T @ by_point(read[:, :d], seen)
+        if exact:
+            assert self._rates is not None
+            at_nodes = np.zeros((self.pairing.n, d))
+            at_nodes[e.candidates] = e.active_residual()[: c * d].reshape(c, d)
+            forces = forces + self._gap_rate * self._rates.spread(at_nodes)[mine][:, mine]
+        own = np.arange(c * (u - d)).reshape(u - d, c).T  # multipliers stand component by component
+        order = np.arange(c * (u - d)).reshape(c, u - d).T.ravel()
+        rows = by_point(read[:, d:], seen)[order]
+        columns = by_point(tangents[:, :d, d:].transpose(0, 2, 1), J)[order].T
+        inner = tangents[:, d:, d:]
+        corner = gather(inner, own[:, :, None], own[:, None], (own.size, own.size), self._dense)
+        return block([[forces, columns], [rows, corner]])
+
+    def sparse_tangent(self, frozen: bool = False) -> sp.csr_matrix:
+        """Their tangent, sparse; if ``frozen`` without the derivatives of the geometry."""
+        return sp.csr_matrix(self._tangent(frozen))
+
+    def active_tangent(self) -> np.ndarray:
+        """Their tangent, dense."""
+        tangent = self._tangent()
+        return tangent if self._dense else tangent.toarray()
+
+    def move(self, step: np.ndarray) -> None:
+        """Add to the active unknowns."""
+        n, e = len(self.active_places), self.equations
+        self.velocities[self.active_places] += step[:n]
+        values = e.values
+        values[e.active_multipliers] += step[n:]
+        e.values = values
+        self._set_jumps()
+
+    def set_places(self, velocities: np.ndarray) -> None:
+        """Set the active velocities."""
+        self.velocities[self.active_places] = velocities
+        self._set_jumps()
+
+    def error(self, scaled: np.ndarray) -> np.ndarray:
+        """The error that the scaled residuals of the active rows stand for."""
+        return self.equations.error(scaled)
+
+    def statuses(self) -> np.ndarray:
+        """0 open, 1 stick, 2 slip, for each node of the slave."""
+        return self.equations.statuses()
+
+    def kind(self, row: int) -> str:
+        """What an active row is."""
+        e = self.equations
+        return e.kind(max(row - len(self.active_places) + len(e.active_jumps), 0))
+
+    def jump_operator(self) -> np.ndarray:
+        """Jumps of the candidates from the active velocities."""
+        return self._J if self._dense else self._J.toarray()
+
+
+class _ParameterTangents:
+    """Derivatives of the contact terms by gap and normal, point by point."""
+
+    def __init__(self, equations: SurfaceEquations) -> None:
+        k = equations.fields
+        n, d = k.surface.size, k.surface.dim
+        space = compat.component_space(k.surface.mesh, 1 + d)
+        trial = ufl.split(ufl.TrialFunction(space))
+        normal = ufl.as_vector(trial[1:])
+        form = ufl.derivative(equations.form, k.normal, normal)
+        form += ufl.derivative(equations.form, k.gap, trial[0])
+        self._assembler = compat.MatrixAssembler(form)
+        point, kind = np.empty((2, n * (1 + d)), dtype=np.int64)
+        for component in range(1 + d):
+            dofs = compat.cell_dofs(space.sub(component)).ravel()
+            point[dofs], kind[dofs] = k.surface.cell_nodes.ravel(), component
+        lengths = np.diff(self._assembler.indptr)
+        row = equations.order_of_rows[np.repeat(np.arange(equations.size), lengths)]
+        column, jump = self._assembler.indices, row < equations.jumps
+        behind = row - equations.jumps
+        at = np.where(jump, row // d, behind % n)
+        what = np.where(jump, row % d, d + behind // n)
+        self._mine = at == point[column]  # all that are not zero
+        self._place = at[self._mine], what[self._mine], kind[column][self._mine]
+        self._blocks = np.zeros((n, k.components, 1 + d))
+        self._equations, self._revision = equations, -1
+
+    def __call__(self) -> np.ndarray:
+        """Those of the candidates, (points, unknowns, 1 + d)."""
+        if self._revision != self._equations.revision:
+            self._revision = self._equations.revision
+            self._assembler.refresh_constants()
+        self._blocks[self._place] = self._assembler()[self._mine]
+        return self._blocks[self._equations.candidates]

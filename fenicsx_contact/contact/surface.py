@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The contact surface as a mesh of its own, and the fields that live on it.
+
+All contact terms see the solids only through the velocity jump at the points of the surface. So
+the facets in contact become a mesh of their own (whole on every process), the jump ``w``, the
+multiplier ``lam`` and the semi-multiplier ``Lam`` are P1 fields on it, and the weak form is
+integrated there, by the values at the nodes.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from mpi4py import MPI
+
+from ..base import compat
+
+
+class Surface:
+    """A contact surface: points (n, d) in metres, cells, nodal integration.
+
+    Attributes:
+        points: reference coordinates of the nodes, (n, d), in the order of all arrays here.
+        area: share of the surface that belongs to each node, (n,), in m (2D) or m² (3D).
+        dim: dimension of space, d.
+    """
+
+    def __init__(self, points: np.ndarray, cells: np.ndarray, cell: str) -> None:
+        self.dim = points.shape[1]
+        self.mesh = compat.create_mesh(MPI.COMM_SELF, cells, points, cell)
+        self.scalars = compat.lagrange_space(self.mesh)
+        self.vectors = compat.lagrange_space(self.mesh, shape=(self.dim,))
+        self.cell_nodes = compat.cell_dofs(self.scalars)
+        self.points = self.scalars.tabulate_dof_coordinates()[:, : self.dim].copy()
+        self.dx = compat.nodal_measure(self.mesh)
+        self.area = compat.VectorAssembler(ufl.TestFunction(self.scalars) * self.dx)().copy()
+
+    @property
+    def size(self) -> int:
+        """Number of nodes."""
+        return len(self.points)
+
+    def scalar(self) -> Any:
+        """A new scalar coefficient."""
+        return fem.Function(self.scalars)
+
+    def vector(self) -> Any:
+        """A new vector coefficient; its array is (n, d) in the order of ``points``."""
+        return fem.Function(self.vectors)
+
+    def constant(self, value: float = 0.0) -> Any:
+        """A new constant."""
+        return fem.Constant(self.mesh, float(value))
+
+    def nodes_at(self, points: np.ndarray, tolerance: float) -> np.ndarray:
+        """For each of ``points`` (k, d) the nearest node, or -1 where none is within reach."""
+        distance = np.linalg.norm(self.points[None, :, :] - points[:, None, :], axis=2)
+        nearest = distance.argmin(axis=1)
+        nearest[~(distance.min(axis=1) <= tolerance)] = -1  # NaN is not within reach
+        return nearest
+
+
+class SurfaceFields:
+    """What a formulation may use to write its weak form: unknowns, tests, data, parameters.
+
+    A frictionless contact has no ``semi_multiplier``, springs have no ``multiplier``: they are
+    ``None``, and the mixed space does not hold them.
+
+    Attributes:
+        velocity_jump, multiplier, semi_multiplier: the unknowns w [m/s], lam [Pa, or N at a
+            point], Lam [-] as UFL expressions, with ``test_*`` their tests.
+        normal, gap, closed: data on the surface (coefficients).
+        bearing: with friction, |lam| of the iterate about which one linearises, never zero.
+        elongation, length: of springs with friction only: their tangential stretch [m], a size.
+        rho_n, rho_t, friction, pressure_scale, gap_rate, dt: constants.
+        dofs: for each component of (w, lam, Lam), the dof of each node, (components, n).
+    """
+
+    def __init__(
+        self, surface: Surface, friction: float, multipliers: bool, weight: np.ndarray | None
+    ) -> None:
+        self.surface = surface
+        d = surface.dim
+        self.has_friction = friction > 0
+        n_mult = int(multipliers)
+        n_semi = (d - 1) * int(multipliers and self.has_friction)
+        self.components = d + n_mult + n_semi
+
+        space = compat.component_space(surface.mesh, self.components)
+        self.unknowns = fem.Function(space)
+        z, test = ufl.split(self.unknowns), ufl.split(ufl.TestFunction(space))
+        self.velocity_jump: Any
+        self.test_jump: Any
+        self.multiplier: Any
+        self.test_multiplier: Any
+        self.semi_multiplier: Any
+        self.test_semi_multiplier: Any
+        self.velocity_jump, self.test_jump = (ufl.as_vector(f[:d]) for f in (z, test))
+        self.multiplier, self.test_multiplier = (f[d] if multipliers else None for f in (z, test))
+        self.semi_multiplier, self.test_semi_multiplier = (
+            ufl.as_vector(f[d + 1 :]) if n_semi else None for f in (z, test)
+        )
+        self.dofs = np.empty((self.components, surface.size), dtype=np.int64)
+        for component in range(self.components):
+            dofs = compat.cell_dofs(space.sub(component))
+            self.dofs[component, surface.cell_nodes.ravel()] = dofs.ravel()
+
+        self.normal = surface.vector()
+        self.gap, self.closed = surface.scalar(), surface.scalar()
+        self.bearing: Any = surface.scalar() if n_semi else None
+        self.rho_n, self.rho_t, self.pressure_scale = (surface.constant(1.0) for _ in range(3))
+        self.gap_rate, self.dt = surface.constant(1.0), surface.constant(1.0)
+        self.friction = surface.constant(friction)
+        if self.has_friction and not multipliers:  # springs that carry friction remember
+            self.elongation = surface.vector()
+            self.length = surface.constant(float(np.ptp(surface.points, axis=0).max()))
+        self._tangent = surface.vector() if d == 3 and self.has_friction else None
+        self._weight = surface.scalar() if weight is not None else None
+        if self._weight is not None:
+            self._weight.x.array[:] = weight
+
+    def integral(self, f: Any) -> ufl.Form:
+        """The integral of f over the surface, or its sum over the chosen points."""
+        if self._weight is not None:
+            f = f * self._weight
+        return f * self.surface.dx
+
+    @property
+    def jump_n(self) -> Any:
+        """w_n = w . n."""
+        return ufl.dot(self.velocity_jump, self.normal)
+
+    @property
+    def test_jump_n(self) -> Any:
+        """w*_n."""
+        return ufl.dot(self.test_jump, self.normal)
+
+    @property
+    def jump_t(self) -> Any:
+        """The tangential components of w, a vector of d - 1."""
+        return self.tangential(self.velocity_jump)
+
+    @property
+    def test_jump_t(self) -> Any:
+        """The tangential components of w*."""
+        return self.tangential(self.test_jump)
+
+    def tangential(self, v: Any) -> Any:
+        """Components of v along the tangents of the surface."""
+        n = self.normal
+        if self.surface.dim == 2:
+            tangents = [ufl.as_vector((-n[1], n[0]))]
+        else:
+            # orthogonal to n also where n is varied
+            first = self._tangent - ufl.dot(self._tangent, n) * n
+            first /= ufl.sqrt(ufl.dot(first, first))
+            tangents = [first, ufl.cross(n, first)]
+        return ufl.as_vector([ufl.dot(v, t) for t in tangents])
+
+    def set_weight(self, weight: np.ndarray) -> None:
+        """What the points weigh, as shares of their areas."""
+        assert self._weight is not None, "made for weights that are the areas"
+        self._weight.x.array[:] = weight
+
+    def set_normal(self, normal: np.ndarray) -> None:
+        """Set the normals (n, d) and, where friction needs it, a first tangent."""
+        self.normal.x.array[:] = normal.ravel()
+        if self._tangent is not None:
+            # the coordinate axis least aligned with n gives it
+            axis = np.eye(3)[np.abs(normal).argmin(axis=1)]
+            first = np.cross(axis, normal)
+            self._tangent.x.array[:] = (first / np.linalg.norm(first, axis=1)[:, None]).ravel()
+
+    def frame(self) -> tuple[np.ndarray, np.ndarray]:
+        """Normals (n, d) and tangents (d - 1, n, d); no tangents where nothing needs them."""
+        d = self.surface.dim
+        normal = self.normal.x.array.reshape(-1, d)
+        if d == 2:
+            return normal, np.stack([-normal[:, 1], normal[:, 0]], axis=1)[None]
+        if self._tangent is None:
+            return normal, np.zeros((0, *normal.shape))
+        first = self._tangent.x.array.reshape(-1, 3)
+        return normal, np.stack([first, np.cross(normal, first)])

@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The contact of a rod with its guide.
+
+It is a contact like any other, with the same fields, formulations and weak form; only where its
+points are is its own affair. The nodes of a stretch of the rod meet the walls of the tubes; the
+stations of the guide meet the rod, wherever along the rod they are just now.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..base import checks
+from ..contact.contact import Contact
+from ..contact.jump import ObstacleCoupling
+from ..contact.surface import Surface
+from ..theory.formulations import Formulation
+from .beam import BeamSolid
+from .drive import Fall
+from .guide import FAR, Guide
+from .trace import BeamTrace
+from .tube import PairTrace, RodInTube
+
+#: A way so short that a wall is straight along it, m.
+SHORT = 1e-5
+
+
+class GuideCoupling(ObstacleCoupling):
+    """Points of a rod and stations of its guide: the stations see it by its slope, too."""
+
+    def __init__(
+        self, contact: GuideContact, trace: BeamTrace | PairTrace, turn: np.ndarray
+    ) -> None:
+        super().__init__(contact.solid, contact.equations, contact.obstacle, trace)
+        self._guide, self._stations = contact.obstacle, contact.stations
+        self._rod, self._trace, self._turn = contact.solid.rod, trace, turn
+        self._at: np.ndarray | None = None
+        self._prediction = -1
+
+    def _look(self) -> None:
+        """Distances and normals of all points, in the trial state."""
+        x = self._trace.positions()
+        if x is self._at:
+            return
+        if self._at is not None and self._near(x):
+            return
+        self._at, self._prediction = x, self._rod.predictions
+        guide, rows = self._guide, self._stations
+        self._distances, self._outward = guide.distance(x).copy(), guide.normals(x).copy()
+        if isinstance(self._trace, PairTrace):
+            self._tilt(self._trace.wall_slopes() @ self._rod.frame)
+        # the beam's slopes are by its own s, upwards, and in its own lateral directions
+        slopes = -self._trace.slopes()[rows] @ self._turn
+        self._distances[rows], self._outward[rows] = guide.at_stations(x[rows], slopes)
+        self._distances[self._trace.void] = FAR
+
+    def _tilt(self, slopes: np.ndarray) -> None:
+        """Turn the normals with an elastic tube; its slopes are by s, as vectors (n, d)."""
+        up = self._rod.axis.direction
+        self._outward -= np.einsum("ij,ij->i", self._outward, slopes)[:, None] * up
+        self._outward /= np.linalg.norm(self._outward, axis=1)[:, None]
+
+    def _near(self, x: np.ndarray) -> bool:
+        """Within a step in a plane the points move by so little from where they were predicted
+        that the walls are straight there, to their curvature times the square of it."""
+        if self._guide.dim == 3 or self._prediction != self._rod.predictions:
+            return False
+        moved = x - self._at
+        if np.abs(moved).max() > SHORT:
+            return False
+        self._distances = self._distances + np.einsum("ij,ij->i", self._outward, moved)
+        self._at = x
+        return True
+
+    def near(self) -> np.ndarray:
+        # a station that the rod has passed meets nothing, though it bore a moment ago
+        return ~self._trace.void
+
+    def gaps(self) -> np.ndarray:
+        self._look()
+        return -self._distances
+
+    def normals(self) -> np.ndarray:
+        self._look()
+        return -self._outward
+
+
+class GuideContact(Contact):
+    """A contact between a stretch of a beam and a guide around it.
+
+    Args:
+        solid: the rod, or the rod and its elastic tube.
+        facets: the name of the stretch of its axis that is guided.
+        obstacle: the guide.
+        formulation, friction, others: as for :class:`~fenicsx_contact.contact.contact.Contact`.
+        deepest: penetration that is accepted at the start, as a share of the smallest clearance.
+
+    Raises:
+        InputError: no beam or guide, axes that are not parallel, a rod that is longer than its
+            guide allows, a guide too bent for the rod as it starts, and what Contact refuses.
+    """
+
+    solid: BeamSolid | RodInTube
+    obstacle: Guide
+    trace: BeamTrace | PairTrace
+
+    def __init__(
+        self,
+        solid: BeamSolid | RodInTube,
+        facets: str,
+        obstacle: Guide,
+        formulation: Formulation | str = "velocity",
+        friction: float = 0.0,
+        *,
+        deepest: float = 0.05,
+        **others: Any,
+    ) -> None:
+        checks.instance("solid", solid, (BeamSolid, RodInTube), "a BeamSolid or a RodInTube")
+        checks.instance("obstacle", obstacle, Guide, "a Guide")
+        if obstacle.dim == solid.dim:
+            _check_place(solid.rod, facets, obstacle)
+        self.obstacle = obstacle
+        super().__init__(solid, facets, obstacle, formulation, friction, **others)
+        # what touches at the start bears: whether it opens is for the law to say
+        self.status = (self.gap >= -self.tolerance).astype(float)
+        worst = int(self.gap.argmax())
+        if self.gap[worst] > deepest * float(obstacle.clearance().min()):
+            depth = float(obstacle.depth(self.trace.positions())[worst])
+            raise checks.InputError(
+                f"obstacle: the guide is too bent for its clearance where the rod starts: at the "
+                f"depth {depth:.4g} m the rod is {self.gap[worst]:.4g} m inside its wall; let the "
+                "rod settle first (guides.settle)"
+            )
+
+    def _make_surface(self) -> Surface:
+        """The nodes of the stretch, and beside them the stations, joined by cells of their own."""
+        axis, guide = self.solid.rod.axis, self.obstacle
+        points, cells, kind = axis.boundary(self.facets)
+        along = axis.along(guide.origin + guide.stations[:, None] * guide.direction)
+        count = len(points)
+        # beside the axis: a station may stand where a node is
+        self._beside = axis.length * self.solid.rod.frame[0]
+        stations = axis.origin + along[:, None] * axis.direction + self._beside
+        if len(stations) == 1:
+            raise checks.InputError("obstacle: a guide needs two stations at least (two cards)")
+        chain = count + np.stack([np.arange(len(along) - 1), np.arange(1, len(along))], axis=1)
+        surface = Surface(np.concatenate([points, stations]), np.concatenate([cells, chain]), kind)
+        off = (surface.points - axis.origin) @ self.solid.rod.frame[0]
+        self.stations = np.flatnonzero(off > 0.5 * axis.length)
+        # in the order of the guide's
+        self.stations = self.stations[np.argsort(guide.depth(surface.points[self.stations]))]
+        self._turn = self.solid.rod.frame @ guide.lateral.T
+        return surface
+
+    def _couple(self, other: Any) -> GuideCoupling:
+        rod = self.solid.rod
+        s = rod.axis.along(self.surface.points)
+        within = rod.axis.stretch(self.facets)
+        trace = BeamTrace(rod, s, self.stations, s[self.stations], within)
+        self.trace = PairTrace(self.solid, trace) if isinstance(self.solid, RodInTube) else trace
+        return GuideCoupling(self, self.trace, self._turn)
+
+    def normal_force(self) -> float:
+        """Sum of the sizes of the normal forces in the last step, N."""
+        return float(np.abs(np.einsum("ij,ij->i", self.force, self.normal)).sum())
+
+    def axial_force(self) -> tuple[float, float]:
+        """Forces along the travel in the last step, of the normals and of friction, N."""
+        normal = np.einsum("ij,ij->i", self.force, self.normal)
+        down = -self.solid.rod.axis.direction
+        pushed = float(normal @ (self.normal @ down))
+        return pushed, float((self.force @ down).sum()) - pushed
+
+
+def _check_place(rod: BeamSolid, stretch: str, guide: Guide) -> None:
+    """Refuse a guide that is not parallel to the rod, or too short for it."""
+    if np.linalg.norm(rod.axis.direction + guide.direction) > 1e-9:
+        raise checks.InputError(
+            f"obstacle: a guide must run down the rod's axis, {(-rod.axis.direction).tolist()}, "
+            f"not along {guide.direction.tolist()}"
+        )
+    low = rod.axis.origin + rod.axis.stretch(stretch)[0] * rod.axis.direction
+    tip = float(guide.depth(low[None])[0]) + rod.travel
+    stop = rod.law.stop if isinstance(rod.law, Fall) else None
+    end = tip if stop is None else max(tip, tip - rod.travel + stop)
+    if end > guide.bottom:
+        raise checks.InputError(
+            f"solid: the tip of {rod.name!r} reaches the depth {end:.6g} m, beyond the end of its "
+            f"guide at {guide.bottom:.6g} m; the rod is longer than its guide allows"
+        )

@@ -1,0 +1,298 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Guides: corridors of tubes and cards, straight or bent, with clearance.
+
+A guide is an obstacle around a rod: a point at depth x and lateral place r is at the signed
+distance ``g/|grad g|`` from its wall, with ``g = c(x) - |r - y(x)|``, y the centre line and c the
+clearance. In 2D that is the nearer one of two walls, in 3D an annular gap. The normal has an axial
+part where the wall is inclined: a rod that slides past sees its wall move sideways, and its wall
+sees it push.
+
+Where a guide is convex (the end of a tube, a card, a kink, the end of a taper) it touches the rod
+*between* the rod's nodes. These places are its **stations**: points fixed on the guide, at which
+the rod is interpolated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..base import checks
+from .curves import Curve, Straight
+
+#: Where no wall is near, m.
+FAR = 1.0
+
+
+@dataclass(frozen=True)
+class Tube:
+    """A continuous guide.
+
+    Args:
+        top, bottom: depths, m.
+        clearance: radial, m; or pairs (depth, clearance), linear in between.
+        curve: of its centre line.
+        kinks: depths at which the curve has a kink.
+
+    Raises:
+        InputError: an empty or upside-down tube, a clearance that is not positive.
+    """
+
+    top: float
+    bottom: float
+    clearance: float | Sequence[tuple[float, float]]
+    curve: Curve = field(default_factory=Straight)
+    kinks: Sequence[float] = ()
+
+    def __post_init__(self) -> None:
+        top, bottom = checks.number("top", self.top), checks.number("bottom", self.bottom)
+        if top >= bottom:
+            raise checks.InputError(f"top = {top!r}, bottom = {bottom!r}: the top must be above")
+        checks.instance("curve", self.curve, Curve, "a curve (Straight, Sine, Bow, ...)")
+        if not isinstance(self.clearance, (list, tuple, np.ndarray)):
+            checks.number("clearance", self.clearance, above=0)
+            return
+        table = np.array(self.clearance, dtype=float)
+        if table.ndim != 2 or table.shape[1] != 2 or not (np.diff(table[:, 0]) > 0).all():
+            raise checks.InputError(
+                f"clearance = {self.clearance!r}: must be > 0, or pairs (depth, clearance) that "
+                "go downwards"
+            )
+        for value in table[:, 1]:
+            checks.number("clearance", value, above=0)
+
+    def table(self) -> tuple[np.ndarray, np.ndarray]:
+        """Depths and clearances between which the clearance is linear."""
+        if isinstance(self.clearance, (list, tuple, np.ndarray)):
+            depth, clearance = np.array(self.clearance, dtype=float).T
+            return depth, clearance
+        return np.array([self.top, self.bottom]), np.full(2, self.clearance, dtype=float)
+
+    def stations(self) -> list[float]:
+        """Its ends, kinks, and the places at which a taper ends."""
+        depth, clearance = self.table()
+        slope = np.diff(clearance) / np.diff(depth)
+        tapers = depth[1:-1][np.diff(slope) > 0]
+        inside = [x for x in (*tapers, *self.kinks) if self.top < x < self.bottom]
+        return [self.top, *inside, self.bottom]
+
+
+@dataclass(frozen=True)
+class Card:
+    """A thin plate with a hole.
+
+    Args:
+        depth: m.
+        clearance: radial, m.
+        centre: lateral place of the hole, m.
+    """
+
+    depth: float
+    clearance: float
+    centre: float = 0.0
+
+    def __post_init__(self) -> None:
+        checks.number("depth", self.depth)
+        checks.number("centre", self.centre)
+        checks.number("clearance", self.clearance, above=0)
+
+
+class Guide:
+    """Tubes and cards along one line.
+
+    Args:
+        pieces: tubes and cards; tubes must not overlap.
+        origin: the point at depth 0, d coordinates, m.
+        direction: along which the depth grows.
+        plane: in 3D, the lateral direction in which the curves bend; default: the first one.
+
+    Attributes:
+        stations: depths of the stations, from the top down, (k,) in m.
+        bottom: depth at which the last tube ends, m; infinite if there are only cards.
+
+    Raises:
+        InputError: no pieces, tubes that overlap, directions that are zero or not lateral.
+    """
+
+    flat = False
+
+    def __init__(
+        self,
+        pieces: Sequence[Tube | Card],
+        origin: Sequence[float] = (0.0, 0.0),
+        direction: Sequence[float] | None = None,
+        plane: Sequence[float] | np.ndarray | None = None,
+    ) -> None:
+        if not pieces or not all(isinstance(piece, (Tube, Card)) for piece in pieces):
+            raise checks.InputError(f"pieces = {pieces!r}: must be a list of Tube and Card")
+        self.dim = d = len(np.atleast_1d(np.asarray(origin)))
+        if d not in (2, 3):
+            raise checks.InputError(f"origin = {origin!r}: must be 2 or 3 finite numbers")
+        self.pieces = list(pieces)
+        self.origin = checks.vector("origin", origin, d)
+        down = [0.0] * (d - 1) + [-1.0]
+        self.direction = _unit("direction", down if direction is None else direction, d)
+        if plane is None:  # the first coordinate that is across
+            first = np.eye(d)[0 if abs(self.direction[0]) < 0.9 else 1]
+            plane = first - (first @ self.direction) * self.direction
+        self.plane = _unit("plane", plane, d)
+        if abs(self.plane @ self.direction) > 1e-12:
+            raise checks.InputError(f"plane = {plane!r}: must be perpendicular to the direction")
+        second = [np.cross(self.direction, self.plane)] if d == 3 else []
+        # depth first, then the lateral directions
+        self._axes = np.array([self.direction, self.plane, *second])
+        self.tubes = sorted((p for p in pieces if isinstance(p, Tube)), key=lambda p: p.top)
+        for upper, lower in zip(self.tubes[:-1], self.tubes[1:]):
+            if lower.top < upper.bottom - 1e-12:
+                raise checks.InputError(f"pieces: {upper} and {lower} overlap")
+        straight = Straight()
+        self._bent = [(i, tube) for i, tube in enumerate(self.tubes) if tube.curve != straight]
+        self._segments()
+        self._stations()
+        self._last: np.ndarray | None = None
+
+    def _segments(self) -> None:
+        """Bounds of what lies between two depths; there the clearance is linear: begin, value,
+        slope, and which tube it is (-1: none, nothing is near)."""
+        bounds: list[float] = []
+        parts: list[tuple[float, float, float, int]] = [(0.0, FAR, 0.0, -1)]
+        for i, tube in enumerate(self.tubes):
+            depth, clearance = tube.table()
+            knots = np.array([tube.top, *(x for x in depth if tube.top < x < tube.bottom)])
+            values = np.interp([*knots, tube.bottom], depth, clearance)
+            slopes = np.diff(values) / np.diff([*knots, tube.bottom])
+            if bounds and abs(bounds[-1] - tube.top) <= 1e-12:
+                bounds.pop()
+                parts.pop()
+            bounds += [*knots, tube.bottom]
+            parts += [*zip(knots, values[:-1], slopes, [i] * len(knots)), (0.0, FAR, 0.0, -1)]
+        self._bounds = np.array(bounds)
+        self._begin, self._value, self._taper, which = np.array(parts).T
+        self._which = which.astype(int)
+
+    def _stations(self) -> None:
+        """Depth, clearance and centre of the stations; the tighter one where two coincide."""
+        d = self.dim
+        found: dict[float, tuple[float, np.ndarray]] = {}
+        for piece in self.pieces:
+            depths = [piece.depth] if isinstance(piece, Card) else piece.stations()
+            for depth in depths:
+                if isinstance(piece, Card):
+                    entry = piece.clearance, np.eye(d - 1)[0] * piece.centre
+                else:
+                    at = np.array([depth])
+                    centre = self._lateral(piece.curve.offset(at))[0]
+                    entry = float(np.interp(depth, *piece.table())), centre
+                key = round(depth, 9)
+                if key not in found or entry[0] < found[key][0]:
+                    found[key] = entry
+        order = sorted(found)
+        self.stations = np.array(order)
+        self._clearance = np.array([found[depth][0] for depth in order])
+        self._centre = np.array([found[depth][1] for depth in order])
+        self.bottom = self.tubes[-1].bottom if self.tubes else np.inf
+
+    def _lateral(self, values: np.ndarray) -> np.ndarray:
+        """Values of a curve as lateral components (n, d - 1)."""
+        if values.ndim == 2:
+            return values
+        result = np.zeros((len(values), self.dim - 1))
+        result[:, 0] = values
+        return result
+
+    def depth(self, points: np.ndarray) -> np.ndarray:
+        """Depth of the points (n, d), m."""
+        return (points - self.origin) @ self.direction
+
+    def centre(self, depth: np.ndarray) -> np.ndarray:
+        """Points (n, d) of the centre line at depths (n,), m; from station to station on a straight
+        line where there is no tube."""
+        lateral = [np.interp(depth, self.stations, centre) for centre in self._centre.T]
+        local = np.stack([depth, *lateral], axis=1)
+        for tube in self.tubes:
+            inside = (depth >= tube.top) & (depth <= tube.bottom)
+            local[inside, 1:] = self._lateral(tube.curve.offset(depth[inside]))
+        return self.origin + local @ self._axes
+
+    def _look(self, points: np.ndarray) -> None:
+        """Distances and normals; kept, for both are asked for at the same points."""
+        if points is self._last:
+            return
+        local = (points - self.origin) @ self._axes.T
+        x, off = local[:, 0], local[:, 1:]
+        segment = self._bounds.searchsorted(x)
+        clearance = self._value[segment] + self._taper[segment] * (x - self._begin[segment])
+        which = self._which[segment]
+        rate = np.zeros_like(off)
+        for i, tube in self._bent:
+            here = (which == i).nonzero()[0]
+            if len(here):
+                depth = x[here]
+                off[here] -= self._lateral(tube.curve.offset(depth))
+                rate[here] = self._lateral(tube.curve.slope(depth))
+        size, across = _polar(off)
+        axial = (across * rate).sum(axis=1) + self._taper[segment]
+        steep = np.sqrt(1 + axial * axial)
+        self._distance = np.where(which < 0, FAR, (clearance - size) / steep)
+        local[:, 0], local[:, 1:] = axial / steep, across / -steep[:, None]
+        self._normal = local @ self._axes
+        self._last = points
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        """Signed distance of the points (n, d) from the walls, positive inside the corridor, m."""
+        self._look(points)
+        return self._distance
+
+    def normals(self, points: np.ndarray) -> np.ndarray:
+        """Unit normals of the nearest walls, into the corridor, (n, d)."""
+        self._look(points)
+        return self._normal
+
+    def at_stations(self, points: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Distances and normals of a rod at the stations, one point each.
+
+        Args:
+            points: of the rod, (k, d).
+            slopes: derivative of the rod's lateral place by the depth there, in the lateral
+                directions of the guide, (k, d - 1): a corner has no normal, the rod has one.
+
+        Returns:
+            Distances (k,), positive inside, and unit normals into the corridor, (k, d).
+        """
+        local = (points - self.origin) @ self._axes.T
+        size, across = _polar(local[:, 1:] - self._centre)
+        axial = (across * slopes).sum(axis=1)
+        steep = np.sqrt(1 + axial * axial)
+        local[:, 0], local[:, 1:] = axial / steep, across / -steep[:, None]
+        return (self._clearance - size) / steep, local @ self._axes
+
+    def clearance(self) -> np.ndarray:
+        """Clearances of the stations, from the top down, (k,) in m."""
+        return self._clearance.copy()
+
+    @property
+    def lateral(self) -> np.ndarray:
+        """The lateral directions, (d - 1, d), rows."""
+        return self._axes[1:]
+
+    def __repr__(self) -> str:
+        return f"Guide({self.pieces!r}, {self.origin.tolist()}, {self.direction.tolist()})"
+
+
+def _unit(name: str, value: Sequence[float] | np.ndarray, size: int) -> np.ndarray:
+    result = checks.vector(name, value, size)
+    if not result.any():
+        raise checks.InputError(f"{name} = {value!r}: must not be zero")
+    return result / np.linalg.norm(result)
+
+
+def _polar(off: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Sizes and directions of lateral vectors; on the centre line any direction will do."""
+    if off.shape[1] == 1:
+        return np.abs(off[:, 0]), np.where(off < 0, -1.0, 1.0)
+    size = np.hypot(off[:, 0], off[:, 1])
+    across = off / np.where(size > 0, size, 1.0)[:, None]
+    across[size == 0, 0] = 1.0
+    return size, across

@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What a beam is made of: sections, point masses, supports; and its matrices, from UFL.
+
+Sections are round: both planes of a beam in space bend alike. With the axis along s, deflection
+``w`` and slope ``psi`` in a plane and axial displacement ``u``, the strain energy is::
+
+    1/2 int EI psi'^2 + GA* (w' - psi)^2 + EA u'^2 ds,      1/GA* = 1/GA + h^2/(12 EI)
+
+with linear fields and the shear taken at the middle of each cell. The term with the length h of
+the cell is MacNeal's residual bending flexibility: it gives back to a cell the curvature that
+linear fields lack, and makes the cell exact between point loads at any slenderness (R. H. MacNeal
+(1978), Computers & Structures 8, 175-183). Without it linear fields lock or lose (h/L)^2.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import ufl
+
+from ..base import checks, compat
+from .axis import AxisMesh
+
+#: A number, or a function of s [m] (n,) with values (n,), taken at the middle of each cell.
+Value = float | Callable[[np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True)
+class Section:
+    """The section of a stretch of a beam; every number may vary along it as a function of s.
+
+    Args:
+        mass: rho A, kg/m.
+        bending: E I, N m².
+        shear: k G A, N; infinite (default) leaves shear out (Bernoulli).
+        axial: E A, N; infinite (default) makes the axis inextensible.
+        rotary: rho I, kg m.
+
+    Raises:
+        InputError: a number out of range.
+    """
+
+    mass: Value
+    bending: Value
+    shear: Value = math.inf
+    axial: Value = math.inf
+    rotary: Value = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("mass", "bending", "shear", "axial", "rotary"):
+            value = getattr(self, name)
+            if callable(value) or (value == math.inf and name in ("shear", "axial")):
+                continue
+            if name in ("mass", "rotary"):
+                checks.number(name, value, at_least=0)
+            else:
+                checks.number(name, value, above=0)
+
+    def at(self, name: str, s: np.ndarray) -> np.ndarray:
+        """One of the numbers at places s."""
+        value = getattr(self, name)
+        values = np.broadcast_to(value(s) if callable(value) else value, s.shape).astype(float)
+        least = 0.0 if name in ("mass", "rotary") else np.finfo(float).tiny
+        if not (values >= least).all():
+            raise checks.InputError(f"{name}: its function of s gives {values.min()!r}")
+        return values
+
+
+@dataclass(frozen=True)
+class Support:
+    """Grounds a node of a beam; infinite stiffness holds it fast.
+
+    Args:
+        at: place s on the axis, m; must be a node.
+        lateral: N/m.
+        rotational: N m/rad.
+        axial: N/m.
+    """
+
+    at: float
+    lateral: float = 0.0
+    rotational: float = 0.0
+    axial: float = 0.0
+
+    def __post_init__(self) -> None:
+        checks.number("at", self.at)
+        for name in ("lateral", "rotational", "axial"):
+            if getattr(self, name) != math.inf:
+                checks.number(name, getattr(self, name), at_least=0)
+
+
+class BeamMatrices:
+    """Dense matrices of a beam, its nodes in the order of s.
+
+    Attributes:
+        s: places of the nodes, (m,) in m.
+        bending_mass: in a plane, unknowns (w, psi) node by node; lumped, a diagonal, (2m,).
+        bending_stiffness: likewise, (2m, 2m).
+        axial_mass, axial_stiffness: (m,) and (m, m), or (1,) and (1, 1) if inextensible.
+        free_bending, free_axial: unknowns that no support holds fast.
+        shapes: of the deflection inside the cells, see :func:`shape_functions`.
+        mass: of the beam and its point masses, kg; ``weights``, by node.
+    """
+
+    def __init__(
+        self,
+        axis: AxisMesh,
+        sections: Mapping[str, Section],
+        masses: Sequence[tuple[float, float]],
+        supports: Sequence[Support],
+    ) -> None:
+        mesh = axis.mesh
+        scalars, pairs = compat.lagrange_space(mesh), compat.component_space(mesh, 2)
+        s = axis.along(scalars.tabulate_dof_coordinates()[:, : axis.dim])
+        order = np.argsort(s)
+        self.s = s[order]
+        nodes = compat.cell_dofs(scalars)
+        dofs = np.empty((2, len(s)), dtype=int)
+        for component in range(2):
+            dofs[component, nodes.ravel()] = compat.cell_dofs(pairs.sub(component)).ravel()
+        both = dofs[:, order].T.ravel()
+
+        middle = s[nodes].mean(axis=1)
+        h = np.abs(np.diff(s[nodes], axis=1)).ravel()
+        values = _values(axis, sections, middle)
+        stretches = not np.isinf(values["axial"]).any()
+        if not stretches and not np.isinf(values["axial"]).all():
+            raise checks.InputError(
+                "sections: axial stiffness is infinite in some and finite in others; give all or "
+                "none"
+            )
+        flexibility = 1 / values["shear"] + h**2 / (12 * values["bending"])
+        ratio = 12 * values["bending"] / (values["shear"] * h**2)
+        along = np.argsort(middle)
+        self.shapes = shape_functions(h[along], ratio[along])
+
+        def field(numbers: np.ndarray) -> ufl.core.expr.Expr:
+            return compat.cell_constants(mesh, numbers)
+
+        e = ufl.as_vector(axis.direction.tolist())
+        dx, nodal = ufl.dx(mesh), compat.nodal_measure(mesh)
+        at_middle = ufl.dx(mesh, metadata={"quadrature_degree": 1})
+
+        def rate(f: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
+            return ufl.dot(ufl.grad(f), e)
+
+        w, psi = ufl.TrialFunctions(pairs)
+        w_, psi_ = ufl.TestFunctions(pairs)
+        shear = field(1 / flexibility) * (rate(w) - psi) * (rate(w_) - psi_) * at_middle
+        self.bending_stiffness = compat.dense_matrix(
+            field(values["bending"]) * rate(psi) * rate(psi_) * dx + shear
+        )[np.ix_(both, both)]
+        self.bending_mass = compat.dense_matrix(
+            field(values["mass"]) * w * w_ * nodal + field(values["rotary"]) * psi * psi_ * nodal
+        ).diagonal()[both]
+        u, u_ = ufl.TrialFunction(scalars), ufl.TestFunction(scalars)
+        here = np.ix_(order, order)
+        mass = compat.dense_matrix(field(values["mass"]) * u * u_ * nodal)
+        self.axial_mass = mass.diagonal()[order]
+        self.axial_stiffness = np.zeros_like(mass)
+        if stretches:
+            form = field(values["axial"]) * rate(u) * rate(u_) * dx
+            self.axial_stiffness = compat.dense_matrix(form)[here]
+
+        for place, kilograms in masses:
+            i = self._node("masses", place)
+            self.bending_mass[2 * i] += checks.number("masses", kilograms, above=0)
+            self.axial_mass[i] += kilograms
+        self.weights = self.axial_mass
+        self.mass = float(self.weights.sum())
+        if self.mass <= 0:
+            raise checks.InputError(
+                f"sections, masses: the beam has a mass of {self.mass!r} kg; must be > 0"
+            )
+        if not stretches:
+            self.axial_mass = np.array([self.mass])
+            self.axial_stiffness = np.zeros((1, 1))
+        self._ground(supports, stretches)
+
+    def _node(self, what: str, place: float) -> int:
+        i = int(np.abs(self.s - checks.number(what, place)).argmin())
+        if abs(self.s[i] - place) > 1e-9 * self.s[-1]:
+            raise checks.InputError(f"{what}: at s = {place!r} m there is no node of the axis")
+        return i
+
+    def _ground(self, supports: Sequence[Support], stretches: bool) -> None:
+        self.free_bending = np.ones(len(self.bending_mass), dtype=bool)
+        self.free_axial = np.ones(len(self.axial_mass), dtype=bool)
+        for support in supports:
+            i = self._node("supports", support.at)
+            k = i if stretches else 0
+            for matrix, free, at, stiffness in (
+                (self.bending_stiffness, self.free_bending, 2 * i, support.lateral),
+                (self.bending_stiffness, self.free_bending, 2 * i + 1, support.rotational),
+                (self.axial_stiffness, self.free_axial, k, support.axial),
+            ):
+                if stiffness == math.inf:
+                    free[at] = False
+                else:
+                    matrix[at, at] += stiffness
+
+    def slowest_period(self) -> float:
+        """Period of the slowest bending vibration that is not rigid, s."""
+        keep = self.free_bending & (self.bending_mass > 0)
+        rest = self.free_bending & ~keep
+        stiff = self.bending_stiffness[np.ix_(keep, keep)]
+        if rest.any():  # slopes without inertia follow
+            mixed = self.bending_stiffness[np.ix_(keep, rest)]
+            inner = self.bending_stiffness[np.ix_(rest, rest)]
+            stiff = stiff - mixed @ np.linalg.solve(inner, mixed.T)
+        root = 1 / np.sqrt(self.bending_mass[keep])
+        square = np.linalg.eigvalsh(root[:, None] * stiff * root)
+        return float(2 * np.pi / np.sqrt(square[square > 1e-9 * square[-1]].min()))
+
+
+def _values(
+    axis: AxisMesh, sections: Mapping[str, Section], middle: np.ndarray
+) -> dict[str, np.ndarray]:
+    """The numbers of the sections in each cell."""
+    names = ("mass", "bending", "shear", "axial", "rotary")
+    values = {name: np.full(len(middle), np.nan) for name in names}
+    for stretch, section in sections.items():
+        checks.instance(f"sections[{stretch!r}]", section, Section, "a Section")
+        a, b = axis.stretch(stretch)
+        inside = (middle > a) & (middle < b)
+        for name in names:
+            values[name][inside] = section.at(name, middle[inside])
+    if np.isnan(values["mass"]).any():
+        where = float(middle[np.isnan(values["mass"])].min())
+        raise checks.InputError(f"sections: the axis has no section at s = {where:.6g} m")
+    return values
+
+
+def shape_functions(h: np.ndarray, ratio: np.ndarray) -> np.ndarray:
+    """The deflection of a beam without load inside its cells, from (w, psi) at their two ends.
+
+    Args:
+        h: lengths of the cells, m.
+        ratio: 12 EI/(GA h²) of the cells.
+
+    Returns:
+        Coefficients of 1, x, x², x³ (x in [0, 1] along a cell) in the weights of w, psi, w, psi,
+        of the deflection and of its derivative by s, (2, cells, 4, 4).
+    """
+    w = np.zeros((2, len(h), 4, 4))
+    q = 1 / (1 + ratio)
+    rise = q[:, None] * np.stack([0 * h, ratio, 3 + 0 * h, -2 + 0 * h], axis=1)
+    w[0, :, :, 0], w[0, :, :, 2] = -rise, rise
+    w[0, :, 0, 0] += 1
+    first = [0 * h, 1 + ratio / 2, -(2 + ratio / 2), 1 + 0 * h]
+    last = [0 * h, -ratio / 2, -(1 - ratio / 2), 1 + 0 * h]
+    w[0, :, :, 1] = (q * h)[:, None] * np.stack(first, axis=1)
+    w[0, :, :, 3] = (q * h)[:, None] * np.stack(last, axis=1)
+    w[1, :, :3] = np.arange(1, 4)[:, None] * w[0, :, 1:] / h[:, None, None]
+    return w

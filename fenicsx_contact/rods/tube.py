@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A rod in an elastic guide: two beams that a scene sees as one solid.
+
+The guide tube is a beam on its grid supports. Its walls are those of the rigid
+:class:`~fenicsx_contact.rods.guide.Guide`, moved by its deflection: jump, compliance and forces
+are those of the rod minus those of the tube at the depth where the rod is now.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from ..base import checks
+from ..solids.base import Solid, Trace
+from ..theory.theta import Step
+from .beam import BeamSolid
+from .trace import BeamTrace
+
+
+class RodInTube(Solid):
+    """A rod and the elastic tube around it; unknowns of the rod, then of the tube.
+
+    Args:
+        rod: the beam that falls.
+        tube: the beam on supports; its axis runs along the rod's and does not move along itself.
+
+    Raises:
+        InputError: axes that do not run alike, a tube that is not held along its axis.
+    """
+
+    linear = True
+    supported = False
+
+    def __init__(self, rod: BeamSolid, tube: BeamSolid) -> None:
+        checks.instance("rod", rod, BeamSolid, "a BeamSolid")
+        checks.instance("tube", tube, BeamSolid, "a BeamSolid")
+        if rod.dim != tube.dim or np.abs(rod.axis.direction - tube.axis.direction).max() > 1e-9:
+            raise checks.InputError("tube: its axis must run in the direction of the rod's")
+        if tube.law is not None or tube.matrices.free_axial.all():
+            raise checks.InputError(
+                "tube: must be held along its axis (Support(axial=inf)) and driven by nothing"
+            )
+        self.rod, self.tube, self._both = rod, tube, (rod, tube)
+        self.name, self.mesh, self.dim = rod.name, rod.mesh, rod.dim
+
+    def split(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The unknowns of the rod and those of the tube."""
+        cut = len(self.rod.velocity)
+        return values[:cut], values[cut:]
+
+    def _of(self, what: str) -> np.ndarray:
+        return np.concatenate([getattr(solid, what) for solid in self._both])
+
+    @property
+    def velocity(self) -> np.ndarray:  # type: ignore[override]
+        """At the start of the step."""
+        return self._of("velocity")
+
+    @property
+    def trial_velocity(self) -> np.ndarray:  # type: ignore[override]
+        """At its end."""
+        return self._of("trial_velocity")
+
+    @property
+    def displacement(self) -> np.ndarray:
+        """Of the state."""
+        return self._of("displacement")
+
+    @displacement.setter
+    def displacement(self, values: np.ndarray) -> None:
+        self.rod.displacement, self.tube.displacement = map(np.array, self.split(values))
+
+    def rest(self) -> None:
+        """Stop every motion; the deflections stay."""
+        for solid in self._both:
+            solid.rest()
+
+    def trace(self, points: np.ndarray) -> PairTrace:
+        return PairTrace(self, self.rod.trace(points))
+
+    def predict(self, step: Step) -> None:
+        for solid in self._both:
+            solid.predict(step)
+
+    def linearise(self, step: Step) -> None:
+        for solid in self._both:
+            solid.linearise(step)
+
+    def correct(self, step: Step) -> None:
+        for solid in self._both:
+            solid.correct(step)
+
+    def go(self, velocity: np.ndarray, step: Step) -> None:
+        for solid, part in zip(self._both, self.split(velocity)):
+            solid.go(part, step)
+
+    def drop_forces(self) -> None:
+        for solid in self._both:
+            solid.drop_forces()
+
+    def imbalance(self, step: Step, noise: float = 0.0) -> float:
+        return 0.0
+
+    def accept(self) -> None:
+        for solid in self._both:
+            solid.accept()
+
+    def energies(self) -> tuple[float, float, float]:
+        kinetic, strain, potential = np.sum([solid.energies() for solid in self._both], axis=0)
+        return float(kinetic), float(strain), float(potential)
+
+    def root_mean_square(self, velocity: np.ndarray) -> float:
+        parts = zip(self._both, self.split(velocity))
+        total = sum(solid.mass * solid.root_mean_square(part) ** 2 for solid, part in parts)
+        return sqrt(total / sum(solid.mass for solid in self._both))
+
+    def works(self, step: Step) -> tuple[float, float, float, float]:
+        momentum, loads, held, pulled = np.sum([s.works(step) for s in self._both], axis=0)
+        return float(momentum), float(loads), float(held), float(pulled)
+
+    def state(self) -> dict[str, np.ndarray]:
+        pairs = zip(("rod", "tube"), self._both)
+        return {f"{name}.{key}": v for name, s in pairs for key, v in s.state().items()}
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        for name, solid in zip(("rod.", "tube."), self._both):
+            own = {k.removeprefix(name): v for k, v in state.items() if k.startswith(name)}
+            solid.restore(own)
+
+    def fields(self) -> dict[str, np.ndarray]:
+        """Displacement and velocity of the rod."""
+        return self.rod.fields()
+
+    def describe(self) -> str:
+        return f"{self.rod.describe()}; in an elastic tube: {self.tube.describe()}"
+
+
+class PairTrace(Trace):
+    """A rod seen from its elastic tube: everything relative to the tube's material next to it."""
+
+    def __init__(self, solid: RodInTube, rod: BeamTrace) -> None:
+        self._solid, self.rod = solid, rod
+        n = len(rod.positions())
+        self.tube = BeamTrace(solid.tube, np.zeros(n), np.arange(n), np.zeros(n))
+        self._seen = -1
+        self.follow()
+
+    @property
+    def void(self) -> np.ndarray:
+        """Points at which there is no rod."""
+        return self.rod.void
+
+    def slopes(self) -> np.ndarray:
+        """Derivative of the rod's deflection by s, (n, d - 1)."""
+        return self.rod.slopes()
+
+    def wall_slopes(self) -> np.ndarray:
+        """Derivative of the tube's deflection by s next to the points, (n, d - 1)."""
+        return self.tube.slopes()
+
+    def follow(self) -> None:
+        self.rod.follow()
+        if self._seen != self._solid.tube.predictions:
+            self._seen = self._solid.tube.predictions
+            self.tube.move(self._solid.tube.axis.along(self.rod.positions()))
+        self.tube.follow()
+
+    def linearise(self, step: Step) -> None:
+        self.rod.linearise(step)
+        self.tube.linearise(step)
+
+    def accept(self) -> None:
+        """Nothing to do: the operators follow the prediction of each step."""
+
+    def positions(self) -> np.ndarray:
+        return self.rod.positions() - self.tube.deflections()
+
+    def jump(self, velocity: np.ndarray) -> np.ndarray:
+        rod, tube = self._solid.split(velocity)
+        return self.rod.jump(rod) - self.tube.jump(tube)
+
+    def mean_jump(self, velocity: np.ndarray) -> np.ndarray:
+        return self.jump(velocity)
+
+    def free_jump(self) -> np.ndarray:
+        return self.rod.free_jump() - self.tube.free_jump()
+
+    def compliance(self, mine: np.ndarray, other: Trace, theirs: np.ndarray) -> np.ndarray:
+        assert isinstance(other, PairTrace)
+        rod = self.rod.compliance(mine, other.rod, theirs)
+        return rod + self.tube.compliance(mine, other.tube, theirs)
+
+    def mobility(self) -> np.ndarray:
+        return self.rod.mobility() + self.tube.mobility()
+
+    def spread(self, force: np.ndarray) -> None:
+        self.rod.spread(force)
+        self.tube.spread(-force)

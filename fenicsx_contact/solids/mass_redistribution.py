@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Mass redistribution: the contact boundary loses its mass to the nodes behind it.
+
+A node with mass that is stopped by an obstacle loses its kinetic energy, O(h) of the whole in each
+impact, and makes the pressure oscillate. Without mass it cannot: the motion of the boundary is
+quasi-static, the semi-discrete problem well posed, and the energy is kept (H.B. Khenous, P.
+Laborde, Y. Renard, "Mass redistribution method for finite element contact problems in
+elastodynamics", Eur. J. Mech. A/Solids 27, 918-932, 2008). The total mass stays what it was, its
+centre and moments up to O(h²). A boundary without mass is in equilibrium with what is behind it, at
+the start too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from petsc4py import PETSc
+from scipy.optimize import nnls
+
+from ..base import checks
+from .factor import Factorisation
+
+if TYPE_CHECKING:
+    from .deformable import DeformableSolid
+
+#: Layers of nodes behind the boundary that take over its mass.
+LAYERS = 2
+
+
+def move_mass_inwards(solid: DeformableSolid, mass: PETSc.Mat, nodes: np.ndarray) -> None:
+    """Take the mass of some nodes and give it to those behind them, changing ``mass``.
+
+    Args:
+        solid: the solid, of degree 1.
+        mass: its assembled mass matrix, kg.
+        nodes: the local nodes of the boundary that this process owns.
+
+    Raises:
+        InputError: a displacement of degree 2, or no free nodes behind the boundary.
+    """
+    if solid.degree != 1:
+        raise checks.InputError(
+            f"mass_redistribution: needs a displacement of degree 1, not {solid.degree}"
+        )
+    d, comm = solid.dim, solid.comm
+    x = solid.space.tabulate_dof_coordinates()[: solid.owned // d, :d]
+
+    def component(values: np.ndarray) -> np.ndarray:
+        """A nodal scalar as the first component of a vector field."""
+        field = np.zeros(solid.owned)
+        field[::d] = values
+        return field
+
+    def moments() -> np.ndarray:
+        products = [solid.multiply(mass, component(f)) for f in functions]
+        table = [[component(f) @ p for p in products] for f in functions]
+        return np.asarray(comm.allreduce(np.array(table)))
+
+    # neighbours by neighbours: the mass couples a node with those of its cells
+    near = np.zeros(len(x))
+    near[nodes] = 1.0
+    for _ in range(LAYERS):
+        near = np.abs(solid.multiply(mass, component(near))[::d]) > 0
+        near = near.astype(float)
+    near[nodes] = 0.0
+    near[solid.fixed_unknowns // d] = 0.0
+    behind = np.flatnonzero(near)
+    places = np.concatenate(comm.allgather(x[behind]))
+    if not len(places):
+        raise checks.InputError("mass_redistribution: no free nodes behind the boundary")
+    origin = places.mean(axis=0)
+    size = np.abs(places - origin).max() or 1.0
+    functions = [np.ones(len(x)), *((x - origin).T / size)]
+
+    before = moments()
+    unknowns = (nodes[:, None] * d + np.arange(d)).ravel()
+    mass.zeroRowsColumns(solid.first_unknown + unknowns.astype(np.int32), 0.0)
+    lost = before - moments()
+
+    # No mass is taken there, so that the matrix stays positive: the total is restored, the centre
+    # and the moments of inertia as far as masses further inside can restore them, to O(h²).
+    f = np.column_stack([np.ones(len(places)), (places - origin) / size])
+    pairs = [(a, b) for a in range(d + 1) for b in range(a, d + 1)]
+    weights = np.array([1e6 if a == b == 0 else 1.0 for a, b in pairs])
+    rows = np.array([f[:, a] * f[:, b] for a, b in pairs]) * weights[:, None]
+    gained, _ = nnls(rows, weights * [lost[a, b] for a, b in pairs])
+    first = sum(comm.allgather(len(behind))[: comm.rank])
+    added = np.zeros(solid.owned)
+    for k in range(d):
+        added[behind * d + k] = gained[first : first + len(behind)]
+    diagonal = mass.getDiagonal()
+    diagonal.setArray(diagonal.array_r + added)
+    mass.setDiagonal(diagonal)
+    diagonal.destroy()
+
+
+def relax(
+    unknowns: np.ndarray,
+    displacement: np.ndarray,
+    force: Callable[[np.ndarray], np.ndarray],
+    tangent: Callable[[np.ndarray], PETSc.Mat],
+    first: int,
+    max_iterations: int = 20,
+) -> None:
+    """Bring a boundary without mass into equilibrium, by Newton's method, changing its
+    ``displacement``.
+
+    Args:
+        unknowns: those of the boundary that this process owns.
+        displacement: of all owned unknowns, m.
+        force: internal forces less loads at a displacement, N.
+        tangent: their derivative.
+        first: number of this process's first unknown.
+
+    Raises:
+        InputError: it has no equilibrium near the initial displacement.
+    """
+    matrix = tangent(displacement)
+    rows = PETSc.IS().createGeneral((first + unknowns).astype(np.int32), comm=matrix.comm)
+    comm = matrix.comm.tompi4py()
+    start = None
+    for _ in range(max_iterations):
+        residual = force(displacement)[unknowns]
+        size = max(comm.allgather(float(np.abs(residual).max(initial=0.0))))
+        start = size if start is None else start
+        if size <= 1e-13 * start or size == 0.0:
+            rows.destroy()
+            return
+        block = tangent(displacement).createSubMatrix(rows, rows)
+        factorisation = Factorisation(block, "relax")
+        displacement[unknowns] -= factorisation.solve(residual)
+        factorisation.destroy()
+        if size <= 1e-10 * start:  # one more correction than needed
+            rows.destroy()
+            return
+    raise checks.InputError(
+        "mass_redistribution: the boundary has no equilibrium near the initial displacement"
+    )

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A deformable solid seen from points of a surface."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.sparse
+from scipy.spatial import cKDTree
+
+from ..base import checks
+from ..theory.theta import Step
+from .base import MonolithicTrace, Trace
+
+if TYPE_CHECKING:
+    from .deformable import DeformableSolid
+
+
+#: Up to so many components all columns of A^-1 J' are computed, above only those that are needed.
+FEW = 150
+
+
+class DeformableTrace(MonolithicTrace):
+    """A deformable solid seen from points that are nodes of its mesh; the operator is constant."""
+
+    def __init__(self, solid: DeformableSolid, points: np.ndarray) -> None:
+        self._solid, self._reference = solid, points
+        n, d = points.shape
+        nodes = solid.space.tabulate_dof_coordinates()[: solid.owned // d, :d]
+        reach = 1e-8 * np.ptp(points, axis=0).max()
+        mine = np.zeros(0, dtype=int)
+        node = np.zeros(0, dtype=int)
+        if len(nodes):
+            distance, nearest = cKDTree(nodes).query(points)
+            mine = np.flatnonzero(distance <= reach)
+            node = nearest[mine]
+        if solid.comm.allreduce(len(mine)) != n:
+            raise checks.InputError("points: each point of a trace must be a node of the solid")
+        rows = (mine[:, None] * d + np.arange(d)).ravel()
+        columns = (node[:, None] * d + np.arange(d)).ravel()
+        free = ~np.isin(columns, solid.fixed_unknowns)  # what is held fast does not move
+        entries = (np.ones(free.sum()), (rows[free], columns[free]))
+        self._spreading = scipy.sparse.csr_matrix(entries, (n * d, solid.owned)).T.tocsr()
+        every = (np.ones(len(rows)), (rows, columns))
+        self._operator = scipy.sparse.csr_matrix(every, (n * d, solid.owned))
+        self._held = (self._operator - self._spreading.T).tocsr()
+        # the same in the numbers of all unknowns, on every process; held ones do not answer
+        parts = solid.comm.allgather((rows[free], solid.first_unknown + columns[free]))
+        row, column = (np.concatenate(each) for each in zip(*parts))
+        ones = np.ones(len(row))
+        self._whole = scipy.sparse.csr_matrix((ones, (row, column)), (n * d, solid.unknowns))
+        self._linearisation = 0
+        self._known = np.zeros(n * d, dtype=bool)  # columns of A^-1 J' that are computed
+        self._columns = np.empty((0, 0))
+        self._compliance: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+
+    def _sum(self, values: np.ndarray) -> np.ndarray:
+        comm = self._solid.comm
+        return comm.allreduce(values) if comm.size > 1 else values
+
+    def follow(self) -> None:
+        """Nothing to do: the operator is constant."""
+
+    def accept(self) -> None:
+        """Nothing to do: the operator is constant."""
+
+    def linearise(self, step: Step) -> None:
+        if self._linearisation != self._solid.linearisation:
+            self._linearisation = self._solid.linearisation
+            self._known[:] = False
+            self._compliance.clear()
+
+    def _solve_for(self, columns: np.ndarray) -> None:
+        """Compute those of these columns of A^-1 J' that are not known."""
+        if not self._columns.size:
+            self._columns = np.empty(self._spreading.shape)
+        missing = columns[~self._known[columns]]
+        if len(missing):
+            solve = self._solid.factorisation.solve_many
+            self._columns[:, missing] = solve(self._spreading[:, missing])
+        self._known[columns] = True
+
+    def positions(self) -> np.ndarray:
+        moved = self._sum(self._operator @ self._solid.trial_displacement)
+        return self._reference + moved.reshape(self._reference.shape)
+
+    def jump(self, velocity: np.ndarray) -> np.ndarray:
+        return self._sum(self._operator @ velocity)
+
+    def mean_jump(self, velocity: np.ndarray) -> np.ndarray:
+        return self.jump(velocity)
+
+    def free_jump(self) -> np.ndarray:
+        solid, size = self._solid, self._spreading.shape[1]
+        if size > FEW:
+            return self._sum(self._operator @ solid.free_velocity())
+        # J A^-1 b = (A^-1 J')' b, for A is symmetric: no solve, and round-off like that of W
+        self._solve_for(np.arange(size))
+        held = self._held @ solid.trial_velocity
+        return self._sum(self._columns.T @ solid.free_load + held)
+
+    def compliance(self, mine: np.ndarray, other: Trace, theirs: np.ndarray) -> np.ndarray:
+        assert isinstance(other, DeformableTrace)
+        shape = self._spreading.shape[1], other._spreading.shape[1]
+        matrix, known = self._compliance.setdefault(
+            id(other), (np.zeros(shape), np.zeros(shape[1], dtype=bool))
+        )
+        new = theirs[~known[theirs]]
+        if len(new):
+            other._solve_for(new)
+            matrix[:, new] = self._sum(self._spreading.T @ other._columns[:, new])
+            known[new] = True
+        everything = len(mine) == shape[0] and len(theirs) == shape[1]
+        return matrix if everything else matrix[np.ix_(mine, theirs)]
+
+    def mobility(self) -> np.ndarray:
+        size = self._spreading.shape[1]
+        if size <= FEW:
+            return self.compliance(np.arange(size), self, np.arange(size)).diagonal()
+        diagonal = self._solid.factorisation.matrix.getDiagonal()
+        mobility = self._spreading.T @ (1 / diagonal.array_r)
+        diagonal.destroy()
+        return self._sum(mobility)
+
+    def seeing(self) -> scipy.sparse.csr_matrix:
+        return self._whole
+
+    def spreading(self) -> scipy.sparse.csr_matrix:
+        return self._whole
+
+    def spread(self, force: np.ndarray) -> None:
+        self._solid._force += self._spreading @ force

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Which method a scene is solved by, where its user does not say."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..base import checks
+from ..contact.contact import Contact
+from ..solids import DeformableSolid, MonolithicSolid, Solid
+from ..theory.theta import ThetaScheme
+from .full_newton import SYSTEMS
+from .statics import stands
+
+#: Components of surface points above which no dense system is formed.
+LARGE_SURFACE = 1500
+#: Components up to which nonlinear solids in motion enter by their compliance: it is made anew when
+#: a tangent is, and above that costs more than it saves.
+SMALL_SURFACE = 150
+#: Unknowns of solids in space above which nothing is factored (demos/benchmark_iterative.py).
+LARGE_SOLIDS = 10_000
+
+
+def choose(
+    solids: Sequence[Solid],
+    contacts: Sequence[Contact],
+    scheme: ThetaScheme,
+    geometry: str | None,
+    solver: str | None,
+) -> tuple[str, str]:
+    """Geometry and solver as asked or, where None, as the scene needs them.
+
+    Raises:
+        InputError: an unknown name, or a solver that cannot take one of the solids.
+    """
+    places = sum(contact.part.places for contact in contacts)
+    large = places > LARGE_SURFACE
+    deformable = [solid for solid in solids if isinstance(solid, DeformableSolid)]
+    if geometry is None:
+        # rigid solids are hyperstatic: there the fixed point has a solver to fall back on
+        pairs = any(
+            len(contact.solids) > 1 and any(s in deformable for s in contact.solids)
+            for contact in contacts
+        )
+        geometry = "newton" if pairs or (large and deformable) else "fixed point"
+    if solver is None:
+        nonlinear = any(not solid.linear for solid in deformable)
+        # what only contact holds in equilibrium has no compliance of its own
+        floats = not scheme.inertia and not all(stands(solid) for solid in solids)
+        in_space = sum(solid.unknowns for solid in deformable if solid.dim == 3)
+        # the tangent of a nonlinear solid in motion serves for many steps, and so does a compliance
+        keeps = scheme.inertia and places <= SMALL_SURFACE
+        if not large and not floats and (keeps or not nonlinear):
+            solver = "condensed"
+        elif len(deformable) == len(solids) and in_space > LARGE_SOLIDS:
+            solver = "iterative"
+        else:
+            solver = "monolithic"
+    checks.choice("geometry", geometry, ["newton", "fixed point"])
+    checks.choice("solver", solver, list(SYSTEMS))
+    if geometry == "newton" and solver != "condensed":
+        kind = MonolithicSolid if solver == "monolithic" else DeformableSolid
+        alone = [solid.name for solid in solids if not isinstance(solid, kind)]
+        if alone:
+            other = "'condensed'" if solver == "monolithic" else "'monolithic' or 'condensed'"
+            raise checks.InputError(
+                f"solver = {solver!r}: {alone} cannot be part of such a system; use {other}"
+            )
+    return geometry, solver

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""One linear system of the full Newton method, condensed on the surfaces.
+
+The solids enter by the compliance of their active points; for linear solids it is known.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..theory.theta import Step
+from .problem import Assembly
+
+#: Changes of forces count this much of errors: what a correction leaves is of second order.
+SETTLED = 1e-7
+
+
+class Condensed:
+    """Linear systems in the velocities of the active points and the multipliers.
+
+    Attributes:
+        near: the error up to which derivatives of the geometry are used.
+        patient: whether old tangents of the solids may serve: a new one costs a new compliance.
+    """
+
+    near = np.inf
+    patient = True
+
+    def __init__(self, assembly: Assembly) -> None:
+        self._all = assembly
+        self._surfaces = assembly.surface_system()
+        self._force: np.ndarray | float = 0.0  # of the last state
+
+    def begin(self, step: Step) -> tuple[float, np.ndarray]:
+        """Residual of the present state: its largest relative error, and the forces on all points
+        (flat, N)."""
+        active = self._surfaces.arrange()
+        self._surfaces.begin(self._all.free()[active], self._all.compliance(active))
+        force = self._surfaces.force()
+        self._all.spread(force)
+        errors = self._all.imbalances(step, [s for s in self._all.solids if not s.linear])
+        if self._surfaces.size:
+            errors.append(self._surfaces.error(slow=0.0))
+            errors.append(SETTLED * self._changed(force))
+            self._surfaces.remember()
+        return max(errors, default=0.0), force
+
+    def _changed(self, force: np.ndarray) -> float:
+        """By how much the last correction changed the forces, over the largest. Where a fine mesh
+        of a stiff solid meets a soft one, small errors of gaps hide large ones of forces."""
+        before, self._force = self._force, force
+        size = np.abs(force).max(initial=0.0)
+        return float(np.abs(force - before).max() / size) if size > self._all.noise() else 0.0
+
+    def iterate(self, step: Step) -> bool:
+        """Solve, and move the solids; False if the system is singular."""
+        for solid in self._all.solids:
+            solid.drop_forces()
+        if self._surfaces.size:
+            if not self._surfaces.iterate():
+                return False
+            self._all.spread(self._surfaces.linear_force)
+        for solid in self._all.solids:
+            solid.correct(step)
+        return True
+
+    def stall(self) -> str:
+        """What stalls or flips."""
+        if not self._surfaces.size:
+            return "the momentum balance stalls"
+        return f"{self._surfaces.stall()}; {self._surfaces.flips()}"

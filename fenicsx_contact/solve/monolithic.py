@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""One linear system of the full Newton method, solids and multipliers together, sparse.
+
+    [ A + T' C_yy T   T' C_ym ] [dv]     [ r + T' f ]
+    [ C_my T          C_mm    ] [dm] = - [ F_m      ]
+
+with r the solids' momentum balances, T their traces, and f, F, C the contacts' forces, rows and
+tangents. Rows are distributed as the solids are; the multipliers, which every process knows, belong
+to the last one.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+import scipy.sparse as sp
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from ..solids import MonolithicSolid, MonolithicTrace
+from ..theory.theta import Step
+from .numbering import Numbering
+from .problem import Assembly
+from .surface_problem import COMPLIANCE
+
+
+class Monolithic(ABC):
+    """Linear systems in the velocities of all solids and the multipliers.
+
+    Attributes:
+        near, patient: as of :class:`~fenicsx_contact.solve.condensed.Condensed`.
+    """
+
+    near = np.inf
+    patient = False
+
+    def __init__(self, assembly: Assembly) -> None:
+        self._all = assembly
+        self.comm = assembly.solids[0].mesh.mesh.comm
+        self._solids = [s for s in assembly.solids if isinstance(s, MonolithicSolid)]
+        self._parts = [contact.part for contact in assembly.contacts]
+        self._places = Numbering(self._solids, self.comm)
+        index = {id(solid): k for k, solid in enumerate(self._solids)}
+        self._traces: list[list[tuple[int, MonolithicTrace]]] = [
+            [
+                (index[id(solid)], trace)
+                for solid, trace in zip(contact.solids, contact.traces)
+                if isinstance(trace, MonolithicTrace)
+            ]
+            for contact in assembly.contacts
+        ]
+        self._kept: dict[tuple[int, str], tuple] = {}
+        self._linearisations: list[int] = []
+        self._patterns: list[tuple[np.ndarray, np.ndarray]] = []
+
+    def begin(self, step: Step) -> tuple[float, np.ndarray]:
+        """Residual of the present state: its largest relative error, and the forces on all points
+        (flat, N)."""
+        everything = self._all.parts[-1].stop if self._all.parts else 0
+        force, errors = np.zeros(everything), [0.0]
+        self._rows = []
+        for part, places in zip(self._parts, self._all.parts):
+            residual, active = part.active_residual(), part.active_places
+            force[places.start + active] = -residual[: len(active)]
+            rows = residual[len(active) :] * part.scales()[1][len(active) :]
+            self._rows.append(rows)
+            errors.append(float(part.error(rows).max(initial=0.0)))
+        self._all.spread(force)
+        errors += self._all.imbalances(step, self._solids)
+        self._errors = errors
+        return float(np.max(errors)), force
+
+    def iterate(self, step: Step) -> bool:
+        """Solve, and move the solids; False if the system is singular."""
+        change = self._solve()
+        if not np.isfinite(change).all():
+            return False
+        for solid, own in zip(self._solids, self._places.own):
+            solid.go(solid.trial_velocity - change[own], step)
+        last = self._places.size
+        for part in self._parts:
+            n, m = len(part.active_places), part.multipliers
+            multipliers = change[last : last + m] * part.scales()[0][n:]
+            part.move(np.concatenate([np.zeros(n), -multipliers]))
+            last += m
+        return True
+
+    @abstractmethod
+    def _solve(self) -> np.ndarray:
+        """The whole solution, scaled, on every process; NaN where there is none."""
+
+    @property
+    def _size(self) -> int:
+        """Number of unknowns and multipliers."""
+        return self._places.size + sum(part.multipliers for part in self._parts)
+
+    def _residual(self) -> np.ndarray:
+        """Scaled residual of all rows; of those of the solids only this process's."""
+        values = np.zeros(self._size)
+        for solid, own in zip(self._solids, self._places.own):
+            values[own] = solid.residual()
+        values[self._places.size :] = np.concatenate([*self._rows, np.empty(0)])
+        return values
+
+    def _contact_block(self, frozen: bool = False) -> sp.csr_matrix:
+        """What the contacts add to the matrix, scaled, (size, size), on every process; if
+        ``frozen`` without the derivatives of the geometry."""
+        block, last = sp.csr_matrix((self._size, self._size)), self._places.size
+        for contact, part in enumerate(self._parts):
+            n, (columns, rows) = len(part.active_places), part.scales()
+            columns[:n] = rows[:n] = 1.0
+            tangent = part.sparse_tangent(frozen)
+            tangent.data *= np.repeat(rows, np.diff(tangent.indptr)) * columns[tangent.indices]
+            push, see = (self._onto(contact, which, last) for which in ("spreading", "seeing"))
+            block = block + push.T @ (tangent @ see)
+            last += part.multipliers
+        return block
+
+    def _onto(self, contact: int, which: str, last: int) -> sp.csr_matrix:
+        """From the unknowns of the system to the active ones of a contact, its multipliers, whose
+        numbers begin with ``last``, behind; by the operators of the traces of that name. Kept
+        while nothing changes."""
+        part, traces = self._parts[contact], self._traces[contact]
+        operators = [getattr(trace, which)() for _, trace in traces]
+        active, m = part.active_places, part.multipliers
+        key = (*map(id, operators), active.tobytes(), last, m, self._size)
+        if key != self._kept.get((contact, which), ((), None, None))[0]:
+            numbered = [self._places.renumber(each, k) for each, (k, _) in zip(operators, traces)]
+            velocities = sp.vstack(numbered, "csr")[active]
+            own = sp.csr_matrix((np.ones(m), (np.arange(m), last + np.arange(m))), (m, self._size))
+            velocities.resize(len(active), self._size)
+            self._kept[contact, which] = key, sp.vstack([velocities, own], "csr"), operators
+        return self._kept[contact, which][1]
+
+    def _compliance(self) -> sp.csr_matrix:
+        """The compliance that makes the multipliers unique, where they are not."""
+        n, m = self._places.size, self._size - self._places.size
+        return sp.diags(np.repeat([0.0, -COMPLIANCE], [n, m]), format="csr")
+
+    @property
+    def _rows_here(self) -> slice:
+        """This process's rows of the system."""
+        mine, final = self._places.mine, self.comm.rank == self.comm.size - 1
+        return slice(mine.start, self._size if final else mine.stop)
+
+    def _matrix(self, extra: sp.csr_matrix) -> sp.csr_matrix:
+        """This process's rows of the solids' matrices and of what else there is, which is the same
+        on every process and, for the multipliers, may be larger."""
+        size, start = extra.shape[0], self._places.mine.start
+        rows = slice(start, min(self._rows_here.stop, size))
+        return extra[rows] + self._solid_rows(rows.stop - start, size)
+
+    def _solid_rows(self, rows: int = 0, columns: int = 0) -> sp.csr_matrix:
+        """This process's rows of the solids' own matrices, new if one of these is; with empty
+        rows and columns behind, where multipliers come and go, if so many are asked for."""
+        now = [solid.linearisation for solid in self._solids]
+        if now != self._linearisations:
+            self._linearisations = now
+            matrices = [solid.matrix_rows(self.comm) for solid in self._solids]
+            self._arrange([matrix[:2] for matrix in matrices])
+            values = np.concatenate([matrix[2] for matrix in matrices])
+            self._values = values[self._order.data]
+        order = self._order
+        n, m = max(rows, order.shape[0]), max(columns, order.shape[1])
+        indptr = np.pad(order.indptr, (0, n - order.shape[0]), "edge")
+        return sp.csr_matrix((self._values, order.indices, indptr), (n, m))
+
+    def _arrange(self, patterns: list[tuple[np.ndarray, np.ndarray]]) -> None:
+        """Find where the entries of the solids' matrices stand, if not as before."""
+        if self._patterns and all(
+            np.array_equal(a, b) for pair in zip(patterns, self._patterns) for a, b in zip(*pair)
+        ):
+            return
+        self._patterns = patterns
+        mine, places, columns = self._places.mine, [], []
+        for (indptr, indices), own, numbers in zip(
+            patterns, self._places.own, self._places.numbers
+        ):
+            places.append(np.repeat(own[: len(indptr) - 1], np.diff(indptr)) - mine.start)
+            columns.append(numbers[indices])
+        row, column = np.concatenate(places), np.concatenate(columns)
+        shape = mine.stop - mine.start, self._places.size
+        self._order = sp.csr_matrix((np.arange(len(row)), (row, column)), shape)
+
+    def _everywhere(self, local: np.ndarray) -> np.ndarray:
+        """The rows of all processes."""
+        return np.concatenate(self.comm.allgather(local)) if self.comm.size > 1 else local
+
+    def stall(self) -> str:
+        """What stalls."""
+        names = [f"the system of contact {c.name!r}" for c in self._all.contacts]
+        names += [f"the momentum balance of {s.name!r}" for s in self._solids]
+        worst = int(np.argmax(self._errors[1:]))
+        return f"{names[worst]} stalls at a relative error of {self._errors[1 + worst]:.3g}"
+
+
+def petsc_matrix(rows: sp.csr_matrix, comm: MPI.Comm, columns: int | None = None) -> PETSc.Mat:
+    """The matrix whose rows, one process after the other, are these; ``columns``: how many of them
+    are this process's, as many as rows if not given."""
+    rows.sort_indices()
+    n, size = rows.shape
+    columns = n if columns is None else columns
+    csr = (rows.indptr.astype(np.int32), rows.indices.astype(np.int32), rows.data)
+    return PETSc.Mat().createAIJ(((n, PETSc.DECIDE), (columns, size)), csr=csr, comm=comm)

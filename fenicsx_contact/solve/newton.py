@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The semi-smooth Newton loop on the surface problem, and what it falls back on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..base import checks
+from .gauss_seidel import project
+from .surface_problem import SurfaceSystem
+
+
+class NotConverged(RuntimeError):
+    """The surface problem was not solved; the message says what stalls or flips."""
+
+
+@dataclass
+class Solution:
+    """Forces on the solids at the points (flat, N), and how they were found."""
+
+    force: np.ndarray
+    iterations: int
+    remarks: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Newton:
+    """Settings of the Newton loop.
+
+    Convergence is judged on the scaled residual of every row. When statuses come back that were
+    there before (ping-pong), a projected Gauss-Seidel solver, which always ends, takes over, and
+    Newton polishes its result.
+
+    Args:
+        tolerance: on the largest scaled residual of any row, and where solids, geometry and
+            contact are solved together on the momentum balances.
+        max_iterations: before the projected solver takes over.
+    """
+
+    tolerance: float = 1e-10
+    max_iterations: int = 30
+
+    def __post_init__(self) -> None:
+        checks.number("tolerance", self.tolerance, above=0, at_most=1e-2)
+        checks.whole_number("max_iterations", self.max_iterations, at_least=1)
+
+    def solve(
+        self, system: SurfaceSystem, limits: Callable[[], Sequence[np.ndarray | None]]
+    ) -> Solution:
+        """Solve the surface problem of a step; the surfaces then hold the solution.
+
+        Args:
+            system: the surface problem, begun.
+            limits: gives for each contact the speeds w_n that its law allows, None for springs;
+                the projected solver asks for them.
+
+        Raises:
+            NotConverged: with the reason.
+        """
+        if not system.size:
+            return Solution(system.force(), 0)
+        iterations = self._iterate(system)
+        if system.worst <= self.tolerance:
+            return Solution(system.force(), iterations)
+        remark = system.flips()
+        allowed = limits()
+        if all(limit is not None for limit in allowed):
+            sweeps = project(system, [limit for limit in allowed if limit is not None])
+            remark += f"; projected solver took over, {sweeps} sweeps"
+            if system.error() > self.tolerance:
+                iterations += self._iterate(system)
+        if system.worst > self.tolerance:
+            raise NotConverged(f"{system.stall()}; {remark}")
+        return Solution(system.force(), iterations, [remark])
+
+    def _iterate(self, system: SurfaceSystem) -> int:
+        """Newton steps until converged, or until the statuses cycle."""
+        seen: set[bytes] = set()
+        last = b""
+        for iteration in range(1, self.max_iterations + 1):
+            if not system.iterate() or system.error() <= self.tolerance:
+                return iteration
+            if not np.isfinite(system.worst):
+                return iteration
+            if iteration == 1:  # from a first guess statuses may change
+                continue
+            key = system.remember().tobytes()
+            if key in seen and key != last and iteration > 4:
+                return iteration
+            seen.add(key)
+            last = key
+        return self.max_iterations

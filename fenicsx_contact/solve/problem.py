@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The traces of all contacts of a scene, stacked: what the methods that solve a step share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from time import perf_counter
+
+import numpy as np
+
+from ..base.checks import StepFailed
+from ..contact.contact import Contact
+from ..solids import DeformableSolid, Solid, Trace
+from ..theory.theta import Step
+from .surface_problem import SurfaceSystem
+
+#: Forces below this share of those that stop the speeds of a step within it are noise.
+NOISE = 1e-11
+
+
+class Assembly:
+    """Solids and contacts, and where the points of each trace stand among all points.
+
+    Attributes:
+        solids, contacts: of the scene.
+        sides: solid and trace of each side of each contact, in order.
+        parts: for each contact, slices: for each side, of the stacked components of the points.
+    """
+
+    def __init__(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
+        self.solids, self.contacts = list(solids), list(contacts)
+        self.parts = _slices(contact.part.places for contact in self.contacts)
+        self.sides: list[tuple[Solid, Trace]] = [
+            side for c in self.contacts for side in zip(c.solids, c.traces)
+        ]
+        self.slices = _slices(trace.jump(s.velocity).size for s, trace in self.sides)
+
+    def surface_system(self) -> SurfaceSystem:
+        """The surface problem of the contacts."""
+        hyperstatic = not all(isinstance(solid, DeformableSolid) for solid in self.solids)
+        contacts = self.contacts
+        return SurfaceSystem([c.part for c in contacts], [c.name for c in contacts], hyperstatic)
+
+    def free(self) -> np.ndarray:
+        """Velocities of all points at the end of the step without contact, flat."""
+        free = [trace.free_jump() for _, trace in self.sides]
+        return free[0] if len(free) == 1 else np.concatenate([*free, np.empty(0)])
+
+    def fastest(self, velocities: np.ndarray) -> float:
+        """The largest of these velocities at points that are active."""
+        return max(
+            (
+                float(np.abs(velocities[part][contact.part.active_places]).max(initial=0.0))
+                for contact, part in zip(self.contacts, self.parts)
+            ),
+            default=0.0,
+        )
+
+    def compliance(self, active: np.ndarray) -> np.ndarray:
+        """W of the active points, whose indices among all are sorted."""
+        if len(self.sides) == 1:
+            _, trace = self.sides[0]
+            return trace.compliance(active, trace, active)
+        W = np.zeros((len(active), len(active)))
+        bounds = np.searchsorted(active, [part.start for part in self.slices] + [np.inf])
+        ours = [
+            (solid, trace, slice(a, b), active[a:b] - part.start)
+            for (solid, trace), part, a, b in zip(self.sides, self.slices, bounds[:-1], bounds[1:])
+        ]
+        for solid, trace, rows, mine in ours:
+            for other_solid, other, columns, theirs in ours:
+                if other_solid is solid and len(mine) and len(theirs):
+                    W[rows, columns] = trace.compliance(mine, other, theirs)
+        return W
+
+    def spread(self, force: np.ndarray) -> None:
+        """Add forces on the points, flat in N, to those on the solids."""
+        for (_, trace), part in zip(self.sides, self.slices):
+            trace.spread(force[part])
+
+    def set_scale(self, step: Step, speed: float) -> None:
+        """Scale the equations of all contacts by a typical speed, m/s."""
+        for contact in self.contacts:
+            contact.equations.set_scale(contact.unit(step), speed)
+
+    def imbalances(self, step: Step, solids: Iterable[Solid]) -> list[float]:
+        """Relative errors of the momentum balances of these solids in the trial state."""
+        return [solid.imbalance(step, self.noise(solid)) for solid in solids]
+
+    def noise(self, solid: Solid | None = None) -> float:
+        """Forces [N] of contacts of the solid, or of any, that are none: of points that just touch
+        they are the round-off of gaps."""
+        return NOISE * max(
+            (
+                float(contact.equations.force_scale[contact.equations.candidates].max(initial=0.0))
+                for contact in self.contacts
+                if solid is None or any(solid is each for each in contact.solids)
+            ),
+            default=0.0,
+        )
+
+    def refuse_broken(self) -> None:
+        """Raise StepFailed if a solid has no admissible trial state."""
+        for solid in self.solids:
+            if reason := solid.broken():
+                raise StepFailed(reason)
+
+
+def scale_of(speed: float) -> float:
+    """A power of two near the speed: scales change rarely then, and cost no accuracy."""
+    return float(2.0 ** np.ceil(np.log2(speed))) if 0 < speed < np.inf else 1.0
+
+
+def _slices(sizes: Iterable[int]) -> list[slice]:
+    bounds = np.cumsum([0, *sizes])
+    return [slice(a, b) for a, b in zip(bounds[:-1], bounds[1:])]
+
+
+class Clock:
+    """Adds the time since the last call to a phase."""
+
+    def __init__(self, times: dict[str, float]) -> None:
+        self._times, self._last = times, perf_counter()
+
+    def __call__(self, phase: str) -> None:
+        now = perf_counter()
+        self._times[phase] = self._times.get(phase, 0.0) + now - self._last
+        self._last = now

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The linear system of the full Newton method, factored.
+
+Before a sparse matrix is factored its pattern is analysed, which may take longer than the rest.
+With partners and statuses the pattern changes, by little: so in the plane it is made with room for
+all that points may see, partners one facet away among it, and kept while that will do; but not
+beyond a step, for a run must give the same bits whether it was interrupted or not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.sparse as sp
+from mpi4py import MPI
+
+from ..solids.factor import direct_solver
+from ..theory.theta import Step
+from .monolithic import Monolithic, petsc_matrix
+from .problem import Assembly
+
+
+class Direct(Monolithic):
+    """Solved by a direct factorisation, which is new in each iteration."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        super().__init__(assembly)
+        self._step: Step | None = None
+        self._system: _System | None = None
+        self._adjacent: dict[int, sp.csr_matrix] = {}
+
+    def begin(self, step: Step) -> tuple[float, np.ndarray]:
+        if step is not self._step:
+            self._step = step
+            self._drop()
+        return super().begin(step)
+
+    def _drop(self) -> None:
+        if self._system is not None:
+            self._system.destroy()
+        self._system = None
+
+    def _solve(self) -> np.ndarray:
+        contacts = (self._contact_block() + self._compliance())[self._rows_here]
+        here = self._system is not None and self._system.holds(contacts)
+        old = bool(self.comm.allreduce(here, op=MPI.MIN)) if self.comm.size > 1 else here
+        if not old:
+            self._make(contacts)
+        change = self._solve_with(contacts)
+        if old and not np.isfinite(change).all():  # it may lack pivots or memory for these values
+            self._make(contacts)
+            change = self._solve_with(contacts)
+        return change
+
+    def _solve_with(self, contacts: sp.csr_matrix) -> np.ndarray:
+        assert self._system is not None
+        matrices = self._solid_rows(*contacts.shape), contacts
+        return self._everywhere(self._system.solve(matrices, self._residual()[self._rows_here]))
+
+    def _make(self, contacts: sp.csr_matrix) -> None:
+        """A system with room for what the contacts add to the solids, and may add soon."""
+        self._drop()
+        room = _pattern(contacts)
+        if self._solids[0].dim == 2:  # in space the analysis costs little, and room much
+            seen = self._seen()
+            room += _pattern(seen.T.tocsr()[self._rows_here] @ seen)
+        self._system = _System(_pattern(self._solid_rows(*room.shape)), room, self.comm)
+
+    def _seen(self) -> sp.csr_matrix:
+        """Ones where a point of a contact sees an unknown, its multipliers among them, or may see
+        it soon, (points, size). Whatever it sees it may couple."""
+        last, n, blocks = self._places.size, self._places.size, [sp.csr_matrix((0, self._size))]
+        for contact, part in enumerate(self._parts):
+            points, m = len(part.equations.candidates), part.multipliers
+            if not points:
+                continue
+            see = self._onto(contact, "seeing", last)
+            see, J = see[: see.shape[0] - m, :n], part.jump_operator()
+            if J is not None:
+                see = _pattern(sp.csr_matrix(J)) @ _pattern(see) @ self._neighbours(contact)
+            see, own = see.tocoo(), np.arange(m)  # component by component
+            row = np.concatenate([see.row // (see.shape[0] // points), own % points])
+            place = row, np.concatenate([see.col, last + own])
+            blocks.append(sp.csr_matrix((np.ones(len(row)), place), (points, self._size)))
+            last += m
+        return sp.vstack(blocks, "csr")
+
+    def _neighbours(self, contact: int) -> sp.csr_matrix:
+        """Ones where two unknowns of the surfaces of a contact belong to the same cell; made once,
+        for the solids' patterns stay."""
+        if contact not in self._adjacent:
+            mine, n = self._places.mine, self._places.size
+            surface = np.zeros(n, dtype=bool)
+            for k, trace in self._traces[contact]:
+                surface[self._places.numbers[k][trace.seeing().indices]] = True
+            rows = self._solid_rows().tocoo()
+            both = surface[mine.start + rows.row] & surface[rows.col]
+            found = self.comm.allgather((mine.start + rows.row[both], rows.col[both]))
+            place = tuple(np.concatenate(each) for each in zip(*found))
+            self._adjacent[contact] = sp.csr_matrix((np.ones(len(place[0])), place), (n, n))
+        return self._adjacent[contact]
+
+
+class _System:
+    """A matrix of a given pattern, and its factors.
+
+    Args:
+        solids, room: this process's rows: ones where the solids have entries, and where there is
+            room for those of the contacts.
+        comm: the processes.
+    """
+
+    def __init__(self, solids: sp.csr_matrix, room: sp.csr_matrix, comm: MPI.Comm) -> None:
+        self._room = room
+        self._A = petsc_matrix(solids + room, comm)
+        self._solver = direct_solver(self._A, "monolithic")
+        self._x, self._b = self._A.createVecs()
+
+    def holds(self, contacts: sp.csr_matrix) -> bool:
+        """Whether there is room for these entries."""
+        room = self._room
+        return room.shape == contacts.shape and (room + _pattern(contacts)).nnz == room.nnz
+
+    def solve(self, matrices: Sequence[sp.csr_matrix], right: np.ndarray) -> np.ndarray:
+        """This process's part of the solution with the sum of the matrices, whose rows are this
+        process's; NaN where there is none."""
+        self._A.zeroEntries()
+        for rows in matrices:
+            csr = rows.indptr.astype(np.int32), rows.indices.astype(np.int32), rows.data
+            self._A.setValuesCSR(*csr, addv=True)
+        self._A.assemble()
+        self._b.setArray(right)
+        self._solver.setOperators(self._A)
+        self._solver.solve(self._b, self._x)
+        failed = self._solver.getConvergedReason() < 0
+        return np.full(len(right), np.nan) if failed else self._x.array_r.copy()
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""
+        for thing in (self._solver, self._A, self._x, self._b):
+            thing.destroy()
+
+
+def _pattern(matrix: sp.csr_matrix) -> sp.csr_matrix:
+    """Ones where the matrix has entries."""
+    matrix = sp.csr_matrix(matrix)
+    ones = np.ones(matrix.nnz)
+    return sp.csr_matrix((ones, matrix.indices, matrix.indptr), matrix.shape)

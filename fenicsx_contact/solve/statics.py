@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Whether a scene without inertia can be in equilibrium: no solid may move rigidly for nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..base.checks import InputError
+from ..contact.contact import Contact
+from ..solids import DeformableSolid
+
+#: Rigid motions that meet less than this share of the greatest resistance are free.
+FREE = 1e-10
+
+
+def refuse_free(solids: Sequence[Any], contacts: Sequence[Contact]) -> None:
+    """Refuse what a quasi-static scene cannot hold.
+
+    What holds a solid are its supports and, as if they were glued, the normals of its contacts;
+    with friction their tangents too.
+
+    Raises:
+        InputError: a rigid solid, or one that can move rigidly, by name.
+    """
+    for solid in solids:
+        if not isinstance(solid, DeformableSolid):
+            raise InputError(
+                f"solids: {solid.name!r} is rigid, and a quasi-static scene has no inertia that "
+                "could move it; use a ThetaScheme, an obstacle or a stiff elastic solid"
+            )
+    motions = {id(solid): _Motions(solid) for solid in solids}
+    k = len(next(iter(motions.values())).names)
+    place = {key: slice(i * k, (i + 1) * k) for i, key in enumerate(motions)}
+    gram = np.zeros((k * len(solids), k * len(solids)))
+    for solid in solids:
+        gram[place[id(solid)], place[id(solid)]] += motions[id(solid)].held()
+    for contact in contacts:
+        points = contact.coupling.positions()
+        rows = np.zeros((*points.shape, len(gram)))
+        for solid, sign in zip(contact.solids, (1.0, -1.0)):
+            rows[:, :, place[id(solid)]] += sign * motions[id(solid)](points)
+        if not contact.friction:
+            rows = np.einsum("ni,nik->nk", contact.normal, rows)
+        rows = rows.reshape(-1, len(gram))
+        gram += rows.T @ rows
+    values, vectors = np.linalg.eigh(gram)
+    if values[0] <= FREE * values[-1]:
+        which, motion = divmod(int(np.abs(vectors[:, 0]).argmax()), k)
+        solid = solids[which]
+        raise InputError(
+            f"solids: nothing holds {solid.name!r} against {motions[id(solid)].names[motion]}, and "
+            "a quasi-static scene has no inertia: fix or prescribe some of its facets"
+        )
+
+
+def stands(solid: Any) -> bool:
+    """Whether the supports of a deformable solid leave it no rigid motion."""
+    values = np.linalg.eigvalsh(_Motions(solid).held())
+    return bool(values[0] > FREE * values[-1])
+
+
+class _Motions:
+    """The rigid motions of a solid: unit velocities, and rotations that give such at its ends."""
+
+    def __init__(self, solid: Any) -> None:
+        self._solid = solid
+        comm, d = solid.mesh.mesh.comm, solid.dim
+        x = solid.mesh.mesh.geometry.x[:, :d]
+        far = np.full((1, d), np.inf)
+        low = np.min(comm.allgather(np.min([*x, *far], axis=0)), axis=0)
+        high = np.max(comm.allgather(np.max([*x, *-far], axis=0)), axis=0)
+        self._centre, self._size = (low + high) / 2, float((high - low).max()) / 2
+        axes = "xyz"[:d]
+        turns = ["turning"] if d == 2 else [f"turning about {axis}" for axis in axes]
+        self.names = [f"moving along {axis}" for axis in axes] + turns
+
+    def held(self) -> np.ndarray:
+        """How the supports resist each motion, (motions, motions)."""
+        solid = self._solid
+        held = solid.fixed_unknowns
+        rows = self(solid.space.tabulate_dof_coordinates()[held // solid.dim])
+        rows = rows[np.arange(len(held)), held % solid.dim]
+        return np.asarray(solid.comm.allreduce(rows.T @ rows))
+
+    def __call__(self, points: np.ndarray) -> np.ndarray:
+        """Velocities of points (n, 2 or 3): (n, d, motions)."""
+        d = len(self._centre)
+        arm = np.zeros((len(points), 3))
+        arm[:, :d] = (points[:, :d] - self._centre) / self._size
+        axes = np.eye(3)[2:] if d == 2 else np.eye(3)
+        turns = np.stack([np.cross(axis, arm)[:, :d] for axis in axes], axis=-1)
+        steady = np.broadcast_to(np.eye(d), (len(points), d, d))
+        return np.concatenate([steady, turns], axis=-1)

@@ -1,0 +1,295 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The surface problem of a step: the equations of all contacts and the compliance that joins them.
+
+With F the assembled contact terms of (7), ``w_free`` the jump without contact and
+``W = J A^-1 J'``, it reads::
+
+    w - w_free + W F_w(w, lam, Lam) = 0          F_lam = 0          F_Lam = 0
+
+over the candidates of the step. Between two solids the unknowns are the velocities of the nodes
+on both sides that the candidates meet, and J stands in F. Unknowns and rows are scaled (speed,
+pressure, 1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.linalg import lapack
+
+from ..contact.equations import SurfaceEquations
+from .pointwise import PointwiseSolver, PointwiseStep
+
+#: Compliance added to the tangent, never to the residual. Points of a rigid solid are hyperstatic
+#: and their multipliers not unique; this picks those nearest to the last ones.
+COMPLIANCE = 1e-8
+#: Speeds below this share of those that the contact forces stand for are not resolved: where forces
+#: balance each other, as in a squeezed body, jumps are far smaller, down to round-off.
+SLOW = 1e-4
+
+
+class Part(Protocol):
+    """The equations of one contact, in velocities of points of its solids and in multipliers.
+
+    Those that are active in a step stand in the order (velocities, multipliers).
+    """
+
+    revision: int
+
+    @property
+    def places(self) -> int: ...
+    @property
+    def active_places(self) -> np.ndarray: ...
+    @property
+    def multipliers(self) -> int: ...
+    def scales(self) -> tuple[np.ndarray, np.ndarray]: ...
+    def active_values(self) -> np.ndarray: ...
+    def active_residual(self) -> np.ndarray: ...
+    def active_tangent(self) -> np.ndarray: ...
+    def sparse_tangent(self, frozen: bool = False) -> sp.csr_matrix: ...
+    def move(self, step: np.ndarray) -> None: ...
+    def error(self, scaled: np.ndarray) -> np.ndarray: ...
+    def statuses(self) -> np.ndarray: ...
+    def kind(self, row: int) -> str: ...
+    def jump_operator(self) -> np.ndarray | None: ...
+    def set_places(self, velocities: np.ndarray) -> None: ...
+
+    @property
+    def equations(self) -> SurfaceEquations: ...
+
+
+#: Above so many unknowns those of the points are condensed first.
+MANY = 60
+
+
+class _Place(NamedTuple):
+    """Where the active unknowns of a part stand in the system."""
+
+    part: Part
+    place: np.ndarray
+
+
+class SurfaceSystem:
+    """The stacked equations of the contacts of a scene, restricted to the candidates.
+
+    Args:
+        parts, names: of the contacts.
+        hyperstatic: whether solids may have fewer unknowns than points: W is singular then.
+
+    Attributes:
+        parts, names: of the contacts.
+        W, free: compliance of the active points and their velocities without contact.
+        worst: the largest error of any row, after :meth:`error`.
+        linear_force: forces after :meth:`iterate` as the linearised equations have them.
+    """
+
+    def __init__(self, parts: Sequence[Part], names: Sequence[str], hyperstatic: bool) -> None:
+        self.parts, self.names, self._hyperstatic = list(parts), list(names), hyperstatic
+        self._total = sum(p.places for p in self.parts)
+        self._revision = -1
+        self._solver = PointwiseSolver(COMPLIANCE)
+        self._sizes = np.empty(0), np.empty(0)
+        self.worst = 0.0
+
+    def arrange(self) -> np.ndarray:
+        """Take up which points are active; their velocities' indices among all."""
+        revision = sum(p.revision for p in self.parts)
+        if revision != self._revision:
+            self._revision = revision
+            self._arrange()
+        return self.active
+
+    def begin(self, free: np.ndarray, compliance: np.ndarray) -> None:
+        """Take up the free velocities (flat) and W of the active points, after `arrange`."""
+        self.W, self.free = compliance, free
+        self.history: list[np.ndarray] = []
+        if self.size:
+            self.update()
+
+    def _arrange(self) -> None:
+        """Places of the active unknowns: all velocities, then the multipliers by contact."""
+        offset, active = 0, [np.empty(0, dtype=np.int64)]
+        for part in self.parts:
+            active.append(part.active_places + offset)
+            offset += part.places
+        self.active = np.concatenate(active)
+        self.placed: list[_Place] = []
+        w, m = 0, len(self.active)
+        for part in self.parts:
+            count, extra = len(part.active_places), part.multipliers
+            place = np.concatenate([np.arange(w, w + count), np.arange(m, m + extra)])
+            self.placed.append(_Place(part, place))
+            w, m = w + count, m + extra
+        self.size = m
+        if m:
+            columns, rows = np.empty(m), np.empty(m)
+            for part, place in self.placed:
+                columns[place], rows[place] = part.scales()
+            self._columns, self._rows = columns, rows
+            nodal = all(part is part.equations for part in self.parts)
+            self._many = nodal and not self._hyperstatic and m > MANY
+            if not self._many:
+                self._scaling = rows[:, None] * columns
+
+    def _gather(self, arrays: Sequence[np.ndarray]) -> np.ndarray:
+        if len(arrays) == 1:
+            return arrays[0]
+        result = np.empty(self.size)
+        for (_, place), array in zip(self.placed, arrays):
+            result[place] = array
+        return result
+
+    def update(self) -> None:
+        """Assemble the residual from the unknowns that the parts hold."""
+        nw = len(self.active)
+        self.assembled = self._gather([p.active_residual() for p in self.parts])
+        w = self._gather([p.active_values() for p in self.parts])[:nw]
+        self.residual = self.assembled.copy()
+        self.residual[:nw] = w - self.free + self.W @ self.assembled[:nw]
+        self.residual *= self._rows
+
+    def iterate(self) -> bool:
+        """One Newton step; False where the tangent is singular."""
+        return self._iterate_points() if self._many else self._iterate_all()
+
+    def _iterate_points(self) -> bool:
+        """By the forces of the points alone."""
+        d = self.parts[0].equations.fields.surface.dim
+        nw = len(self.active)
+        steps, sizes = [], []
+        placed = [each for each in self.placed if len(each.place)]
+        for part, place in placed:
+            n = len(part.active_places) // d
+            unknowns = _by_point(place, n, d)
+            size = part.equations.force_scale[part.equations.candidates]
+            K = part.equations.point_tangents() * self._columns[unknowns][:, None, :]
+            K[:, :d] /= size[:, None, None]
+            K[:, d:] *= self._rows[unknowns][:, d:, None]
+            steps.append(PointwiseStep(K, self.residual[unknowns[:, d:]], d))
+            sizes.append(np.repeat(size[:, None], d, axis=1))
+        C, D, c = (np.concatenate([getattr(s, a) for s in steps]) for a in ("C", "D", "c"))
+        size, behind = np.concatenate(sizes), self.residual[:nw].reshape(-1, d)
+        right = c + np.einsum("pij,pj->pi", C, behind)
+        df = self._solver.solve(C, D, self.W, size * self._rows[:nw].reshape(-1, d), right)
+        if df is None or not np.isfinite(df).all():
+            return False
+        change = (size * df).ravel()
+        dw = ((self.W @ change) * self._rows[:nw]).reshape(-1, d) - behind
+        self.linear_force = self._spread(change - self.assembled[:nw])
+        first = 0
+        for step, (part, place) in zip(steps, placed):
+            n = len(part.active_places) // d
+            mine = slice(first, first + n)
+            dm = step.multipliers(dw[mine], df[mine])
+            part.move(np.concatenate([dw[mine].ravel(), dm.T.ravel()]) * self._columns[place])
+            first += n
+        self.update()
+        return True
+
+    def _iterate_all(self) -> bool:
+        """By all unknowns together."""
+        nw = len(self.active)
+        if len(self.placed) == 1:
+            A = self.placed[0].part.active_tangent().copy()  # which is used again
+        else:
+            A = np.zeros((self.size, self.size))
+            for part, place in self.placed:
+                A[np.ix_(place, place)] = part.active_tangent()
+        stiffness = A[:nw].copy()
+        A[:nw] = self.W @ stiffness
+        A.flat[: nw * self.size : self.size + 1] += 1.0
+        A *= self._scaling
+        regular = A.copy()
+        # high pressures weigh in the rows of friction, and again in the forces of their unknowns
+        weight = np.maximum(1.0, np.abs(A[nw:, :nw]).max(axis=1, initial=0.0))
+        regular.flat[nw * (self.size + 1) :: self.size + 1] -= COMPLIANCE * weight**2
+        factors, pivots, singular = lapack.dgetrf(regular)
+        if singular:
+            return False
+        step, _ = lapack.dgetrs(factors, pivots, self.residual)
+        step += lapack.dgetrs(factors, pivots, self.residual - A @ step)[0]
+        step *= self._columns
+        self.linear_force = self._spread(stiffness @ step - self.assembled[:nw])
+        for part, place in self.placed:
+            part.move(-step[place])
+        self.update()
+        return True
+
+    def error(self, slow: float = SLOW) -> float:
+        """The largest error that the residual of any row stands for; speeds are resolved down to
+        the share ``slow`` of those that the forces stand for."""
+        nw = len(self.active)
+        scaled = self.residual.copy()
+        scaled[:nw] /= np.maximum(
+            1.0, slow * (self._absolute() @ np.abs(self.assembled[:nw])) * self._rows[:nw]
+        )
+        errors = (p.error(scaled[place]).max(initial=0.0) for p, place in self.placed)
+        self.worst = float(max(errors))
+        return self.worst if np.isfinite(self.worst) else np.inf
+
+    def _absolute(self) -> np.ndarray:
+        """The absolute values of W, which changes rarely."""
+        if self._sizes[0] is not self.W:
+            self._sizes = self.W, np.abs(self.W)
+        return self._sizes[1]
+
+    def force(self) -> np.ndarray:
+        """Forces on the solids at all points, flat, N."""
+        return self._spread(-self.assembled[: len(self.active)] if self.size else np.empty(0))
+
+    def _spread(self, force: np.ndarray) -> np.ndarray:
+        result = np.zeros(self._total)
+        result[self.active] = force
+        return result
+
+    def condensed(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """J, W and free jumps of all candidates, as the projected solver asks."""
+        blocks = []
+        for part, place in self.placed:
+            operator = part.jump_operator()
+            columns = place[: len(part.active_places)]
+            full = np.zeros((len(columns) if operator is None else len(operator), len(self.active)))
+            full[:, columns] = np.eye(len(columns)) if operator is None else operator
+            blocks.append(full)
+        J = np.concatenate(blocks)
+        return J, J @ self.W @ J.T, J @ self.free
+
+    def remember(self) -> np.ndarray:
+        """Statuses of all points of all contacts, kept to tell which ones flip."""
+        self.history.append(np.concatenate([p.statuses() for p in self.parts]))
+        return self.history[-1]
+
+    def flips(self) -> str:
+        """Which points changed their status among the last iterations."""
+        if not self.history:
+            return "no status changes"
+        recent = np.array(self.history[-6:])
+        flipping = np.flatnonzero((recent != recent[-1]).any(axis=0))
+        if not len(flipping):
+            return "no status changes"
+        parts, offset = [], 0
+        for n, name in zip((len(p.statuses()) for p in self.parts), self.names):
+            mine = [int(p - offset) for p in flipping if offset <= p < offset + n]
+            if mine:
+                shown = ", ".join(map(str, mine[:8])) + (", ..." if len(mine) > 8 else "")
+                parts.append(f"points {shown} of contact {name!r}")
+            offset += n
+        return "statuses flip at " + " and ".join(parts)
+
+    def stall(self) -> str:
+        """Which residual is largest."""
+        if not np.isfinite(self.residual).all():
+            return "the contact equations have no finite solution"
+        row = int(np.abs(self.residual).argmax())
+        kinds = (
+            p.kind(int(np.flatnonzero(place == row)[0])) for p, place in self.placed if row in place
+        )
+        return f"a {next(kinds)} row stalls at a scaled residual of {self.worst:.3g}"
+
+
+def _by_point(place: np.ndarray, n: int, d: int) -> np.ndarray:
+    """Places of the unknowns of each of n points, from those of a part, (n, unknowns)."""
+    return np.concatenate([place[: n * d].reshape(n, d), place[n * d :].reshape(-1, n).T], axis=1)

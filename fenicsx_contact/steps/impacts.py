@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Impacts located within a step.
+
+Between impacts the motion is smooth and the theta-scheme with theta = 1/2 follows it at second
+order. What costs accuracy is the instant of an impact, which a uniform step rounds to its end. So:
+cross the step as if no open point could close; if one arrives, find when, step exactly there, let
+the impact happen as a step of no length, ``M (v+ - v-) = J' P``, and go on with what is left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from math import sqrt
+
+import numpy as np
+
+from ..contact.arrivals import arrival, strikes
+from ..theory.theta import Step, ThetaScheme
+from .adaptive import ErrorControl
+from .step import Stepper, Trial
+
+#: A body comes to rest by infinitely many impacts; after so many in one step the rest of the step
+#: is crossed by the plain scheme.
+MAX_IMPACTS = 8
+#: Flights until an arrival is found, at most, and the share of a step below which instants are one.
+MAX_FLIGHTS, INSTANT = 50, 1e-13
+
+#: A flight: its trial state, and of the deepest point there the gap, its rate, and where it began.
+Flight = tuple[Trial, float, float, float]
+
+
+class LocatedImpacts:
+    """Crosses steps from impact to impact.
+
+    Args:
+        scheme: of the scene.
+    """
+
+    def __init__(self, scheme: ThetaScheme) -> None:
+        self._scheme = scheme
+        self._rates: list[np.ndarray] | None = None  # accelerations in the last flight, m/s²
+
+    def cross(
+        self, stepper: Stepper | ErrorControl, dt: float, remarks: list[str]
+    ) -> Iterator[list[float]]:
+        """Cross ``dt`` seconds; yields a row of the history after each part and impact.
+
+        Raises:
+            StepFailed: the state is then that of the last good part.
+        """
+        left = dt
+        tolerance = min((contact.tolerance for contact in stepper.contacts), default=0.0)
+
+        def accept(trial: Trial) -> list[float]:
+            remarks.extend(trial.remarks)
+            return stepper.accept(trial)
+
+        for _ in range(MAX_IMPACTS):
+            flight = self._fly(stepper, left)
+            if not any(strikes(contact, left) for contact in stepper.contacts):
+                if flight[1] <= 0:
+                    yield accept(flight[0])
+                    return
+                trial = _arrive(partial(self._fly, stepper), flight, tolerance)
+                left -= trial.step.dt
+                yield accept(trial)
+            self._rates = None
+            yield accept(stepper.attempt(Step(0.0, self._scheme, stepper.time)))
+            if left <= 1e-9 * dt:
+                return
+        yield accept(stepper.attempt(Step(left, self._scheme, stepper.time)))
+
+    def _fly(self, stepper: Stepper | ErrorControl, length: float) -> Flight:
+        """The step as if no open point could close."""
+        step = Step(length, self._scheme, stepper.time)
+        rates, self._rates = self._rates, None  # not those of a step that fails
+        trial = stepper.attempt(step, closing=False, rates=rates)
+        self._rates = stepper.mean_accelerations(step)
+        nothing = (-np.inf, 0.0, 0.0)
+        return trial, *max((arrival(c) for c in stepper.contacts), default=nothing)
+
+    def state(self) -> dict[str, np.ndarray]:
+        """The arrays from which :meth:`restore` continues identically."""
+        return {f"rate.{i}": rate for i, rate in enumerate(self._rates or [])}
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Take up a state that :meth:`state` gave."""
+        self._rates = [np.array(state[f"rate.{i}"]) for i in range(len(state))] or None
+
+
+def _arrive(fly: Callable[[float], Flight], flight: Flight, tolerance: float) -> Trial:
+    """The step to the instant at which the first point arrives, from a flight beyond it.
+
+    The gap is nearly a parabola in time. It is walked back along: first the one through the gaps
+    at the start and at the end with the rate there, then those through the last three gaps; where
+    this leaves the bracket, which it does not in smooth motion, the bracket is halved.
+    """
+    trial, gap, rate, start = flight
+    whole = trial.step.dt
+    points = [(0.0, start), (whole, gap)]
+    slope, bend = rate, (start - gap + rate * whole) / whole**2
+    low, high = 0.0, whole
+    for _ in range(MAX_FLIGHTS):
+        at, gap = points[-1]
+        root = slope + sqrt(max(slope**2 - 4 * bend * gap, 0.0))
+        new = at - 2 * gap / root if root else low
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        trial, gap, _, _ = fly(new)
+        low, high = (new, high) if gap < 0 else (low, new)
+        if abs(gap) <= tolerance or high - low <= INSTANT * whole:
+            break
+        (a, gap_a), (b, gap_b) = points[-2:]
+        points.append((new, gap))
+        slope = (gap - gap_b) / (new - b)
+        bend = (slope - (gap_b - gap_a) / (b - a)) / (new - a)
+        slope += bend * (new - b)
+    return trial

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The time loop: steps of a grid, in parts where they fail or err, and files as it goes."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..base import checks
+from ..base.checks import StepFailed
+from ..output.history import History
+from ..output.storage import RunDirectory
+from .adaptive import AdaptivePace, ErrorControl, StepTooLong
+from .pace import Pace
+
+if TYPE_CHECKING:
+    from ..scene import Scene
+
+#: Seconds between two checkpoints; the bar shows only what is on disk.
+CHECKPOINT_EVERY = 2.0
+
+
+def run(
+    scene: Scene,
+    until: float,
+    dt: float,
+    *,
+    directory: str | Path | None,
+    step_error: float | None,
+    resume: bool,
+    fields_every: int,
+    progress: bool | None,
+    shortest: float,
+    probes: Mapping[str, Callable[[], float]],
+    stop_when: Callable[[], bool] | None,
+) -> History:
+    """See :meth:`fenicsx_contact.scene.Scene.run`."""
+    dt = checks.number("dt", dt, above=0)
+    until = checks.number("until", until)
+    shortest = checks.number("shortest", shortest, above=0, at_most=1)
+    checks.whole_number("fields_every", fields_every, at_least=0)
+    if until <= scene.time:
+        raise checks.InputError(f"until = {until!r}: must be > {scene.time:g}, the present time")
+    if dt > (until - scene.time) * (1 + 1e-9):
+        raise checks.InputError(
+            f"dt = {dt!r}: must be <= {until - scene.time:g}, the length of the run"
+        )
+    _check_probes(scene, probes)
+    if stop_when is not None and not callable(stop_when):
+        raise checks.InputError(f"stop_when = {stop_when!r}: must be a function")
+    if directory is not None and (
+        not isinstance(directory, (str, Path)) or Path(directory).is_file()
+    ):
+        raise checks.InputError(f"directory = {directory!r}: must be the path of a directory")
+    if directory is None and (resume or fields_every):
+        raise checks.InputError("directory = None: resume and fields_every need a directory")
+    if resume and scene.comm.size > 1:
+        raise checks.InputError("resume = True: only a run on one process can be resumed")
+
+    pace = Pace(scene.stepper, dt, shortest)
+    if step_error is not None:
+        pace = AdaptivePace(ErrorControl(scene.stepper, scene.scheme, step_error), dt, shortest)
+    first, done = scene.time, 0
+    history = History((*scene.columns, *probes))
+    files = RunDirectory(directory) if directory is not None and scene.comm.rank == 0 else None
+    fingerprint = _fingerprint(scene, dt, step_error)
+    if files and resume and files.has_checkpoint:
+        state = files.load(history, fingerprint)
+        done = int(state.pop("run.steps"))
+        scene.restore(state)
+        pace.restore(state)
+    else:
+        history.append([*scene.stepper.row(), *_measure(probes)])
+        if files:
+            files.begin(history, fingerprint)
+    steps = max(1, round((until - first) / dt))
+    writer = _field_writer(scene, directory, fields_every, first + done * dt if done else None)
+    bar = _bar(steps, done, progress, scene.comm.rank)
+    checkpoint = perf_counter()
+    history.reason = "finished"
+    for k in range(done, steps):
+        try:
+            # a run that stopped within a step of the grid resumes there
+            reached = (scene.time - (first + k * dt)) / dt if k == done else 0.0
+            _cross(scene, history, pace, probes, reached)
+        except StepFailed as failure:
+            history.reason = f"stopped at t = {scene.time:.9g} s: {failure}"
+            _save(scene, files, history, k, pace)
+            break
+        scene.stepper.time = history.rows()[-1, 0] = first + (k + 1) * dt  # no sum of round-off
+        if writer and (k + 1) % fields_every == 0:
+            writer.write(scene.time)
+        over = stop_when is not None and stop_when()
+        if perf_counter() - checkpoint > CHECKPOINT_EVERY or k + 1 == steps or over:
+            _save(scene, files, history, k + 1, pace)
+            checkpoint = perf_counter()
+            bar.update(k + 1 - bar.n)
+        if over:
+            break
+    else:
+        if stop_when is not None:
+            history.reason = f"what it was to stop at did not happen by t = {scene.time:.9g} s"
+    bar.close()
+    history.times = dict(scene.stepper.times)
+    if files:
+        files.finish(history)
+    return history
+
+
+def _check_probes(scene: Scene, probes: Mapping[str, Callable[[], float]]) -> None:
+    if not isinstance(probes, Mapping):
+        raise checks.InputError(f"probes = {probes!r}: must be a dict of functions")
+    for name, probe in probes.items():
+        if name in scene.columns:
+            raise checks.InputError(f"probes: {name!r} is a column of every history already")
+        if not callable(probe):
+            raise checks.InputError(f"probes[{name!r}] = {probe!r}: must be a function")
+
+
+def _measure(probes: Mapping[str, Callable[[], float]]) -> Iterator[float]:
+    for name, probe in probes.items():
+        value = probe()
+        try:
+            yield float(value)
+        except (TypeError, ValueError):
+            raise checks.InputError(f"probes[{name!r}]() = {value!r}: must be a number") from None
+
+
+def _fingerprint(scene: Scene, dt: float, step_error: float | None) -> str:
+    """What must be the same for a run to be resumed: parameters, place, energies at the start."""
+    lines = [scene.describe(), f"dt = {dt!r}, from {scene.time!r}, {scene.scheme}"]
+    lines.append(f"impacts located: {scene.locate_impacts}, step_error: {step_error!r}")
+    lines.append("energies " + ", ".join(f"{energy:.9g}" for energy in scene.stepper.energies))
+    for contact in scene.contacts:
+        lines.append(
+            f"{contact.name}: {contact.formulation}, friction {contact.friction!r}, "
+            f"{contact.coupling.describe()}, "
+            f"gaps {contact.gap.min():.9g} to {contact.gap.max():.9g}"
+        )
+    return "\n".join(lines)
+
+
+def _cross(
+    scene: Scene,
+    history: History,
+    pace: Pace,
+    probes: Mapping[str, Callable[[], float]],
+    done: float,
+) -> None:
+    """Cross what is left of a step of the grid, in parts as long as the pace has them."""
+    pace.begin(done)
+    while done < 1.0 - 1e-12:
+        begin, end = scene.time, pace.end(done)
+        try:
+            for row in scene.step((end - done) * pace.dt, pace.stepper):
+                history.append([*row, *_measure(probes)])
+        except StepFailed as failure:
+            tried = end - done
+            done += (scene.time - begin) / pace.dt  # what an impact within the step had reached
+            if not pace.shorten(tried, failure):
+                raise StepFailed(f"{failure}; steps down to {tried * pace.dt:.3g} s fail") from None
+            if not isinstance(failure, StepTooLong):
+                remark = f"step halved to {tried / 2 * pace.dt:.3g} s: {failure}"
+                history.remarks.append((scene.time, remark))
+            continue
+        history.remarks += [(scene.time, remark) for remark in scene.remarks]
+        done = end
+        pace.lengthen(done)
+
+
+def _save(
+    scene: Scene, files: RunDirectory | None, history: History, steps: int, pace: Pace
+) -> None:
+    if files:
+        state = {**scene.state(), **pace.state(), "run.steps": np.array(steps)}
+        files.save(history, state)
+
+
+def _field_writer(
+    scene: Scene, directory: str | Path | None, every: int, resumed: float | None
+) -> Any:
+    if not every or directory is None:
+        return None
+    from ..output.fields import FieldWriter
+
+    return FieldWriter(scene.solids, scene.contacts, Path(directory), scene.time, resumed)
+
+
+def _bar(steps: int, done: int, progress: bool | None, rank: int) -> Any:
+    from tqdm import tqdm
+
+    show = rank == 0 and (sys.stderr.isatty() if progress is None else progress)
+    return tqdm(total=steps, initial=done, unit="step", delay=1.0, disable=not show)

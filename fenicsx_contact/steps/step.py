@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""One step of a scene: solved by a method, then accepted, and the energy books kept."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base.checks import StepFailed
+from ..contact.contact import Contact
+from ..solids import Solid
+from ..solve.fixed_point import FixedPoint
+from ..solve.full_newton import FullNewton
+from ..solve.krylov import Iterative
+from ..solve.newton import Newton
+from ..solve.problem import Assembly, Clock
+from ..theory.theta import Step
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A step that was solved and not yet accepted: the solids stand in their trial states."""
+
+    step: Step
+    force: np.ndarray
+    newton: int
+    geometry: int
+    remarks: list[str]
+
+
+class Stepper:
+    """Takes the steps of a scene and keeps its books.
+
+    Args:
+        solids, contacts: of the scene.
+        newton: settings of the Newton loop.
+        geometry: "newton" or "fixed point".
+        solver: "condensed" or "monolithic".
+
+    Attributes:
+        time: s.
+        work: of impacts, friction, drives and the scheme since the start, J; ``balance``, what
+            they and the energies leave unexplained.
+        times: seconds spent by phase.
+    """
+
+    def __init__(
+        self,
+        solids: Sequence[Solid],
+        contacts: Sequence[Contact],
+        newton: Newton,
+        geometry: str,
+        solver: str,
+    ) -> None:
+        self.solids, self.contacts = list(solids), list(contacts)
+        self._assembly = Assembly(self.solids, self.contacts)
+        self._tolerance = newton.tolerance
+        self._method: FixedPoint | FullNewton
+        if geometry == "newton":
+            self._method = FullNewton(self._assembly, newton, solver)
+        else:
+            self._method = FixedPoint(self._assembly, newton)
+        self.times: dict[str, float] = {}
+        self.time = 0.0
+        self.work, self.balance = np.zeros(4), 0.0
+        self.energies = self.sum_energies()
+
+    def attempt(
+        self, step: Step, closing: bool = True, rates: Sequence[np.ndarray] | None = None
+    ) -> Trial:
+        """Solve a step from the present state.
+
+        Args:
+            step: its length and scheme.
+            closing: whether points that are open now may close.
+            rates: accelerations of the solids, m/s², by which geometry is guessed, if they are
+                known from a step like it; they spare linearisations.
+
+        Raises:
+            StepFailed: with the reason; the state is as before.
+        """
+        before = [contact.equations.values for contact in self.contacts]
+        clock = Clock(self.times)
+        try:
+            for solid in self.solids:
+                solid.predict(step)
+            for contact in self.contacts:
+                contact.predict(step, closing)
+            if rates is not None:
+                self._guess(step, rates)
+            clock("pairing")
+            trial = Trial(step, *self._method.solve(step, clock))
+            for solid in self.solids:
+                if reason := solid.unsound(step):
+                    raise StepFailed(reason)
+            return trial
+        except StepFailed:
+            for contact, values in zip(self.contacts, before):
+                contact.equations.values = values
+            raise
+
+    def _guess(self, step: Step, rates: Sequence[np.ndarray]) -> None:
+        for solid, rate in zip(self.solids, rates):
+            if not solid.linear:
+                solid.go(solid.velocity + step.dt * rate, step)
+        for contact in self.contacts:
+            contact.follow()
+
+    def mean_accelerations(self, step: Step) -> list[np.ndarray]:
+        """Of the solids in a step that was attempted last, m/s²."""
+        return [(solid.trial_velocity - solid.velocity) / step.dt for solid in self.solids]
+
+    def accept(self, trial: Trial) -> list[float]:
+        """Make the trial state the state; returns the row of the history."""
+        clock, step = Clock(self.times), trial.step
+        momentum, loads, supports, tractions = np.sum(
+            [solid.works(step) for solid in self.solids], axis=0
+        )
+        mean = step.scheme.mean
+        means = {id(solid): mean(solid.velocity, solid.trial_velocity) for solid in self.solids}
+        for solid in self.solids:
+            solid.accept()
+        impact = friction = 0.0
+        for contact, part in zip(self.contacts, self._assembly.parts):
+            contact.accept(trial.force[part], step)
+            normal, tangential = contact.work(means, step.span)
+            impact, friction = impact + normal, friction + tangential
+        old, self.energies = self.energies, self.sum_energies()
+        change = sum(self.energies) - sum(old)
+        # what the scheme makes: energies change otherwise than forces and momenta work
+        scheme = change - momentum + loads - tractions
+        self.work += (impact, friction, supports + tractions, scheme)
+        self.balance += momentum - loads - impact - friction - supports
+        self.time += step.dt
+        row = self.row(step.dt, trial.newton, trial.geometry)
+        clock("history")
+        return row
+
+    @property
+    def resolution(self) -> float:
+        """Errors of the velocities, m/s, with which Newton's method may end a step."""
+        return self._tolerance * max((c.equations.speed for c in self.contacts), default=0.0)
+
+    @property
+    def krylov(self) -> list[int]:
+        """Iterations of the last linear solves, at most 100, if the solver is iterative."""
+        system = getattr(self._method, "system", None)
+        return list(system.counts) if isinstance(system, Iterative) else []
+
+    @property
+    def errors(self) -> list[float]:
+        """Relative errors in the course of the last step."""
+        return self._method.errors
+
+    def sum_energies(self) -> tuple[float, float, float]:
+        """Kinetic, strain and potential energy of all solids, J."""
+        kinetic, strain, potential = zip(*(s.energies() for s in self.solids))
+        return sum(kinetic), sum(strain), sum(potential)
+
+    def row(self, dt: float = 0.0, newton: int = 0, geometry: int = 0) -> list[float]:
+        """The row of the history that stands for the present state."""
+        kinetic, strain, potential = self.energies
+        row = [self.time, dt, kinetic, strain, potential, *self.work, self.balance]
+        row += [newton, geometry]
+        for contact in self.contacts:
+            row += [*contact.force.sum(axis=0), *contact.counts(), contact.depth()]
+        return row

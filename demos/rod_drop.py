@@ -141,9 +141,9 @@ VELOCITY = Velocity(drift_correction=0.1)
 NODES = [(0.0, -INSIDE + s) for s in np.linspace(0, ROD, round(ROD / 0.05) + 1)]
 FORMULATIONS: dict[str, Formulation] = {
     "velocity": VELOCITY,
-    "gap": Gap(reach=3e-5),
-    "lagrange": Lagrange(points=NODES, reach=3e-5),
-    "discrete": Discrete(stiffness=1e6, damping=20.0, points=NODES, reach=3e-5),
+    "gap": Gap(),
+    "lagrange": Lagrange(points=NODES),
+    "discrete": Discrete(stiffness=1e6, damping=20.0, points=NODES),
 }
 SCHEME = ThetaScheme(0.6)
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -17,11 +18,10 @@ from .solve.choose import choose
 from .solve.newton import Newton
 from .solve.statics import refuse_free
 from .steps.adaptive import ErrorControl
-from .steps.impacts import LocatedImpacts
+from .steps.impacts import LocatedImpacts, UniformImpacts
 from .steps.run import run
 from .steps.step import Stepper
-from .theory.formulations import Velocity
-from .theory.theta import Step, ThetaScheme
+from .theory.theta import ThetaScheme
 
 
 class Scene:
@@ -79,7 +79,8 @@ class Scene:
         checks.instance("scheme", self.scheme, ThetaScheme, "a ThetaScheme")
         checks.instance("newton", self.newton, Newton, "a Newton")
         self.locate_impacts = locate_impacts
-        self._impacts = LocatedImpacts(self.scheme) if locate_impacts else None
+        crossing = LocatedImpacts if locate_impacts else UniformImpacts
+        self._impacts = crossing(self.scheme)
         self._check(allow_free, checks.number("deepest", deepest, at_least=0))
         if self.scheme.theta < 0.5 and not allow_growth:
             raise checks.InputError(
@@ -118,18 +119,18 @@ class Scene:
                         f"contacts: {contact.name!r} is of solid {solid.name!r}, which is not in "
                         "the scene"
                     )
-            if self.scheme.theta == 0 and not isinstance(contact.formulation, Velocity):
+            if self.scheme.theta == 0 and contact.formulation.gap_share:
                 raise checks.InputError(
                     f"theta = 0.0: the {contact.formulation.name} law of contact {contact.name!r} "
                     "needs theta > 0, for it acts on the position at the end of the step"
                 )
-            if self.locate_impacts and not isinstance(contact.formulation, Velocity):
+            if self.locate_impacts and not contact.formulation.percussive:
                 raise checks.InputError(
                     "locate_impacts = True: an impact of no length needs the velocity law; "
                     f"contact {contact.name!r} has {contact.formulation.name}"
                 )
             light = [solid.name for solid in contact.solids if solid.massless]
-            if light and isinstance(contact.formulation, Velocity):
+            if light and not contact.formulation.gap_share:
                 raise checks.InputError(
                     f"mass_redistribution: a boundary of {light[0]!r} without mass has "
                     f"no velocity of its own; contact {contact.name!r} needs a law of positions "
@@ -181,12 +182,7 @@ class Scene:
             StepFailed: with the reason; the state is that of the last row.
         """
         self.remarks, stepper = [], stepper or self.stepper
-        if self._impacts is not None:
-            yield from self._impacts.cross(stepper, dt, self.remarks)
-        else:
-            trial = stepper.attempt(Step(dt, self.scheme, self.time))
-            self.remarks += trial.remarks
-            yield stepper.accept(trial)
+        yield from self._impacts.cross(stepper, dt, self.remarks)
 
     # -- whole runs -----------------------------------------------------------------------------
 
@@ -265,11 +261,11 @@ class Scene:
         stepper.work = np.array(state["scene.work"])
         stepper.energies = stepper.sum_energies()
 
-    def _things(self) -> list[tuple[str, Solid | Contact | LocatedImpacts]]:
-        things: list[tuple[str, Solid | Contact | LocatedImpacts]] = []
+    def _things(self) -> list[tuple[str, Any]]:
+        things: list[tuple[str, Any]] = []
         things += [(f"solid.{solid.name}.", solid) for solid in self.solids]
         things += [(f"contact.{contact.name}.", contact) for contact in self.contacts]
-        return things + ([("impacts.", self._impacts)] if self._impacts else [])
+        return [*things, ("impacts.", self._impacts)]
 
     def describe(self) -> str:
         """What the scene consists of, and what was left out because nothing needs it."""

@@ -132,7 +132,7 @@ def test_end_stop_bounces_the_rod():
 def test_formulations_agree(smooth, kinked):
     """Velocity and gap within 0.05 %, also with a kinked inlet."""
     for drop, case in ((smooth, SMOOTH), (kinked, KINKED)):
-        gap = demo.drop(case, Gap(reach=3e-5), dt=COARSE)
+        gap = demo.drop(case, Gap(), dt=COARSE)
         np.testing.assert_allclose(times(gap), times(drop), rtol=5e-4)
         assert gap.history["guide.penetration"].max() < 0.05 * demo.DASHPOT_CLEARANCE
 
@@ -226,7 +226,7 @@ def test_convergence_at_the_full_step(case):
     assert base.history["guide.penetration"].max() < 0.05 * demo.DASHPOT_CLEARANCE
     assert demo.drop(case, dt=5e-5).time_at(demo.DASHPOT) == pytest.approx(T5, rel=3e-4)
     assert demo.drop(case, dt=1e-4, cell=0.025).time_at(demo.DASHPOT) == pytest.approx(T5, rel=1e-3)
-    gap = demo.drop(case, Gap(reach=3e-5), dt=1e-4)
+    gap = demo.drop(case, Gap(), dt=1e-4)
     assert gap.time_at(demo.DASHPOT) == pytest.approx(T5, rel=5e-4)
 
 

@@ -14,8 +14,9 @@ import numpy as np
 
 from ..base import checks
 from ..solids import Solid
-from ..theory.formulations import Discrete, Formulation, Lagrange, Velocity
+from ..theory.formulations import Formulation, StepData
 from ..theory.formulations import formulation as as_formulation
+from ..theory.friction import FrictionBound, friction_bound
 from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .jump import Coupling, ObstacleCoupling, PairCoupling, side_of
@@ -27,8 +28,6 @@ Master = Obstacle | tuple[Solid, str]
 
 #: Distances below this share of the coordinates are noise.
 ROUND_OFF = 1e-14
-#: A point that bore is still closed at this share of the surface's extent from the obstacle.
-HAIR = 1e-6
 
 
 class Contact:
@@ -39,15 +38,15 @@ class Contact:
         facets: the name of its facets in contact.
         master: an obstacle, or another solid and the name of its facets.
         formulation: a formulation or its name; see :mod:`fenicsx_contact.theory.formulations`.
-        friction: Coulomb's coefficient; 0 leaves friction out, unknowns and all.
+        friction: Coulomb's coefficient, or a law of friction (see
+            :mod:`fenicsx_contact.theory.friction`); 0 leaves friction out, unknowns and all.
         normal_augmentation, tangential_augmentation: pure numbers; rho_n and rho_t are these
             times values scaled by the scene. They act on the way to the solution, not on it.
-        gap_tolerance: a point closer than this share of the surface's extent is closed.
+        gap_tolerance: share of the surface's extent to which the arrival of a point is located.
         name: for messages and files.
 
     Attributes:
         gap, jump: at the start of the step, m and m/s; ``trial_jump`` in the trial state.
-        closed: points that count as closed at the start of the step.
         status: of the points in the last step: 0 open, 1 stick, 2 slip.
         force: mean of the last step on the solid, N.
 
@@ -63,7 +62,7 @@ class Contact:
         facets: str,
         master: Master,
         formulation: Formulation | str = "velocity",
-        friction: float = 0.0,
+        friction: float | FrictionBound = 0.0,
         *,
         normal_augmentation: float = 1.0,
         tangential_augmentation: float = 1.0,
@@ -74,7 +73,7 @@ class Contact:
         other = _check_master(solid, facets, master)
         self.solid, self.facets = solid, facets
         self.formulation = as_formulation(formulation)
-        self.friction = checks.number("friction", friction, at_least=0)
+        self.friction = friction_bound(friction)
         augmentation = (
             checks.number("normal_augmentation", normal_augmentation, above=0),
             checks.number("tangential_augmentation", tangential_augmentation, above=0),
@@ -96,12 +95,10 @@ class Contact:
         self.part = self.coupling.part
         self.force = np.zeros(self.surface.points.shape)
         self.status = np.zeros(self.surface.size)
-        self.closed = np.zeros(self.surface.size, dtype=bool)
-        self._lifted = np.zeros(self.surface.size)  # by finite rotation, at most, while it bears
         self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
-        self._unit = (-np.inf, 1.0, 0.0)
-        self._at_points = isinstance(self.formulation, (Lagrange, Discrete))
-        self._remembers = isinstance(self.formulation, Discrete) and self.friction > 0
+        self._octave, self._units = -np.inf, np.ones((2, self.surface.size))
+        self._mobility = 0.0
+        self._remembers = not self.formulation.multipliers
         self._set_normal(self.coupling.normals())
         self._locate()
 
@@ -121,7 +118,7 @@ class Contact:
     def _points(self) -> tuple[np.ndarray, np.ndarray]:
         """The points that the formulation acts on, and their weights in the integrals."""
         chosen = np.ones(self.surface.size, dtype=bool)
-        if not isinstance(self.formulation, (Lagrange, Discrete)):
+        if not self.formulation.at_points:
             return chosen, self.surface.area
         points = self.formulation.points
         if points is not None:
@@ -146,43 +143,45 @@ class Contact:
         """Gap (n,) and jump (n, d) at the start of a step."""
         self.gap = self.coupling.gaps()
         self.jump = self.coupling.jump("velocity")
+        self._start()
+
+    def _start(self) -> None:
+        """Approach and frame from which the next step starts."""
+        self._start_jump_n = _dot(self.jump, self.coupling.normals())
+        tangents = self.equations.fields.frame()[1]
+        if self.surface.dim == 3 and len(tangents):
+            self.equations.fields.set_tangent(tangents[0])
 
     # -- the step -------------------------------------------------------------------------------
 
     def predict(self, step: Step, closing: bool = True) -> None:
-        """Choose the candidates by the gaps of the solids' explicit prediction; those that are
-        open now only if ``closing``."""
+        """Follow the solids' explicit prediction and choose the candidates of the step; points that
+        are open now only if ``closing``, in a percussion only those of a law of velocities."""
         self.coupling.follow()
-        if step.dt:  # an impact sees as closed what the step that led to it did
-            self._lift = lift = self.coupling.lift(step, self.extent)
-            # a point that bore stays closed, though finite rotation lifts it by a hair, in this
-            # step or an earlier one: whether it opens is then for the law to say, not for round-off
-            hair = HAIR * self.extent + np.maximum(lift, self._lifted)
-            bore = (self.status > 0) & (self.gap >= -hair)
-            self.closed = bore | (self.gap >= -self.tolerance)
-            if lift:  # nor does one open that was lifted while others bore; what arrives is open
-                still = _dot(self.jump, self.normal) * step.dt <= lift
-                self.closed |= still & (self.gap >= -self.tolerance - lift)
-        self._allowed = closing | self.closed
-        self._kept = self._bore() if step.dt else self.closed
-        candidates = self.formulation.candidates(self.coupling.gaps(), self.tolerance)
-        self._choose(candidates)
+        self._allowed = self.formulation.closed(self.coupling.gaps())
+        if not closing:
+            self._allowed = self._allowed & self.touching()
+        if not step.dt and not self.formulation.percussive:
+            self._allowed = np.zeros(self.surface.size, dtype=bool)
+        self._choose()
 
-    def _choose(self, candidates: np.ndarray) -> None:
-        candidates = (candidates & self._allowed) | self._kept
-        self.equations.choose(candidates & self.coupling.near())
+    def _choose(self) -> None:
+        self.equations.choose(self._allowed & self.coupling.near())
 
-    def _bore(self) -> np.ndarray:
-        return self.closed & (self.status > 0)
+    def touching(self) -> np.ndarray:
+        """Points that bore in the last step or touch at the start of this one, (n,) of bool."""
+        return self.chosen & ((self.status > 0) | (self.gap >= -self.tolerance))
 
     def linearise(self, step: Step, exact: bool = False) -> None:
         """Take up the trial states of the solids: operators, normals and gaps; if ``exact`` with
         the derivatives of all these."""
         for trace in self.traces:
             trace.linearise(step)
-        k, share = self.equations.fields, self._share(step)
+        k, share = self.equations.fields, self.formulation.gap_share
         if self._paired:
-            self._renew_points()
+            if not self.formulation.at_points:
+                self.equations.set_weight(self.coupling.area)
+            self._choose()
         if not self.coupling.fixed_normal:
             self._set_normal(self.coupling.normals())
         gap = self.gap
@@ -192,63 +191,76 @@ class Contact:
             self._end = self.coupling.gaps() - step.gap_rate * approach
             gap = (1 - share) * gap + share * self._end
         k.gap.x.array[:] = gap
-        self.equations.set_rates(share * step.gap_rate, step.span)
+        k.start_jump_n.x.array[:] = self._start_jump_n
+        self.equations.set_rates(share * step.gap_rate, step.horizon, step.limit_rate)
         if self._remembers:
             rate = step.scheme.force_weight * (step.dt - step.gap_rate)
             k.elongation.x.array[:] = (self._stretch + rate * self.jump).ravel()
+            k.start_gap.x.array[:] = self.gap
+            k.mean_share.value, k.force_rate.value = step.scheme.mean_share, step.force_rate
+            self.equations.refresh()
         self.coupling.linearise(step, exact, share)
-
-    def _renew_points(self) -> None:
-        """Weights by the paired area; laws of positions choose their candidates anew."""
-        if not self._at_points:
-            self.equations.set_weight(self.coupling.area)
-        if not isinstance(self.formulation, Velocity):
-            self._choose(np.ones(self.surface.size, dtype=bool))
-
-    def _share(self, step: Step) -> float:
-        return self.formulation.gap_share(step.scheme.force_weight)
 
     def _set_normal(self, normal: np.ndarray) -> None:
         self.normal = np.ascontiguousarray(normal)
         self.equations.fields.set_normal(self.normal)
 
-    def unit(self, step: Step) -> float:
-        """About the pressure that stops 1 m/s at a typical point within the step; kept while the
-        length of the step does not change by much."""
+    def units(self, step: Step) -> np.ndarray:
+        """The pressures that stop 1 m/s of each point alone within the step, along its normal and
+        its tangents, (2, n); kept while the length of the step does not change by much."""
         octave = float(frexp(step.span)[1])
-        if self._unit[0] != octave:
+        if self._octave != octave:
             mobility = self.coupling.mobility()
-            flexible = (mobility * self.normal**2).sum(axis=1) * self.equations.weight
-            flexible = np.sort(flexible[flexible > 0])
-            if not len(flexible):
-                return 1.0
-            # between solids the gap of a closed point is not quite zero before the last iteration:
-            # with less weight on it the sign of lam tells what bears
-            share = 0.1 if self._paired else 1.0
-            self._unit = (
-                octave,
-                share / float(flexible[len(flexible) // 2]),
-                float(mobility.max()),
-            )
-        return self._unit[1]
+            normal = (mobility * self.normal**2).sum(axis=1)
+            tangential = (mobility.sum(axis=1) - normal) / (self.surface.dim - 1)
+            flexible = np.array([normal, tangential]) * self.equations.weight
+            self._units = np.array([_units(each) for each in flexible])
+            self._octave, self._mobility = octave, float(mobility.max())
+        return self._units
 
     def push(self, force: np.ndarray, step: Step) -> float:
         """The speed that forces on the points (N) would give to one alone, m/s."""
         largest = float(np.abs(force).max(initial=0.0))
         if not largest:
             return 0.0
-        self.unit(step)
-        return largest * self._unit[2]
+        self.units(step)
+        return largest * self._mobility
 
     def start(self, free: np.ndarray) -> None:
         """Starting values of a step, from the velocities of the points without contact, flat."""
         jump = self.coupling.to_jump(free)
-        self.equations.start(self.jump.ravel(), jump.ravel(), self.tolerance)
+        self.equations.start(self.jump.ravel(), jump.ravel())
 
-    def speed_limit(self, step: Step) -> np.ndarray | None:
+    def limit(self, step: Step) -> np.ndarray | None:
         """The w_n that the law allows at each point at most, None for springs."""
-        gap = self.equations.fields.gap.x.array
-        return self.formulation.speed_limit(gap, step.gap_rate, step.span)
+        return self.formulation.limit(
+            StepData(
+                gap=self.equations.fields.gap.x.array,
+                start_jump_n=self._start_jump_n,
+                gap_rate=step.gap_rate,
+                limit_rate=step.limit_rate,
+                dt=step.horizon,
+            )
+        )
+
+    def approaches(self, step: Step, where: np.ndarray, resolution: float) -> np.ndarray:
+        """Points that start the step faster than its law allows by more than ``resolution``, m/s,
+        among ``where`` (n,)."""
+        if not self.formulation.percussive or not step.scheme.inertia:
+            return np.zeros(self.surface.size, dtype=bool)
+        excess = self._start_jump_n + np.minimum(self.gap, 0.0) / step.dt
+        return where & self.chosen & self.coupling.near() & (excess > resolution)
+
+    def struck(self, step: Step, points: np.ndarray) -> bool:
+        """Whether one of these points is faster than its law allows by more than what the loads of
+        the step change: less is a body coming to rest, which the step itself can stop. Solids and
+        traces are linearised about the prediction of the step."""
+        for trace in self.traces:
+            trace.linearise(step)
+        free = self.coupling.to_jump(np.concatenate([t.free_jump() for t in self.traces]))
+        change = np.abs(_dot(free, self.normal) - self._start_jump_n)
+        excess = self._start_jump_n + np.minimum(self.gap, 0.0) / step.dt
+        return bool((excess > change)[points].any())
 
     def follow(self) -> None:
         """Follow the solids to their trial states, which have just been computed."""
@@ -266,7 +278,7 @@ class Contact:
         linear = self.equations.values[: self.equations.jumps].reshape(self.normal.shape)
         jump = np.abs(self.trial_jump - linear)[points].max()
         gap = 0.0
-        if self._share(step):
+        if self.formulation.gap_share:
             expected = self._end + step.gap_rate * _dot(linear, self.normal)
             gap = float(np.abs(self.coupling.gaps() - expected)[points].max())
             gap = max(0.0, gap - ROUND_OFF * float(np.abs(self.coupling.positions()).max()))
@@ -276,12 +288,11 @@ class Contact:
         """Keep what the next step starts from; ``force``: on the traces' points, flat."""
         self.force = self._nodal_force() if self._paired else force.reshape(self.normal.shape)
         self.status = self.equations.statuses()
-        lift = max(self._lift, self.coupling.lift(step, self.extent)) if step.dt else 0.0
-        self._lifted = np.where(self.status > 0, np.maximum(self._lifted, lift), 0.0)
-        if self._remembers:
+        if self._remembers and self.friction is not None:
             self._keep_stretch(step)
-        self.gap, self.jump = self.coupling.gaps(), self.trial_jump
         self.coupling.accept()
+        self.gap, self.jump = self.coupling.gaps(), self.trial_jump
+        self._start()
 
     def _nodal_force(self) -> np.ndarray:
         """Forces on the slave at the nodes of the surface, (n, d) in N."""
@@ -293,9 +304,8 @@ class Contact:
 
     def _keep_stretch(self, step: Step) -> None:
         """Stretch of the tangential springs: elastic while they stick, returned on slip."""
-        assert isinstance(self.formulation, Discrete)
         tangential = self.force - _dot(self.force, self.normal)[:, None] * self.normal
-        held = -tangential / self.formulation.stiffness_t
+        held = -tangential / self.formulation.stiffness_t  # type: ignore[attr-defined]
         stuck = self._stretch + (held - self._stretch) / (step.scheme.force_weight or 1.0)
         self._stretch = np.where((self.status == 1)[:, None], stuck, held)
 
@@ -327,31 +337,34 @@ class Contact:
 
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically."""
+        tangents = self.equations.fields.frame()[1]
         return {
             "unknowns": self.equations.values,
             "status": self.status,
             "force": self.force,
-            "lifted": self._lifted,
             "stretch": self._stretch,
-            "unit": np.array(self._unit),
+            "tangent": tangents[:1],
+            "units": self._units,
+            "octave": np.array([self._octave, self._mobility]),
         }
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave; the solid has been restored before."""
         self.equations.values = np.array(state["unknowns"])
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
-        self._lifted, self._stretch = np.array(state["lifted"]), np.array(state["stretch"])
-        octave, unit, mobility = (float(value) for value in state["unit"])
-        self._unit = (octave, unit, mobility)
+        self._stretch, self._units = np.array(state["stretch"]), np.array(state["units"])
+        self._octave, self._mobility = (float(value) for value in state["octave"])
         self.coupling.follow()
         self.coupling.accept()
+        if len(state["tangent"]):
+            self.equations.fields.set_tangent(np.array(state["tangent"][0]))
         self._locate()
 
     def describe(self) -> str:
         """What is there and what was left out."""
         k, n = self.equations.fields, int(self.chosen.sum())
         parts = [f"{self.formulation.name}, {n} points"]
-        parts.append(f"friction {self.friction:g}" if k.has_friction else "no friction (no Lam)")
+        parts.append(self.friction.describe() if self.friction else "no friction (no tau)")
         unknowns = n * (k.components - self.surface.dim)
         parts.append(f"{unknowns} multipliers" if unknowns else "springs (no multipliers)")
         return ", ".join(parts)
@@ -382,6 +395,14 @@ def _check_master(solid: Solid, facets: str, master: Any) -> Master:
             "name the two parts that may meet"
         )
     return other, theirs
+
+
+def _units(flexible: np.ndarray) -> np.ndarray:
+    """1 over these, (n,); where they vanish (held points, points without area) as at the median of
+    the others, or 1."""
+    there = flexible > 0
+    usual = float(np.median(flexible[there])) if there.any() else 1.0
+    return 1 / np.where(there, flexible, usual)
 
 
 def _dot(a: Any, b: Any) -> np.ndarray:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The contact terms of a weak form, compiled once, as dense arrays for the Newton loop.
 
-The unknowns of a surface of n points stand in the order (w point by point, lam, Lam component by
+The unknowns of a surface of n points stand in the order (w point by point, lam, tau component by
 component). Only the *candidates* of a step have equations: at the others nothing acts.
 """
 
@@ -13,15 +13,8 @@ import ufl
 
 from ..base import compat
 from ..theory.formulations import Formulation
+from ..theory.friction import FrictionBound
 from .surface import Surface, SurfaceFields
-
-#: The friction row keeps this share of its usual weight where the pressure vanishes.
-GUARD = 1e-8
-#: Points that approach or leave more slowly than this share of the speeds of a step touch when it
-#: starts: among points that rest side by side round-off must not choose those that bear.
-STILL = 1e-9
-#: They approach then at this share of that: less than Newton's method resolves.
-HARDLY = 1e-3
 
 
 class SurfaceEquations:
@@ -30,7 +23,7 @@ class SurfaceEquations:
     Args:
         surface: the surface.
         formulation: gives the weak form.
-        friction: Coulomb's coefficient.
+        friction: the law of friction, None if there is none.
         chosen: the points that the formulation acts on, (n,) of bool.
         weight: what a point weighs in the integrals: its area, or 1, (n,).
         augmentation: pure numbers that multiply rho_n and rho_t.
@@ -40,7 +33,7 @@ class SurfaceEquations:
         self,
         surface: Surface,
         formulation: Formulation,
-        friction: float,
+        friction: FrictionBound | None,
         chosen: np.ndarray,
         weight: np.ndarray,
         augmentation: tuple[float, float],
@@ -54,11 +47,12 @@ class SurfaceEquations:
         self._tangent = compat.MatrixAssembler(ufl.derivative(form, k.unknowns))
         self._status = compat.PointExpression(status, surface.scalars)
 
-        self._surface, self._chosen, self._augmentation = surface, chosen, augmentation
+        self._surface, self._chosen = surface, chosen
+        self._augmentation = np.array(augmentation)
         self.weight = weight
         self.jumps = n * d
         self.size = k.components * n
-        self.semi = self.jumps + n * formulation.multipliers  # where Lam begins
+        self.tractions = self.jumps + n * formulation.multipliers  # where tau begins
         self._order = np.concatenate([k.dofs[:d].T.ravel(), k.dofs[d:].ravel()])
         self.order_of_rows = place = np.empty(self.size, dtype=np.int64)
         place[self._order] = np.arange(self.size)
@@ -75,7 +69,8 @@ class SurfaceEquations:
         self._own = mine, (points[row], kinds[row], kinds[column])
         self._blocks = np.zeros((n, k.components, k.components))
         self._z = k.unknowns.x.array
-        self._key, self._scale, self._rates = b"", (0.0, 0.0), (0.0, 0.0)
+        self._key, self._speed, self._rates = b"", 0.0, (0.0, 0.0, 0.0)
+        self.rho = np.ones((2, n))  # normal, tangential
         self.revision = 0  # counts the changes of candidates and scales
         self.choose(chosen)
 
@@ -97,59 +92,56 @@ class SurfaceEquations:
         self._active_dofs = self._order[self.active]
         self._block = None if len(self.active) == self.size else np.ix_(self.active, self.active)
 
-    def set_scale(self, unit: float, speed: float) -> None:
+    def set_scale(self, units: np.ndarray, speed: float) -> None:
         """Scale unknowns, rows and augmentation.
 
         Args:
-            unit: the pressure (force) that stops 1 m/s at a typical point within the step.
+            units: the pressures (forces) that stop 1 m/s of each point within the step, along its
+                normal and its tangents, (2, n).
             speed: a typical speed of the step, m/s.
         """
-        k = self.fields
-        if self._scale != (unit, speed):
-            self._scale = (unit, speed)
-            pressure = unit * speed
-            k.rho_n.value = self._augmentation[0] * unit
-            k.pressure_scale.value = pressure
-            share = np.where(self._chosen & (self.weight > 0), self.weight, 1.0)
-            self.force_scale = pressure * share  # of each point, N
-            self.column_scale = np.full(self.size, speed)
-            self.row_scale = np.full(self.size, 1 / speed)
-            if self.semi > self.jumps:
-                lam = slice(self.jumps, self.semi)
-                self.column_scale[lam] = pressure
-                self.row_scale[lam] = 1 / (share * speed)
-            if self.size > self.semi:
-                rho_t = self._augmentation[1] / (float(k.friction.value) * speed)
-                k.rho_t.value = rho_t
-                self.column_scale[self.semi :] = 1.0
-                components = (self.size - self.semi) // self._surface.size
-                stick = 1 / (float(k.friction.value) * pressure * speed * share)
-                self.row_scale[self.semi :] = np.tile(stick, components)
-                self.slip_weight = rho_t * speed
-            self._refresh()
+        rho = self._augmentation[:, None] * units
+        changed = not np.array_equal(rho, self.rho)
+        if not changed and speed == self._speed:
+            return
+        if changed:
+            self.rho = rho
+            self.fields.rho_n.x.array[:], self.fields.rho_t.x.array[:] = rho
+        self._speed = speed
+        self.revision += 1
+        d, share = self._surface.dim, np.where(self.weight > 0, self.weight, 1.0)
+        self.force_scale = units[0] * speed * share  # of each point, N
+        self.column_scale = np.full(self.size, speed)
+        self.row_scale = np.full(self.size, 1 / speed)
+        if self.tractions > self.jumps:
+            self.column_scale[self.jumps : self.tractions] = units[0] * speed
+            self.row_scale[self.jumps :] = np.tile(1 / (share * speed), self.fields.components - d)
+        if self.size > self.tractions:
+            self.column_scale[self.tractions :] = np.tile(units[1] * speed, d - 1)
 
     @property
     def speed(self) -> float:
         """The typical speed of the step by which its unknowns are scaled, m/s."""
-        return self._scale[1]
+        return self._speed
 
     def set_weight(self, weight: np.ndarray) -> None:
         """The points weigh otherwise in the integrals than before, (n,)."""
         if not np.array_equal(weight, self.weight):
             self.weight = weight
             self.fields.set_weight(weight / self._surface.area)
-            scale, self._scale = self._scale, (0.0, 0.0)
-            if scale[0]:
-                self.set_scale(*scale)
+            self._speed = 0.0  # scales are to be set anew
 
-    def set_rates(self, gap_rate: float, dt: float) -> None:
-        """Derivative of the gap by w, s, and length of the step, s."""
-        if self._rates != (gap_rate, dt):
-            self._rates = (gap_rate, dt)
-            self.fields.gap_rate.value, self.fields.dt.value = gap_rate, dt
-            self._refresh()
+    def set_rates(self, gap_rate: float, dt: float, limit_rate: float) -> None:
+        """Derivative of the gap by w, s, length of the step, s, and (1 - theta)/theta."""
+        rates = (gap_rate, dt, limit_rate)
+        if self._rates != rates:
+            self._rates = rates
+            k = self.fields
+            k.gap_rate.value, k.dt.value, k.limit_rate.value = rates
+            self.refresh()
 
-    def _refresh(self) -> None:
+    def refresh(self) -> None:
+        """Constants of the form have changed."""
         self.revision += 1
         self._residual.refresh_constants()
         self._tangent.refresh_constants()
@@ -162,10 +154,6 @@ class SurfaceEquations:
     @values.setter
     def values(self, values: np.ndarray) -> None:
         self._z[self._order] = values
-        if self.size > self.semi:
-            least = GUARD * self._scale[0] * self._scale[1]
-            bearing = np.maximum(-values[self.jumps : self.semi], least)
-            self.fields.bearing.x.array[:] = bearing
 
     def residual(self) -> np.ndarray:
         """The assembled contact terms of (7)."""
@@ -255,81 +243,33 @@ class SurfaceEquations:
         status = np.zeros(self._surface.size)
         if len(self.candidates):
             status[self._surface.cell_nodes.ravel()] = self._status().ravel()
-            status[~self._chosen] = 0.0
+            status[self.fields.closed.x.array == 0] = 0.0
         return status
 
-    def error(self, scaled: np.ndarray) -> np.ndarray:
-        """The error that the scaled residuals of the active rows stand for.
-
-        The friction row measures a speed where it sticks and Lam itself where it slips; far from
-        their natural size rho_n and rho_t would otherwise loosen the one or overdo the other, and
-        pressures far above theirs, of a heavy body on a light one, overdo both. Where hardly any
-        pressure is, hardly any friction depends on Lam.
-        """
-        result = np.abs(scaled)
-        if self.size > self.semi:
-            Lam = self.values[self.active[len(self.active_jumps) + len(self.candidates) :]]
-            friction = result[len(result) - len(Lam) :]
-            friction[np.abs(Lam) >= 1] *= self.slip_weight
-            pressure = -self.values[self.jumps : self.semi][self.candidates]
-            usual = pressure / (self._scale[0] * self._scale[1])
-            low = np.where(pressure > 0, np.minimum(1.0, usual / GUARD), 1.0)
-            friction *= np.tile(low / np.maximum(1.0, usual), self.fields.surface.dim - 1)
-        return result
-
-    def start(self, jump: np.ndarray, free: np.ndarray, tolerance: float) -> None:
-        """Starting values of a step: what bore goes on, what closes starts from the free jump.
+    def start(self, jump: np.ndarray, free: np.ndarray) -> None:
+        """Starting values of a step: what bore goes on, the others start from the free jump.
 
         Args:
             jump, free: of the last step and without contact, flat, m/s.
-            tolerance: gaps below it are none, m.
         """
         z = self.values
-        idle = np.ones(self.size, dtype=bool)
-        idle[self.active] = False
-        idle[: self.jumps] = False
-        z[idle] = 0.0
+        z[self.idle_multipliers] = 0.0
         z[: self.jumps] = free
-        if self.semi > self.jumps:
-            d = self._surface.dim
-            bearing = np.repeat(z[self.jumps : self.semi] < 0, d)
+        if self.tractions > self.jumps:
+            bearing = np.repeat(z[self.jumps : self.tractions] < 0, self._surface.dim)
             z[: self.jumps][bearing] = jump[bearing]
-            open_ = z[self.jumps : self.semi] == 0
-            self._touch(z[: self.jumps].reshape(-1, d), open_, tolerance)
         self.values = z
 
-    def _touch(self, jumps: np.ndarray, open_: np.ndarray, tolerance: float) -> None:
-        """Let points that did not bear, and that without contact would just touch, approach a
-        little in the jumps (n, d): all of them bear at first, and the law lets go of some."""
-        normals, rate = self.fields.frame()[0], self._rates[0]
-        approach = np.einsum("ij,ij->i", jumps, normals)
-        slow = STILL * self._scale[1]
-        if rate:
-            approach += self.fields.gap.x.array / rate
-            slow = max(slow, tolerance / rate)
-        still = open_ & (np.abs(approach) < slow)
-        jumps[still] += (HARDLY * slow - approach[still, None]) * normals[still]
-
-    def enter_slipping(self) -> None:
-        """Let points that have just begun to bear slip along their jump.
-
-        Their pressure is still small, and so is what friction can hold; to stick would ask for
-        more than that, tear off the neighbours and make statuses cycle.
-        """
-        if self.size == self.semi:
-            return
-        z, n = self.values, self._surface.size
-        _, tangents = self.fields.frame()
-        Lam = z[self.semi :].reshape(-1, n)
-        new = (z[self.jumps : self.semi] < 0) & ~Lam.any(axis=0)
-        new &= self.fields.closed.x.array > 0  # candidates
-        jump = np.einsum("tij,ij->ti", tangents, z[: self.jumps].reshape(n, -1))
-        size = np.linalg.norm(jump, axis=0)
-        new &= size > 0
-        Lam[:, new] = jump[:, new] / size[new]
-        self.values = z
+    @property
+    def idle_multipliers(self) -> np.ndarray:
+        """Those of the points that are no candidates."""
+        idle = np.ones(self.size, dtype=bool)
+        idle[: self.jumps] = False
+        idle[self.active] = False
+        return idle
 
     @property
     def multiplier(self) -> np.ndarray | None:
         """lam at the points, Pa (N where a formulation acts at points), if there is one."""
-        return self.values[self.jumps : self.semi] if self.semi > self.jumps else None
+        lam = slice(self.jumps, self.tractions)
+        return self.values[lam] if self.tractions > self.jumps else None

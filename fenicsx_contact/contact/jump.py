@@ -98,10 +98,6 @@ class Coupling(ABC):
         """Places of the slave's nodes, (n, d) in m."""
         return self.traces[0].positions()
 
-    def lift(self, step: Step, extent: float) -> float:
-        """How far a closed point may have opened in the step by finite rotation alone, m."""
-        return extent * max(solid.turn(step) for solid in self.solids) ** 2
-
 
 class ObstacleCoupling(Coupling):
     """Nodes of a solid before an obstacle: their velocities are the jumps."""
@@ -165,7 +161,6 @@ class PairCoupling(Coupling):
         self.pairing = Pairing(*sides)
         self.traces = [solid.trace(side.nodes) for solid, side in zip(solids, sides)]
         self.part = self._part = PairedEquations(equations, self.pairing)
-        self._size = max(side.size for side in sides)
         self._shape = (self.pairing.total, sides[0].dim)
         self._n = self.pairing.n
         self._start = self._places()
@@ -217,11 +212,6 @@ class PairCoupling(Coupling):
 
     def positions(self) -> np.ndarray:
         return self.pairing.places[: self._n]
-
-    def lift(self, step: Step, extent: float) -> float:
-        # so does sliding along a curved surface
-        moved = np.abs(self.pairing.places - self._start).max()
-        return super().lift(step, extent) + float(moved) ** 2 / self._size
 
     @property
     def area(self) -> np.ndarray:

@@ -169,10 +169,6 @@ class PairedEquations:
         self.velocities[self.active_places] = velocities
         self._set_jumps()
 
-    def error(self, scaled: np.ndarray) -> np.ndarray:
-        """The error that the scaled residuals of the active rows stand for."""
-        return self.equations.error(scaled)
-
     def statuses(self) -> np.ndarray:
         """0 open, 1 stick, 2 slip, for each node of the slave."""
         return self.equations.statuses()

@@ -17,6 +17,7 @@ from dolfinx import fem
 from mpi4py import MPI
 
 from ..base import compat
+from ..theory.friction import FrictionBound
 
 
 class Surface:
@@ -66,28 +67,36 @@ class Surface:
 class SurfaceFields:
     """What a formulation may use to write its weak form: unknowns, tests, data, parameters.
 
-    A frictionless contact has no ``semi_multiplier``, springs have no ``multiplier``: they are
-    ``None``, and the mixed space does not hold them.
+    They fulfil :class:`~fenicsx_contact.theory.weak_form.ContactFields`. A frictionless contact has
+    no ``traction``, springs have no ``multiplier``: they are ``None``, and the mixed space does not
+    hold them.
 
     Attributes:
-        velocity_jump, multiplier, semi_multiplier: the unknowns w [m/s], lam [Pa, or N at a
-            point], Lam [-] as UFL expressions, with ``test_*`` their tests.
-        normal, gap, closed: data on the surface (coefficients).
-        bearing: with friction, |lam| of the iterate about which one linearises, never zero.
-        elongation, length: of springs with friction only: their tangential stretch [m], a size.
-        rho_n, rho_t, friction, pressure_scale, gap_rate, dt: constants.
-        dofs: for each component of (w, lam, Lam), the dof of each node, (components, n).
+        unknowns: w, lam and tau in one mixed function.
+        mean_share, force_rate, start_gap, elongation: what only springs read: the share of forces
+            that the scheme takes in the mean, the derivative [s] of the place where it takes them,
+            the gap at the start [m], the stretch of tangential springs [m].
+        dofs: for each component of (w, lam, tau), the dof of each node, (components, n).
+
+    Args:
+        surface: where they live.
+        friction: the law of friction, None if there is none.
+        multipliers: whether there are any.
+        weight: shares of their areas that the points weigh, None for 1.
     """
 
     def __init__(
-        self, surface: Surface, friction: float, multipliers: bool, weight: np.ndarray | None
+        self,
+        surface: Surface,
+        friction: FrictionBound | None,
+        multipliers: bool,
+        weight: np.ndarray | None,
     ) -> None:
-        self.surface = surface
+        self.surface, self.friction = surface, friction
         d = surface.dim
-        self.has_friction = friction > 0
         n_mult = int(multipliers)
-        n_semi = (d - 1) * int(multipliers and self.has_friction)
-        self.components = d + n_mult + n_semi
+        n_traction = (d - 1) * int(multipliers and friction is not None)
+        self.components = d + n_mult + n_traction
 
         space = compat.component_space(surface.mesh, self.components)
         self.unknowns = fem.Function(space)
@@ -96,12 +105,12 @@ class SurfaceFields:
         self.test_jump: Any
         self.multiplier: Any
         self.test_multiplier: Any
-        self.semi_multiplier: Any
-        self.test_semi_multiplier: Any
+        self.traction: Any
+        self.test_traction: Any
         self.velocity_jump, self.test_jump = (ufl.as_vector(f[:d]) for f in (z, test))
         self.multiplier, self.test_multiplier = (f[d] if multipliers else None for f in (z, test))
-        self.semi_multiplier, self.test_semi_multiplier = (
-            ufl.as_vector(f[d + 1 :]) if n_semi else None for f in (z, test)
+        self.traction, self.test_traction = (
+            ufl.as_vector(f[d + 1 :]) if n_traction else None for f in (z, test)
         )
         self.dofs = np.empty((self.components, surface.size), dtype=np.int64)
         for component in range(self.components):
@@ -110,17 +119,24 @@ class SurfaceFields:
 
         self.normal = surface.vector()
         self.gap, self.closed = surface.scalar(), surface.scalar()
-        self.bearing: Any = surface.scalar() if n_semi else None
-        self.rho_n, self.rho_t, self.pressure_scale = (surface.constant(1.0) for _ in range(3))
+        self.start_jump_n = surface.scalar()
+        self.rho_n, self.rho_t = surface.scalar(), surface.scalar()
+        for rho in (self.rho_n, self.rho_t):
+            rho.x.array[:] = 1.0
         self.gap_rate, self.dt = surface.constant(1.0), surface.constant(1.0)
-        self.friction = surface.constant(friction)
-        if self.has_friction and not multipliers:  # springs that carry friction remember
-            self.elongation = surface.vector()
-            self.length = surface.constant(float(np.ptp(surface.points, axis=0).max()))
-        self._tangent = surface.vector() if d == 3 and self.has_friction else None
+        self.limit_rate = surface.constant()
+        if not multipliers:
+            self.start_gap, self.elongation = surface.scalar(), surface.vector()
+            self.mean_share, self.force_rate = surface.constant(), surface.constant(1.0)
+        self._tangent = surface.vector() if d == 3 and friction is not None else None
+        self._framed = False
         self._weight = surface.scalar() if weight is not None else None
         if self._weight is not None:
             self._weight.x.array[:] = weight
+
+    def constant(self, value: float) -> Any:
+        """A new constant."""
+        return self.surface.constant(value)
 
     def integral(self, f: Any) -> ufl.Form:
         """The integral of f over the surface, or its sum over the chosen points."""
@@ -166,13 +182,20 @@ class SurfaceFields:
         self._weight.x.array[:] = weight
 
     def set_normal(self, normal: np.ndarray) -> None:
-        """Set the normals (n, d) and, where friction needs it, a first tangent."""
+        """Set the normals (n, d); a first tangent, where friction needs one, stays as it was."""
         self.normal.x.array[:] = normal.ravel()
-        if self._tangent is not None:
+        if self._tangent is not None and not self._framed:
+            self._framed = True
             # the coordinate axis least aligned with n gives it
-            axis = np.eye(3)[np.abs(normal).argmin(axis=1)]
-            first = np.cross(axis, normal)
-            self._tangent.x.array[:] = (first / np.linalg.norm(first, axis=1)[:, None]).ravel()
+            first = np.cross(np.eye(3)[np.abs(normal).argmin(axis=1)], normal)
+            self.set_tangent(first / np.linalg.norm(first, axis=1)[:, None])
+
+    def set_tangent(self, tangent: np.ndarray) -> None:
+        """Set the first tangents (n, 3), about which the frames turn as little as they can: the
+        components of tau keep their meaning while normals turn."""
+        if self._tangent is not None:
+            self._framed = True
+            self._tangent.x.array[:] = tangent.ravel()
 
     def frame(self) -> tuple[np.ndarray, np.ndarray]:
         """Normals (n, d) and tangents (d - 1, n, d); no tangents where nothing needs them."""
@@ -183,4 +206,6 @@ class SurfaceFields:
         if self._tangent is None:
             return normal, np.zeros((0, *normal.shape))
         first = self._tangent.x.array.reshape(-1, 3)
+        first = first - np.einsum("ij,ij->i", first, normal)[:, None] * normal
+        first /= np.linalg.norm(first, axis=1)[:, None]
         return normal, np.stack([first, np.cross(normal, first)])

@@ -107,10 +107,6 @@ class Solid(ABC):
     def linearise(self, step: Step) -> None:
         """Set up A and b of ``A v+ = b + J' f`` about the trial state, and drop old forces."""
 
-    def turn(self, step: Step) -> float:
-        """Angle by which the trial state has turned in the step, rad."""
-        return 0.0
-
     def broken(self) -> str:
         """Why the trial state is not admissible, or nothing."""
         return ""

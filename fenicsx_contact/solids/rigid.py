@@ -165,9 +165,6 @@ class RigidSolid(MonolithicSolid):
         d = self.dim
         return max(_relative(residual[:d], size[:d]), _relative(residual[d:], size[d:]))
 
-    def turn(self, step: Step) -> float:
-        return step.dt * float(np.abs(self.trial_velocity[self.dim :]).max())
-
     def accept(self) -> None:
         self.velocity = self.trial_velocity.copy()
         self._place, self._turn = self.trial_place, self.trial_turn

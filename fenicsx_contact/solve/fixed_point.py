@@ -87,7 +87,7 @@ class FixedPoint:
             active = self._system.arrange()
             self._system.begin(self._free[active], self._all.compliance(active))
             return self._newton.solve(
-                self._system, lambda: [contact.speed_limit(step) for contact in self._all.contacts]
+                self._system, lambda: [contact.limit(step) for contact in self._all.contacts]
             )
         except NotConverged as failure:
             raise StepFailed(str(failure)) from None

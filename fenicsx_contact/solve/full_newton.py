@@ -119,7 +119,6 @@ class FullNewton:
         else:
             self._all.refuse_broken()
         for contact in self._all.contacts:
-            contact.equations.enter_slipping()
             contact.follow()
         clock("pairing")
 

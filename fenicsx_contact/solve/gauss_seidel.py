@@ -39,7 +39,7 @@ def project(
     for part, allowed in zip(system.parts, limits):
         surface = part.equations
         normals, tangents = surface.fields.frame()
-        friction = float(surface.fields.friction.value)
+        friction = float(getattr(surface.fields.friction, "mu", 0.0))
         d = normals.shape[1]
         for p in surface.candidates:
             index = np.arange(start, start + d)
@@ -92,12 +92,10 @@ def _set_unknowns(system: SurfaceSystem, J: np.ndarray, force: np.ndarray) -> No
         p = surface.candidates
         lam = np.einsum("ij,ij->i", f, normals[p]) / surface.weight[p]
         values[surface.jumps + p] = lam
-        mu = float(surface.fields.friction.value)
-        if surface.size > surface.semi:
-            bearing = np.where(lam < 0, mu * lam * surface.weight[p], 1.0)
+        if surface.size > surface.tractions:
             for i, t in enumerate(tangents):
-                semi = np.einsum("ij,ij->i", f, t[p]) / bearing
-                values[surface.semi + i * n + p] = np.where(lam < 0, semi, 0.0)
+                traction = -np.einsum("ij,ij->i", f, t[p]) / surface.weight[p]
+                values[surface.tractions + i * n + p] = traction
         surface.values = values
         start += count
     system.update()

@@ -65,7 +65,7 @@ class Monolithic(ABC):
             force[places.start + active] = -residual[: len(active)]
             rows = residual[len(active) :] * part.scales()[1][len(active) :]
             self._rows.append(rows)
-            errors.append(float(part.error(rows).max(initial=0.0)))
+            errors.append(float(np.abs(rows).max(initial=0.0)))
         self._all.spread(force)
         errors += self._all.imbalances(step, self._solids)
         self._errors = errors

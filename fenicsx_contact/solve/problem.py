@@ -81,7 +81,7 @@ class Assembly:
     def set_scale(self, step: Step, speed: float) -> None:
         """Scale the equations of all contacts by a typical speed, m/s."""
         for contact in self.contacts:
-            contact.equations.set_scale(contact.unit(step), speed)
+            contact.equations.set_scale(contact.units(step), speed)
 
     def imbalances(self, step: Step, solids: Iterable[Solid]) -> list[float]:
         """Relative errors of the momentum balances of these solids in the trial state."""

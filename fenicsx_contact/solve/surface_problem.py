@@ -4,11 +4,11 @@
 With F the assembled contact terms of (7), ``w_free`` the jump without contact and
 ``W = J A^-1 J'``, it reads::
 
-    w - w_free + W F_w(w, lam, Lam) = 0          F_lam = 0          F_Lam = 0
+    w - w_free + W F_w(w, lam, tau) = 0          F_lam = 0          F_tau = 0
 
 over the candidates of the step. Between two solids the unknowns are the velocities of the nodes
 on both sides that the candidates meet, and J stands in F. Unknowns and rows are scaled (speed,
-pressure, 1).
+pressure).
 """
 
 from __future__ import annotations
@@ -51,7 +51,6 @@ class Part(Protocol):
     def active_tangent(self) -> np.ndarray: ...
     def sparse_tangent(self, frozen: bool = False) -> sp.csr_matrix: ...
     def move(self, step: np.ndarray) -> None: ...
-    def error(self, scaled: np.ndarray) -> np.ndarray: ...
     def statuses(self) -> np.ndarray: ...
     def kind(self, row: int) -> str: ...
     def jump_operator(self) -> np.ndarray | None: ...
@@ -226,8 +225,7 @@ class SurfaceSystem:
         scaled[:nw] /= np.maximum(
             1.0, slow * (self._absolute() @ np.abs(self.assembled[:nw])) * self._rows[:nw]
         )
-        errors = (p.error(scaled[place]).max(initial=0.0) for p, place in self.placed)
-        self.worst = float(max(errors))
+        self.worst = float(np.abs(scaled).max())
         return self.worst if np.isfinite(self.worst) else np.inf
 
     def _absolute(self) -> np.ndarray:

@@ -114,6 +114,10 @@ class ErrorControl:
         """Of the solids in a step that was attempted last, m/s²."""
         return self._stepper.mean_accelerations(step)
 
+    def struck(self, step: Step, touching: bool = False) -> bool:
+        """Whether a percussion is due, as :meth:`Stepper.struck` says."""
+        return self._stepper.struck(step, touching)
+
     def attempt(
         self, step: Step, closing: bool = True, rates: Sequence[np.ndarray] | None = None
     ) -> Trial:

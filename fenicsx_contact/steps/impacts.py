@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Impacts located within a step.
+"""How a step is crossed: impacts at its start, or located within it.
 
-Between impacts the motion is smooth and the theta-scheme with theta = 1/2 follows it at second
-order. What costs accuracy is the instant of an impact, which a uniform step rounds to its end. So:
-cross the step as if no open point could close; if one arrives, find when, step exactly there, let
-the impact happen as a step of no length, ``M (v+ - v-) = J' P``, and go on with what is left.
+A velocity law stops what it catches. A point that starts a step faster than its law allows is
+struck: velocities jump, in a step of no length, ``M (v+ - v-) = J' P``, for all points at once that
+would pass their obstacles by the end of the step. The step then is smooth. So an impact costs the
+same energy whatever the step, no point is left penetrated that would be taken for an approach
+later, and points that bear next to each other share one impact.
+
+By uniform steps the instant of an impact is rounded to the start of a step: first order. Located
+impacts are of second order: cross the step as if no open point could close; if one arrives, find
+when, step exactly there, and let it be struck.
 """
 
 from __future__ import annotations
@@ -15,7 +20,7 @@ from math import sqrt
 
 import numpy as np
 
-from ..contact.arrivals import arrival, strikes
+from ..contact.arrivals import arrival
 from ..theory.theta import Step, ThetaScheme
 from .adaptive import ErrorControl
 from .step import Stepper, Trial
@@ -28,6 +33,43 @@ MAX_FLIGHTS, INSTANT = 50, 1e-13
 
 #: A flight: its trial state, and of the deepest point there the gap, its rate, and where it began.
 Flight = tuple[Trial, float, float, float]
+
+
+class UniformImpacts:
+    """Crosses steps with impacts at their start.
+
+    Args:
+        scheme: of the scene.
+    """
+
+    def __init__(self, scheme: ThetaScheme) -> None:
+        self._scheme = scheme
+
+    def cross(
+        self, stepper: Stepper | ErrorControl, dt: float, remarks: list[str]
+    ) -> Iterator[list[float]]:
+        """Cross ``dt`` seconds; yields a row of the history after each impact and at the end.
+
+        Raises:
+            StepFailed: the state is then that of the last good part.
+        """
+        step = Step(dt, self._scheme, stepper.time)
+        if stepper.struck(step):
+            yield _accept(stepper, Step(0.0, self._scheme, stepper.time, dt), remarks)
+        yield _accept(stepper, step, remarks)
+
+    def state(self) -> dict[str, np.ndarray]:
+        """The arrays from which :meth:`restore` continues identically: none."""
+        return {}
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Take up a state that :meth:`state` gave."""
+
+
+def _accept(stepper: Stepper | ErrorControl, step: Step, remarks: list[str]) -> list[float]:
+    trial = stepper.attempt(step)
+    remarks.extend(trial.remarks)
+    return stepper.accept(trial)
 
 
 class LocatedImpacts:
@@ -51,25 +93,20 @@ class LocatedImpacts:
         """
         left = dt
         tolerance = min((contact.tolerance for contact in stepper.contacts), default=0.0)
-
-        def accept(trial: Trial) -> list[float]:
-            remarks.extend(trial.remarks)
-            return stepper.accept(trial)
-
         for _ in range(MAX_IMPACTS):
+            if stepper.struck(Step(left, self._scheme, stepper.time), touching=True):
+                self._rates = None
+                yield _accept(stepper, Step(0.0, self._scheme, stepper.time, left), remarks)
             flight = self._fly(stepper, left)
-            if not any(strikes(contact, left) for contact in stepper.contacts):
-                if flight[1] <= 0:
-                    yield accept(flight[0])
-                    return
-                trial = _arrive(partial(self._fly, stepper), flight, tolerance)
-                left -= trial.step.dt
-                yield accept(trial)
-            self._rates = None
-            yield accept(stepper.attempt(Step(0.0, self._scheme, stepper.time)))
+            if flight[1] > 0:
+                flight = (_arrive(partial(self._fly, stepper), flight, tolerance), 0.0, 0.0, 0.0)
+            trial = flight[0]
+            remarks.extend(trial.remarks)
+            left -= trial.step.dt
+            yield stepper.accept(trial)
             if left <= 1e-9 * dt:
                 return
-        yield accept(stepper.attempt(Step(left, self._scheme, stepper.time)))
+        yield _accept(stepper, Step(left, self._scheme, stepper.time), remarks)
 
     def _fly(self, stepper: Stepper | ErrorControl, length: float) -> Flight:
         """The step as if no open point could close."""

@@ -101,6 +101,26 @@ class Stepper:
                 contact.equations.values = values
             raise
 
+    def struck(self, step: Step, touching: bool = False) -> bool:
+        """Whether a velocity law is violated at the start of a step: a percussion is due.
+
+        Args:
+            step: to be crossed from the present state.
+            touching: ask only points that touch; the others are watched otherwise.
+        """
+        asked = []
+        for contact in self.contacts:
+            where = contact.touching() if touching else contact.chosen
+            points = contact.approaches(step, where, self.resolution)
+            if points.any():
+                asked.append((contact, points))
+        if not asked:
+            return False
+        for solid in self.solids:
+            solid.predict(step)
+            solid.linearise(step)
+        return any(contact.struck(step, points) for contact, points in asked)
+
     def _guess(self, step: Step, rates: Sequence[np.ndarray]) -> None:
         for solid, rate in zip(self.solids, rates):
             if not solid.linear:

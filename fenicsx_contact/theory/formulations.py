@@ -2,126 +2,154 @@
 """The four formulations of contact that the paper compares: VELOCITY, GAP, LAGRANGE, DISCRETE.
 
 Each is a small frozen object with only its own parameters. It gives the contact terms of the weak
-form (7) on the contact surface, and the rule by which a point is a candidate in a step. Nothing
-here knows a solid or a solver.
+form (7) on the contact surface, and the velocities that its law allows. Nothing here knows a mesh,
+a solid or a solver.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 import ufl
 
 from ..base import checks
-from ..contact.surface import SurfaceFields
-from .laws import (
-    augmented_multiplier,
-    augmented_semi_multiplier,
-    ball_projection,
-    contact_status,
-    friction_status,
-    indicator,
-    slipping,
-)
+from .springs import spring_form
+from .weak_form import ContactFields, weak_form
 
 
-def weak_form(k: SurfaceFields, approach: Any, Su: Any) -> tuple[ufl.Form, Any]:
-    """The contact terms of (7): jump, multiplier and semi-multiplier rows.
+class Formulation(Protocol):
+    """What a contact asks of its formulation; an own one is any object with these members.
 
-    ``approach`` is w_n for the velocity law and the gap over theta dt for the displacement law.
-    The last row has the sign that makes the stick tangent symmetric (the printed sign makes it
-    antisymmetric), and its second term the dimension of the first one (the printed one has not).
-    Its weight mu |lam|/rho_t is that of the last iterate: it only scales an equation, and its
-    derivative would make the rows of a hyperstatic contact contradict each other.
-
-    Returns:
-        The form, and the status of each point as an expression: 0 open, 1 stick, 2 slip.
+    Attributes:
+        name: for messages.
+        multipliers: whether it has lam (and tau): springs have none.
+        percussive: whether it limits velocities, so that it can be struck: impacts are then solved
+            as percussions. Laws of positions and springs are not.
+        at_points: whether its forces act at points [N] instead of on areas [Pa].
+        points: coordinates (k, d) of the points that it acts on, None for all nodes.
+        gap_share: which gap the form reads: 0 that of the start of the step, 1 that of its end as
+            it depends on w.
     """
-    lam = k.multiplier
-    g_n = augmented_multiplier(lam, k.rho_n, approach)
-    S = contact_status(Su, g_n)
 
-    form = -k.integral(S * g_n * k.test_jump_n)
-    form += -1 / k.rho_n * k.integral((lam - S * g_n) * k.test_multiplier)
-    if not k.has_friction:
-        return form, S
+    @property
+    def name(self) -> str: ...
+    @property
+    def multipliers(self) -> bool: ...
+    @property
+    def percussive(self) -> bool: ...
+    @property
+    def at_points(self) -> bool: ...
+    @property
+    def points(self) -> Any: ...
+    @property
+    def gap_share(self) -> float: ...
 
-    mu, Lam = k.friction, k.semi_multiplier
-    g_t = augmented_semi_multiplier(Lam, k.rho_t, k.jump_t)
-    P = ball_projection(g_t)
-    S = friction_status(S, lam)
-    weight = mu * k.bearing / k.rho_t
-    scale = mu * k.pressure_scale / k.rho_t
+    def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
+        """Contact terms of (7), and the status of each point: 0 open, 1 stick, 2 slip."""
 
-    form += -k.integral(mu * S * lam * ufl.dot(P, k.test_jump_t))
-    form += -k.integral(S * weight * ufl.dot(Lam - P, k.test_semi_multiplier))
-    form += -k.integral(scale * (1 - S) * ufl.dot(Lam, k.test_semi_multiplier))
-    return form, contact_status(Su, g_n) + S * slipping(g_t)
+    def closed(self, predicted_gap: np.ndarray) -> np.ndarray:
+        """Su, as far as it is decided before the step, from the gaps (n,) [m] at the end of an
+        explicit prediction; True where the form decides."""
+
+    def limit(self, data: StepData) -> np.ndarray | None:
+        """The w_n (n,) [m/s] that the law allows at most; None for springs."""
 
 
-def _spring_form(k: SurfaceFields, spring: Discrete) -> tuple[ufl.Form, Any]:
-    """Springs in compression only, with dashpots, and elastic-plastic springs for friction."""
-    penetration = k.gap + k.gap_rate * k.jump_n
-    push = spring.stiffness * penetration + spring.damping * k.jump_n
-    lam = -indicator(-penetration) * ufl.max_value(push, 0.0)
-    form = -k.integral(lam * k.test_jump_n)
-    status = indicator(-penetration)
-    if k.has_friction:
-        # elongation of the tangential spring since it was last at rest, and its radial return
-        stretch = k.tangential(k.elongation) + k.gap_rate * k.jump_t
-        force = spring.stiffness_t * stretch
-        size = ufl.dot(force, force)
-        limit = k.friction * abs(lam)
-        tiny = 1e-24 * (spring.stiffness_t * k.length) ** 2
-        cone = limit / ufl.sqrt(ufl.max_value(ufl.max_value(limit**2, size), tiny))
-        form += k.integral(cone * ufl.dot(force, k.test_jump_t))
-        status = status + status * ufl.conditional(ufl.gt(size, limit**2), 1.0, 0.0)
-    return form, status
+@dataclass(frozen=True)
+class StepData:
+    """What a law may know of the points when it limits their velocities.
+
+    Attributes:
+        gap: what the form reads as d_n, (n,) in m.
+        start_jump_n: w_n at the start of the step, (n,) in m/s.
+        gap_rate: derivative of the end position by the end velocity, s.
+        limit_rate: (1 - theta)/theta of the scheme, 0 in a percussion.
+        dt: length of the step, s; of a percussion, that over which it looks ahead.
+    """
+
+    gap: np.ndarray
+    start_jump_n: np.ndarray
+    gap_rate: float
+    limit_rate: float
+    dt: float
 
 
 @dataclass(frozen=True)
 class Velocity:
-    """VELOCITY: the paper's continuous formulation, at the level of velocities (1)-(7).
+    """VELOCITY: contact at the level of velocities, every point a candidate.
 
-    A point is a candidate (Su = 1) when the explicit prediction of its gap at the end of the step
-    is closed; Su stays frozen within the step (read at the end of the step it has no fixed point).
+    A point may approach as fast as it would arrive by the end of the step, and fall back as fast as
+    it left:
+
+        w_n <= max(-d_n/dt, -(1 - theta)/theta w_n^-, 0),   lam <= 0,   complementary,
+
+    in place of Su in (1)-(2). What bears then never moves outwards in the step, ``dt (theta w_n +
+    (1 - theta) w_n^-) >= 0``, so that a contact does no positive work, and a closed point keeps to
+    the printed ``w_n <= 0``. A point that starts faster than that is struck: an impact, which is
+    solved as a percussion for all points at once, ``M (v+ - v-) = J' P`` with ``w_n <= -d_n/dt``.
 
     Args:
-        drift_correction: kappa in [0, 1]; the law asks ``w_n <= -kappa d_n/dt`` of a candidate, so
-            that the drift of a velocity law, into the obstacle or off it, decays instead of
-            staying.
+        drift_correction: kappa in [0, 1]; a penetrated point must leave, ``w_n <= -kappa d_n/dt``,
+            so that the drift of a velocity law decays. That is work done by the law, not by the
+            contact: the certificate of a step says how much.
     """
 
     drift_correction: float = 0.0
     name: ClassVar[str] = "velocity"
     multipliers: ClassVar[bool] = True
+    percussive: ClassVar[bool] = True
+    at_points: ClassVar[bool] = False
     points: ClassVar[None] = None
+    gap_share: ClassVar[float] = 0.0
 
     def __post_init__(self) -> None:
         checks.number("drift_correction", self.drift_correction, at_least=0, at_most=1)
 
-    def form(self, k: SurfaceFields) -> tuple[ufl.Form, Any]:
+    def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Contact terms of (7) and the status of each point."""
-        approach = k.jump_n
-        if self.drift_correction:
-            approach = k.jump_n + self.drift_correction * k.gap / k.dt
-        return weak_form(k, approach, k.closed)
+        limit = ufl.max_value(-k.gap / k.dt, -k.limit_rate * k.start_jump_n)
+        limit = ufl.max_value(limit, -self.drift_correction * ufl.max_value(k.gap, 0.0) / k.dt)
+        return weak_form(k, k.jump_n - limit)
 
-    def candidates(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
-        """Su: the points whose predicted gap [m] is closed."""
-        return predicted_gap >= -tolerance
+    def closed(self, predicted_gap: np.ndarray) -> np.ndarray:
+        """The form decides."""
+        return np.ones(len(predicted_gap), dtype=bool)
 
-    def gap_share(self, force_weight: float) -> float:
-        """The form reads the gap at the start of the step."""
-        return 0.0
-
-    def speed_limit(self, gap: np.ndarray, gap_rate: float, dt: float) -> np.ndarray:
+    def limit(self, data: StepData) -> np.ndarray:
         """The w_n that the law allows at most."""
-        return -self.drift_correction * gap / dt
+        limit = np.maximum(-data.gap / data.dt, -data.limit_rate * data.start_jump_n)
+        return np.maximum(limit, -self.drift_correction * np.maximum(data.gap, 0.0) / data.dt)
+
+
+@dataclass(frozen=True)
+class Printed(Velocity):
+    """The velocity law as the paper prints it, (1)-(2): ``w_n <= 0`` where Su = 1.
+
+    A point is closed, Su = 1, when the explicit prediction of its gap at the end of the step is;
+    Su stays frozen within the step (read at the end of the step it has no fixed point). A point
+    that lands within a step is stopped short of the obstacle or beyond it.
+
+    Args:
+        drift_correction: kappa in [0, 1]; ``w_n <= -kappa d_n/dt`` of a closed point.
+    """
+
+    name: ClassVar[str] = "printed"
+    percussive: ClassVar[bool] = False
+
+    def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
+        """Contact terms of (7) and the status of each point."""
+        return weak_form(k, k.jump_n + self.drift_correction * k.gap / k.dt, k.closed)
+
+    def closed(self, predicted_gap: np.ndarray) -> np.ndarray:
+        """Su: the points whose predicted gap is closed."""
+        return predicted_gap >= 0
+
+    def limit(self, data: StepData) -> np.ndarray:
+        """The w_n that the law allows at most."""
+        return -self.drift_correction * data.gap / data.dt
 
 
 @dataclass(frozen=True)
@@ -130,36 +158,26 @@ class Gap:
     end of the step in place of (1)-(2); same fields and integration as VELOCITY.
 
     With theta = 1/2 a point that lands bounces off again; theta = 1 stops it.
-
-    Args:
-        reach: only points whose predicted gap is within so many metres are candidates; choose it
-            larger than what a step can change in the prediction. Infinite: every point is.
     """
 
     name: ClassVar[str] = "gap"
     multipliers: ClassVar[bool] = True
-    points: Any = None
-    reach: float = math.inf
+    percussive: ClassVar[bool] = False
+    at_points: ClassVar[bool] = False
+    points: Any = field(default=None, init=False)
+    gap_share: ClassVar[float] = 1.0
 
-    def __post_init__(self) -> None:
-        if self.reach != math.inf:
-            checks.number("reach", self.reach, above=0)
-
-    def form(self, k: SurfaceFields) -> tuple[ufl.Form, Any]:
+    def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Contact terms of (7) with the gap law, and the status of each point."""
-        return weak_form(k, k.jump_n + k.gap / k.gap_rate, 1.0)
+        return weak_form(k, k.jump_n + k.gap / k.gap_rate)
 
-    def candidates(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
-        """Every point within reach."""
-        return predicted_gap >= -self.reach
+    def closed(self, predicted_gap: np.ndarray) -> np.ndarray:
+        """The form decides."""
+        return np.ones(len(predicted_gap), dtype=bool)
 
-    def gap_share(self, force_weight: float) -> float:
-        """The form reads the gap at the end of the step."""
-        return 1.0
-
-    def speed_limit(self, gap: np.ndarray, gap_rate: float, dt: float) -> np.ndarray:
+    def limit(self, data: StepData) -> np.ndarray:
         """The w_n that the law allows at most."""
-        return -gap / gap_rate
+        return -data.gap / data.gap_rate
 
 
 @dataclass(frozen=True)
@@ -169,11 +187,11 @@ class Lagrange(Gap):
     Args:
         points: coordinates (k, d) of the points, each a node of the facets (the corners of a
             block, say); ``None`` takes every node.
-        reach: as for :class:`Gap`.
     """
 
     points: Sequence[Sequence[float]] | np.ndarray | None = None
     name: ClassVar[str] = "lagrange"
+    at_points: ClassVar[bool] = True
 
 
 @dataclass(frozen=True)
@@ -184,22 +202,22 @@ class Discrete:
         stiffness: of each spring, N/m.
         damping: of each dashpot, N s/m.
         tangential_stiffness: of the springs that carry friction, N/m (default: ``stiffness``).
-        points, reach: as for :class:`Lagrange`.
+        points: as for :class:`Lagrange`.
     """
 
     stiffness: float
     damping: float = 0.0
     tangential_stiffness: float | None = None
     points: Sequence[Sequence[float]] | np.ndarray | None = None
-    reach: float = math.inf
     name: ClassVar[str] = "discrete"
     multipliers: ClassVar[bool] = False
+    percussive: ClassVar[bool] = False
+    at_points: ClassVar[bool] = True
+    gap_share: ClassVar[float] = 1.0
 
     def __post_init__(self) -> None:
         checks.number("stiffness", self.stiffness, above=0)
         checks.number("damping", self.damping, at_least=0)
-        if self.reach != math.inf:
-            checks.number("reach", self.reach, above=0)
         checks.number("tangential_stiffness", self.stiffness_t, above=0)
 
     @property
@@ -208,40 +226,60 @@ class Discrete:
         given = self.tangential_stiffness
         return self.stiffness if given is None else given
 
-    def form(self, k: SurfaceFields) -> tuple[ufl.Form, Any]:
+    def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Forces of the springs and the status of each point."""
-        return _spring_form(k, self)
+        return spring_form(k, self)
 
-    def candidates(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
-        """Every point within reach."""
-        return predicted_gap >= -self.reach
+    def closed(self, predicted_gap: np.ndarray) -> np.ndarray:
+        """The form decides."""
+        return np.ones(len(predicted_gap), dtype=bool)
 
-    def gap_share(self, force_weight: float) -> float:
-        """The form reads the gap where the internal forces are taken."""
-        return force_weight
-
-    def speed_limit(self, gap: np.ndarray, gap_rate: float, dt: float) -> None:
+    def limit(self, data: StepData) -> None:
         """Springs allow any speed."""
 
-
-Formulation = Velocity | Gap | Lagrange | Discrete
 
 VELOCITY = Velocity()
 GAP = Gap()
 LAGRANGE = Lagrange()
-_NAMED: dict[str, Formulation] = {"velocity": VELOCITY, "gap": GAP, "lagrange": LAGRANGE}
+PRINTED = Printed()
+_NAMED: dict[str, Formulation] = {
+    "velocity": VELOCITY,
+    "gap": GAP,
+    "lagrange": LAGRANGE,
+    "printed": PRINTED,
+}
 
 
 def formulation(value: Formulation | str) -> Formulation:
-    """A formulation from an object or a name ("velocity", "gap", "lagrange").
+    """A formulation from an object or a name ("velocity", "gap", "lagrange", "printed").
 
     Raises:
-        InputError: unknown name, or "discrete", which has no stiffness by default.
+        InputError: unknown name, "discrete", which has no stiffness by default, or an object that
+            lacks a member of :class:`Formulation`.
     """
-    if isinstance(value, (Velocity, Gap, Discrete)):
-        return value
-    if value == "discrete":
+    if isinstance(value, str):
+        if value == "discrete":
+            raise checks.InputError(
+                "formulation = 'discrete': springs need a stiffness, pass Discrete(stiffness=...)"
+            )
+        return _NAMED[checks.choice("formulation", value, [*_NAMED, "discrete"])]
+    members = [m for m in _MEMBERS if not hasattr(value, m)]
+    if members or isinstance(value, type):
         raise checks.InputError(
-            "formulation = 'discrete': springs need a stiffness, pass Discrete(stiffness=...)"
+            f"formulation = {value!r}: must be one of {[*_NAMED, 'discrete']} or an object with "
+            f"the members of Formulation; it lacks {members or 'its parameters: call it'}"
         )
-    return _NAMED[checks.choice("formulation", value, [*_NAMED, "discrete"])]
+    return value
+
+
+_MEMBERS = (
+    "name",
+    "multipliers",
+    "percussive",
+    "at_points",
+    "points",
+    "gap_share",
+    "form",
+    "closed",
+    "limit",
+)

@@ -13,6 +13,16 @@ slave side, ``d_n`` the gap (positive: penetration), ``w`` the velocity jump sla
     (4)  r = mu lam Lam,    Lam = P(g_t),    g_t = Lam + rho_t w_t
     (5)  (1 - S) Lam = 0,   S = Su Sv
 
+The package solves for the traction ``tau = mu |lam| Lam`` in place of the semi-multiplier (the
+slave bears ``lam n - tau``). With the bound ``b = mu S max(-lam, 0)`` of (3) and the ball ``P_b``
+of that radius, (4) and (5) are one row
+
+    (4')  tau = P_b(tau + rho w_t),    P_b(x) = b x / max(b, |x|),    b = mu S max(-lam, 0)
+
+For b P(x / b) = P_b(x): this is b times the printed ``Lam = P(Lam + rho_t w_t)``, its free number
+chosen as ``rho_t = rho / b``. The printed row has no equation for Lam where the pressure vanishes;
+(4') says tau = 0 there. ``Lam = tau / b`` is an output. Another law of friction is another b.
+
 Nothing here knows a mesh. The printed (1) has ``w_n < 0``, which forbids a persistent contact, the
 printed (3) a plus sign, and (5)-(6) lack ``Su``, which (7) has.
 """
@@ -55,15 +65,17 @@ def contact_status(Su: Expr, g_n: Expr) -> Expr:
     return Su * indicator(g_n)
 
 
-def friction_status(S: Expr, lam: Expr) -> Expr:
-    """S where the pressure is compressive, else 0.
+def bounded(b: Expr, g: Expr) -> Expr:
+    """P_b(g) = b g / max(b, |g|): projection on the ball of radius b >= 0.
 
-    A contact without pressure cannot hold anything back: asking it to stick would leave the row
-    of ``Lam`` without an equation, at grazing contact and in the first iteration of an impact.
+    The operand of the root is protected, as in :func:`ball_projection`: no tangent is NaN, and of a
+    ball without extent (b = 0: no pressure) the tangent is zero, also at g = 0.
     """
-    return S * ufl.conditional(ufl.lt(lam, 0), 1.0, 0.0)
+    size = ufl.dot(g, g)
+    safe = ufl.conditional(ufl.gt(size, 0), size, 1.0)
+    return ufl.conditional(ufl.ge(size, b**2), b / ufl.sqrt(safe), 1.0) * g
 
 
-def slipping(g_t: Expr) -> Expr:
-    """1 where the augmented semi-multiplier has left the unit ball (slip), else 0 (stick)."""
-    return ufl.conditional(ufl.gt(ufl.dot(g_t, g_t), 1.0), 1.0, 0.0)
+def slipping(b: Expr, g: Expr) -> Expr:
+    """1 where g has left the ball of radius b (slip), else 0 (stick)."""
+    return ufl.conditional(ufl.gt(ufl.dot(g, g), b**2), 1.0, 0.0)

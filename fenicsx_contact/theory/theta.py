@@ -59,6 +59,11 @@ class ThetaScheme:
         points = [(share, mean * weight) for share, weight in _GAUSS]
         return points if mean == 1 else [*points, (float(self.theta > 0.5), 1 - mean)]
 
+    @property
+    def mean_share(self) -> float:
+        """How much of the forces is taken in the mean over the way; see ``force_points``."""
+        return 2 * min(self.theta, 1 - self.theta) if self.forces == "theta" else 0.0
+
     def mean(self, v_old: np.ndarray, v_new: np.ndarray) -> np.ndarray:
         """The velocity by which works are counted: what multiplies a change of momentum to give
         that of the kinetic energy."""
@@ -90,12 +95,26 @@ class Step:
     """One time step: its length in seconds and the scheme that crosses it.
 
     An impact is a step of no length. Its forces are percussions: impulses over a ``span`` of 1 s
-    instead of over dt, with which nothing moves and no load acts.
+    instead of over dt, with which nothing moves and no load acts. It looks ``ahead`` over the step
+    that follows it: no point may come out of it faster than it would arrive then.
     """
 
     dt: float
     scheme: ThetaScheme
     start: float = 0.0
+    ahead: float = 0.0
+
+    @property
+    def horizon(self) -> float:
+        """The time by whose end no point may pass its obstacle, s."""
+        return self.dt or self.ahead or 1.0
+
+    @property
+    def limit_rate(self) -> float:
+        """How fast a point may fall back, over how fast it left: (1 - theta)/theta, with which it
+        is back at the end of the step; 0 in an impact."""
+        theta = self.scheme.theta
+        return (1 - theta) / theta if self.dt and theta else 0.0
 
     @property
     def end(self) -> float:

@@ -29,9 +29,9 @@ MASS, BENDING, FRICTION = 126.4176, 850.0, 0.3  # kg, N m², -
 #: The laws; the springs sink by micrometres, their dashpots are about critical.
 LAWS: dict[str, Formulation] = {
     "velocity": Velocity(drift_correction=0.1),
-    "gap": Gap(reach=3e-5),
-    "lagrange": Lagrange(reach=3e-5),
-    "discrete": Discrete(stiffness=1e6, damping=20.0, reach=3e-5),
+    "gap": Gap(),
+    "lagrange": Lagrange(),
+    "discrete": Discrete(stiffness=1e6, damping=20.0),
 }
 #: Step of the reference of the S: a quarter of the finest that is measured against it.
 FINE = 5e-4

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The contact terms of springs and dashpots at points: the discrete formulation.
+
+A spring that acts in compression only makes energy where its force is read at one point of a step:
+the work of that force is not the change of the stored energy. So the force is the mean over the way
+of the gap from ``a`` to ``b`` in the step, which for ``k max(d, 0)`` is exactly
+
+    k (a+ + b+)/2  s,        s = share of the way that is penetrated,   x+ = max(x, 0)
+
+as far as the scheme takes its forces in the mean (all of it for theta = 1/2: springs then conserve
+energy), and the force at the end for the rest, which only dissipates. A dashpot acts over the same
+share s, so that its force grows from zero as a point dips in, and takes ``(b - a)/dt``.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ufl
+
+from .laws import Expr, bounded, slipping
+
+
+def _positive(x: Expr) -> Expr:
+    return ufl.max_value(x, 0.0)
+
+
+def _mean_force(a: Expr, b: Expr, stiffness: float, damper: Expr) -> Expr:
+    """Mean over the way from a to b of a spring's and its dashpot's force."""
+    top = ufl.max_value(a, b)
+    mixed = ufl.And(ufl.gt(top, 0), ufl.lt(ufl.min_value(a, b), 0))
+    way = ufl.conditional(mixed, abs(b - a), 1.0)
+    share = ufl.conditional(mixed, top / way, ufl.conditional(ufl.gt(top, 0), 1.0, 0.0))
+    return _positive(share * (0.5 * stiffness * (_positive(a) + _positive(b)) + damper))
+
+
+def _end_force(b: Expr, stiffness: float, damper: Expr) -> Expr:
+    """Force at the end of the way."""
+    return ufl.conditional(ufl.gt(b, 0), _positive(stiffness * b + damper), 0.0)
+
+
+def spring_form(k: Any, spring: Any) -> tuple[ufl.Form, Expr]:
+    """Springs in compression only, with dashpots, and elastic-plastic springs for friction.
+
+    Args:
+        k: the fields; ``gap`` is that of the end of the step as it depends on w, ``start_gap`` that
+            of its start, ``mean_share`` how far the scheme takes forces in the mean.
+        spring: stiffness, damping, stiffness_t.
+
+    Returns:
+        The form, and the status of each point as an expression: 0 open, 1 stick, 2 slip.
+    """
+    a, b = k.start_gap, k.gap + k.gap_rate * k.jump_n
+    damper = spring.damping * (b - a) / k.dt
+    m = k.mean_share
+    force = m * _mean_force(a, b, spring.stiffness, damper)
+    force += (1 - m) * _end_force(b, spring.stiffness, damper)
+    form = k.integral(force * k.test_jump_n)
+    status = ufl.conditional(ufl.gt(force, 0), 1.0, 0.0)
+    if k.friction is not None:
+        # the spring's stretch where the scheme takes forces, and its radial return
+        stretch = k.tangential(k.elongation) + k.force_rate * k.jump_t
+        held = spring.stiffness_t * stretch
+        limit = k.friction.bound(k, force, status)
+        form += k.integral(ufl.dot(bounded(limit, held), k.test_jump_t))
+        status = status + status * slipping(limit, held)
+    return form, status

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The contact terms of the weak form (7), on the contact surface as a domain of its own."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import ufl
+
+from .friction import FrictionBound
+from .laws import Expr, augmented_multiplier, bounded, contact_status, slipping
+
+
+class ContactFields(Protocol):
+    """What the form of a contact is written in: fields and constants on its surface.
+
+    Attributes:
+        velocity_jump: w, m/s, an unknown; ``jump_n``, ``jump_t`` its parts, with test functions.
+        multiplier: lam, Pa (N at points), an unknown; None for springs.
+        traction: tau, d - 1 components, Pa (N), an unknown; None without friction or multipliers.
+        normal, gap: n and d_n [m, positive: penetration], coefficients.
+        start_jump_n: w_n at the start of the step, m/s; ``limit_rate``: (1 - theta)/theta.
+        closed: Su of a law that is decided before the step, 0 or 1.
+        rho_n, rho_t: augmentation, Pa s/m, coefficients.
+        gap_rate: derivative of the end position by the end velocity, s; ``dt``: the step, s.
+        friction: the law of friction, None if there is none.
+    """
+
+    velocity_jump: Any
+    multiplier: Any
+    test_multiplier: Any
+    traction: Any
+    test_traction: Any
+    normal: Any
+    gap: Any
+    start_jump_n: Any
+    limit_rate: Any
+    closed: Any
+    rho_n: Any
+    rho_t: Any
+    gap_rate: Any
+    dt: Any
+    friction: FrictionBound | None
+
+    @property
+    def jump_n(self) -> Expr: ...
+    @property
+    def test_jump_n(self) -> Expr: ...
+    @property
+    def jump_t(self) -> Expr: ...
+    @property
+    def test_jump_t(self) -> Expr: ...
+    def integral(self, f: Expr) -> ufl.Form: ...
+    def constant(self, value: float) -> Any: ...
+
+
+def weak_form(k: ContactFields, approach: Expr, Su: Expr = 1.0) -> tuple[ufl.Form, Expr]:
+    """The contact terms of (7): jump, multiplier and friction rows.
+
+    The printed last row, ``(mu S |lam|/rho_t)(Lam - P(g_t)) . Lam* + (1 - S) Lam . Lam*``, stands
+    here as (4'): in tractions it is one term, regular without pressure, symmetric with the jump
+    row while it sticks (see :mod:`fenicsx_contact.theory.laws`).
+
+    Args:
+        k: the fields.
+        approach: w_n less what the law allows, m/s: w_n itself in (2).
+        Su: the part of S that is decided before the step.
+
+    Returns:
+        The form, and the status of each point as an expression: 0 open, 1 stick, 2 slip.
+    """
+    lam = k.multiplier
+    g_n = augmented_multiplier(lam, k.rho_n, approach)
+    S = contact_status(Su, g_n)
+
+    form = -k.integral(S * g_n * k.test_jump_n)
+    form += -k.integral((lam - S * g_n) / k.rho_n * k.test_multiplier)
+    if k.friction is None:
+        return form, S
+
+    tau = k.traction
+    g_t = tau + k.rho_t * k.jump_t
+    b = k.friction.bound(k, S * ufl.max_value(-lam, 0.0), S)
+    P = bounded(b, g_t)
+
+    form += k.integral(ufl.dot(P, k.test_jump_t))
+    form += -k.integral(ufl.dot(tau - P, k.test_traction) / k.rho_t)
+    return form, S + S * slipping(b, g_t)

@@ -96,7 +96,7 @@ class LocatedImpacts:
         for _ in range(MAX_IMPACTS):
             if stepper.struck(Step(left, self._scheme, stepper.time), touching=True):
                 self._rates = None
-                yield _accept(stepper, Step(0.0, self._scheme, stepper.time, left), remarks)
+                yield _accept(stepper, Step(0.0, self._scheme, stepper.time, dt), remarks)
             flight = self._fly(stepper, left)
             if flight[1] > 0:
                 flight = (_arrive(partial(self._fly, stepper), flight, tolerance), 0.0, 0.0, 0.0)

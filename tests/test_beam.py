@@ -184,10 +184,10 @@ def test_trace_is_consistent():
         trace.linearise(step)
     two.spread(force)
     beam.correct(step)
-    expected = one.free_jump() + one._whole_compliance(two) @ force
+    expected = one.free_jump() + one.whole_compliance(two) @ force
     np.testing.assert_allclose(one.jump(beam.trial_velocity), expected, rtol=1e-12)
-    np.testing.assert_allclose(one._whole_compliance(two), two._whole_compliance(one).T, atol=1e-12)
-    own = one._whole_compliance(one)
+    np.testing.assert_allclose(one.whole_compliance(two), two.whole_compliance(one).T, atol=1e-12)
+    own = one.whole_compliance(one)
     np.testing.assert_allclose(own, own.T, atol=1e-12)
     assert np.linalg.eigvalsh(own).min() > 0
 

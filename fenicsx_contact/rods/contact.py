@@ -145,10 +145,15 @@ class GuideContact(Contact):
         self.trace = self.solid.around(BeamTrace(rod, s, self.stations, lambda: stand, within))
         return GuideCoupling(self, self.trace, self._turn)
 
-    def accept(self, force: np.ndarray, step: Step) -> None:
-        self.trace.accept()  # the next step starts from the gaps and jumps of the state as it is
-        super().accept(force, step)
+    def predict(self, step: Step, closing: bool = True) -> None:
+        super().predict(step, closing)
+        # the rod slides past: with which velocity the step starts is for its own operator to say,
+        # the one by which forces act; that of the last step saw other material
         self.jump = self.coupling.jump("velocity")
+
+    def accept(self, force: np.ndarray, step: Step) -> None:
+        self.trace.accept()  # the next step starts from the gaps of the state as it is
+        super().accept(force, step)
 
     def normal_force(self) -> float:
         """Sum of the sizes of the normal forces in the last step, N."""

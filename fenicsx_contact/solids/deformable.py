@@ -8,30 +8,25 @@ travel between processes.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Mapping, Sequence
 from math import sqrt
-from typing import Any
 
 import numpy as np
-import ufl
-from dolfinx import fem
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from ..base import checks, compat
+from ..base import checks
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
 from .base import MonolithicSolid
 from .boundary import Motion, Supports, Traction, Tractions
 from .factor import Factorisation
-from .mass_redistribution import move_mass_inwards, relax
+from .mass import Mass
+from .mass_redistribution import relax
 from .trace import DeformableTrace
+from .vector_space import Field, VectorSpace
 
-#: A field given as a function of ``x`` (3, n) with values (d, n).
-Field = Callable[[np.ndarray], np.ndarray]
-
-#: Forces below this share of what they are the difference of are noise.
+#: Forces below this share of the terms that they are the difference of are noise.
 ROUND_OFF = 1e-14
 
 
@@ -79,118 +74,62 @@ class DeformableSolid(MonolithicSolid):
     ) -> None:
         checks.instance("mesh", mesh, NamedMesh, "a NamedMesh (mesh_from_gmsh, name_facets)")
         self.name, self.mesh, self.dim = name, mesh, mesh.dim
-        self.comm, d = mesh.mesh.comm, mesh.dim
-        density = checks.number("density", density, above=0)
-        if degree not in (1, 2):
-            raise checks.InputError(f"degree = {degree!r}: must be 1 or 2")
-        self.degree = degree
-        self.space = compat.lagrange_space(mesh.mesh, degree, shape=(d,))
-        self._output = compat.lagrange_space(mesh.mesh, 1, shape=(d,))
-        self.displacement_field = fem.Function(self.space)
-        index_map = self.space.dofmap.index_map
-        self.owned = index_map.size_local * d
-        self.unknowns = index_map.size_global * d
-        self.first_unknown = index_map.local_range[0] * d
-        self.supports = Supports(self, fixed, {} if prescribed is None else prescribed)
-        self.fixed_unknowns = self.supports.unknowns
+        self.vectors = VectorSpace(mesh, degree)
+        self.comm, self.space, self.degree = self.vectors.comm, self.vectors.space, degree
+        self.owned, self.unknowns = self.vectors.owned, self.vectors.unknowns
+        self.multiply = self.vectors.multiply
+        self.supports = Supports(self.vectors, fixed, {} if prescribed is None else prescribed)
+        self.fixed_unknowns, self.hold = self.supports.unknowns, self.supports.hold
         self.supported = bool(self.supports.directions.any())
-        self._tractions = Tractions(self, tractions) if tractions else None
+        self._tractions = Tractions(self.vectors, tractions) if tractions else None
         self._traction = self._tractions.total(0.0) if self._tractions else 0.0
 
-        u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
-        self._dx = ufl.Measure("dx", domain=mesh.mesh)
-        rho = fem.Constant(mesh.mesh, density)
-        self._mass = compat.assemble_petsc_matrix(rho * ufl.dot(u, v) * self._dx)
-        self._x, self._y = self._mass.createVecs()
-        massless = self.nodes_of(mass_redistribution)
-        self.massless = self.comm.allreduce(len(massless)) > 0
-        if self.massless:
-            move_mass_inwards(self, self._mass, massless)
-        self._massless = (massless[:, None] * d + np.arange(d)).ravel()
+        self._inertia = Mass(self.vectors, density, mass_redistribution, self.fixed_unknowns)
+        self._mass, self._sum = self._inertia.matrix, self.vectors.sum
+        self.massless = self.comm.allreduce(len(self._inertia.massless)) > 0
         self._load = np.zeros(self.owned)
-        self.parameters = f"density {density!r}"
+        self.parameters = f"density {self._inertia.density!r}"
         if gravity is not None:
-            acceleration = checks.vector("gravity", gravity, d)
+            acceleration = checks.vector("gravity", gravity, mesh.dim)
             self.parameters += f", gravity {acceleration.tolist()}"
-            g = fem.Constant(mesh.mesh, acceleration)
-            compat.assemble_owned(fem.form(rho * ufl.dot(g, v) * self._dx), self._load)
+            self._load = self._inertia.weight(acceleration)
 
-        self.displacement = self._initial("displacement", displacement)
-        self.velocity = self._initial("velocity", velocity)
+        self.displacement = self.vectors.interpolate("displacement", displacement)
+        self.displacement[self.fixed_unknowns] = self.supports.values(0.0)
+        self.velocity = self.vectors.interpolate("velocity", velocity)
+        self.velocity[self.fixed_unknowns] = 0.0
         self.trial_displacement = self.displacement.copy()
         self.trial_velocity = self.velocity.copy()
         self._force = np.zeros(self.owned)
         self._target: np.ndarray | None = None
         self._reaction = np.zeros(len(self.fixed_unknowns))
-        self._momentum = self.multiply(self._mass, self.velocity)
+        self._momentum = self._inertia.times(self.velocity)
 
-    def nodes_of(self, names: Sequence[str]) -> np.ndarray:
-        """The nodes of the named facets that this process owns."""
-        blocks = [np.empty(0, dtype=np.int32)]
-        for name in [names] if isinstance(names, str) else names:
-            facets = self.mesh.facets(name)
-            blocks.append(fem.locate_dofs_topological(self.space, self.dim - 1, facets))
-        nodes = np.unique(np.concatenate(blocks)).astype(np.int64)
-        return nodes[nodes < self.owned // self.dim]
-
-    def _initial(self, what: str, field: Field | None) -> np.ndarray:
-        function = fem.Function(self.space)
-
-        def values_at(x: np.ndarray) -> np.ndarray:
-            values = np.asarray(field(x), dtype=float)  # type: ignore[misc]
-            if values.shape != (self.dim, x.shape[1]):
-                raise checks.InputError(
-                    f"{what}: gives values of shape {values.shape} at x of shape {x.shape}; must "
-                    f"be a function of x (3, n) with values ({self.dim}, n)"
-                )
-            return values
-
-        if field is not None:
-            if not callable(field):
-                raise checks.InputError(f"{what} = {field!r}: must be a function of x (3, n)")
-            compat.interpolate(function, values_at)
-        values = function.x.array[: self.owned].copy()
-        if not min(self.comm.allgather(bool((np.abs(values) <= checks.LARGEST).all()))):
-            raise checks.InputError(
-                f"{what}: the initial field is not finite everywhere, or above {checks.LARGEST:g}"
-            )
-        starts = {"displacement": self.supports.values, "velocity": self._held_speed}
-        values[self.fixed_unknowns] = starts[what](0.0)
-        return values
-
-    def _held_speed(self, time: float, span: float = 1e-6) -> np.ndarray:
-        """Velocity of the held unknowns at the start."""
-        if not self.supports.moving:
-            return np.zeros(len(self.fixed_unknowns))
-        return (self.supports.values(time + span) - self.supports.values(time)) / span
-
-    def hold(self, matrix: PETSc.Mat) -> PETSc.Mat:
-        """Clear the rows and columns of the held unknowns, 1 on the diagonal."""
-        rows = self.first_unknown + self.fixed_unknowns
-        matrix.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
-        matrix.zeroRowsColumns(rows.astype(np.int32), 1.0)
-        return matrix
-
-    def multiply(self, matrix: PETSc.Mat, values: np.ndarray) -> np.ndarray:
-        """A matrix of the solid times values of the owned unknowns."""
-        self._x.setArray(values)
-        matrix.mult(self._x, self._y)
-        return self._y.array_r.copy()
-
-    def _sum(self, value: float) -> float:
-        return float(self.comm.allreduce(value)) if self.comm.size > 1 else float(value)
-
-    def _relax(self) -> None:
-        """Bring a boundary without mass into equilibrium with what is behind it."""
+    def _begin(self) -> None:
+        """Make the initial fields fit: a boundary without mass is in equilibrium with what is
+        behind it, supports start as they go on."""
         if self.massless:
             relax(
-                np.setdiff1d(self._massless, self.fixed_unknowns),
+                np.setdiff1d(self._inertia.massless, self.fixed_unknowns),
                 self.displacement,
                 lambda u: self.internal_force(u) - self._load - self._traction,
                 self.stiffness,
-                self.first_unknown,
+                self.vectors.first,
             )
             self.trial_displacement = self.displacement.copy()
+        if self.supports.moving:
+            self.velocity[self.fixed_unknowns] = self.supports.starting_speed(self._shortest_time())
+            self.trial_velocity = self.velocity.copy()
+            self._momentum = self._inertia.times(self.velocity)
+        self._state_changed()
+
+    def _shortest_time(self) -> float:
+        """1/omega of the unknown that its neighbours hold most stiffly at rest, s."""
+        mass = self.vectors.diagonal(self._mass)
+        stiffness = self.vectors.diagonal(self.stiffness(self.displacement))
+        squares = np.where(mass > 0, stiffness, 0.0) / np.where(mass > 0, mass, 1.0)
+        square = max(self.comm.allgather(float(squares.max(initial=0.0))))
+        return 1 / sqrt(square) if square else np.inf
 
     @property
     @abstractmethod
@@ -257,6 +196,10 @@ class DeformableSolid(MonolithicSolid):
         self.trial_velocity = velocity
         self._move(step)
 
+    def push(self, force: np.ndarray) -> None:
+        """Add to the forces on the solid in this step, (owned,) in N."""
+        self._force += force
+
     def drop_forces(self) -> None:
         self._force = np.zeros(self.owned)
 
@@ -264,7 +207,7 @@ class DeformableSolid(MonolithicSolid):
         return list(comm.allgather(self.owned))
 
     def owned_range(self, comm: MPI.Comm) -> slice:
-        return slice(self.first_unknown, self.first_unknown + self.owned)
+        return slice(self.vectors.first, self.vectors.first + self.owned)
 
     def matrix_rows(self, comm: MPI.Comm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         return self.factorisation.matrix.getValuesCSR()
@@ -280,7 +223,7 @@ class DeformableSolid(MonolithicSolid):
         vanishes but at the supports, where it is the reaction."""
         terms = [-self._force]
         if step.scheme.inertia:
-            self._trial_momentum = self.multiply(self._mass, self.trial_velocity)
+            self._trial_momentum = self._inertia.times(self.trial_velocity)
             terms.append((self._trial_momentum - self._momentum) / step.span)
         else:
             self._trial_momentum = self._momentum
@@ -291,10 +234,10 @@ class DeformableSolid(MonolithicSolid):
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
         terms = self._balance(step)
         # a stress-free body in flight has no forces but round-off, of its momentum and of K u
-        self.last_stiffness.getDiagonal(self._y)
+        stiffness = self.vectors.diagonal(self.last_stiffness)
         round_off = ROUND_OFF * (np.abs(self._momentum) / step.span)
         if step.dt and step.scheme.inertia:  # without inertia nothing may fly
-            strained = np.abs(self._y.array_r * self.trial_displacement)
+            strained = np.abs(stiffness * self.trial_displacement)
             round_off += ROUND_OFF * strained.max(initial=0.0)
         total = np.maximum(np.abs(np.sum(terms, axis=0)) - round_off, 0.0)
         total[self.fixed_unknowns] = 0.0
@@ -326,27 +269,19 @@ class DeformableSolid(MonolithicSolid):
 
     def reaction(self, name: str) -> np.ndarray:
         """Force of the support of the named facets on the solid in the last step, (d,) in N."""
-        nodes, d = self.nodes_of([name]), self.dim
-        total = np.zeros(d)
-        for i in range(d):
-            mine = np.isin(self.fixed_unknowns, nodes * d + i)
-            total[i] = self._sum(self._reaction[mine].sum())
-        return total
+        return self.supports.total(name, self._reaction)
 
     def energies(self) -> tuple[float, float, float]:
         kinetic = 0.5 * self._sum(self.velocity @ self._momentum)
         return kinetic, self.strain_energy(), -self._sum(self._load @ self.displacement)
 
-    @cached_property
+    @property
     def mass(self) -> float:
         """kg (kg/m in 2D)."""
-        uniform = np.zeros(self.owned)
-        uniform[:: self.dim] = 1.0
-        return self._sum(uniform @ self.multiply(self._mass, uniform))
+        return self._inertia.total
 
     def root_mean_square(self, velocity: np.ndarray) -> float:
-        square = self._sum(velocity @ self.multiply(self._mass, velocity)) / self.mass
-        return sqrt(max(square, 0.0))  # not a round-off of zero
+        return self._inertia.root_mean_square(velocity)
 
     def trace(self, points: np.ndarray) -> DeformableTrace:
         return DeformableTrace(self, points)
@@ -362,33 +297,15 @@ class DeformableSolid(MonolithicSolid):
         self.trial_displacement = self.displacement.copy()
         self.trial_velocity = self.velocity.copy()
         given = state.get("momentum")
-        moving = self.multiply(self._mass, self.velocity)
+        moving = self._inertia.times(self.velocity)
         self._momentum = moving if given is None else np.array(given)
         self._state_changed()
 
     def mean(self, values: np.ndarray) -> np.ndarray:
         """Mean of a field over the mass, (d,), from its owned unknowns: of the displacement [m],
         that of the centre of mass; of the velocity [m/s], momentum over mass."""
-        weighted, total = self.multiply(self._mass, values), np.zeros(self.dim)
-        for k in range(self.dim):
-            total[k] = self._sum(weighted[k :: self.dim].sum())
-        return total / self.mass
-
-    def field(self, values: np.ndarray) -> Any:
-        """A function of the solid's space from the values of its owned unknowns."""
-        function = fem.Function(self.space)
-        function.x.array[: self.owned] = values
-        function.x.scatter_forward()
-        return function
+        return self._inertia.mean(values)
 
     def fields(self) -> dict[str, np.ndarray]:
-        nodes = compat.cell_geometry(self.mesh.mesh)
-        dofs = compat.cell_dofs(self._output)
-        result = {}
-        for what, values in (("displacement", self.displacement), ("velocity", self.velocity)):
-            function = fem.Function(self._output)
-            function.interpolate(self.field(values))
-            at_nodes = np.zeros((len(self.mesh.mesh.geometry.x), self.dim))
-            at_nodes[nodes.ravel()] = function.x.array.reshape(-1, self.dim)[dofs.ravel()]
-            result[what] = at_nodes
-        return result
+        at_mesh = self.vectors.at_mesh
+        return {"displacement": at_mesh(self.displacement), "velocity": at_mesh(self.velocity)}

@@ -14,20 +14,12 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
-from ..base import checks, compat
+from ..base import compat
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
 from .deformable import DeformableSolid
+from .energies import elastic_constants
 from .factor import Factorisation
-
-
-def elastic_constants(youngs_modulus: float, poisson_ratio: float) -> tuple[float, float]:
-    """E [Pa] > 0 and nu in (-1, 1/2), or an :class:`~fenicsx_contact.base.checks.InputError`."""
-    E = checks.number("youngs_modulus", youngs_modulus, above=0)
-    nu = checks.number("poisson_ratio", poisson_ratio, above=-1)
-    if nu >= 0.5:
-        raise checks.InputError(f"poisson_ratio = {poisson_ratio!r}: must be < 0.5")
-    return E, nu
 
 
 class ElasticSolid(DeformableSolid):
@@ -53,8 +45,7 @@ class ElasticSolid(DeformableSolid):
         self._stiffness = compat.assemble_petsc_matrix(self._stiffness_form())
         self._factors: dict[tuple[float, float, float], tuple[int, Factorisation]] = {}
         self._made = 0
-        self._relax()
-        self._state_changed()
+        self._begin()
 
     def _stiffness_form(self) -> ufl.Form:
         E, nu, d = self.youngs_modulus, self.poisson_ratio, self.dim
@@ -66,7 +57,7 @@ class ElasticSolid(DeformableSolid):
             return ufl.sym(ufl.grad(w))
 
         stress = 2 * mu * strain(u) + lmbda * ufl.tr(strain(u)) * ufl.Identity(d)
-        return ufl.inner(stress, strain(v)) * self._dx
+        return ufl.inner(stress, strain(v)) * ufl.dx(self.mesh.mesh)
 
     def _state_changed(self) -> None:
         self._internal = self.internal_force(self.displacement)

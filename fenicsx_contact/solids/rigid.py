@@ -14,18 +14,19 @@ from math import sqrt
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from mpi4py import MPI
 from scipy.spatial.transform import Rotation
 
 from ..base import checks
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
-from .base import MonolithicSolid, MonolithicTrace, Trace
+from .base import MonolithicSolid
 from .moments import moments
+from .rigid_trace import RigidTrace
 
-#: A spin that changes by less than this share of it has settled; at most so many turns.
+#: The share of a spin by which it changes, in its last turn, at most: round-off.
 ROUND_OFF = 1e-15
+#: Turns until a spin has settled, at most.
 MAX_TURNS = 25
 
 
@@ -115,6 +116,10 @@ class RigidSolid(MonolithicSolid):
     def correct(self, step: Step) -> None:
         self.go(self.free_velocity + self.inverse @ self._force, step)
 
+    def push(self, force: np.ndarray) -> None:
+        """Add to the forces on the solid in this step, N and N m."""
+        self._force += force
+
     def drop_forces(self) -> None:
         self._force = np.zeros_like(self.velocity)
 
@@ -192,7 +197,7 @@ class RigidSolid(MonolithicSolid):
     # -- what it tells --------------------------------------------------------------------------
 
     def trace(self, points: np.ndarray) -> RigidTrace:
-        return RigidTrace(self, points)
+        return RigidTrace(self, points - self.centre)
 
     def energies(self) -> tuple[float, float, float]:
         kinetic = 0.5 * self.velocity @ self._momentum
@@ -240,74 +245,6 @@ class RigidSolid(MonolithicSolid):
     def describe(self) -> str:
         weight = f"mass {self.mass:.9g}, gravity {self.gravity.tolist()}"
         return f"rigid, {weight}, {len(self.velocity)} unknowns"
-
-
-class RigidTrace(MonolithicTrace):
-    """A rigid solid seen from points; the operator follows the rotation."""
-
-    def __init__(self, solid: RigidSolid, points: np.ndarray) -> None:
-        self._solid = solid
-        self._reference = points - solid.centre
-        self._translation = np.zeros((*points.shape, len(solid.velocity)))
-        self._translation[:, range(solid.dim), range(solid.dim)] = 1.0
-        self.follow()
-        self.accept()
-
-    def follow(self) -> None:
-        self._operator = self._build(self._solid.trial_turn)
-
-    def linearise(self, step: Step) -> None:
-        # forces act through the operator at the place where the scheme takes forces
-        weight = step.scheme.force_weight
-        self._force_operator = weight * self._operator + (1 - weight) * self._start_operator
-        self._columns = self._solid.inverse @ self._force_operator.T
-
-    def accept(self) -> None:
-        self._start_operator = self._operator
-
-    def _build(self, turn: np.ndarray) -> np.ndarray:
-        d, n = self._solid.dim, len(self._reference)
-        self._arm = arm = self._reference @ turn.T
-        operator = self._translation.copy()
-        if d == 2:
-            np.negative(arm[:, 1], out=operator[:, 0, 2])
-            operator[:, 1, 2] = arm[:, 0]
-        else:
-            x, y, z = arm.T
-            operator[:, 0, 4], operator[:, 0, 5] = z, -y
-            operator[:, 1, 3], operator[:, 1, 5] = -z, x
-            operator[:, 2, 3], operator[:, 2, 4] = y, -x
-        return operator.reshape(n * d, -1)
-
-    def positions(self) -> np.ndarray:
-        return self._solid.trial_place + self._arm
-
-    def jump(self, velocity: np.ndarray) -> np.ndarray:
-        return self._operator @ velocity
-
-    def mean_jump(self, velocity: np.ndarray) -> np.ndarray:
-        return self._force_operator @ velocity
-
-    def free_jump(self) -> np.ndarray:
-        return self._operator @ self._solid.free_velocity
-
-    def compliance(self, mine: np.ndarray, other: Trace, theirs: np.ndarray) -> np.ndarray:
-        assert isinstance(other, RigidTrace)
-        if len(mine) == len(self._operator) and len(theirs) == len(other._operator):
-            return self._operator @ other._columns
-        return self._operator[mine] @ other._columns[:, theirs]
-
-    def mobility(self) -> np.ndarray:
-        return np.einsum("ij,ji->i", self._operator, self._columns)
-
-    def seeing(self) -> sp.csr_matrix:
-        return sp.csr_matrix(self._operator)
-
-    def spreading(self) -> sp.csr_matrix:
-        return sp.csr_matrix(self._force_operator)
-
-    def spread(self, force: np.ndarray) -> None:
-        self._solid._force += force @ self._force_operator
 
 
 def _angles(name: str, value: Any, size: int) -> np.ndarray:

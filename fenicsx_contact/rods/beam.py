@@ -172,17 +172,19 @@ class BeamSolid(Solid):
     def _begin(self) -> None:
         """Refresh what is kept from step to step."""
         self.trial_displacement, self.trial_velocity = self.displacement, self.velocity
+        self.memory = None
         self._internal = self._stiffness @ self.displacement
         self._momentum = self._masses * self.velocity
         self.predictions += 1
 
     def predict(self, step: Step) -> None:
+        self.memory = step.recall(self.memory, lambda: self._load - self._internal)
         self.trial_velocity = self.velocity
         self._move(step)
         self.predictions += 1
 
     def _move(self, step: Step) -> None:
-        increment = step.scheme.increment(step.dt, self.velocity, self.trial_velocity)
+        increment = step.increment(self.velocity, self.trial_velocity, self.memory)
         self.trial_displacement = self.displacement + increment
 
     def linearise(self, step: Step) -> None:
@@ -198,12 +200,13 @@ class BeamSolid(Solid):
                 _inverse(np.diag(k.axial_mass) / key[0] + key[1] * k.axial_stiffness, k.free_axial),
             )
         self.flexibility, axial = self._inverses[key]
-        known = step.scheme.force_weight * step.dt * (1 - step.scheme.theta)
         load = self._momentum / step.span
         if step.dt:
-            load += self._load - self._internal
-            if known:
-                load -= known * (self._stiffness @ self.velocity)
+            before, after = step.scheme.linear_weights
+            load += self._loads(step) - (before + after) * self._internal
+            drift = step.drift(self.velocity, self.memory)
+            if drift.any():
+                load -= after * (self._stiffness @ drift)
             if self._lateral_load is not None:
                 load += self._flow()
         bending, along = self.split(load)
@@ -215,6 +218,10 @@ class BeamSolid(Solid):
             self.free_velocity[self._bends :] = -self.law.speed
         self._gain = np.zeros_like(load)
         self._pushed = 0.0
+
+    def _loads(self, step: Step) -> np.ndarray:
+        """The weight, and what the scheme carries along; laws and flow are not carried."""
+        return step.load_weight * self._load + step.carried(self.memory)
 
     def _flow(self) -> np.ndarray:
         """The lateral load of the flow on the nodes, where they are now."""
@@ -244,13 +251,13 @@ class BeamSolid(Solid):
         return sqrt(float(velocity @ (self._masses * velocity)) / self.mass)
 
     def works(self, step: Step) -> tuple[float, float, float, float]:
-        mean = 0.5 * (self.velocity + self.trial_velocity)
+        mean = step.mean(self.velocity, self.trial_velocity)
         self._trial_momentum = self._masses * self.trial_velocity
         self._trial_internal = self._stiffness @ self.trial_displacement
-        weight = step.scheme.force_weight
-        internal = weight * self._trial_internal + (1 - weight) * self._internal
+        internal = step.linear_mean(self._internal, self._trial_internal)
+        self._acting = self._loads(step) - internal
         momentum = float(mean @ (self._trial_momentum - self._momentum))
-        loads = step.dt * float(mean @ (self._load - internal))
+        loads = step.dt * float(mean @ self._acting)
         others = {}
         if self._lateral_load is not None and step.dt:
             others["flow"] = step.dt * float(mean @ self._flow_force)
@@ -258,7 +265,8 @@ class BeamSolid(Solid):
         against, works = self.axial.works(step, self.speed, after, self._pushed, others)
         return momentum + against, loads + works, 0.0, 0.0
 
-    def accept(self) -> None:
+    def accept(self, step: Step) -> None:
+        self.memory = step.remember(self.velocity, self.trial_velocity, self._acting, self.memory)
         before = self.travel, self.speed
         self.velocity, self.displacement = self.trial_velocity, self.trial_displacement
         self._momentum, self._internal = self._trial_momentum, self._trial_internal
@@ -289,6 +297,7 @@ class BeamSolid(Solid):
             "velocity": self.velocity,
             "taken.names": np.array(list(self.taken), dtype=str),
             "taken": np.array(list(self.taken.values())),
+            **self.memories(),
         }
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
@@ -297,6 +306,7 @@ class BeamSolid(Solid):
         names = [str(name) for name in state["taken.names"]]
         self.axial.taken = dict(zip(names, map(float, state["taken"])))
         self._begin()
+        self.memory = state.get("memory")
 
     def rest(self) -> None:
         """Stop every motion and forget what was taken; the deflection stays."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from math import sqrt
 
 import numpy as np
 from mpi4py import MPI
@@ -48,6 +47,9 @@ class DeformableSolid(MonolithicSolid):
             (d, n).
         name: for messages, files and the prefix of PETSc options.
 
+    Attributes:
+        mass: kg (kg/m in 2D).
+
     Raises:
         InputError: numbers out of range, a name that the mesh lacks.
     """
@@ -77,15 +79,15 @@ class DeformableSolid(MonolithicSolid):
         self.vectors = VectorSpace(mesh, degree)
         self.comm, self.space, self.degree = self.vectors.comm, self.vectors.space, degree
         self.owned, self.unknowns = self.vectors.owned, self.vectors.unknowns
-        self.multiply = self.vectors.multiply
         self.supports = Supports(self.vectors, fixed, {} if prescribed is None else prescribed)
         self.fixed_unknowns, self.hold = self.supports.unknowns, self.supports.hold
         self.supported = bool(self.supports.directions.any())
         self._tractions = Tractions(self.vectors, tractions) if tractions else None
-        self._traction = self._tractions.total(0.0) if self._tractions else 0.0
+        self._traction = self._tractions.total(0.0) if self._tractions else np.zeros(self.owned)
 
         self._inertia = Mass(self.vectors, density, mass_redistribution, self.fixed_unknowns)
-        self._mass, self._sum = self._inertia.matrix, self.vectors.sum
+        self._mass, self.multiply = self._inertia.matrix, self.vectors.multiply
+        self.mass, self._sum = self._inertia.total, self.vectors.sum
         self.massless = self.comm.allreduce(len(self._inertia.massless)) > 0
         self._load = np.zeros(self.owned)
         self.parameters = f"density {self._inertia.density!r}"
@@ -106,8 +108,7 @@ class DeformableSolid(MonolithicSolid):
         self._momentum = self._inertia.times(self.velocity)
 
     def _begin(self) -> None:
-        """Make the initial fields fit: a boundary without mass is in equilibrium with what is
-        behind it, supports start as they go on."""
+        """Make the initial fields fit those behind a boundary without mass, and moving supports."""
         if self.massless:
             relax(
                 np.setdiff1d(self._inertia.massless, self.fixed_unknowns),
@@ -118,18 +119,11 @@ class DeformableSolid(MonolithicSolid):
             )
             self.trial_displacement = self.displacement.copy()
         if self.supports.moving:
-            self.velocity[self.fixed_unknowns] = self.supports.starting_speed(self._shortest_time())
+            shortest = self._inertia.shortest_time(self.stiffness(self.displacement))
+            self.velocity[self.fixed_unknowns] = self.supports.starting_speed(shortest)
             self.trial_velocity = self.velocity.copy()
             self._momentum = self._inertia.times(self.velocity)
         self._state_changed()
-
-    def _shortest_time(self) -> float:
-        """1/omega of the unknown that its neighbours hold most stiffly at rest, s."""
-        mass = self.vectors.diagonal(self._mass)
-        stiffness = self.vectors.diagonal(self.stiffness(self.displacement))
-        squares = np.where(mass > 0, stiffness, 0.0) / np.where(mass > 0, mass, 1.0)
-        square = max(self.comm.allgather(float(squares.max(initial=0.0))))
-        return 1 / sqrt(square) if square else np.inf
 
     @property
     @abstractmethod
@@ -153,33 +147,38 @@ class DeformableSolid(MonolithicSolid):
         """The state is new: refresh what is kept from step to step."""
 
     def predict(self, step: Step) -> None:
+        self.memory = step.recall(self.memory, lambda: self._force_at_start(step))
         self.trial_velocity = self.velocity.copy()
         self._target = None
-        if self.supports.moving and step.dt:
+        if self.supports.moving and step.loaded:
             self._target = self.supports.values(step.end)
             way = self._target - self.displacement[self.fixed_unknowns]
-            self.trial_velocity[self.fixed_unknowns] = way / step.dt
+            self.trial_velocity[self.fixed_unknowns] = way / step.span
         self._move(step)
 
     def _move(self, step: Step) -> None:
-        increment = step.scheme.increment(step.dt, self.velocity, self.trial_velocity)
+        increment = step.increment(self.velocity, self.trial_velocity, self.memory)
         self.trial_displacement = self.displacement + increment
         if self._target is not None:
             self.trial_displacement[self.fixed_unknowns] = self._target
 
+    def _force_at_start(self, step: Step) -> np.ndarray:
+        """Loads less internal forces at the start of a step, (owned,) in N."""
+        traction = self._tractions.total(step.start) if self._tractions else 0.0
+        return self._load + traction - self.internal_force(self.displacement)
+
     def _loads(self, step: Step) -> np.ndarray:
-        """Gravity and tractions where the scheme takes the forces."""
+        """Gravity and tractions where the scheme takes the forces, and what it carries along."""
+        loads = step.load_weight * self._load
         if self._tractions:
-            self._traction = self._tractions.total(step.force_time)
-        return self._load + self._traction
+            traction = step.mean_load(self._tractions.total)
+            self._traction = traction / step.load_weight
+            loads += traction
+        return loads if self.memory is None else loads + step.carried(self.memory)
 
-    def _at(self, share: float) -> np.ndarray:
-        """The displacement at a share of the way of the step."""
-        return share * self.trial_displacement + (1 - share) * self.displacement
-
+    @abstractmethod
     def _internal_forces(self, step: Step) -> np.ndarray:
-        """The internal forces of the step, as the scheme takes them."""
-        return self.internal_force(self._at(step.scheme.force_weight))
+        """The mean of the internal forces in the step, as the scheme takes them."""
 
     def free_velocity(self) -> np.ndarray:
         """Velocity at the end of the step if no contact acted."""
@@ -221,49 +220,45 @@ class DeformableSolid(MonolithicSolid):
     def _balance(self, step: Step) -> list[np.ndarray]:
         """The terms of the momentum balance in the trial state, for the owned unknowns; their sum
         vanishes but at the supports, where it is the reaction."""
-        terms = [-self._force]
+        self._trial_momentum = self._momentum
         if step.scheme.inertia:
             self._trial_momentum = self._inertia.times(self.trial_velocity)
-            terms.append((self._trial_momentum - self._momentum) / step.span)
-        else:
-            self._trial_momentum = self._momentum
-        if step.dt:
-            terms += [self._internal_forces(step), -self._loads(step)]
-        return terms
+        inertia = step.inertia_force(self._momentum, self._trial_momentum)
+        if not step.loaded:
+            return [-self._force, inertia]
+        return [-self._force, inertia, self._internal_forces(step), -self._loads(step)]
 
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
         terms = self._balance(step)
         # a stress-free body in flight has no forces but round-off, of its momentum and of K u
         stiffness = self.vectors.diagonal(self.last_stiffness)
         round_off = ROUND_OFF * (np.abs(self._momentum) / step.span)
-        if step.dt and step.scheme.inertia:  # without inertia nothing may fly
+        if step.loaded and step.scheme.inertia:  # without inertia nothing may fly
             strained = np.abs(stiffness * self.trial_displacement)
             round_off += ROUND_OFF * strained.max(initial=0.0)
         total = np.maximum(np.abs(np.sum(terms, axis=0)) - round_off, 0.0)
         total[self.fixed_unknowns] = 0.0
-        own = np.array([[np.abs(t).max(initial=0.0) for t in (total, *terms)]])
-        largest = np.max(self.comm.allgather(own), axis=0).ravel()
-        size = largest[1:].max()
-        return float(largest[0] / size) if size > noise else 0.0
+        own = [np.abs(term).max(initial=0.0) for term in (total, *terms)]
+        residual, *sizes = np.max(self.comm.allgather(own), axis=0)
+        return float(residual / max(sizes)) if max(sizes) > noise else 0.0
 
-    def accept(self) -> None:
+    def accept(self, step: Step) -> None:
+        self.memory = step.remember(self.velocity, self.trial_velocity, self._acting, self.memory)
         self.velocity = self.trial_velocity.copy()
         self.displacement = self.trial_displacement
         self._momentum = self._trial_momentum
         self._state_changed()
 
     def works(self, step: Step) -> tuple[float, float, float, float]:
-        mean = step.scheme.mean(self.velocity, self.trial_velocity)
-        contact, *terms = self._balance(step)
-        held = self.fixed_unknowns
-        self._reaction = (contact + np.sum(terms, axis=0))[held] if terms else -contact[held]
-        acting = -step.dt * float(mean @ np.sum(terms[-2:], axis=0)) if step.dt else 0.0
-        driven = step.span * float(mean[held] @ self._reaction)
-        pulled = step.dt * float(mean @ (self._traction + np.zeros(self.owned)))
+        mean, held = step.mean(self.velocity, self.trial_velocity), self.fixed_unknowns
+        contact, inertia, *others = self._balance(step)
+        self._acting = -(others[0] + others[1]) if others else np.zeros(self.owned)
+        self._reaction = (contact + (inertia - self._acting))[held]
+        pulled = step.work(mean, step.loaded * self._traction) if self._tractions else 0.0
         return (
             self._sum(mean @ (self._trial_momentum - self._momentum)),
-            self._sum(acting),
-            self._sum(driven),
+            self._sum(step.work(mean, self._acting)),
+            self._sum(step.work(mean[held], self._reaction)),
             self._sum(pulled),
         )
 
@@ -275,11 +270,6 @@ class DeformableSolid(MonolithicSolid):
         kinetic = 0.5 * self._sum(self.velocity @ self._momentum)
         return kinetic, self.strain_energy(), -self._sum(self._load @ self.displacement)
 
-    @property
-    def mass(self) -> float:
-        """kg (kg/m in 2D)."""
-        return self._inertia.total
-
     def root_mean_square(self, velocity: np.ndarray) -> float:
         return self._inertia.root_mean_square(velocity)
 
@@ -287,23 +277,20 @@ class DeformableSolid(MonolithicSolid):
         return DeformableTrace(self, points)
 
     def state(self) -> dict[str, np.ndarray]:
-        # without inertia the momentum is not M v
         state = {"displacement": self.displacement, "velocity": self.velocity}
-        return {**state, "momentum": self._momentum}
+        return {**state, "momentum": self._momentum, **self.memories()}  # no M v without inertia
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         self.displacement = np.array(state["displacement"])
         self.velocity = np.array(state["velocity"])
         self.trial_displacement = self.displacement.copy()
         self.trial_velocity = self.velocity.copy()
-        given = state.get("momentum")
-        moving = self._inertia.times(self.velocity)
-        self._momentum = moving if given is None else np.array(given)
+        self._momentum = np.array(state.get("momentum", self._inertia.times(self.velocity)))
+        self.memory = state.get("memory")
         self._state_changed()
 
     def mean(self, values: np.ndarray) -> np.ndarray:
-        """Mean of a field over the mass, (d,), from its owned unknowns: of the displacement [m],
-        that of the centre of mass; of the velocity [m/s], momentum over mass."""
+        """Mean over the mass of a field given by its owned unknowns, (d,): of a velocity, m/s."""
         return self._inertia.mean(values)
 
     def fields(self) -> dict[str, np.ndarray]:

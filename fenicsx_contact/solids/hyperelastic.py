@@ -97,10 +97,13 @@ class HyperelasticSolid(DeformableSolid):
         compat.assemble_owned(self._force_form, force)
         return force
 
+    def _at(self, share: float) -> np.ndarray:
+        """The displacement at a share of the way of the step."""
+        return share * self.trial_displacement + (1 - share) * self.displacement
+
     def _internal_forces(self, step: Step) -> np.ndarray:
         if self._last[0] is not self.trial_displacement:
-            points = step.scheme.force_points
-            force = np.sum([w * self.internal_force(self._at(share)) for share, w in points], 0)
+            force = step.mean_force(lambda share: self.internal_force(self._at(share)))
             self._last = self.trial_displacement, force
         return self._last[1]
 
@@ -127,7 +130,7 @@ class HyperelasticSolid(DeformableSolid):
     def _choose_tangent(self, step: Step) -> None:
         """The matrix of the step: an old one if it will do, else that of the trial state. It is
         made when it is first asked for: the last state of a step needs none."""
-        key = (step.span, step.gap_rate, step.scheme.inertia)
+        key = (step.inertia_rate, step.gap_rate)
         slow = len(self._errors) > 1 and self._errors[-1] > RATE * self._errors[-2]
         if slow or not self.patient or not step.scheme.inertia or key != self._key:
             self._way = self.displacement, self.trial_displacement
@@ -153,8 +156,7 @@ class HyperelasticSolid(DeformableSolid):
         self._tangent.copy(matrix, structure.SAME_NONZERO_PATTERN)
         matrix.scale(step.gap_rate)
         if step.scheme.inertia:
-            share = step.scheme.inertia / step.span
-            matrix.axpy(share, self._mass, structure.SUBSET_NONZERO_PATTERN)
+            matrix.axpy(step.inertia_rate, self._mass, structure.SUBSET_NONZERO_PATTERN)
         self.hold(matrix)
         self._factor.refactor()
 
@@ -184,13 +186,12 @@ class HyperelasticSolid(DeformableSolid):
         self._errors, self._made = [1.0], False
         super().predict(step)
         self._predicted = self.trial_velocity
-        if self._target is not None and step.scheme.theta and self.broken():
+        if self._target is not None and step.gap_rate and self.broken():
             self._follow_supports(step)
 
     def _follow_supports(self, step: Step) -> None:
         """Let the solid yield elastically to its supports, which alone would invert elements."""
-        held, theta = self.fixed_unknowns, step.scheme.theta
-        way = np.zeros(self.owned)
+        held, way = self.fixed_unknowns, np.zeros(self.owned)
         way[held] = self._target - self.displacement[held]
         tangent = self.stiffness(self.displacement)
         pull = -self.multiply(tangent, way)
@@ -198,8 +199,7 @@ class HyperelasticSolid(DeformableSolid):
         factor = Factorisation(self.hold(tangent.copy()), self.name)
         increment = factor.solve(pull)
         factor.destroy()
-        known = step.dt * (1 - theta) * self.velocity
-        self.go((increment - known) / (theta * step.dt), step)
+        self.go((increment - step.drift(self.velocity, self.memory)) / step.gap_rate, step)
 
     def linearise(self, step: Step) -> None:
         self._choose_tangent(step)
@@ -234,7 +234,7 @@ class HyperelasticSolid(DeformableSolid):
     def unsound(self, step: Step) -> str:
         """The forces of a step are those of a few points of its way; more stored energy than
         their work would come from nowhere."""
-        if not step.dt or not step.scheme.inertia or step.scheme.theta < 0.5:
+        if not step.loaded or not step.scheme.bounds_work:
             return ""
         end = self.trial_displacement
         self._stored = end, self._stored_energy(end)

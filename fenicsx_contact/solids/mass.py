@@ -10,6 +10,7 @@ from math import sqrt
 import numpy as np
 import ufl
 from dolfinx import fem
+from petsc4py import PETSc
 
 from ..base import checks, compat
 from .mass_redistribution import move_mass_inwards
@@ -75,3 +76,11 @@ class Mass:
         """Of a field over the mass."""
         square = self._vectors.sum(values @ self.times(values)) / self.total
         return sqrt(max(square, 0.0))  # not a round-off of zero
+
+    def shortest_time(self, stiffness: PETSc.Mat) -> float:
+        """1/omega of the unknown that its neighbours at rest hold most stiffly, s; infinite where
+        nothing is stiff."""
+        mass, held = (self._vectors.diagonal(matrix) for matrix in (self.matrix, stiffness))
+        squares = np.where(mass > 0, held, 0.0) / np.where(mass > 0, mass, 1.0)
+        square = max(self._vectors.comm.allgather(float(squares.max(initial=0.0))))
+        return 1 / sqrt(square) if square > 0 else np.inf

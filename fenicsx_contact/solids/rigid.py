@@ -2,9 +2,8 @@
 """Rigid solids: 3 unknowns in 2D, 6 in 3D, finite rotations.
 
 Unknowns: the velocity of the centre of mass and the spin (a number in 2D, the spatial vector in
-3D). The theta-scheme acts on the place of the centre and on the rotation, whose increment is the
-exponential of ``dt ((1 - theta) w- + theta w+)``; angular momentum is balanced in space, so that
-free flight keeps it exactly.
+3D). The scheme acts on the place of the centre and on the rotation, which the exponential of its
+increment turns on; angular momentum is balanced in space, so that free flight keeps it exactly.
 """
 
 from __future__ import annotations
@@ -99,6 +98,9 @@ class RigidSolid(MonolithicSolid):
     # -- the step -------------------------------------------------------------------------------
 
     def predict(self, step: Step) -> None:
+        self.memory = step.recall(self.memory, lambda: self._load)
+        carried = step.carried(self.memory)
+        self._acting = step.loaded * (step.load_weight * self._load + carried)
         self.trial_velocity = self.velocity
         self._move(step)
 
@@ -110,7 +112,7 @@ class RigidSolid(MonolithicSolid):
             self.inverse = np.zeros((len(self.velocity),) * 2)
             self.inverse[range(d), range(d)] = step.span / self.mass
             self.inverse[d:, d:] = step.span * self._spatial(self._mobility, self.trial_turn)
-        self.free_velocity = self.inverse @ (self._momentum / step.span + step.loaded * self._load)
+        self.free_velocity = self.inverse @ (self._momentum / step.span + self._acting)
         self._force = np.zeros_like(self.velocity)
 
     def correct(self, step: Step) -> None:
@@ -133,7 +135,7 @@ class RigidSolid(MonolithicSolid):
     def _balance_spin(self, step: Step) -> None:
         """Turn until the spin belongs to the inertia where it leads: the outer loop, which is
         content with less, would let angular momentum drift from step to step."""
-        impulse = step.dt * self._load + step.span * self._force
+        impulse = step.span * (self._acting + self._force)
         momentum = (self._momentum + impulse)[self.dim :]
         for _ in range(MAX_TURNS):
             old = self.trial_velocity[self.dim :].copy()
@@ -164,7 +166,7 @@ class RigidSolid(MonolithicSolid):
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
         if self.dim == 2:
             return 0.0  # its inertia does not turn: a linearisation is exact
-        rate, load = (self._trial_momentum - self._momentum) / step.span, step.loaded * self._load
+        rate, load = step.inertia_force(self._momentum, self._trial_momentum), self._acting
         residual = rate - load - self._force
         size = np.abs(self._momentum / step.span) + np.abs(load) + np.abs(self._force)
         d = self.dim
@@ -173,13 +175,14 @@ class RigidSolid(MonolithicSolid):
     def turn(self, step: Step) -> float:
         return step.dt * float(np.abs(self.trial_velocity[self.dim :]).max())
 
-    def accept(self) -> None:
+    def accept(self, step: Step) -> None:
+        self.memory = step.remember(self.velocity, self.trial_velocity, self._acting, self.memory)
         self.velocity = self.trial_velocity.copy()
         self._place, self._turn = self.trial_place, self.trial_turn
         self._momentum = self._trial_momentum
 
     def _move(self, step: Step) -> None:
-        increment = step.scheme.increment(step.dt, self.velocity, self.trial_velocity)
+        increment = step.increment(self.velocity, self.trial_velocity, self.memory)
         self.trial_place = self._place + increment[: self.dim]
         turn = _rotation(increment[self.dim :]) @ self._turn
         if self.dim == 3:  # products of many rotations would lose orthogonality, momentum with it
@@ -207,12 +210,13 @@ class RigidSolid(MonolithicSolid):
         return sqrt(float(velocity @ self._momentum_of(velocity, self.trial_turn)) / self.mass)
 
     def works(self, step: Step) -> tuple[float, float, float, float]:
-        mean = step.scheme.mean(self.velocity, self.trial_velocity)
+        mean = step.mean(self.velocity, self.trial_velocity)
         change = self._trial_momentum - self._momentum
-        return float(mean @ change), float(step.dt * mean @ self._load), 0.0, 0.0
+        return float(mean @ change), step.work(mean, self._acting), 0.0, 0.0
 
     def state(self) -> dict[str, np.ndarray]:
-        return {"velocity": self.velocity, "place": self._place, "turn": self._turn}
+        state = {"velocity": self.velocity, "place": self._place, "turn": self._turn}
+        return state | self.memories()
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         self.velocity = np.array(state["velocity"])
@@ -220,6 +224,7 @@ class RigidSolid(MonolithicSolid):
         self.trial_velocity = self.velocity.copy()
         self.trial_place, self.trial_turn = self._place.copy(), self._turn.copy()
         self._momentum = self._momentum_of(self.velocity, self._turn)
+        self.memory = state.get("memory")
 
     @property
     def rotation(self) -> float | np.ndarray:

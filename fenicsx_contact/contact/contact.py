@@ -226,7 +226,8 @@ class Contact:
             rate = step.scheme.force_weight * (step.dt - step.gap_rate)
             k.elongation.x.array[:] = (self._stretch + rate * self.jump).ravel()
             k.start_gap.x.array[:] = self.gap
-            k.mean_share.value, k.force_rate.value = step.scheme.mean_share, step.force_rate
+            k.mean_share.value = step.mean_share
+            k.force_rate.value = step.scheme.force_weight * step.gap_rate
             self.equations.refresh()
         self.coupling.linearise(step, exact, share)
 

@@ -158,22 +158,25 @@ class BeamSolid(Solid):
     def _begin(self) -> None:
         """Refresh what is kept from step to step."""
         self.trial_displacement, self.trial_velocity = self.displacement, self.velocity
+        self.memory = None
         self._internal = self._stiffness @ self.displacement
         self._momentum = self._masses * self.velocity
         self.predictions += 1
 
     def predict(self, step: Step) -> None:
+        self.memory = step.recall(self.memory, lambda: self._load - self._internal)
         self.go(self.velocity, step)
         self.predictions += 1
 
     def linearise(self, step: Step) -> None:
         self.flexibility, axial = self.matrices.flexibilities(step.span, step.force_rate)
-        known = step.scheme.force_weight * step.dt * (1 - step.scheme.theta)
         load = self._momentum / step.span
         if step.dt:
-            load += self._load - self._internal
-            if known:
-                load -= known * (self._stiffness @ self.velocity)
+            before, after = step.scheme.linear_weights
+            load += self._loads(step) - (before + after) * self._internal
+            drift = step.drift(self.velocity, self.memory)
+            if drift.any():
+                load -= after * (self._stiffness @ drift)
             if self._lateral_load is not None:
                 load += self._flow()
         bending, along = self.split(load)
@@ -184,6 +187,10 @@ class BeamSolid(Solid):
         if self.axial.prescribed is not None:
             self.free_velocity[self._bends :] = -self.axial.prescribed
         self.drop_forces()
+
+    def _loads(self, step: Step) -> np.ndarray:
+        """The weight, and what the scheme carries along; laws and flow are not carried."""
+        return step.load_weight * self._load + step.carried(self.memory)
 
     def _flow(self) -> np.ndarray:
         """The lateral load of the flow on the nodes, where they are now."""
@@ -210,7 +217,7 @@ class BeamSolid(Solid):
 
     def go(self, velocity: np.ndarray, step: Step) -> None:
         self.trial_velocity = velocity
-        increment = step.scheme.increment(step.dt, self.velocity, velocity)
+        increment = step.increment(self.velocity, velocity, self.memory)
         self.trial_displacement = self.displacement + increment
 
     def drop_forces(self) -> None:
@@ -224,13 +231,13 @@ class BeamSolid(Solid):
         return sqrt(float(velocity @ (self._masses * velocity)) / self.mass)
 
     def works(self, step: Step) -> tuple[float, float, float, float]:
-        mean = 0.5 * (self.velocity + self.trial_velocity)
+        mean = step.mean(self.velocity, self.trial_velocity)
         self._trial_momentum = self._masses * self.trial_velocity
         self._trial_internal = self._stiffness @ self.trial_displacement
-        weight = step.scheme.force_weight
-        internal = weight * self._trial_internal + (1 - weight) * self._internal
+        internal = step.linear_mean(self._internal, self._trial_internal)
+        self._acting = self._loads(step) - internal
         momentum = float(mean @ (self._trial_momentum - self._momentum))
-        loads = step.dt * float(mean @ (self._load - internal))
+        loads = step.dt * float(mean @ self._acting)
         others = {}
         if self._lateral_load is not None and step.dt:
             others["flow"] = step.dt * float(mean @ self._flow_force)
@@ -238,7 +245,8 @@ class BeamSolid(Solid):
         against, works = self.axial.works(step, self.speed, after, self._pushed, others)
         return momentum + against, loads + works, 0.0, 0.0
 
-    def accept(self) -> None:
+    def accept(self, step: Step) -> None:
+        self.memory = step.remember(self.velocity, self.trial_velocity, self._acting, self.memory)
         before = self.travel, self.speed
         self.velocity, self.displacement = self.trial_velocity, self.trial_displacement
         self._momentum, self._internal = self._trial_momentum, self._trial_internal
@@ -266,6 +274,7 @@ class BeamSolid(Solid):
             "displacement": self.displacement,
             "velocity": self.velocity,
             **self.axial.state(),
+            **self.memories(),
         }
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
@@ -273,6 +282,7 @@ class BeamSolid(Solid):
         self.velocity = np.array(state["velocity"])
         self.axial.restore(state)
         self._begin()
+        self.memory = state.get("memory")
 
     def rest(self) -> None:
         """Stop every motion and forget what was taken; the deflection stays."""

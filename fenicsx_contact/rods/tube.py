@@ -107,9 +107,9 @@ class RodInTube(Solid):
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
         return 0.0
 
-    def accept(self) -> None:
+    def accept(self, step: Step) -> None:
         for solid in self._both:
-            solid.accept()
+            solid.accept(step)
 
     def energies(self) -> tuple[float, float, float]:
         kinetic, strain, potential = np.sum([solid.energies() for solid in self._both], axis=0)

@@ -7,7 +7,7 @@ A step of a scene asks a solid, in this order::
     linearise(step)                  A and b of  A v+ = b + J' f  about the trial state
     trace.compliance(), ...          the contacts take what they need and spread their forces
     correct(step)                    v+ from these forces; the last two again if not linear
-    accept()                         the trial state becomes the state
+    accept(step)                     the trial state becomes the state
 
 Velocities are arrays of the unknowns that a process holds; positions are whatever the solid needs
 to know where it is. Forces are mean forces over the step, impulses divided by dt.
@@ -83,6 +83,7 @@ class Solid(ABC):
         patient: an old linearisation may serve as long as corrections converge fast.
         supported: something holds it even without contact.
         velocity, trial_velocity: at the start and at the end of the step.
+        memory: what the scheme remembers of earlier steps, None before the first one.
     """
 
     name: str
@@ -94,6 +95,7 @@ class Solid(ABC):
     patient = False
     velocity: np.ndarray
     trial_velocity: np.ndarray
+    memory: np.ndarray | None = None
 
     @abstractmethod
     def trace(self, points: np.ndarray) -> Trace:
@@ -133,8 +135,8 @@ class Solid(ABC):
         none of them is more than ``noise``, N."""
 
     @abstractmethod
-    def accept(self) -> None:
-        """Make the trial state the state."""
+    def accept(self, step: Step) -> None:
+        """Make the trial state the state, after :meth:`works`."""
 
     @abstractmethod
     def energies(self) -> tuple[float, float, float]:
@@ -149,6 +151,10 @@ class Solid(ABC):
         """Work on the mean velocity of the step in J, in the trial state: of the change of
         momentum, of internal forces and all loads, of the supports, of the tractions among the
         loads."""
+
+    def memories(self) -> dict[str, np.ndarray]:
+        """The part of :meth:`state` that the scheme needs."""
+        return {} if self.memory is None else {"memory": self.memory}
 
     @abstractmethod
     def state(self) -> dict[str, np.ndarray]:

@@ -21,7 +21,7 @@ from math import sqrt
 import numpy as np
 
 from ..contact.arrivals import arrival
-from ..theory.theta import Step, ThetaScheme
+from ..theory.theta import Scheme, Step
 from .adaptive import ErrorControl
 from .step import Stepper, Trial
 
@@ -42,7 +42,7 @@ class UniformImpacts:
         scheme: of the scene.
     """
 
-    def __init__(self, scheme: ThetaScheme) -> None:
+    def __init__(self, scheme: Scheme) -> None:
         self._scheme = scheme
 
     def cross(
@@ -79,7 +79,7 @@ class LocatedImpacts:
         scheme: of the scene.
     """
 
-    def __init__(self, scheme: ThetaScheme) -> None:
+    def __init__(self, scheme: Scheme) -> None:
         self._scheme = scheme
         self._rates: list[np.ndarray] | None = None  # accelerations in the last flight, m/s²
 

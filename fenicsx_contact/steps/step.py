@@ -141,7 +141,7 @@ class Stepper:
         mean = step.scheme.mean
         means = {id(solid): mean(solid.velocity, solid.trial_velocity) for solid in self.solids}
         for solid in self.solids:
-            solid.accept()
+            solid.accept(step)
         impact = friction = 0.0
         for contact, part in zip(self.contacts, self._assembly.parts):
             contact.accept(trial.force[part], step)

@@ -1,0 +1,347 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Scenes by which a contact solver is judged: small, made from plain numbers, with what is exact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from mpi4py import MPI
+from scenes import G, box, rectangle
+
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    HalfSpace,
+    HyperelasticSolid,
+    NamedMesh,
+    QuasiStatic,
+    Scene,
+    name_facets,
+    neo_hookean,
+)
+from fenicsx_contact.base import compat
+
+#: How far from its master a contact starts, as a share of the size of the body.
+STARTS = {"open": 1e-4, "touching": 0.0, "overlapping": -1e-4}
+
+
+class Static(NamedTuple):
+    """A scene in equilibrium, and what is known of it.
+
+    ``forces``: for each contact the force on its slave, N, NaN where it is not determined;
+    ``reach``: no point moves further, m; ``exact``: of the displacement of the first solid, a
+    function of its points (n, d); ``start``: distance at the start, m, which the law of positions
+    closes and that of velocities need not; ``until``: by how many steps of 1 s.
+    """
+
+    scene: Scene
+    forces: Mapping[str, Sequence[float]]
+    reach: float
+    exact: Callable[[np.ndarray], np.ndarray] | None = None
+    start: float = 0.0
+    until: float = 2.0
+
+
+# -- meshes --
+
+
+def moved(mesh: NamedMesh, *by: float) -> NamedMesh:
+    """A mesh at another place."""
+    mesh.mesh.geometry.x[:, : len(by)] += by
+    return mesh
+
+
+def mapped(n: Sequence[int], place: Callable[..., Any], names: Sequence[str]) -> NamedMesh:
+    """Quadrilaterals (n, m) over the unit square s, t, at ``place(s, t)``; ``names`` of the facets
+    at s = 0, s = 1, t = 0, t = 1."""
+    s, t = np.meshgrid(np.linspace(0, 1, n[0] + 1), np.linspace(0, 1, n[1] + 1), indexing="ij")
+    at = np.arange(s.size).reshape(s.shape)
+    corners = [at[:-1, :-1], at[1:, :-1], at[:-1, 1:], at[1:, 1:]]
+    cells = np.stack([corner.ravel() for corner in corners], axis=1)
+    points = np.stack([s.ravel(), t.ravel()], axis=1)
+    mesh = compat.create_mesh(MPI.COMM_SELF, cells, points, "quadrilateral")
+    sides = {
+        names[0]: lambda x: np.isclose(x[0], 0),
+        names[1]: lambda x: np.isclose(x[0], 1),
+        names[2]: lambda x: np.isclose(x[1], 0),
+        names[3]: lambda x: np.isclose(x[1], 1),
+    }
+    named = name_facets(mesh, sides)
+    x = mesh.geometry.x
+    x[:, :2] = np.stack(place(x[:, 0].copy(), x[:, 1].copy()), axis=1)
+    return named
+
+
+def ring_mesh(radius: float, thickness: float, around: int = 40) -> NamedMesh:
+    """A ring about the origin; facets under, over (of its outer side), inner."""
+    cells, points = [], []
+    for i in range(around):
+        angle = 2 * np.pi * (i + 0.0) / around
+        points += [[r * np.sin(angle), -r * np.cos(angle)] for r in (radius - thickness, radius)]
+        j = (i + 1) % around
+        cells.append([2 * i, 2 * i + 1, 2 * j, 2 * j + 1])
+    mesh = compat.create_mesh(MPI.COMM_SELF, np.array(cells), np.array(points), "quadrilateral")
+    rim = radius * np.cos(np.pi / around)
+    outside = lambda x: np.hypot(x[0], x[1]) > rim - thickness / 4  # noqa: E731
+    return name_facets(
+        mesh,
+        {
+            "under": lambda x: outside(x) & (x[1] < -0.7 * radius),
+            "over": lambda x: outside(x) & (x[1] > 0.7 * radius),
+        },
+    )
+
+
+class Disc:
+    """A fixed drum about the origin, as somebody would write it in numpy."""
+
+    dim = 2
+    flat = False
+
+    def __init__(self, radius: float) -> None:
+        self.radius = radius
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        return np.hypot(*points.T) - self.radius
+
+    def normals(self, points: np.ndarray) -> np.ndarray:
+        return points / np.hypot(*points.T)[:, None]
+
+
+# -- statics --
+
+
+def density_for(E: float, height: float) -> float:
+    """1000 kg/m³, or less where that would crush a solid so soft."""
+    return min(1000.0, 1e-3 * E / (G * height))
+
+
+def block_on_floor(
+    *,
+    n: Sequence[int] = (4, 2),
+    cell: str = "quadrilateral",
+    E: float = 1e9,
+    nu: float = 0.3,
+    load: str = "weight",
+    held: str = "friction",
+    slope: float = 0.0,
+    friction: float = 0.3,
+    start: str = "touching",
+    law: Any = "velocity",
+) -> Static:
+    """A block, 1 wide and 1/2 high, lies on a floor; ``held`` sideways by "friction" alone, by its
+    "side" (frictionless) or by "both"; ``slope``: as a share of the friction angle; ``load``:
+    "weight" or "traction" on its top."""
+    d, height = len(n), 0.5
+    size = (1.0, height) if d == 2 else (1.0, 1.0, height)
+    mesh = (rectangle if d == 2 else box)(n, size, cell)
+    up, along = np.eye(d)[-1], np.eye(d)[0]
+    rho, gap = density_for(E, height), STARTS[start]
+    mu = 0.0 if held == "side" else friction
+    angle = slope * np.arctan(friction)
+    pull = np.sin(angle) * along - np.cos(angle) * up
+    pressure = rho * G * height
+    loads = {"gravity": G * pull} if load == "weight" else {"tractions": {"top": pressure * pull}}
+    sides = {"left": (0.0, None) if d == 2 else (0.0, 0.0, None)} if held != "friction" else {}
+    block = ElasticSolid(
+        mesh,
+        youngs_modulus=E,
+        poisson_ratio=nu,
+        density=rho,
+        prescribed=sides,
+        name="block",
+        **loads,
+    )
+    contact = Contact(block, "base", HalfSpace(-gap * up, up), law, mu, name="c")
+    force = -pressure * pull
+    if held == "both":
+        force[:-1] = np.nan
+    exact = None
+    loose = held == "side" and (d == 2 or nu == 0)
+    if not slope and (loose or nu == 0) and (load == "traction" or cell == "quadrilateral"):
+
+        def exact(x):
+            y = x[:, -1]
+            if load == "weight":
+                if nu:
+                    return None
+                sink = rho * G / E * (height * y - y**2 / 2)
+            else:
+                sink = pressure / E * (1 - nu**2) * y
+            u = -sink[:, None] * up - gap * up
+            u[:, 0] += pressure / E * nu * (1 + nu) * (x[:, 0] + 0.5) if nu else 0.0
+            return u
+
+        if load == "weight" and nu:
+            exact = None
+    scene = Scene([block], [contact], QuasiStatic())
+    return Static(scene, {"c": force}, 6 * pressure * height / E + 2 * abs(gap), exact, gap)
+
+
+def neo_hookean_on_slab(
+    *, load: str = "weight", start: str = "touching", held: bool = False, law: Any = "velocity"
+) -> Static:
+    """A neo-Hookean block lies on a neo-Hookean slab, friction 0.3."""
+    E, gap, height = 1e6, 0.3 * STARTS[start], 0.3
+    block_mesh = moved(rectangle((4, 3), (0.4, height)), 0.0, 0.3 + gap)
+    pressure = 1000.0 * G * height
+    loads = {"gravity": (0, -G)} if load == "weight" else {"tractions": {"top": (0, -pressure)}}
+    block = HyperelasticSolid(
+        block_mesh,
+        energy=neo_hookean(E, 0.3),
+        density=1000.0,
+        prescribed={"left": (0.0, None)} if held else {},
+        name="block",
+        **loads,
+    )
+    slab = HyperelasticSolid(
+        rectangle((5, 3), (0.6, 0.3)),
+        energy=neo_hookean(E, 0.3),
+        density=1000.0,
+        fixed=["base"],
+        name="slab",
+    )
+    contact = Contact(block, "base", (slab, "top"), law, friction=0.3, name="c")
+    scene = Scene([block, slab], [contact], QuasiStatic())
+    force = [np.nan if held else 0.0, pressure * 0.4]
+    return Static(scene, {"c": force}, 6 * pressure * 0.6 / E + 2 * abs(gap), None, gap)
+
+
+def stack(*, count: int = 10, start: str = "touching", law: Any = "velocity") -> Static:
+    """Elastic blocks on each other on a floor, held by friction alone."""
+    height, E, gap = 0.3, 1e8, 0.3 * STARTS[start]
+    blocks = [
+        ElasticSolid(
+            moved(rectangle((2 + i % 2, 1), (1.0 - 0.02 * i, height)), 0.0, i * (height + gap)),
+            youngs_modulus=E,
+            poisson_ratio=0.3,
+            density=1000.0,
+            gravity=(0, -G),
+            name=f"block {i}",
+        )
+        for i in range(count)
+    ]
+    contacts, forces, weight = [], {}, 0.0
+    for i in reversed(range(count)):
+        master = (blocks[i - 1], "top") if i else HalfSpace((0, -gap), (0, 1))
+        contacts.append(Contact(blocks[i], "base", master, law, friction=0.3, name=f"c{i}"))
+        weight += 1000.0 * G * height * (1.0 - 0.02 * i)
+        forces[f"c{i}"] = [0.0, weight]
+    scene = Scene(blocks, contacts, QuasiStatic())
+    reach = 3 * 1000 * G * (count * height) ** 2 / E + 2 * count * abs(gap)
+    return Static(scene, forces, reach, None, gap)
+
+
+def wedge(*, friction: float = 0.0, start: str = "touching", law: Any = "velocity") -> Static:
+    """A wedge, its sides 30 degrees off the vertical, pressed between two blocks that are fixed at
+    their outer sides."""
+    E, slant, pressure, gap = 1e7, np.tan(np.pi / 6), 1e4, 0.5 * STARTS[start]
+
+    def inner(t):
+        return 0.3 + 0.5 * t * slant  # half the width at the height t/2
+
+    body = mapped(
+        (4, 3), lambda s, t: ((2 * s - 1) * inner(t), 0.5 * t + gap), ("l", "r", "low", "top")
+    )
+    left = mapped((3, 4), lambda s, t: (-1.0 + s * (1.0 - inner(t)), 0.5 * t), ("out", "in", "b", "t"))
+    right = mapped((3, 4), lambda s, t: (inner(t) + s * (1.0 - inner(t)), 0.5 * t), ("in", "out", "b", "t"))
+    same = {"youngs_modulus": E, "poisson_ratio": 0.3, "density": 1.0}
+    solid = ElasticSolid(body, tractions={"top": (0, -pressure)}, name="wedge", **same)
+    blocks = [ElasticSolid(m, fixed=["out"], name=n, **same) for m, n in ((left, "a"), (right, "b"))]
+    contacts = [
+        Contact(solid, side, (block, "in"), law, friction, name=f"c{side}")
+        for side, block in zip("lr", blocks)
+    ]
+    half = pressure * inner(1.0)
+    across = np.nan if friction else half / slant
+    forces = {"cl": [across, half], "cr": [-across, half]}
+    reach = 20 * pressure / E + 3 * abs(gap)
+    return Static(Scene([solid, *blocks], contacts, QuasiStatic()), forces, reach, None, gap)
+
+
+def three_pressed(*, nu: float = 0.3, start: str = "touching", law: Any = "velocity") -> Static:
+    """Three blocks of unlike stiffness on each other, the lowest fixed, pressed on top."""
+    gap, pressure, height = 0.5 * STARTS[start], 1e3, 0.5
+    moduli = [1e6, 1e8, 1e7]
+    blocks = [
+        ElasticSolid(
+            moved(rectangle((n, 2), (1.0, height)), 0.0, i * (height + gap)),
+            youngs_modulus=E,
+            poisson_ratio=nu,
+            density=1.0,
+            fixed=["base"] if i == 0 else [],
+            tractions={"top": (0, -pressure)} if i == 2 else {},
+            name=f"block {i}",
+        )
+        for i, (n, E) in enumerate(zip((3, 4, 5), moduli))
+    ]
+    contacts = [
+        Contact(blocks[i], "base", (blocks[i - 1], "top"), law, friction=0.3, name=f"c{i}")
+        for i in (1, 2)
+    ]
+    reach = 6 * height * pressure * sum(1 / E for E in moduli) + 4 * abs(gap)
+    forces = {name: [0.0, pressure] for name in ("c1", "c2")}
+    return Static(Scene(blocks[::-1], contacts, QuasiStatic()), forces, reach, None, gap)
+
+
+def squashed_ring(
+    *, start: str = "touching", law: Any = "velocity", hyperelastic: bool = False
+) -> Static:
+    """A ring squashed by 1 % of its diameter between a floor and a plate driven down; friction
+    alone keeps it from rolling off."""
+    radius, down, gap = 1.0, 0.02, 2 * STARTS[start]
+    mesh = moved(ring_mesh(radius, 0.1), 0.0, radius + gap)
+    kind = (
+        {"energy": neo_hookean(1e7, 0.3)}
+        if hyperelastic
+        else {"youngs_modulus": 1e7, "poisson_ratio": 0.3}
+    )
+    ring = (HyperelasticSolid if hyperelastic else ElasticSolid)(
+        mesh, density=1.0, name="ring", **kind
+    )
+    plate = ElasticSolid(
+        moved(rectangle((8, 2), (1.6, 0.3)), 0.0, 2 * radius + 2 * gap),
+        youngs_modulus=1e9,
+        poisson_ratio=0.3,
+        density=1.0,
+        prescribed={"top": lambda t: (0.0, -down * t / 4)},
+        name="plate",
+    )
+    contacts = [
+        Contact(ring, "under", HalfSpace((0, 0), (0, 1)), law, friction=0.3, name="under"),
+        Contact(ring, "over", (plate, "base"), law, friction=0.3, name="over"),
+    ]
+    scene = Scene([ring, plate], contacts, QuasiStatic())
+    forces = {name: [0.0, np.nan] for name in ("under", "over")}
+    return Static(scene, forces, 2 * down + 4 * abs(gap), None, gap, until=4.0)
+
+
+def strap(*, friction: float = 0.3, start: str = "touching", law: Any = "velocity") -> Static:
+    """A strap lies a quarter round a fixed drum, one end pulled down, the other drawn until all of
+    it slips: the tensions have the ratio ``exp(friction pi/2)`` (Euler 1769), less the share of
+    half the thickness over the radius."""
+    radius, thickness, E, tension = 1.0, 0.005, 1e9, 1e5 * 0.005
+    mesh = mapped(
+        (48, 1),
+        lambda s, t: (
+            (radius + thickness * t) * np.cos(np.pi / 2 * s),
+            (radius + thickness * t) * np.sin(np.pi / 2 * s),
+        ),
+        ("pulled", "drawn", "inner", "outer"),
+    )
+    body = ElasticSolid(
+        mesh,
+        youngs_modulus=E,
+        poisson_ratio=0.0,
+        density=1.0,
+        tractions={"pulled": (0.0, -tension / thickness)},
+        prescribed={"drawn": lambda t: (-1e-3 * radius * t / 4, None)},
+        name="strap",
+    )
+    drum = Disc(radius - STARTS[start])
+    contact = Contact(body, "inner", drum, law, friction, name="c")
+    more = np.exp(friction * np.pi / 2)
+    forces = {"c": [more * tension, tension]}
+    return Static(Scene([body], [contact], QuasiStatic()), forces, 3e-3, None, STARTS[start], 4.0)

@@ -147,10 +147,15 @@ def test_stack_of_ten(law, start):
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_wedge(friction, law, start):
-    """Without friction, by symmetry and equilibrium; half of the load on each side in any case."""
-    shifted = friction or start != "touching"  # slid down, it bears on more or less of its sides
-    case = wedge(friction=friction, start=start, law=law)
-    solved(case, law, force=1e-6 if shifted else 1e-8)
+    """By symmetry each side bears half of the load; across, what is normal to the sides, which
+    turn with the strain (1e-5), or less by friction that holds the wedge up."""
+    case = solved(wedge(friction=friction, start=start, law=law), law)
+    across = case.scene.contacts[0].force[:, 0].sum() / case.forces["cl"][1]
+    if friction:
+        angle, tilt = np.arctan(friction), np.pi / 6
+        assert 1 / np.tan(tilt + angle) * 0.999 < across < 1 / np.tan(tilt - angle) * 1.001
+    else:
+        assert across == pytest.approx(1 / np.tan(np.pi / 6), rel=1e-3)
 
 
 @pytest.mark.parametrize("start", START)

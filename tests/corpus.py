@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Scenes by which a contact solver is judged: small, made from plain numbers, with what is exact."""
+"""Scenes in equilibrium by which a solver is judged: small, of plain numbers; what is exact."""
 
 from __future__ import annotations
 
@@ -7,24 +7,18 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from mpi4py import MPI
+from corpus_meshes import Disc, mapped, moved, ring_mesh
 from scenes import G, box, rectangle
 
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
     HalfSpace,
-    History,
     HyperelasticSolid,
-    NamedMesh,
     QuasiStatic,
-    RigidSolid,
     Scene,
-    ThetaScheme,
-    name_facets,
     neo_hookean,
 )
-from fenicsx_contact.base import compat
 
 #: How far from its master a contact starts, as a share of the size of the body.
 STARTS = {"open": 1e-4, "touching": 0.0, "overlapping": -1e-4}
@@ -45,75 +39,6 @@ class Static(NamedTuple):
     exact: Callable[[np.ndarray], np.ndarray] | None = None
     start: float = 0.0
     until: float = 2.0
-
-
-# -- meshes --
-
-
-def moved(mesh: NamedMesh, *by: float) -> NamedMesh:
-    """A mesh at another place."""
-    mesh.mesh.geometry.x[:, : len(by)] += by
-    return mesh
-
-
-def mapped(n: Sequence[int], place: Callable[..., Any], names: Sequence[str]) -> NamedMesh:
-    """Quadrilaterals (n, m) over the unit square s, t, at ``place(s, t)``; ``names`` of the facets
-    at s = 0, s = 1, t = 0, t = 1."""
-    s, t = np.meshgrid(np.linspace(0, 1, n[0] + 1), np.linspace(0, 1, n[1] + 1), indexing="ij")
-    at = np.arange(s.size).reshape(s.shape)
-    corners = [at[:-1, :-1], at[1:, :-1], at[:-1, 1:], at[1:, 1:]]
-    cells = np.stack([corner.ravel() for corner in corners], axis=1)
-    points = np.stack([s.ravel(), t.ravel()], axis=1)
-    mesh = compat.create_mesh(MPI.COMM_SELF, cells, points, "quadrilateral")
-    sides = {
-        names[0]: lambda x: np.isclose(x[0], 0),
-        names[1]: lambda x: np.isclose(x[0], 1),
-        names[2]: lambda x: np.isclose(x[1], 0),
-        names[3]: lambda x: np.isclose(x[1], 1),
-    }
-    named = name_facets(mesh, sides)
-    x = mesh.geometry.x
-    x[:, :2] = np.stack(place(x[:, 0].copy(), x[:, 1].copy()), axis=1)
-    return named
-
-
-def ring_mesh(radius: float, thickness: float, around: int = 40) -> NamedMesh:
-    """A ring about the origin; facets under, over (of its outer side), inner."""
-    cells, points = [], []
-    for i in range(around):
-        angle = 2 * np.pi * (i + 0.0) / around
-        points += [[r * np.sin(angle), -r * np.cos(angle)] for r in (radius - thickness, radius)]
-        j = (i + 1) % around
-        cells.append([2 * i, 2 * i + 1, 2 * j, 2 * j + 1])
-    mesh = compat.create_mesh(MPI.COMM_SELF, np.array(cells), np.array(points), "quadrilateral")
-    rim = radius * np.cos(np.pi / around)
-    outside = lambda x: np.hypot(x[0], x[1]) > rim - thickness / 4  # noqa: E731
-    return name_facets(
-        mesh,
-        {
-            "under": lambda x: outside(x) & (x[1] < -0.7 * radius),
-            "over": lambda x: outside(x) & (x[1] > 0.7 * radius),
-        },
-    )
-
-
-class Disc:
-    """A fixed drum about the origin, as somebody would write it in numpy."""
-
-    dim = 2
-    flat = False
-
-    def __init__(self, radius: float) -> None:
-        self.radius = radius
-
-    def distance(self, points: np.ndarray) -> np.ndarray:
-        return np.hypot(*points.T) - self.radius
-
-    def normals(self, points: np.ndarray) -> np.ndarray:
-        return points / np.hypot(*points.T)[:, None]
-
-
-# -- statics --
 
 
 def density_for(E: float, height: float) -> float:
@@ -248,11 +173,17 @@ def wedge(*, friction: float = 0.0, start: str = "touching", law: Any = "velocit
     body = mapped(
         (4, 3), lambda s, t: ((2 * s - 1) * inner(t), 0.5 * t + gap), ("l", "r", "low", "top")
     )
-    left = mapped((3, 4), lambda s, t: (-1.0 + s * (1.0 - inner(t)), 0.5 * t), ("out", "in", "b", "t"))
-    right = mapped((3, 4), lambda s, t: (inner(t) + s * (1.0 - inner(t)), 0.5 * t), ("in", "out", "b", "t"))
+    left = mapped(
+        (3, 4), lambda s, t: (-1.0 + s * (1.0 - inner(t)), 0.5 * t), ("out", "in", "b", "t")
+    )
+    right = mapped(
+        (3, 4), lambda s, t: (inner(t) + s * (1.0 - inner(t)), 0.5 * t), ("in", "out", "b", "t")
+    )
     same = {"youngs_modulus": E, "poisson_ratio": 0.3, "density": 1.0}
     solid = ElasticSolid(body, tractions={"top": (0, -pressure)}, name="wedge", **same)
-    blocks = [ElasticSolid(m, fixed=["out"], name=n, **same) for m, n in ((left, "a"), (right, "b"))]
+    blocks = [
+        ElasticSolid(m, fixed=["out"], name=n, **same) for m, n in ((left, "a"), (right, "b"))
+    ]
     contacts = [
         Contact(solid, side, (block, "in"), law, friction, name=f"c{side}")
         for side, block in zip("lr", blocks)
@@ -347,105 +278,3 @@ def strap(*, friction: float = 0.3, start: str = "touching", law: Any = "velocit
     more = np.exp(friction * np.pi / 2)
     forces = {"c": [more * tension, tension]}
     return Static(Scene([body], [contact], QuasiStatic()), forces, 3e-3, None, STARTS[start], 4.0)
-
-
-# -- points change nothing --
-
-
-def points_base(facets: int, uneven: bool, dim: int, size: Sequence[float]) -> NamedMesh:
-    """A block with so many facets along its base, equal or growing to twenty times the first."""
-    if dim == 2:
-        mesh = rectangle((facets, 1), size)
-    else:
-        mesh = box((facets, min(facets, 2), 1), (size[0], 0.5, size[1]))
-    if uneven:
-        x, b = mesh.mesh.geometry.x, size[0] / 2
-        share = (x[:, 0] + b) / (2 * b)
-        x[:, 0] = -b + 2 * b * np.expm1(3 * share) / np.expm1(3)
-    return mesh
-
-
-def standing(
-    facets: int,
-    law: Any = "velocity",
-    theta: float = 0.5,
-    *,
-    uneven: bool = False,
-    dim: int = 2,
-    size: Sequence[float] = (0.36, 0.80),
-    tilt: float = 0.0,
-    floor: float = 0.0,
-    friction: float = 0.9,
-    located: bool = False,
-    **motion: Any,
-) -> Scene:
-    """A rigid block of 417.6 kg, tilted about an edge of its base or not, over a floor."""
-    edge, up = np.zeros(dim), np.eye(dim)[-1]
-    edge[0] = -size[0] / 2
-    block = RigidSolid(
-        points_base(facets, uneven, dim, size),
-        mass=417.6,
-        gravity=-G * up,
-        rotation=tilt if dim == 2 else (0.0, -tilt, 0.0),
-        about=edge,
-        name="block",
-        **motion,
-    )
-    contact = Contact(block, "base", HalfSpace(floor * up, up), law, friction, name="c")
-    return Scene([block], [contact], ThetaScheme(theta), locate_impacts=located)
-
-
-def landed_energies(history: History, exact: Any) -> np.ndarray:
-    """Energy above rest after each landing, over that of the release: at the peak that follows."""
-    total = history["kinetic"] + history["potential"]
-    rest = 417.6 * G * exact.block.height / 2
-    times = exact.impact_times
-    peaks = (times[:-1] + times[1:]) / 2
-    return (np.interp(peaks, history.time, total) - rest) / (total[0] - rest)
-
-
-# -- a bar dropped under gravity --
-
-BAR = {"length": 10.0, "speed": 30.0, "fall": 20.0, "gravity": 10.0}
-
-
-def dropped_bar(cells: int, law: Any, theta: float = 0.5, cfl: float = 1.0) -> tuple[Scene, float]:
-    """The bar of Doyen, Ern & Piperno dropped from 20 m, upright, E = 900, rho = 1, and its step."""
-    length, c = BAR["length"], BAR["speed"]
-    bar = ElasticSolid(
-        rectangle((1, cells), (1.0, length)),
-        youngs_modulus=c**2,
-        poisson_ratio=0.0,
-        density=1.0,
-        gravity=(0, -BAR["gravity"]),
-        name="bar",
-    )
-    floor = HalfSpace((0, -BAR["fall"]), (0, 1))
-    contact = Contact(bar, "base", floor, law, name="c")
-    return Scene([bar], [contact], ThetaScheme(theta)), cfl * length / cells / c
-
-
-def spells(time: np.ndarray, bears: np.ndarray, apart: float = 0.7) -> np.ndarray:
-    """Start and end of each contact, what is ``apart`` by less counting as one, (m, 2)."""
-    at = time[bears]
-    breaks = np.flatnonzero(np.diff(at) > apart)
-    return np.stack([at[np.r_[0, breaks + 1]], at[np.r_[breaks, len(at) - 1]]], axis=1)
-
-
-def exact_bar(until: float, cells: int = 1000) -> np.ndarray:
-    """Its contacts by characteristics: steps in which a wave crosses a cell solve d'Alembert's
-    equation exactly at the nodes; the floor stops the lowest of them."""
-    length, c, fall, g = (BAR[key] for key in ("length", "speed", "fall", "gravity"))
-    dt = length / cells / c
-    old = np.full(cells + 1, fall)
-    now = old - g * dt**2 / 2
-    bears = []
-    for _ in range(round(until / dt)):
-        new = np.empty_like(now)
-        new[1:-1] = now[2:] + now[:-2] - old[1:-1]
-        new[0], new[-1] = 2 * now[1] - old[0], 2 * now[-2] - old[-1]
-        new -= g * dt**2
-        bears.append(new[0] <= 0)
-        new[0] = max(new[0], 0.0)
-        old, now = now, new
-    return spells(dt * np.arange(2, len(bears) + 2), np.array(bears))

@@ -88,7 +88,7 @@ def build(slave, master, dim, law, friction, way, scheme):
     return Scene([low, up], contacts, SCHEMES[scheme], **WAYS[way])
 
 
-def fault(*what):
+def fault(*what):  # noqa: PLR0911
     """What is wrong with one combination, or nothing."""
     try:
         scene = build(*what)
@@ -124,7 +124,7 @@ def faults(combinations):
     return "\n".join(f"{what}: {text[:150]}" for what, text in found.items() if text)
 
 
-def sample(group, count=3):
+def sample(group, count=2):
     """Some of the rest for a group, always the same, all of them about equally often."""
     at = GROUPS.index(group) * count
     order = np.random.default_rng(0).permutation(len(REST))

@@ -11,10 +11,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from corpus import BAR, dropped_bar, exact_bar, landed_energies, spells, standing
+from corpus_motion import BAR, dropped_bar, exact_bar, landed_energies, spells, standing
 from scenes import G, energy_size, total_energy
 
-from fenicsx_contact import Contact, Discrete, HalfSpace, RigidSolid, Scene, Velocity, mesh_from_gmsh
+from fenicsx_contact import (
+    Contact,
+    Discrete,
+    HalfSpace,
+    RigidSolid,
+    Scene,
+    Velocity,
+    mesh_from_gmsh,
+)
 from fenicsx_contact.references.housner import Block, rocking
 
 MASS = 417.6
@@ -129,7 +137,8 @@ def test_ten_lines_of_the_readme(n_width):
     block = RigidSolid(mesh, mass=MASS, gravity=(0, -G), rotation=0.01, about=(-0.18, 0))
     contact = Contact(block, "base", HalfSpace((0, 0), (0, 1)), "velocity", friction=0.9)
     history = finished(Scene([block], [contact], locate_impacts=True), 0.15, 2e-3)
-    impact = np.flatnonzero(history["dt"][1:] == 0)[0] + 1
+    impacts = np.flatnonzero(history["dt"][1:] == 0) + 1
+    impact = impacts[history.time[impacts] < history.time[impacts[0]] + 1e-3][-1]
     assert history["kinetic"][impact] == pytest.approx(4.073, abs=0.001)
 
 
@@ -195,12 +204,14 @@ def test_sliding_block_stops(facets, uneven, way):
 # -- a bar dropped under gravity --
 
 UNTIL = 12.6
-#: law, theta, share of the energy that may be lost, of the contact times that may be off
+#: law, theta, share of the energy that 400 cells may lose; None: theta = 1 damps the waves, and
+#: times follow the energy
 BARS = {
-    "velocity": ("velocity", 0.5, 0.1, 0.01),
-    "drift": (Velocity(drift_correction=1.0), 0.5, 0.1, 0.01),
-    "gap": ("gap", 1.0, 1.0, 0.05),
-    "springs": (Discrete(1e4 * 900.0), 0.5, 1.0, 0.05),
+    "velocity": ("velocity", 0.5, 0.005),
+    "drift": (Velocity(drift_correction=1.0), 0.5, 0.005),
+    "gap": ("gap", 0.5, 0.003),
+    "springs": (Discrete(1e4 * 900.0), 0.5, 0.01),
+    "damped": ("gap", 1.0, None),
 }
 
 
@@ -209,26 +220,33 @@ def exact_contacts():
     return exact_bar(UNTIL)
 
 
-def bounce(name, cells, cfl, coarse):
-    law, theta, lost, late = BARS[name]
-    scene, dt = dropped_bar(cells, law, theta, cfl)
-    history = finished(scene, UNTIL, dt)
+def bounce(name, cells, late):
+    """Three landings; springs may be stopped where they would make energy, saying so."""
+    law, theta, lost = BARS[name]
+    scene, dt = dropped_bar(cells, law, theta)
+    history = scene.run(UNTIL, dt, progress=False)
     never_gains(history, 1e-6)
+    if name == "springs" and "energy" in history.reason:
+        return
+    assert history.finished, history.reason
+    times = spells(history.time, history["c.force_y"] > 0)
+    assert len(times) >= 3
+    if lost is None:
+        return
+    np.testing.assert_allclose(times[:3], exact_contacts(), rtol=late)
     energy = BAR["length"] * BAR["gravity"] * BAR["fall"]
     total = total_energy(history)
-    assert total[0] - total[-1] <= lost * coarse * energy
-    times = spells(history.time, history["c.force_y"] > 0)
-    assert times.shape == exact_contacts().shape
-    np.testing.assert_allclose(times, exact_contacts(), rtol=late * coarse)
+    assert total[0] - total[-1] <= lost * 400 / cells * energy
 
 
 @pytest.mark.parametrize("name", BARS)
 def test_dropped_bar(name):
-    bounce(name, 100, 1.0, 2.0)
+    bounce(name, 40, 0.03)
 
 
 @long
 @pytest.mark.parametrize("name", BARS)
-def test_dropped_bar_fine(name):
+@pytest.mark.parametrize(("cells", "late"), [(100, 0.015), (400, 0.01)])
+def test_dropped_bar_fine(name, cells, late):
     """Contact times of three landings within 1 %."""
-    bounce(name, 400, 1.0, 1.0)
+    bounce(name, cells, late)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Statics, all defaults: what lies, is pressed, wedged or wound is solved right from any start; what
-nothing can hold is refused by name. No scene may end as nonsense that calls itself finished."""
+"""Statics, all defaults: what lies, is pressed, wedged or wound is solved right from any start;
+what nothing can hold is refused by name. No scene may end as nonsense that calls itself finished.
+"""
 
 from __future__ import annotations
 
@@ -210,7 +211,7 @@ def test_what_nothing_holds_is_refused_by_name(dim):
         gravity=-G * np.eye(dim)[-1],
         name="brick",
     )
-    with pytest.raises(InputError, match="brick.*moving along"):
+    with pytest.raises(InputError, match=r"brick.*moving along"):
         Scene([brick], [Contact(brick, "base", floor)], QuasiStatic())
 
 

@@ -252,29 +252,29 @@ def squashed_ring(
 
 
 def strap(*, friction: float = 0.3, start: str = "touching", law: Any = "velocity") -> Static:
-    """A strap lies a quarter round a fixed drum, one end pulled down, the other drawn until all of
-    it slips: the tensions have the ratio ``exp(friction pi/2)`` (Euler 1769), less the share of
-    half the thickness over the radius."""
-    radius, thickness, E, tension = 1.0, 0.005, 1e9, 1e5 * 0.005
-    mesh = mapped(
-        (48, 1),
-        lambda s, t: (
-            (radius + thickness * t) * np.cos(np.pi / 2 * s),
-            (radius + thickness * t) * np.sin(np.pi / 2 * s),
-        ),
-        ("pulled", "drawn", "inner", "outer"),
-    )
+    """A strap lies a quarter round a fixed drum and straight on; its end on the drum is pulled down,
+    the other drawn until all of it slips: the tensions have the ratio ``exp(friction pi/2)``
+    (Euler 1769), but for the thickness over the radius."""
+    radius, thickness, E = 1.0, 0.002, 1e9
+    tension, arc, tail = 1e5 * thickness, 48, 10
+
+    def place(s, t):
+        cell = s * (arc + tail)
+        angle = np.pi / 2 * np.minimum(cell / arc, 1.0)
+        on = np.maximum(cell - arc, 0.0) * np.pi / 2 / arc * radius
+        out = radius + thickness * t
+        return out * np.cos(angle) - on, out * np.sin(angle)
+
     body = ElasticSolid(
-        mesh,
+        mapped((arc + tail, 1), place, ("pulled", "drawn", "inner", "outer")),
         youngs_modulus=E,
         poisson_ratio=0.0,
         density=1.0,
+        degree=2,  # it bends
         tractions={"pulled": (0.0, -tension / thickness)},
-        prescribed={"drawn": lambda t: (-1e-3 * radius * t / 4, None)},
+        prescribed={"drawn": lambda t: (-1.5e-4 * radius * t, None)},
         name="strap",
     )
-    drum = Disc(radius - STARTS[start])
-    contact = Contact(body, "inner", drum, law, friction, name="c")
-    more = np.exp(friction * np.pi / 2)
-    forces = {"c": [more * tension, tension]}
+    contact = Contact(body, "inner", Disc(radius - STARTS[start]), law, friction, name="c")
+    forces = {"c": [np.exp(friction * np.pi / 2) * tension, tension]}
     return Static(Scene([body], [contact], QuasiStatic()), forces, 3e-3, None, STARTS[start], 4.0)

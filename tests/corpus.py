@@ -87,23 +87,18 @@ def block_on_floor(
     if held == "both":
         force[:-1] = np.nan
     exact = None
-    loose = held == "side" and (d == 2 or nu == 0)
-    if not slope and (loose or nu == 0) and (load == "traction" or cell == "quadrilateral"):
+    if not slope and load == "weight" and nu == 0 and cell == "quadrilateral":
 
         def exact(x):
-            y = x[:, -1]
-            if load == "weight":
-                if nu:
-                    return None
-                sink = rho * G / E * (height * y - y**2 / 2)
-            else:
-                sink = pressure / E * (1 - nu**2) * y
-            u = -sink[:, None] * up - gap * up
-            u[:, 0] += pressure / E * nu * (1 + nu) * (x[:, 0] + 0.5) if nu else 0.0
-            return u
+            y = x[:, -1:]
+            return -up * (rho * G / E * (height * y - y**2 / 2) + gap)
 
-        if load == "weight" and nu:
-            exact = None
+    elif not slope and load == "traction" and (nu == 0 or (held == "side" and d == 2)):
+
+        def exact(x):
+            widening = nu * (1 + nu) * along * (x[:, :1] + 0.5)
+            return pressure / E * (widening - (1 - nu**2) * up * x[:, -1:]) - gap * up
+
     scene = Scene([block], [contact], QuasiStatic())
     return Static(scene, {"c": force}, 6 * pressure * height / E + 2 * abs(gap), exact, gap)
 
@@ -252,9 +247,9 @@ def squashed_ring(
 
 
 def strap(*, friction: float = 0.3, start: str = "touching", law: Any = "velocity") -> Static:
-    """A strap lies a quarter round a fixed drum and straight on; its end on the drum is pulled down,
-    the other drawn until all of it slips: the tensions have the ratio ``exp(friction pi/2)``
-    (Euler 1769), but for the thickness over the radius."""
+    """A strap lies a quarter round a fixed drum and straight on; its end on the drum is pulled
+    down, the other drawn until all of it slips: the tensions have the ratio
+    ``exp(friction pi/2)`` (Euler 1769), but for the thickness over the radius."""
     radius, thickness, E = 1.0, 0.002, 1e9
     tension, arc, tail = 1e5 * thickness, 48, 10
 

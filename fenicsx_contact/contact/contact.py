@@ -292,6 +292,23 @@ class Contact:
         excess = self._start_jump_n + np.minimum(self.gap, 0.0) / step.dt
         return bool((excess > change)[points].any())
 
+    def astray(self, step: Step) -> np.ndarray:
+        """How much deeper each point is in the trial state than its velocities say, (n,) in m."""
+        way = step.gap_rate * _dot(self.trial_jump, self.normal)
+        way += (step.dt - step.gap_rate) * self._start_jump_n
+        return np.asarray(self.coupling.gaps() - self.gap - way)
+
+    def farthest(self) -> float:
+        """The largest coordinate of its points, m."""
+        return float(np.abs(self.coupling.positions()).max())
+
+    def normal_rows(self, points: np.ndarray) -> list[np.ndarray]:
+        """For each solid the derivatives of the gaps of these points by its unknowns."""
+        d, normals = self.surface.dim, self.normal[points]
+        rows = (points[:, None] * d + np.arange(d)).ravel()
+        operators = self.coupling.jump_rows(rows)
+        return [np.einsum("pi,pij->pj", normals, J.reshape(len(points), d, -1)) for J in operators]
+
     def follow(self) -> None:
         """Follow the solids to their trial states, which have just been computed."""
         self.coupling.follow()

@@ -53,6 +53,10 @@ class Trace(ABC):
     def mean_jump(self, velocity: np.ndarray) -> np.ndarray:
         """Velocities of the points, by the operator whose transpose spreads the forces."""
 
+    def rows(self, which: np.ndarray) -> np.ndarray:
+        """These rows of J, dense, of a shiftable solid."""
+        raise AttributeError("only traces of what is shiftable have dense rows")
+
     @abstractmethod
     def free_jump(self) -> np.ndarray:
         """Velocities of the points that the step would end with if no contact acted."""
@@ -79,6 +83,7 @@ class Solid(ABC):
         mesh: its shape.
         dim: dimension of space.
         linear: one linearisation serves a whole step.
+        shiftable: rigid: can be put elsewhere without a velocity (`shift`, `mobility`).
         massless: some of its boundary has no mass, and so no velocity of its own.
         patient: an old linearisation may serve as long as corrections converge fast.
         supported: something holds it even without contact.
@@ -92,6 +97,7 @@ class Solid(ABC):
     linear: bool
     supported: bool
     massless = False
+    shiftable = False
     patient = False
     velocity: np.ndarray
     trial_velocity: np.ndarray
@@ -108,6 +114,16 @@ class Solid(ABC):
     @abstractmethod
     def linearise(self, step: Step) -> None:
         """Set up A and b of ``A v+ = b + J' f`` about the trial state, and drop old forces."""
+
+    def shift(self, way: np.ndarray) -> None:
+        """Put a shiftable solid elsewhere in its trial state: ways [m] and turns [rad] of its
+        unknowns; its momentum stays."""
+        raise AttributeError("only what is shiftable can be shifted")
+
+    @property
+    def mobility(self) -> np.ndarray:
+        """Of a shiftable solid: the inverse of its mass matrix in the trial state."""
+        raise AttributeError("only what is shiftable has a mobility")
 
     def broken(self) -> str:
         """Why the trial state is not admissible, or nothing."""

@@ -47,6 +47,7 @@ class RigidSolid(MonolithicSolid):
     """
 
     linear = False
+    shiftable = True
     supported = False
 
     def __init__(
@@ -171,6 +172,22 @@ class RigidSolid(MonolithicSolid):
         size = np.abs(self._momentum / step.span) + np.abs(load) + np.abs(self._force)
         d = self.dim
         return max(_relative(residual[:d], size[:d]), _relative(residual[d:], size[d:]))
+
+    @property
+    def mobility(self) -> np.ndarray:
+        d = self.dim
+        result = np.zeros((len(self.velocity),) * 2)
+        result[range(d), range(d)] = 1 / self.mass
+        result[d:, d:] = self._spatial(self._mobility, self.trial_turn)
+        return result
+
+    def shift(self, way: np.ndarray) -> None:
+        d = self.dim
+        self.trial_place = self.trial_place + way[:d]
+        self.trial_turn = _rotation(way[d:]) @ self.trial_turn
+        if d == 3:  # the spin that belongs to the momentum
+            spin = self._spatial(self._mobility, self.trial_turn) @ self._trial_momentum[d:]
+            self.trial_velocity = np.concatenate([self.trial_velocity[:d], spin])
 
     def accept(self, step: Step) -> None:
         self.memory = step.remember(self.velocity, self.trial_velocity, self._acting, self.memory)

@@ -97,6 +97,9 @@ class RigidTrace(MonolithicTrace):
     def mobility(self) -> np.ndarray:
         return np.einsum("ij,ji->i", self._operator, self._columns)
 
+    def rows(self, which: np.ndarray) -> np.ndarray:
+        return self._operator[which]
+
     def seeing(self) -> sp.csr_matrix:
         return sp.csr_matrix(self._operator)
 

@@ -421,7 +421,7 @@ def falling(formulation, dim=2, elastic=False, axial=math.inf):
     ("formulation", "others"),
     [
         (Velocity(0.1), {}),
-        (Gap(reach=3e-5), {}),
+        (Gap(), {}),
         (Discrete(1e5, 20.0), {}),
         (Velocity(0.1), {"elastic": True}),
         (Velocity(0.1), {"axial": 1e7}),

@@ -40,7 +40,8 @@ class GeneralisedAlpha:
     """The scheme, with the parameters of Chung and Hulbert; a :class:`~.scheme.Scheme`.
 
     Its memory has two rows: M a, the filtered force (N), and A, the filtered acceleration (m/s²).
-    A begins with 0, which costs (r - 1/2) h² of the first acceleration, once.
+    A begins with 0 and knows nothing of located impacts: each costs (r - 1/2) h² of an
+    acceleration, once. What A differs from a by fades to |1 - 3 rho_inf|/(3 - rho_inf) in a step.
 
     Args:
         rho_inf: spectral radius at infinite frequency, in [0, 1]: the share of the highest

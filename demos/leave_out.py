@@ -35,7 +35,6 @@ import ufl
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
-    Gap,
     HalfSpace,
     HyperelasticSolid,
     RigidSolid,

@@ -16,7 +16,7 @@ from .output.history import COLUMNS, History, contact_columns
 from .solids import DeformableSolid, Solid
 from .solve.choose import choose
 from .solve.newton import Newton
-from .solve.statics import refuse_free
+from .solve.statics import refuse_free, stands
 from .steps.adaptive import ErrorControl
 from .steps.impacts import LocatedImpacts, UniformImpacts
 from .steps.run import run
@@ -91,7 +91,10 @@ class Scene:
         self.geometry, self.solver = choose(
             self.solids, self.contacts, self.scheme, geometry, solver
         )
-        self.stepper = Stepper(self.solids, self.contacts, self.newton, self.geometry, self.solver)
+        floating = [] if self.scheme.inertia else [s for s in self.solids if not stands(s)]
+        self.stepper = Stepper(
+            self.solids, self.contacts, self.newton, self.geometry, self.solver, floating
+        )
         self.remarks: list[str] = []
         self.stepper.times["set-up"] = perf_counter() - start
         columns = [*COLUMNS]

@@ -73,7 +73,7 @@ class Contact:
         other = _check_master(solid, facets, master)
         self.solid, self.facets = solid, facets
         self.formulation = as_formulation(formulation)
-        self.friction = friction_bound(friction)
+        self.friction, self.friction_law = friction, friction_bound(friction)
         augmentation = (
             checks.number("normal_augmentation", normal_augmentation, above=0),
             checks.number("tangential_augmentation", tangential_augmentation, above=0),
@@ -88,7 +88,7 @@ class Contact:
         if self._paired and weight is self.surface.area:
             weight = weight.copy()  # by what of it is paired
         self.equations = SurfaceEquations(
-            self.surface, self.formulation, self.friction, self.chosen, weight, augmentation
+            self.surface, self.formulation, self.friction_law, self.chosen, weight, augmentation
         )
         self.coupling = self._couple(other)
         self.solids, self.traces = self.coupling.solids, self.coupling.traces
@@ -335,7 +335,7 @@ class Contact:
         """Keep what the next step starts from; ``force``: on the traces' points, flat."""
         self.force = self._nodal_force() if self._paired else force.reshape(self.normal.shape)
         self.status = self.equations.statuses()
-        if self._remembers and self.friction is not None:
+        if self._remembers and self.friction_law is not None:
             self._keep_stretch(step)
         self.coupling.accept()
         self.gap, self.jump = self.coupling.gaps(), self.trial_jump
@@ -411,7 +411,7 @@ class Contact:
         """What is there and what was left out."""
         k, n = self.equations.fields, int(self.chosen.sum())
         parts = [f"{self.formulation.name}, {n} points"]
-        parts.append(self.friction.describe() if self.friction else "no friction (no tau)")
+        parts.append(self.friction_law.describe() if self.friction_law else "no friction (no tau)")
         unknowns = n * (k.components - self.surface.dim)
         parts.append(f"{unknowns} multipliers" if unknowns else "springs (no multipliers)")
         return ", ".join(parts)

@@ -227,4 +227,16 @@ class MonolithicSolid(Solid):
 
     @abstractmethod
     def residual(self) -> np.ndarray:
-        """This process's rows of ``A v - b - J' f`` in the trial state, after `linearise`."""
+        """This process's rows of the momentum balance in the trial state, after `linearise`."""
+
+    @abstractmethod
+    def linear_residual(self) -> np.ndarray:
+        """The same as it was linearised: ``A v - b - J' f``."""
+
+    def load_speed(self) -> float:
+        """The largest speed that the loads of the step give to a node alone, m/s: a scale."""
+        return 0.0
+
+    @abstractmethod
+    def load_size(self) -> float:
+        """The largest term of b and J' f, N."""

@@ -57,6 +57,8 @@ class DeformableSolid(MonolithicSolid):
     parameters: str  # for describe()
     factorisation: Factorisation
     free_load: np.ndarray
+    #: Only contact holds it: its matrix is singular.
+    floating = False
     _free_velocity: np.ndarray | None = None
 
     def __init__(
@@ -212,6 +214,21 @@ class DeformableSolid(MonolithicSolid):
         return self.factorisation.matrix.getValuesCSR()
 
     def residual(self) -> np.ndarray:
+        return self.linear_residual()
+
+    def load_size(self) -> float:
+        free = self.free_load.copy()
+        free[self.fixed_unknowns] = 0.0
+        return float(max(np.abs(free).max(initial=0.0), np.abs(self._force).max(initial=0.0)))
+
+    def load_speed(self) -> float:
+        """The largest speed that the loads of the step give to a node alone, m/s: a scale."""
+        free = self.free_load / self.vectors.diagonal(self.factorisation.matrix)
+        free[self.fixed_unknowns] = 0.0
+        own = float(np.abs(free).max(initial=0.0))
+        return max(self.comm.allgather(own))
+
+    def linear_residual(self) -> np.ndarray:
         moved = self.multiply(self.factorisation.matrix, self.trial_velocity)
         result = moved - self.free_load - self._force
         result[self.fixed_unknowns] = 0.0
@@ -236,9 +253,14 @@ class DeformableSolid(MonolithicSolid):
         if step.loaded and step.scheme.inertia:  # without inertia nothing may fly
             strained = np.abs(stiffness * self.trial_displacement)
             round_off += ROUND_OFF * strained.max(initial=0.0)
-        total = np.maximum(np.abs(np.sum(terms, axis=0)) - round_off, 0.0)
+        left = np.sum(terms, axis=0)
+        reaction = left[self.fixed_unknowns]
+        total = np.maximum(np.abs(left) - round_off, 0.0)
         total[self.fixed_unknowns] = 0.0
-        own = [np.abs(term).max(initial=0.0) for term in (total, *terms)]
+        # against what acts, not against internal forces, which may be absurd
+        contact, inertia, *others = terms
+        acting = [contact, inertia, *others[1:], reaction]
+        own = [np.abs(term).max(initial=0.0) for term in (total, *acting)]
         residual, *sizes = np.max(self.comm.allgather(own), axis=0)
         return float(residual / max(sizes)) if max(sizes) > noise else 0.0
 

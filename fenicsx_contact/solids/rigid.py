@@ -160,6 +160,13 @@ class RigidSolid(MonolithicSolid):
         return np.arange(0, n * n + 1, n), np.tile(np.arange(n), n), matrix.ravel()
 
     def residual(self) -> np.ndarray:
+        return self.linear_residual()
+
+    def load_size(self) -> float:
+        free = np.linalg.solve(self.inverse, self.free_velocity)
+        return float(max(np.abs(free).max(), np.abs(self._force).max()))
+
+    def linear_residual(self) -> np.ndarray:
         return np.linalg.solve(
             self.inverse, self.trial_velocity - self.free_velocity - self.inverse @ self._force
         )

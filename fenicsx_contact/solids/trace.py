@@ -37,6 +37,7 @@ class TracedSolid(Protocol):
     fixed_unknowns: np.ndarray
     trial_displacement: np.ndarray
     trial_velocity: np.ndarray
+    floating: bool
     linearisation: int
 
     @property
@@ -146,7 +147,7 @@ class DeformableTrace(MonolithicTrace):
 
     def mobility(self) -> np.ndarray:
         size = self._spreading.shape[1]
-        if size <= FEW:
+        if size <= FEW and not self._solid.floating:
             return self.compliance(np.arange(size), self, np.arange(size)).diagonal()
         diagonal = self._solid.factorisation.matrix.getDiagonal()
         mobility = self._spreading.T @ (1 / diagonal.array_r)

@@ -9,7 +9,7 @@ from ..base import checks
 from ..contact.contact import Contact
 from ..solids import DeformableSolid, MonolithicSolid, Solid
 from ..theory.theta import Scheme
-from .full_newton import SYSTEMS
+from .loop import SYSTEMS
 from .statics import stands
 
 #: Components of surface points above which no dense system is formed.
@@ -42,7 +42,8 @@ def choose(
             len(contact.solids) > 1 and any(s in deformable for s in contact.solids)
             for contact in contacts
         )
-        geometry = "newton" if pairs or (large and deformable) else "fixed point"
+        floats = not scheme.inertia and not all(stands(solid) for solid in solids)
+        geometry = "newton" if pairs or floats or (large and deformable) else "fixed point"
     if solver is None:
         nonlinear = any(not solid.linear for solid in deformable)
         # what only contact holds in equilibrium has no compliance of its own

@@ -6,10 +6,15 @@ The solids enter by the compliance of their active points; for linear solids it 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from ..base.checks import InputError
+from ..solids import Solid
 from ..theory.theta import Step
 from .problem import Assembly
+from .surface_problem import SurfaceSystem
 
 #: Changes of forces count this much of errors: what a correction leaves is of second order.
 SETTLED = 1e-7
@@ -30,6 +35,28 @@ class Condensed:
         self._all = assembly
         self._surfaces = assembly.surface_system()
         self._force: np.ndarray | float = 0.0  # of the last state
+
+    def free(self) -> np.ndarray:
+        """Velocities of all points without contact, flat, as the solids are linearised now."""
+        self._free = self._all.free()
+        return self._free
+
+    def freeze(self, step: Step) -> SurfaceSystem:
+        """The contact problem with solids and geometry linearised as they are, after `free`."""
+        active = self._surfaces.arrange()
+        self._surfaces.begin(self._free[active], self._all.compliance(active))
+        return self._surfaces
+
+    def carry(self, step: Step, force: np.ndarray) -> None:
+        """Move the solids under the forces on all points, flat in N."""
+        self._all.spread(force)
+        for solid in self._all.solids:
+            solid.correct(step)
+
+    def hold(self, floating: Sequence[Solid]) -> None:
+        """Solids that only contact holds have no compliance: they cannot be condensed."""
+        names = [solid.name for solid in floating]
+        raise InputError(f"solver = 'condensed': only contact holds {names}; use 'monolithic'")
 
     def begin(self, step: Step) -> tuple[float, np.ndarray]:
         """Residual of the present state: its largest relative error, and the forces on all points

@@ -41,7 +41,7 @@ PATIENCE = 40
 Blocks = tuple[sp.csr_matrix, sp.csr_matrix, sp.dia_matrix]
 
 
-class Iterative(Monolithic):
+class Krylov(Monolithic):
     """Solved by GMRES, preconditioned by multigrid and nodal elimination of the multipliers.
 
     PETSc options of the Krylov method have the prefix ``iterative_``, of the multigrid method
@@ -137,12 +137,6 @@ class Iterative(Monolithic):
         result = solver.getIterationNumber(), solver.getConvergedReason() > 0
         solver.destroy()
         return result
-
-    def _diagonal(self) -> np.ndarray:
-        """The diagonal of the solids' matrices, on every process."""
-        rows = self._solid_rows()
-        mine = self._places.mine
-        return self._everywhere(rows.diagonal(k=mine.start))
 
     def _nodal_inverse(
         self, ym: sp.csr_matrix, my: sp.csr_matrix, mm: sp.csr_matrix

@@ -12,6 +12,7 @@ to the last one.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
 import numpy as np
 import scipy.sparse as sp
@@ -22,7 +23,10 @@ from ..solids import MonolithicSolid, MonolithicTrace
 from ..theory.theta import Step
 from .numbering import Numbering
 from .problem import Assembly
-from .surface_problem import COMPLIANCE
+from .surface_problem import COMPLIANCE, flips
+
+#: Springs that hold what nothing holds yet, in shares of the stiffest entry of the matrices.
+WEAK = 1e-10
 
 
 class Monolithic(ABC):
@@ -52,24 +56,42 @@ class Monolithic(ABC):
         ]
         self._kept: dict[tuple[int, str], tuple] = {}
         self._linearisations: list[int] = []
+        self._floating = np.zeros(self._places.size)
+        self._softness, self._centre = COMPLIANCE, np.empty(0)
+        self._frozen = False
         self._patterns: list[tuple[np.ndarray, np.ndarray]] = []
 
     def begin(self, step: Step) -> tuple[float, np.ndarray]:
         """Residual of the present state: its largest relative error, and the forces on all points
         (flat, N)."""
+        self.assemble()
+        errors = [0.0, *(float(np.abs(rows).max(initial=0.0)) for rows in self._rows)]
+        errors += self._all.imbalances(step, self._solids)
+        self._errors = errors
+        return float(np.max(errors)), self.force
+
+    def assemble(self) -> None:
+        """Rows of the multipliers, and the forces of the contacts, which are spread."""
         everything = self._all.parts[-1].stop if self._all.parts else 0
-        force, errors = np.zeros(everything), [0.0]
+        self.force = np.zeros(everything)
         self._rows = []
         for part, places in zip(self._parts, self._all.parts):
             residual, active = part.active_residual(), part.active_places
-            force[places.start + active] = -residual[: len(active)]
-            rows = residual[len(active) :] * part.scales()[1][len(active) :]
-            self._rows.append(rows)
-            errors.append(float(np.abs(rows).max(initial=0.0)))
-        self._all.spread(force)
-        errors += self._all.imbalances(step, self._solids)
-        self._errors = errors
-        return float(np.max(errors)), force
+            self.force[places.start + active] = -residual[: len(active)]
+            self._rows.append(residual[len(active) :] * part.scales()[1][len(active) :])
+        if self._centre.size:
+            strained = self._softness * (self.multipliers() - self._centre)
+            cuts = np.cumsum([len(rows) for rows in self._rows])[:-1]
+            self._rows = [r - s for r, s in zip(self._rows, np.split(strained, cuts))]
+        self._all.spread(self.force)
+
+    def multipliers(self) -> np.ndarray:
+        """The active multipliers of all contacts, scaled."""
+        scaled = [np.empty(0)]
+        for part in self._parts:
+            n = len(part.active_places)
+            scaled.append(part.active_values()[n:] / part.scales()[0][n:])
+        return np.concatenate(scaled)
 
     def iterate(self, step: Step) -> bool:
         """Solve, and move the solids; False if the system is singular."""
@@ -90,6 +112,19 @@ class Monolithic(ABC):
     def _solve(self) -> np.ndarray:
         """The whole solution, scaled, on every process; NaN where there is none."""
 
+    def hold(self, floating: Sequence[MonolithicSolid]) -> None:
+        """Let weak springs hold these solids, in the matrix, not in the residual: so it is regular
+        while nothing else holds them."""
+        for solid, own in zip(self._solids, self._places.own):
+            if any(solid is each for each in floating):
+                self._floating[own] = 1.0
+        if self.comm.size > 1:
+            self._floating = self.comm.allreduce(self._floating)
+
+    def freeze(self, step: Step) -> FrozenContact:
+        """The contact problem with solids and geometry linearised as they are."""
+        return FrozenContact(self, step)
+
     @property
     def _size(self) -> int:
         """Number of unknowns and multipliers."""
@@ -99,7 +134,7 @@ class Monolithic(ABC):
         """Scaled residual of all rows; of those of the solids only this process's."""
         values = np.zeros(self._size)
         for solid, own in zip(self._solids, self._places.own):
-            values[own] = solid.residual()
+            values[own] = solid.linear_residual() if self._frozen else solid.residual()
         values[self._places.size :] = np.concatenate([*self._rows, np.empty(0)])
         return values
 
@@ -136,7 +171,16 @@ class Monolithic(ABC):
     def _compliance(self) -> sp.csr_matrix:
         """The compliance that makes the multipliers unique, where they are not."""
         n, m = self._places.size, self._size - self._places.size
-        return sp.diags(np.repeat([0.0, -COMPLIANCE], [n, m]), format="csr")
+        diagonal = np.repeat([0.0, -self._softness], [n, m])
+        if self._floating.any():
+            stiff = np.abs(self._diagonal()).max()
+            diagonal[:n] = WEAK * stiff * self._floating
+        return sp.diags(diagonal, format="csr")
+
+    def _diagonal(self) -> np.ndarray:
+        """The diagonal of the solids' matrices, on every process."""
+        rows = self._solid_rows()
+        return self._everywhere(rows.diagonal(k=self._places.mine.start))
 
     @property
     def _rows_here(self) -> slice:
@@ -193,6 +237,82 @@ class Monolithic(ABC):
         names += [f"the momentum balance of {s.name!r}" for s in self._solids]
         worst = int(np.argmax(self._errors[1:]))
         return f"{names[worst]} stalls at a relative error of {self._errors[1 + worst]:.3g}"
+
+
+class FrozenContact:
+    """The contact problem with solids and geometry linearised: what the inner loop of Newton's
+    method solves; see :class:`~fenicsx_contact.solve.newton.ContactProblem`.
+
+    Args:
+        system: begun.
+        step: that it is for.
+    """
+
+    def __init__(self, system: Monolithic, step: Step) -> None:
+        self._system, self._step = system, step
+        self.names = [contact.name for contact in system._all.contacts]
+        self.parts = system._parts
+        self.history: list[np.ndarray] = []
+        self.worst = np.inf
+        self.size = system._size
+
+    def iterate(self) -> bool:
+        """One Newton step; False where the tangent is singular."""
+        system = self._system
+        system._frozen = True
+        done = system.iterate(self._step)
+        system._frozen = False
+        if done:
+            self._see()
+        return done
+
+    def _see(self) -> None:
+        """Take up the velocities that the solids have now, by the operators as they are."""
+        system = self._system
+        for contact, part in zip(system._all.contacts, self.parts):
+            velocities = contact.coupling.velocities("trial_velocity")
+            part.set_places(velocities[part.active_places])
+        for solid in system._solids:
+            solid.drop_forces()
+        system.assemble()
+
+    def error(self) -> float:
+        """The largest error of any row; of the momentum balances relative to their terms."""
+        system = self._system
+        rows = [float(np.abs(r).max(initial=0.0)) for r in system._rows]
+        momentum = [0.0]
+        for solid in system._solids:
+            left, size = solid.linear_residual(), solid.load_size()
+            momentum.append(float(np.abs(left).max(initial=0.0)) / (size or 1.0))
+        errors = system.comm.allreduce(max(momentum), op=MPI.MAX)
+        self.worst = max([errors, *rows])
+        return self.worst if np.isfinite(self.worst) else np.inf
+
+    def soften(self, compliance: float) -> None:
+        """Put springs in series with the contact; see :class:`SurfaceSystem`."""
+        system = self._system
+        system._softness = compliance or COMPLIANCE
+        system._centre = system.multipliers() if compliance else np.empty(0)
+        for part in self.parts:
+            part.equations.freeze_bound(compliance > 0)
+        self._see()
+
+    def remember(self) -> np.ndarray:
+        """Statuses of all points of all contacts, kept to tell which ones flip."""
+        self.history.append(np.concatenate([p.statuses() for p in self.parts]))
+        return self.history[-1]
+
+    def flips(self) -> str:
+        """Which points changed their status among the last iterations."""
+        return flips(self.history, self.parts, self.names)
+
+    def stall(self) -> str:
+        """What stalls."""
+        return f"the contact problem stalls at a relative error of {self.worst:.3g}"
+
+    def force(self) -> np.ndarray:
+        """Forces on the solids at all points, flat, N."""
+        return self._system.force
 
 
 def petsc_matrix(rows: sp.csr_matrix, comm: MPI.Comm, columns: int | None = None) -> PETSc.Mat:

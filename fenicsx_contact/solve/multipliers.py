@@ -12,7 +12,7 @@ Optim. 14, 877-898, 1976.)
 
 from __future__ import annotations
 
-from .surface_problem import SurfaceSystem
+from typing import Protocol
 
 #: The springs, in units of what the points themselves yield, from stiff to soft.
 COMPLIANCES = (1e-3, 1e-2, 1e-1, 1.0)
@@ -21,7 +21,17 @@ COMPLIANCES = (1e-3, 1e-2, 1e-1, 1.0)
 STEPS, CENTRES = 12, 60
 
 
-def method_of_multipliers(system: SurfaceSystem, tolerance: float) -> int:
+class Softened(Protocol):
+    """What the method asks of a contact problem."""
+
+    worst: float
+
+    def iterate(self) -> bool: ...
+    def error(self) -> float: ...
+    def soften(self, compliance: float) -> None: ...
+
+
+def method_of_multipliers(system: Softened, tolerance: float) -> int:
     """Solve, from the present unknowns; they then hold the solution, or the last that was found.
 
     Args:

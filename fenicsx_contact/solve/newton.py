@@ -4,16 +4,36 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
 from ..base import checks
 from .multipliers import method_of_multipliers
-from .surface_problem import SurfaceSystem
 
 
 class NotConverged(RuntimeError):
     """The surface problem was not solved; the message says what stalls or flips."""
+
+
+class ContactProblem(Protocol):
+    """A contact problem on frozen geometry: condensed on the surfaces, or with all solids.
+
+    Attributes:
+        size: number of its unknowns; 0: nothing may touch.
+        worst: the largest error of any row, after `error`.
+    """
+
+    size: int
+    worst: float
+
+    def iterate(self) -> bool: ...
+    def error(self) -> float: ...
+    def soften(self, compliance: float) -> None: ...
+    def remember(self) -> np.ndarray: ...
+    def flips(self) -> str: ...
+    def stall(self) -> str: ...
+    def force(self) -> np.ndarray: ...
 
 
 @dataclass
@@ -45,7 +65,7 @@ class Newton:
         checks.number("tolerance", self.tolerance, above=0, at_most=1e-2)
         checks.whole_number("max_iterations", self.max_iterations, at_least=1)
 
-    def solve(self, system: SurfaceSystem) -> Solution:
+    def solve(self, system: ContactProblem) -> Solution:
         """Solve the surface problem of a step; the surfaces then hold the solution.
 
         Args:
@@ -66,7 +86,7 @@ class Newton:
             raise NotConverged(f"{system.stall()}; {remark}")
         return Solution(system.force(), iterations + steps, [remark])
 
-    def _iterate(self, system: SurfaceSystem) -> int:
+    def _iterate(self, system: ContactProblem) -> int:
         """Newton steps until converged, or until the statuses cycle."""
         seen: set[bytes] = set()
         last = b""

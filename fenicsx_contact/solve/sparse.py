@@ -21,7 +21,7 @@ from .monolithic import Monolithic, petsc_matrix
 from .problem import Assembly
 
 
-class Direct(Monolithic):
+class Sparse(Monolithic):
     """Solved by a direct factorisation, which is new in each iteration."""
 
     def __init__(self, assembly: Assembly) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from ..base.checks import InputError
 from ..contact.contact import Contact
 from ..solids import DeformableSolid
+from ..theory.theta import Step
 
 #: Rigid motions that meet less than this share of the greatest resistance are free.
 FREE = 1e-10
@@ -62,6 +63,22 @@ def stands(solid: Any) -> bool:
     return bool(values[0] > FREE * values[-1])
 
 
+def free_motion(solids: Sequence[Any], step: Step) -> str:
+    """Which of these solids has left its place in the trial state, and by which rigid motion, as
+    the end of a sentence; nothing if none has."""
+    for solid in solids:
+        motions = _Motions(solid)
+        x = solid.space.tabulate_dof_coordinates()[: solid.owned // solid.dim]
+        rows = motions(x).reshape(-1, len(motions.names))
+        comm, way = solid.comm, solid.trial_displacement - solid.displacement
+        gram, right = comm.allreduce(rows.T @ rows), comm.allreduce(rows.T @ way)
+        amounts = np.abs(np.linalg.solve(gram, right))
+        if not amounts.max() <= motions.size:
+            motion = motions.names[int(np.nan_to_num(amounts, nan=np.inf).argmax())]
+            return f"; nothing holds {solid.name!r} against {motion}"
+    return ""
+
+
 class _Motions:
     """The rigid motions of a solid: unit velocities, and rotations that give such at its ends."""
 
@@ -72,7 +89,7 @@ class _Motions:
         far = np.full((1, d), np.inf)
         low = np.min(comm.allgather(np.min([*x, *far], axis=0)), axis=0)
         high = np.max(comm.allgather(np.max([*x, *-far], axis=0)), axis=0)
-        self._centre, self._size = (low + high) / 2, float((high - low).max()) / 2
+        self._centre, self.size = (low + high) / 2, float((high - low).max()) / 2
         axes = "xyz"[:d]
         turns = ["turning"] if d == 2 else [f"turning about {axis}" for axis in axes]
         self.names = [f"moving along {axis}" for axis in axes] + turns
@@ -89,7 +106,7 @@ class _Motions:
         """Velocities of points (n, 2 or 3): (n, d, motions)."""
         d = len(self._centre)
         arm = np.zeros((len(points), 3))
-        arm[:, :d] = (points[:, :d] - self._centre) / self._size
+        arm[:, :d] = (points[:, :d] - self._centre) / self.size
         axes = np.eye(3)[2:] if d == 2 else np.eye(3)
         turns = np.stack([np.cross(axis, arm)[:, :d] for axis in axes], axis=-1)
         steady = np.broadcast_to(np.eye(d), (len(points), d, d))

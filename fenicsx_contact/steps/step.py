@@ -10,10 +10,9 @@ import numpy as np
 
 from ..base.checks import StepFailed
 from ..contact.contact import Contact
-from ..solids import Solid
-from ..solve.fixed_point import FixedPoint
-from ..solve.full_newton import FullNewton
-from ..solve.krylov import Iterative
+from ..solids import DeformableSolid, Solid
+from ..solve.krylov import Krylov
+from ..solve.loop import StepSolver
 from ..solve.newton import Newton
 from ..solve.problem import Assembly, Clock
 from ..theory.theta import Step
@@ -38,7 +37,8 @@ class Stepper:
         solids, contacts: of the scene.
         newton: settings of the Newton loop.
         geometry: "newton" or "fixed point".
-        solver: "condensed" or "monolithic".
+        solver: "condensed", "monolithic" or "iterative".
+        floating: solids that only contact holds, where nothing has inertia.
 
     Attributes:
         time: s.
@@ -54,15 +54,14 @@ class Stepper:
         newton: Newton,
         geometry: str,
         solver: str,
+        floating: Sequence[DeformableSolid] = (),
     ) -> None:
         self.solids, self.contacts = list(solids), list(contacts)
         self._assembly = Assembly(self.solids, self.contacts)
         self._tolerance = newton.tolerance
-        self._method: FixedPoint | FullNewton
-        if geometry == "newton":
-            self._method = FullNewton(self._assembly, newton, solver)
-        else:
-            self._method = FixedPoint(self._assembly, newton)
+        for solid in floating:
+            solid.floating = True
+        self._method = StepSolver(self._assembly, newton, geometry, solver, list(floating))
         self._linear = not any(solid.shiftable for solid in self.solids)
         self.times: dict[str, float] = {}
         self.time = 0.0
@@ -171,7 +170,7 @@ class Stepper:
     def krylov(self) -> list[int]:
         """Iterations of the last linear solves, at most 100, if the solver is iterative."""
         system = getattr(self._method, "system", None)
-        return list(system.counts) if isinstance(system, Iterative) else []
+        return list(system.counts) if isinstance(system, Krylov) else []
 
     @property
     def errors(self) -> list[float]:

@@ -83,7 +83,7 @@ def weak_form(k: ContactFields, approach: Expr, Su: Expr = 1.0) -> tuple[ufl.For
 
     tau = k.traction
     g_t = tau + k.rho_t * k.jump_t
-    pressure = (1 - k.frozen) * ufl.max_value(-lam, 0.0) + k.frozen * k.known_pressure
+    pressure = k.frozen * k.known_pressure - (1 - k.frozen) * g_n
     b = k.friction.bound(k, S * pressure, S)
     P = bounded(b, g_t)
 

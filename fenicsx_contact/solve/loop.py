@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Newton's method for a step: solids, geometry and contact, in one loop.
+
+Each round linearises the solids and the geometry and then corrects the contact: once, which is
+Newton's method for everything ("newton"), or until it has settled on the frozen geometry, which is
+the paper's geometric fixed point ("fixed point"). Where supports alone do not hold every solid the
+first round of a step settles too: from a start in which nothing touches, one correction knows
+nothing of what will.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..base.checks import StepFailed
+from ..solids import DeformableSolid
+from ..theory.theta import Step
+from .condensed import Condensed
+from .krylov import Krylov
+from .monolithic import Monolithic
+from .newton import Newton, NotConverged, Solution
+from .problem import Assembly, Clock, scale_of
+from .sparse import Sparse
+from .statics import free_motion
+from .surface_problem import SLOW
+
+#: The linear systems, by name.
+SYSTEMS: dict[str, type[Condensed] | type[Monolithic]] = {
+    "condensed": Condensed,
+    "monolithic": Sparse,
+    "iterative": Krylov,
+}
+#: Relative error of the linearised operator, gaps and momentum at which the fixed point ends, and
+#: the linearisations that it may take.
+GEOMETRY_TOLERANCE, MAX_GEOMETRY = 1e-8, 25
+#: Loops end as well where the error falls no more and is below this: the round-off of an
+#: ill-conditioned solve, which shorter steps would not better; that of the fixed point.
+ROUGH, ROUGH_GEOMETRY = 1e-7, 1e-6
+#: How often a correction that inverts an element, or goes beyond what its linearisation knows, is
+#: halved: it does if it makes the error so many times what it was, or than the terms.
+HALVINGS, WORSE, COARSE = 5, 10.0, 1.0
+
+
+class StepSolver:
+    """Solves steps whose solids and contacts are predicted.
+
+    Args:
+        problem: solids and contacts.
+        newton: settings.
+        geometry: "newton" or "fixed point".
+        solver: the linear systems, a key of SYSTEMS.
+        floating: solids that only contact holds, in a scene without inertia.
+
+    Attributes:
+        errors: the relative error before each round of the last step, and at its end.
+        system: the linear systems.
+    """
+
+    def __init__(
+        self,
+        problem: Assembly,
+        newton: Newton,
+        geometry: str,
+        solver: str,
+        floating: list[DeformableSolid],
+    ) -> None:
+        self._all, self._newton = problem, newton
+        self._settles = geometry == "fixed point"
+        self._floating = floating
+        self.errors: list[float] = []
+        self.system = SYSTEMS[solver](problem)
+        if floating:
+            self.system.hold(floating)
+        for solid in problem.solids:
+            solid.patient = self._settles or self.system.patient
+
+    def solve(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
+        """Solve a step.
+
+        Returns:
+            Forces on all points (flat, N), Newton iterations, linearisations, remarks.
+
+        Raises:
+            StepFailed: with the reason.
+        """
+        self.errors = []
+        return (self._fixed_point if self._settles else self._full)(step, clock)
+
+    # -- contact settled on frozen geometry, which is then renewed --------------------------------
+
+    def _fixed_point(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
+        iterations, remarks, last = 0, [], np.inf
+        for sweep in range(1, MAX_GEOMETRY + 1):
+            for solid in self._all.solids:
+                solid.linearise(step)
+            clock("solids")
+            speed = self._linearise(step, first=sweep == 1)
+            clock("pairing")
+            solution = self._settle(step)
+            iterations += solution.iterations
+            remarks += solution.remarks
+            clock("newton")
+            if isinstance(self.system, Condensed):  # else the solids have moved already
+                self.system.carry(step, solution.force)
+            clock("solids")
+            error = self._nonlinearity(step, speed, solution.force)
+            self.errors.append(error)
+            grown = [contact.grow(step) for contact in self._all.contacts]
+            clock("pairing")
+            if any(grown):
+                continue
+            if error <= GEOMETRY_TOLERANCE or last <= error <= ROUGH_GEOMETRY:
+                return solution.force, iterations, sweep, remarks
+            last = error
+        raise StepFailed(
+            f"the geometric fixed point stalls at a relative error of {error:.3g} after "
+            f"{sweep} linearisations"
+        )
+
+    def _linearise(self, step: Step, first: bool) -> float:
+        """Geometry, candidates and scales; returns a typical speed."""
+        dense = isinstance(self.system, Condensed)
+        for contact in self._all.contacts:
+            contact.linearise(step, exact=not dense and len(contact.solids) == 1)
+        pushed = max((c.push(c.force, step) for c in self._all.contacts), default=0.0)
+        if isinstance(self.system, Condensed):
+            free = self.system.free()
+            if first:
+                for contact, part in zip(self._all.contacts, self._all.parts):
+                    contact.screen(free[part], step)
+            speed = scale_of(max(self._all.fastest(free), SLOW * pushed))
+            self._all.set_scale(step, speed)
+            if first:
+                for contact, part in zip(self._all.contacts, self._all.parts):
+                    contact.start(free[part])
+            return speed
+        speed = scale_of(self._speed(step))
+        self._all.set_scale(step, speed)
+        return speed
+
+    def _settle(self, step: Step) -> Solution:
+        try:
+            return self._newton.solve(self.system.freeze(step))
+        except NotConverged as failure:
+            raise StepFailed(str(failure)) from None
+
+    def _nonlinearity(self, step: Step, speed: float, force: np.ndarray) -> float:
+        """Largest relative error of what was linearised, in the trial state."""
+        self._all.refuse_broken()
+        errors = self._all.imbalances(step, [s for s in self._all.solids if not s.linear])
+        for contact, part in zip(self._all.contacts, self._all.parts):
+            jump, gap, size = contact.error(step)
+            size = max(speed, size, SLOW * contact.push(force[part], step))
+            errors += [jump / size, gap / (size * step.span)]
+        return max(errors, default=0.0)
+
+    # -- everything at once -----------------------------------------------------------------------
+
+    def _full(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
+        best, halved, settled = np.inf, 0, 0
+        remarks: list[str] = []
+        errors = self.errors
+        for iteration in range(self._newton.max_iterations + 1):
+            for solid in self._all.solids:
+                solid.linearise(step)
+            clock("solids")
+            near = self.system.near
+            self._see(step, exact=near == np.inf)
+            self._all.set_scale(step, scale_of(self._speed(step)))
+            clock("pairing")
+            error, force = self.system.begin(step)
+            errors.append(error)
+            clock("newton")
+            stalled = iteration > 1 and errors[-2] <= error <= ROUGH
+            if iteration and (error <= self._newton.tolerance or stalled):
+                return force, iteration + settled, 1, remarks
+            if not np.isfinite(error):
+                break
+            if error > WORSE * max(best, COARSE) and halved < HALVINGS:
+                halved += 1
+                self._halve(step)
+                continue
+            best, halved = error, 0
+            if error <= near < np.inf:
+                self._see(step, exact=True)
+                clock("pairing")
+            if self._floating and not iteration:
+                solution = self._settle(step)
+                settled += solution.iterations
+                remarks += solution.remarks
+                for contact in self._all.contacts:
+                    contact.follow()
+                continue
+            self._advance(step, clock)
+        moved = free_motion(self._floating, step)
+        raise StepFailed(f"{self.system.stall()} after {len(errors) - 1} Newton iterations{moved}")
+
+    def _see(self, step: Step, exact: bool) -> None:
+        """Take up the geometry of the contacts; ``exact`` with its derivatives, which between
+        solids take longest."""
+        for contact in self._all.contacts:
+            contact.linearise(step, exact=exact or len(contact.solids) == 1)
+
+    def _speed(self, step: Step) -> float:
+        """The largest speed at the contacts, m/s, or that which their forces resolve, or else, at
+        the start of a drive, anywhere in the solids; 0 where nothing moves yet."""
+        contacts = self._all.contacts
+        solids = [contact.coupling.velocities("trial_velocity") for contact in contacts]
+        speed = max((float(np.abs(v).max(initial=0.0)) for v in solids), default=0.0)
+        pushed = max((c.push(c.force, step) for c in contacts), default=0.0)
+        loaded = max((solid.load_speed() for solid in self._floating), default=0.0)
+        if speed or pushed or loaded:
+            return max(speed, SLOW * pushed, loaded)
+        bodies = [solid for solid in self._all.solids if isinstance(solid, DeformableSolid)]
+        inside = [float(np.abs(solid.trial_velocity).max(initial=0.0)) for solid in bodies]
+        comm = self._all.solids[0].mesh.mesh.comm
+        return max((max(each) for each in comm.allgather([0.0, *inside])), default=0.0)
+
+    def _advance(self, step: Step, clock: Clock) -> None:
+        """One correction, shortened where it would invert an element."""
+        self._before = [
+            [solid.trial_velocity.copy() for solid in self._all.solids],
+            [contact.equations.values for contact in self._all.contacts],
+        ]
+        if not self.system.iterate(step):
+            raise StepFailed("the linearised problem is singular: is a body without support?")
+        clock("linear solve")
+        for _ in range(HALVINGS):
+            if not any(solid.broken() for solid in self._all.solids):
+                break
+            self._halve(step)
+        else:
+            self._all.refuse_broken()
+        for contact in self._all.contacts:
+            contact.follow()
+        clock("pairing")
+
+    def _halve(self, step: Step) -> None:
+        """Go back half of the last correction."""
+        velocities, unknowns = self._before
+        for solid, old in zip(self._all.solids, velocities):
+            solid.go(0.5 * (old + solid.trial_velocity), step)
+        for contact, values in zip(self._all.contacts, unknowns):
+            contact.equations.values = 0.5 * (values + contact.equations.values)
+            contact.follow()

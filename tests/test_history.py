@@ -87,8 +87,8 @@ def test_a_run_in_two_parts(name):
 CHILD = """
 import os, signal, sys
 sys.path.insert(0, {tests!r})
-import fenicsx_contact.run
-from fenicsx_contact import storage
+import fenicsx_contact.steps.run
+from fenicsx_contact.output import storage
 import scenes
 fenicsx_contact.steps.run.CHECKPOINT_EVERY = {every}
 save, replace, count = storage.RunDirectory.save, os.replace, 0
@@ -537,11 +537,11 @@ class Stubborn(Newton):
     failing: frozenset[int] = frozenset()
     calls = 0
 
-    def solve(self, system, limits):
+    def solve(self, system):
         type(self).calls += 1
         if self.calls in self.failing:
             raise NotConverged("it is stubborn")
-        return super().solve(system, limits)
+        return super().solve(system)
 
 
 def stubborn(*failing):

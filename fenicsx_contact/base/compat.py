@@ -134,16 +134,17 @@ def nodal_measure(mesh: Any) -> ufl.Measure:
     return ufl.Measure("dx", domain=mesh, metadata=metadata)
 
 
-def nodal_facet_measure(mesh: Any, facets: np.ndarray) -> ufl.Measure:
-    """Integration over these facets (local numbers) of the boundary by the values at their
-    vertices; 1 has its exact integral.
+def nodal_facet_measures(mesh: Any, *parts: np.ndarray) -> list[ufl.Measure]:
+    """Integration by the values at the vertices over each of these parts of the boundary, disjoint
+    sets of facets (local numbers); measures of one form.
 
     0.5.2 takes the rule "vertex" of the cell for that of the facet: triangles get it by name.
     """
-    facets = np.unique(np.asarray(facets, dtype=np.int32))
-    marked = np.ones(len(facets), dtype=np.int32)
-    tags = dolfinx.mesh.meshtags(mesh, mesh.topology.dim - 1, facets, marked)
-    rule = {"quadrature_rule": "GLL", "quadrature_degree": 1}
+    facets = np.concatenate(parts).astype(np.int32)
+    marks = np.repeat(np.arange(1, len(parts) + 1), [len(part) for part in parts]).astype(np.int32)
+    order = np.argsort(facets)
+    tags = dolfinx.mesh.meshtags(mesh, mesh.topology.dim - 1, facets[order], marks[order])
+    rule: dict[str, Any] = {"quadrature_rule": "GLL", "quadrature_degree": 1}
     if cell_name(mesh) == "tetrahedron":
         rule = {
             "quadrature_rule": "custom",
@@ -151,7 +152,8 @@ def nodal_facet_measure(mesh: Any, facets: np.ndarray) -> ufl.Measure:
             "quadrature_points": np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]),
             "quadrature_weights": np.full(3, 1 / 6),
         }
-    return ufl.Measure("ds", mesh, subdomain_data=tags, metadata=rule)(1)
+    ds = ufl.Measure("ds", mesh, subdomain_data=tags, metadata=rule)
+    return [ds(i + 1) for i in range(len(parts))]
 
 
 def _pack_constants(form: Any) -> np.ndarray:

@@ -140,6 +140,15 @@ class SurfaceEquations:
             k.gap_rate.value, k.dt.value, k.limit_rate.value = rates
             self.refresh()
 
+    def freeze_bound(self, frozen: bool) -> None:
+        """Whether the bound of friction is that of the present pressure, which then is no unknown
+        in it: Tresca's problem."""
+        if self.size > self.tractions:
+            k = self.fields
+            k.frozen.value = float(frozen)
+            k.known_pressure.x.array[:] = np.maximum(-self.values[self.jumps : self.tractions], 0)
+            self.refresh()
+
     def refresh(self) -> None:
         """Constants of the form have changed."""
         self.revision += 1

@@ -128,6 +128,8 @@ class SurfaceFields:
         if not multipliers:
             self.start_gap, self.elongation = surface.scalar(), surface.vector()
             self.mean_share, self.force_rate = surface.constant(), surface.constant(1.0)
+        if n_traction:
+            self.frozen, self.known_pressure = surface.constant(), surface.scalar()
         self._tangent = surface.vector() if d == 3 and friction is not None else None
         self._framed = False
         self._weight = surface.scalar() if weight is not None else None

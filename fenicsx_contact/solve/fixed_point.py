@@ -86,9 +86,7 @@ class FixedPoint:
         try:
             active = self._system.arrange()
             self._system.begin(self._free[active], self._all.compliance(active))
-            return self._newton.solve(
-                self._system, lambda: [contact.limit(step) for contact in self._all.contacts]
-            )
+            return self._newton.solve(self._system)
         except NotConverged as failure:
             raise StepFailed(str(failure)) from None
 

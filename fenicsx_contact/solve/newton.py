@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..base import checks
-from .gauss_seidel import project
+from .multipliers import method_of_multipliers
 from .surface_problem import SurfaceSystem
 
 
@@ -31,13 +30,12 @@ class Newton:
     """Settings of the Newton loop.
 
     Convergence is judged on the scaled residual of every row. When statuses come back that were
-    there before (ping-pong), a projected Gauss-Seidel solver, which always ends, takes over, and
-    Newton polishes its result.
+    there before (ping-pong), the method of multipliers takes over.
 
     Args:
         tolerance: on the largest scaled residual of any row, and where solids, geometry and
             contact are solved together on the momentum balances.
-        max_iterations: before the projected solver takes over.
+        max_iterations: before the method of multipliers takes over.
     """
 
     tolerance: float = 1e-10
@@ -47,15 +45,11 @@ class Newton:
         checks.number("tolerance", self.tolerance, above=0, at_most=1e-2)
         checks.whole_number("max_iterations", self.max_iterations, at_least=1)
 
-    def solve(
-        self, system: SurfaceSystem, limits: Callable[[], Sequence[np.ndarray | None]]
-    ) -> Solution:
+    def solve(self, system: SurfaceSystem) -> Solution:
         """Solve the surface problem of a step; the surfaces then hold the solution.
 
         Args:
             system: the surface problem, begun.
-            limits: gives for each contact the speeds w_n that its law allows, None for springs;
-                the projected solver asks for them.
 
         Raises:
             NotConverged: with the reason.
@@ -66,15 +60,11 @@ class Newton:
         if system.worst <= self.tolerance:
             return Solution(system.force(), iterations)
         remark = system.flips()
-        allowed = limits()
-        if all(limit is not None for limit in allowed):
-            sweeps = project(system, [limit for limit in allowed if limit is not None])
-            remark += f"; projected solver took over, {sweeps} sweeps"
-            if system.error() > self.tolerance:
-                iterations += self._iterate(system)
+        steps = method_of_multipliers(system, self.tolerance)
+        remark += f"; method of multipliers took over, {steps} steps"
         if system.worst > self.tolerance:
             raise NotConverged(f"{system.stall()}; {remark}")
-        return Solution(system.force(), iterations, [remark])
+        return Solution(system.force(), iterations + steps, [remark])
 
     def _iterate(self, system: SurfaceSystem) -> int:
         """Newton steps until converged, or until the statuses cycle."""

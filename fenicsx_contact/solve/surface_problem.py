@@ -26,6 +26,9 @@ from .pointwise import PointwiseSolver, PointwiseStep
 #: Compliance added to the tangent, never to the residual. Points of a rigid solid are hyperstatic
 #: and their multipliers not unique; this picks those nearest to the last ones.
 COMPLIANCE = 1e-8
+#: The same while the statuses of a hyperstatic contact change: points that bear in one iteration may
+#: ask of a rigid solid what it cannot do; stiffer forces than these tell nothing then.
+YIELDING = 1e-3
 #: Speeds below this share of those that the contact forces stand for are not resolved: where forces
 #: balance each other, as in a squeezed body, jumps are far smaller, down to round-off.
 SLOW = 1e-4
@@ -92,6 +95,8 @@ class SurfaceSystem:
         self._solver = PointwiseSolver(COMPLIANCE)
         self._sizes = np.empty(0), np.empty(0)
         self.worst = 0.0
+        self._compliance, self._centre = COMPLIANCE, np.empty(0)
+        self._before = np.empty(0)  # statuses
 
     def arrange(self) -> np.ndarray:
         """Take up which points are active; their velocities' indices among all."""
@@ -149,10 +154,29 @@ class SurfaceSystem:
         self.residual = self.assembled.copy()
         self.residual[:nw] = w - self.free + self.W @ self.assembled[:nw]
         self.residual *= self._rows
+        if self._centre.size:
+            self.residual[nw:] -= self._compliance * (self._multipliers() - self._centre)
+
+    def _multipliers(self) -> np.ndarray:
+        """The active multipliers, scaled."""
+        nw = len(self.active)
+        return self._gather([p.active_values() for p in self.parts])[nw:] / self._columns[nw:]
+
+    def soften(self, compliance: float) -> None:
+        """Put springs in series with the contact, so compliant (scaled), that are without strain at
+        the present multipliers; 0: take them away."""
+        self._centre = self._multipliers() if compliance else np.empty(0)
+        self._compliance = compliance or COMPLIANCE
+        for part in self.parts:
+            part.equations.freeze_bound(compliance > 0)
+        self.update()
 
     def iterate(self) -> bool:
         """One Newton step; False where the tangent is singular."""
-        return self._iterate_points() if self._many else self._iterate_all()
+        if self._hyperstatic and not self._centre.size:
+            self._compliance = COMPLIANCE if self._settled() else YIELDING
+        points = self._many and not self._centre.size
+        return self._iterate_points() if points else self._iterate_all()
 
     def _iterate_points(self) -> bool:
         """By the forces of the points alone."""
@@ -204,12 +228,17 @@ class SurfaceSystem:
         regular = A.copy()
         # high pressures weigh in the rows of friction, and again in the forces of their unknowns
         weight = np.maximum(1.0, np.abs(A[nw:, :nw]).max(axis=1, initial=0.0))
-        regular.flat[nw * (self.size + 1) :: self.size + 1] -= COMPLIANCE * weight**2
+        if self._centre.size:
+            A.flat[nw * (self.size + 1) :: self.size + 1] -= self._compliance
+            regular = A.copy()
+        else:
+            regular.flat[nw * (self.size + 1) :: self.size + 1] -= self._compliance * weight**2
         factors, pivots, singular = lapack.dgetrf(regular)
         if singular:
             return False
         step, _ = lapack.dgetrs(factors, pivots, self.residual)
-        step += lapack.dgetrs(factors, pivots, self.residual - A @ step)[0]
+        if self._compliance == COMPLIANCE:
+            step += lapack.dgetrs(factors, pivots, self.residual - A @ step)[0]
         step *= self._columns
         self.linear_force = self._spread(stiffness @ step - self.assembled[:nw])
         for part, place in self.placed:
@@ -243,17 +272,10 @@ class SurfaceSystem:
         result[self.active] = force
         return result
 
-    def condensed(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """J, W and free jumps of all candidates, as the projected solver asks."""
-        blocks = []
-        for part, place in self.placed:
-            operator = part.jump_operator()
-            columns = place[: len(part.active_places)]
-            full = np.zeros((len(columns) if operator is None else len(operator), len(self.active)))
-            full[:, columns] = np.eye(len(columns)) if operator is None else operator
-            blocks.append(full)
-        J = np.concatenate(blocks)
-        return J, J @ self.W @ J.T, J @ self.free
+    def _settled(self) -> bool:
+        """Whether the statuses are those of the last iteration."""
+        before, self._before = self._before, np.concatenate([p.statuses() for p in self.parts])
+        return np.array_equal(before, self._before)
 
     def remember(self) -> np.ndarray:
         """Statuses of all points of all contacts, kept to tell which ones flip."""

@@ -24,6 +24,7 @@ class ContactFields(Protocol):
         rho_n, rho_t: augmentation, Pa s/m, coefficients.
         gap_rate: derivative of the end position by the end velocity, s; ``dt``: the step, s.
         friction: the law of friction, None if there is none.
+        frozen, known_pressure: 1 where the bound is to be that of a known pressure [Pa], else 0.
     """
 
     velocity_jump: Any
@@ -41,6 +42,8 @@ class ContactFields(Protocol):
     gap_rate: Any
     dt: Any
     friction: FrictionBound | None
+    frozen: Any
+    known_pressure: Any
 
     @property
     def jump_n(self) -> Expr: ...
@@ -80,7 +83,8 @@ def weak_form(k: ContactFields, approach: Expr, Su: Expr = 1.0) -> tuple[ufl.For
 
     tau = k.traction
     g_t = tau + k.rho_t * k.jump_t
-    b = k.friction.bound(k, S * ufl.max_value(-lam, 0.0), S)
+    pressure = (1 - k.frozen) * ufl.max_value(-lam, 0.0) + k.frozen * k.known_pressure
+    b = k.friction.bound(k, S * pressure, S)
     P = bounded(b, g_t)
 
     form += k.integral(ufl.dot(P, k.test_jump_t))

@@ -20,7 +20,7 @@
 #
 # where $P_b$ projects on the ball of radius $b$ and $S = S_u S_v$ is 1 where the wall bears. The
 # last row times $1/b$ is the printed $\Lambda = P(\Lambda + \rho_t' w_t)$ for $\tau = b\Lambda$ and
-# $\rho_t' = \rho_t/b$, because $b P(x/b) = P_b(x)$. That one line is all; we shall see what it buys.
+# $\rho_t' = \rho_t/b$, because $b P(x/b) = P_b(x)$. That line is all; what does it buy?
 #
 # ## The discrete form
 #
@@ -51,8 +51,13 @@ from petsc4py import PETSc
 
 from fenicsx_contact.base import compat
 from fenicsx_contact.output.report import write_summary
-from fenicsx_contact.theory.laws import augmented_multiplier, ball_projection, bounded
-from fenicsx_contact.theory.laws import contact_status, indicator, slipping
+from fenicsx_contact.theory.laws import (
+    augmented_multiplier,
+    ball_projection,
+    bounded,
+    contact_status,
+    indicator,
+)
 from fenicsx_contact.theory.theta import ThetaScheme
 
 RESULTS = Path("results") / "equation_7"
@@ -62,8 +67,8 @@ LAWS = ("printed", "gap", "velocity")
 # %% [markdown]
 # ## The lines that solve it
 #
-# All unknowns are velocities: $\lambda$ and $\tau$ are $\rho_n$ times what is solved for, and so are
-# their test functions, so that all rows are forces and one number judges them.
+# All unknowns are velocities: $\lambda$ and $\tau$ are $\rho_n$ times what is solved for, and so
+# are their test functions, so that all rows are forces and one number judges them.
 
 
 # %%
@@ -455,8 +460,8 @@ if __name__ == "__main__":
 # %% [markdown]
 # *energy.png*: impacts of single nodes and friction take energy, theta = 1 takes more all the time.
 # At theta = 1 the laws `gap` and `velocity` allow open points the same speed; `printed` stops them
-# short of the wall or beyond it. *friction.png*: slip begins at the edge in front; what still sticks
-# bears less than its bound.
+# short of the wall or beyond it. *friction.png*: slip begins at the edge in front; what still
+# sticks bears less than its bound.
 #
 # ## What to try next
 #

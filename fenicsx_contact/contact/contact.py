@@ -286,6 +286,7 @@ class Contact:
 
     def accept(self, force: np.ndarray, step: Step) -> None:
         """Keep what the next step starts from; ``force``: on the traces' points, flat."""
+        self.equations.release()
         self.force = self._nodal_force() if self._paired else force.reshape(self.normal.shape)
         self.status = self.equations.statuses()
         if self._remembers and self.friction is not None:

@@ -133,30 +133,11 @@ def dropped_block(full: bool) -> tuple[Scene, float, float]:
     return Scene([block], [contact]), 0.2, 5e-4
 
 
-def tilted_block(full: bool) -> tuple[Scene, float, float]:
-    """An elastic block of 120 points that falls on an edge, by the gap law."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=1.0, height=0.2, n_width=119, n_height=6)
-    block = ElasticSolid(
-        mesh,
-        youngs_modulus=1e7,
-        poisson_ratio=0.0,
-        density=1000.0,
-        gravity=(0, -G),
-        displacement=lambda x: np.stack([0 * x[0], 0.05 * (x[0] + 0.5)]),
-        velocity=lambda x: np.stack([0 * x[0], -0.5 + 0 * x[0]]),
-        name="solid",
-    )
-    law = Gap() if full else Gap(reach=5e-3)
-    contact = Contact(block, "base", HalfSpace((0, 0), (0, 1)), law, friction=0.3)
-    return Scene([block], [contact], ThetaScheme(1.0, "end")), 0.02, 1e-4
-
-
 SCENES: dict[str, tuple[Callable[[bool], tuple[Scene, float, float]], str]] = {
     "rocking block": (rocking_block, "normals"),
     "bar at a wall": (bar_at_wall, "friction, factors, normals"),
     "sliding block": (sliding_block, "factors, normals"),
     "dropped block": (dropped_block, "friction, normals"),
-    "tilted block": (tilted_block, "candidates"),
 }
 
 

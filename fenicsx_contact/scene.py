@@ -21,7 +21,7 @@ from .steps.adaptive import ErrorControl
 from .steps.impacts import LocatedImpacts, UniformImpacts
 from .steps.run import run
 from .steps.step import Stepper
-from .theory.theta import ThetaScheme
+from .theory.theta import Scheme, ThetaScheme
 
 
 class Scene:
@@ -30,7 +30,7 @@ class Scene:
     Args:
         solids: the solids.
         contacts: the contacts among them.
-        scheme: the theta-scheme; default theta = 1/2 with forces at the theta-point.
+        scheme: of the steps; default: the theta-scheme, theta = 1/2 with forces at the theta-point.
         newton: settings of the Newton loop.
         locate_impacts: find the instant at which points close, step exactly there, and solve the
             impact as a step of no length; for VELOCITY only. Smooth motion between impacts is
@@ -44,8 +44,8 @@ class Scene:
             inertia too) and, without inertia, supports hold each solid; iterative for large scenes
             in space.
         allow_free: accept a solid that has neither contact nor support.
-        allow_growth: accept theta < 1/2, with which the scheme makes (1/2 - theta) dv' M dv of
-            energy in each step, in deformable solids exponentially.
+        allow_growth: accept a scheme that makes energy: with theta < 1/2 (1/2 - theta) dv' M dv in
+            each step, in deformable solids exponentially.
         deepest: largest initial penetration, as a share of the surface's extent.
 
     Raises:
@@ -59,7 +59,7 @@ class Scene:
         self,
         solids: Sequence[Solid],
         contacts: Sequence[Contact],
-        scheme: ThetaScheme | None = None,
+        scheme: Scheme | None = None,
         newton: Newton | None = None,
         *,
         locate_impacts: bool = False,
@@ -76,19 +76,18 @@ class Scene:
         if not self.solids:
             raise checks.InputError("solids = []: a scene needs at least one solid")
         self.contacts = checks.sequence("contacts", contacts, Contact, "contacts")
-        self.scheme = ThetaScheme() if scheme is None else scheme
+        self.scheme: Scheme = ThetaScheme() if scheme is None else scheme
         self.newton = Newton() if newton is None else newton
-        checks.instance("scheme", self.scheme, ThetaScheme, "a ThetaScheme")
+        if isinstance(self.scheme, type) or not isinstance(self.scheme, Scheme):
+            raise checks.InputError(f"scheme = {scheme!r}: must be a scheme, such as ThetaScheme()")
         checks.instance("newton", self.newton, Newton, "a Newton")
         self.locate_impacts = locate_impacts
         crossing = LocatedImpacts if locate_impacts else UniformImpacts
         self._impacts = crossing(self.scheme)
         self._check(allow_free, checks.number("deepest", deepest, at_least=0))
-        if self.scheme.theta < 0.5 and not allow_growth:
+        if self.scheme.growth and not allow_growth:
             raise checks.InputError(
-                f"theta = {self.scheme.theta!r}: must be >= 1/2, below which the scheme makes "
-                "energy in each step, in deformable solids exponentially; pass "
-                "allow_growth=True if that is meant"
+                f"{self.scheme.growth}; pass allow_growth=True if that is meant"
             )
         self.comm = self.solids[0].mesh.mesh.comm
         self.geometry, self.solver = choose(
@@ -121,10 +120,11 @@ class Scene:
                         f"contacts: {contact.name!r} is of solid {solid.name!r}, which is not in "
                         "the scene"
                     )
-            if self.scheme.theta == 0 and contact.formulation.gap_share:
+            if not self.scheme.position_rate and contact.formulation.gap_share:
                 raise checks.InputError(
-                    f"theta = 0.0: the {contact.formulation.name} law of contact {contact.name!r} "
-                    "needs theta > 0, for it acts on the position at the end of the step"
+                    f"{self.scheme.describe()}: the {contact.formulation.name} law of contact "
+                    f"{contact.name!r} acts on the position at the end of the step, which must "
+                    "depend on the velocity there (theta > 0)"
                 )
             if self.locate_impacts and not contact.formulation.percussive:
                 raise checks.InputError(
@@ -271,7 +271,7 @@ class Scene:
 
     def describe(self) -> str:
         """What the scene consists of, and what was left out because nothing needs it."""
-        lines = [f"theta = {self.scheme.theta:g}, forces at {self.scheme.forces}"]
+        lines = [self.scheme.describe()]
         lines += [f"solid {solid.name!r}: {solid.describe()}" for solid in self.solids]
         lines += [f"contact {contact.name!r}: {contact.describe()}" for contact in self.contacts]
         left_out = ["unknowns of obstacles"]

@@ -22,6 +22,7 @@ from fenicsx_contact import (
     axis_mesh,
 )
 from fenicsx_contact.base import compat
+from fenicsx_contact.rods.drive import AxialForce
 from fenicsx_contact.theory.theta import Step
 
 UNIFORM = (1.0, 8)
@@ -168,6 +169,33 @@ def test_extensible_rod_in_water_falls_like_a_rigid_one():
     assert times[1] == pytest.approx(times[0], rel=1e-9)
 
 
+class Winch:
+    """Somebody else's drive: a spring that pulls a rod to a travel of 1 m."""
+
+    prescribed = stop = None
+
+    def check(self, mass, gravity, held):
+        if held:
+            raise InputError("a winch pulls free rods")
+
+    def added_mass(self, travel):
+        return 0.0
+
+    def forces(self, travel, speed, mass, gravity, dt):
+        return [AxialForce("winch", 100.0 * (1.0 - travel), 0.0, -100.0)]
+
+
+def test_a_stranger_drives_a_beam():
+    axis = axis_mesh((0, 0), (0, 1), all=(1.0, 4))
+    beam = BeamSolid(axis, Section(mass=4.0, bending=70.0), law=Winch())
+    history = Scene([beam], [], allow_free=True).run(0.2, 1e-3)
+    assert beam.travel == pytest.approx(1 - math.cos(1), rel=1e-5)
+    assert -beam.taken["winch"] == pytest.approx(50 * math.sin(1) ** 2, rel=1e-5)
+    assert np.abs(history["balance"]).max() < 1e-10
+    with pytest.raises(InputError, match="winch pulls"):
+        BeamSolid(axis, Section(4.0, 70.0), supports=[CLAMP], law=Winch())
+
+
 def test_trace_is_consistent():
     """Free jump, compliance and spread forces belong to one operator, also between traces."""
     axis = axis_mesh((0, 0, 0), (1, 2, 2), all=UNEVEN)
@@ -184,10 +212,10 @@ def test_trace_is_consistent():
         trace.linearise(step)
     two.spread(force)
     beam.correct(step)
-    expected = one.free_jump() + one._whole_compliance(two) @ force
+    expected = one.free_jump() + one.whole_compliance(two) @ force
     np.testing.assert_allclose(one.jump(beam.trial_velocity), expected, rtol=1e-12)
-    np.testing.assert_allclose(one._whole_compliance(two), two._whole_compliance(one).T, atol=1e-12)
-    own = one._whole_compliance(one)
+    np.testing.assert_allclose(one.whole_compliance(two), two.whole_compliance(one).T, atol=1e-12)
+    own = one.whole_compliance(one)
     np.testing.assert_allclose(own, own.T, atol=1e-12)
     assert np.linalg.eigvalsh(own).min() > 0
 

@@ -6,9 +6,11 @@ import math
 
 import numpy as np
 import pytest
+from processes import killed_after
 
 from fenicsx_contact import (
     BeamSolid,
+    Discrete,
     Driven,
     Fall,
     Gap,
@@ -33,6 +35,7 @@ from fenicsx_contact.rods import (
     Tube,
     settle,
 )
+from fenicsx_contact.theory.theta import Step
 
 L, EI, C = 3.66, 850.0, 0.775e-3
 ROD = Section(mass=16.662, bending=EI)
@@ -87,7 +90,8 @@ def test_distance_and_normal_are_those_of_the_wall(curve, dim):
 def test_outside_the_tubes_no_wall_is_near():
     guide = Guide([Tube(0, 1, C), Tube(2, 3, C), Card(-1.0, C)])
     points = np.array([[5.0, 0.5], [0.0, -1.5], [0.0, -3.5], [0.0, -2.5]])
-    np.testing.assert_allclose(guide.distance(points), [1.0, 1.0, 1.0, C])
+    np.testing.assert_allclose(guide.distance(points), [guide.far] * 3 + [C])
+    assert guide.far == 1000 * C
 
 
 def test_stations_are_where_a_guide_is_convex():
@@ -386,3 +390,68 @@ def test_a_guide_too_bent_for_its_clearance_is_refused():
         GuideContact(rod, "rod", guide)
     settle(rod, "rod", guide)
     GuideContact(rod, "rod", guide)
+
+
+# -- killed and resumed -------------------------------------------------------------------------
+
+
+def falling(formulation, dim=2, elastic=False, axial=math.inf):
+    """A rod falls from a straight tube into a bent one, over a kink."""
+    down = (0.0,) * (dim - 1)
+    curve = Straight() if axial < math.inf else Sine(0.005, 1.8, "kinked")
+    guide = Guide([Tube(-2, 0, C), Card(-0.11, C / 2), Tube(0, 4, C, curve)], (0.0,) * dim)
+    rod = BeamSolid(
+        axis_mesh((*down, -0.9), (*down, 1), rod=(1.8, 18)),
+        Section(mass=16.662, bending=EI, axial=axial),
+        gravity=(0.0 if axial == math.inf else 3.0, *down[1:], -9.81),
+        law=Fall(drive_friction=5.0),
+        displacement=lambda s: np.outer(np.eye(dim - 1)[0], 1e-4 * np.cos(3 * s)),
+    )
+    grids = [Support(s, lateral=1e5, axial=math.inf) for s in (0.0, 1.5, 3.0)]
+    around = axis_mesh((*down, -3), (*down, 1), tube=(3.0, 12))
+    tube = BeamSolid(around, Section(mass=5.0, bending=2e3), supports=grids, name="tube")
+    solid = RodInTube(rod, tube) if elastic else rod
+    if axial == math.inf:
+        settle(solid, "rod", guide)
+    contact = GuideContact(solid, "rod", guide, formulation, 0.2, name="c")
+    return Scene([solid], [contact], ThetaScheme(0.6))
+
+
+@pytest.mark.parametrize(
+    ("formulation", "others"),
+    [
+        (Velocity(0.1), {}),
+        (Gap(), {}),
+        (Discrete(1e5, 20.0), {}),
+        (Velocity(0.1), {"elastic": True}),
+        (Velocity(0.1), {"axial": 1e7}),
+        (Velocity(0.1), {"dim": 3}),
+    ],
+    ids=["velocity", "gap", "springs", "tube", "extensible", "space"],
+)
+def test_killed_and_resumed_to_the_same_bits(formulation, others, tmp_path):
+    """What a rod keeps between steps is a function of its state."""
+    dt = 5e-4
+    whole = falling(formulation, **others).run(60 * dt, dt)
+    assert whole.finished and whole["c.bearing"].max() > 0
+    with killed_after(23):
+        falling(formulation, **others).run(60 * dt, dt, directory=tmp_path)
+    rest = falling(formulation, **others).run(60 * dt, dt, directory=tmp_path, resume=True)
+    for column in whole.columns:
+        np.testing.assert_array_equal(rest[column], whole[column], err_msg=column)
+
+
+def test_a_step_sees_its_start_as_its_forces_act():
+    """A rod slides past: works are sums of forces and jumps by one operator."""
+    scene = falling(Velocity())
+    (rod,), (contact,) = scene.solids, scene.contacts
+    for _ in range(40):
+        list(scene.step(1e-3))
+    step = Step(1e-3, scene.scheme, scene.time)
+    before = contact.coupling.jump("velocity")
+    for part in (rod, contact):
+        part.predict(step)
+    for part in (rod, contact):
+        part.linearise(step)
+    np.testing.assert_array_equal(contact.jump.ravel(), contact.trace.mean_jump(rod.velocity))
+    assert np.abs(contact.jump - before)[contact.stations].max() > 0

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
+import ufl
 
 #: Squares and products of admissible numbers stay far inside the range of a double.
 LARGEST, SMALLEST = 1e60, 1e-60
@@ -24,6 +25,12 @@ class StepFailed(RuntimeError):
     """A step that cannot be taken at its length; the message is the reason."""
 
 
+def _plain(value: Any) -> Any:
+    """The value of a ``fem.Constant``, as it is now, None for another expression of UFL: numpy and
+    ``float`` would ask it for its components without end."""
+    return getattr(value, "value", None) if isinstance(value, ufl.core.expr.Expr) else value
+
+
 def number(
     name: str,
     value: Any,
@@ -32,13 +39,13 @@ def number(
     above: float | None = None,
     at_most: float | None = None,
 ) -> float:
-    """``value`` as a float, or an :class:`InputError`."""
+    """``value``, a number or a scalar ``fem.Constant``, as a float, or an :class:`InputError`."""
     bounds = [f">= {at_least:g}" for _ in (1,) if at_least is not None]
     bounds += [f"> {above:g}" for _ in (1,) if above is not None]
     bounds += [f"<= {at_most:g}" for _ in (1,) if at_most is not None]
     allowed = "a finite number" + (" " + " and ".join(bounds) if bounds else "")
     try:
-        result = float(value)
+        result = float(_plain(value))
     except (TypeError, ValueError):
         raise InputError(f"{name} = {value!r}: must be {allowed}") from None
     inside = (
@@ -60,7 +67,7 @@ def number(
 def vector(name: str, value: Any, size: int) -> np.ndarray:
     """``value`` as ``size`` finite floats, or an :class:`InputError`."""
     try:
-        result = np.array(value, dtype=float)
+        result = np.array(_plain(value), dtype=float)
     except (TypeError, ValueError):
         raise InputError(f"{name} = {value!r}: must be {size} finite numbers") from None
     if result.shape != (size,) or not np.isfinite(result).all():

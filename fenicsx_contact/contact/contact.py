@@ -163,10 +163,39 @@ class Contact:
             self._allowed = self._allowed & self.touching()
         if not step.dt and not self.formulation.percussive:
             self._allowed = np.zeros(self.surface.size, dtype=bool)
+        self._asked = np.ones(self.surface.size, dtype=bool)
         self._choose()
 
     def _choose(self) -> None:
-        self.equations.choose(self._allowed & self.coupling.near())
+        self.equations.choose(self._allowed & self._asked & self.coupling.near())
+
+    def screen(self, free: np.ndarray, step: Step) -> None:
+        """Narrow the candidates to points that bore, or would do what the law forbids without
+        contact, from the free velocities of the traces' points, flat: no others bear, unless
+        :meth:`grow` finds that the contact made them."""
+        bore = self.status > 0
+        self._asked = bore | self._violates(self.coupling.to_jump(free), step)
+        self._choose()
+
+    def grow(self, step: Step) -> bool:
+        """Let points be candidates that do in the trial state what the law forbids; whether there
+        were any."""
+        more = self._violates(self.trial_jump, step) & ~self._asked
+        if not (more & self._allowed & self.coupling.near()).any():
+            return False
+        self._asked |= more
+        self._choose()
+        return True
+
+    def _violates(self, jump: np.ndarray, step: Step) -> np.ndarray:
+        """Points whose jump (n, d) is more than the law allows, (n,) of bool."""
+        approach = _dot(jump, self.normal)
+        limit = self.limit(step)
+        if limit is None:  # springs know no limit, but what they do not touch
+            k = self.equations.fields
+            limit = -k.gap.x.array / step.gap_rate if step.gap_rate else np.inf * approach
+            return (approach > limit) | (self.gap > 0)
+        return approach > limit
 
     def touching(self) -> np.ndarray:
         """Points that bore in the last step or touch at the start of this one, (n,) of bool."""
@@ -197,7 +226,8 @@ class Contact:
             rate = step.scheme.force_weight * (step.dt - step.gap_rate)
             k.elongation.x.array[:] = (self._stretch + rate * self.jump).ravel()
             k.start_gap.x.array[:] = self.gap
-            k.mean_share.value, k.force_rate.value = step.scheme.mean_share, step.force_rate
+            k.mean_share.value = step.mean_share
+            k.force_rate.value = step.scheme.force_weight * step.gap_rate
             self.equations.refresh()
         self.coupling.linearise(step, exact, share)
 
@@ -261,6 +291,23 @@ class Contact:
         change = np.abs(_dot(free, self.normal) - self._start_jump_n)
         excess = self._start_jump_n + np.minimum(self.gap, 0.0) / step.dt
         return bool((excess > change)[points].any())
+
+    def astray(self, step: Step) -> np.ndarray:
+        """How much deeper each point is in the trial state than its velocities say, (n,) in m."""
+        way = step.gap_rate * _dot(self.trial_jump, self.normal)
+        way += (step.dt - step.gap_rate) * self._start_jump_n
+        return np.asarray(self.coupling.gaps() - self.gap - way)
+
+    def farthest(self) -> float:
+        """The largest coordinate of its points, m."""
+        return float(np.abs(self.coupling.positions()).max())
+
+    def normal_rows(self, points: np.ndarray) -> list[np.ndarray]:
+        """For each solid the derivatives of the gaps of these points by its unknowns."""
+        d, normals = self.surface.dim, self.normal[points]
+        rows = (points[:, None] * d + np.arange(d)).ravel()
+        operators = self.coupling.jump_rows(rows)
+        return [np.einsum("pi,pij->pj", normals, J.reshape(len(points), d, -1)) for J in operators]
 
     def follow(self) -> None:
         """Follow the solids to their trial states, which have just been computed."""

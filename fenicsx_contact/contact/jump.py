@@ -17,7 +17,7 @@ from ..solve.surface_problem import Part
 from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .mortar import Pairing, Side
-from .mortar.matrices import square
+from .mortar.matrices import by_component, square
 from .obstacle import Obstacle
 from .pair_equations import PairedEquations
 from .surface import Surface
@@ -87,6 +87,10 @@ class Coupling(ABC):
         return self.to_jump(parts[0] if len(parts) == 1 else np.concatenate(parts))
 
     @abstractmethod
+    def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:
+        """For each solid these rows of the operator from its unknowns to the nodal jumps, dense."""
+
+    @abstractmethod
     def mobility(self) -> np.ndarray:
         """What a unit force moves the slave's nodes against the other side, about, (n, d)."""
 
@@ -143,6 +147,9 @@ class ObstacleCoupling(Coupling):
 
     def mobility(self) -> np.ndarray:
         return self.traces[0].mobility().reshape(self._shape)
+
+    def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:
+        return [self.traces[0].rows(rows)]
 
     def describe(self) -> str:
         plain = type(self.obstacle).__repr__ is object.__repr__  # would tell an address in memory
@@ -202,6 +209,16 @@ class PairCoupling(Coupling):
     def accept(self) -> None:
         super().accept()
         self._start = self.pairing.places
+
+    def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:
+        d, start, result = self._shape[1], 0, []
+        for trace in self.traces:
+            size = len(trace.positions()) * d
+            J = by_component(self.pairing.operator, d)[rows][:, start : start + size]
+            J = J if isinstance(J, np.ndarray) else J.toarray()
+            result.append(J @ trace.rows(np.arange(size)))
+            start += size
+        return result
 
     def mobility(self) -> np.ndarray:
         mobility = np.concatenate([trace.mobility() for trace in self.traces])

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Guides of rods: curves, tubes and cards, and the contact with a beam that slides through them."""
 
-from .contact import GuideContact
-from .curves import AnyCurve, Bow, Curve, Sine, Straight
-from .guide import Card, Guide, Tube
+from .contact import ForceMap, GuideContact
+from .guide import Guide
+from .pieces import AnyCurve, Bow, Card, Curve, Sine, Straight, Tube
 from .settle import lay_in, settle
 from .tube import RodInTube
-from .watch import ForceMap
 
 __all__ = [
     "AnyCurve",

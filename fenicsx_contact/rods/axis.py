@@ -74,6 +74,17 @@ class AxisMesh:
         """Length of the line, m."""
         return float(self.along(self.mesh.geometry.x[:, : self.dim]).max())
 
+    @property
+    def frame(self) -> np.ndarray:
+        """Unit vectors across the line, (d - 1, d), as near as can be to the first axes."""
+        e = self.direction
+        if self.dim == 2:
+            return np.array([[e[1], -e[0]]])
+        first = np.eye(3)[np.abs(e).argmin()]
+        first = first - (first @ e) * e
+        first /= np.linalg.norm(first)
+        return np.stack([first, np.cross(e, first)])
+
     def along(self, points: np.ndarray) -> np.ndarray:
         """The coordinate s of points (n, d), m."""
         return (points - self.origin) @ self.direction

@@ -3,7 +3,8 @@
 
 It is a contact like any other, with the same fields, formulations and weak form; only where its
 points are is its own affair. The nodes of a stretch of the rod meet the walls of the tubes; the
-stations of the guide meet the rod, wherever along the rod they are just now.
+stations of the guide meet the rod, wherever along the rod they are just now. A map of its forces
+tells where it bore, and when.
 """
 
 from __future__ import annotations
@@ -17,14 +18,11 @@ from ..contact.contact import Contact
 from ..contact.jump import ObstacleCoupling
 from ..contact.surface import Surface
 from ..theory.formulations import Formulation
+from ..theory.theta import Step
 from .beam import BeamSolid
-from .drive import Fall
-from .guide import FAR, Guide
+from .guide import Guide
 from .trace import BeamTrace
 from .tube import PairTrace, RodInTube
-
-#: A way so short that a wall is straight along it, m.
-SHORT = 1e-5
 
 
 class GuideCoupling(ObstacleCoupling):
@@ -37,42 +35,27 @@ class GuideCoupling(ObstacleCoupling):
         self._guide, self._stations = contact.obstacle, contact.stations
         self._rod, self._trace, self._turn = contact.solid.rod, trace, turn
         self._at: np.ndarray | None = None
-        self._prediction = -1
 
     def _look(self) -> None:
         """Distances and normals of all points, in the trial state."""
         x = self._trace.positions()
         if x is self._at:
             return
-        if self._at is not None and self._near(x):
-            return
-        self._at, self._prediction = x, self._rod.predictions
-        guide, rows = self._guide, self._stations
+        self._at, guide, rows = x, self._guide, self._stations
         self._distances, self._outward = guide.distance(x).copy(), guide.normals(x).copy()
-        if isinstance(self._trace, PairTrace):
-            self._tilt(self._trace.wall_slopes() @ self._rod.frame)
+        bent = self._trace.wall_slopes()
+        if bent is not None:
+            self._tilt(bent @ self._rod.frame)
         # the beam's slopes are by its own s, upwards, and in its own lateral directions
         slopes = -self._trace.slopes()[rows] @ self._turn
         self._distances[rows], self._outward[rows] = guide.at_stations(x[rows], slopes)
-        self._distances[self._trace.void] = FAR
+        self._distances[self._trace.void] = guide.far
 
     def _tilt(self, slopes: np.ndarray) -> None:
         """Turn the normals with an elastic tube; its slopes are by s, as vectors (n, d)."""
         up = self._rod.axis.direction
         self._outward -= np.einsum("ij,ij->i", self._outward, slopes)[:, None] * up
         self._outward /= np.linalg.norm(self._outward, axis=1)[:, None]
-
-    def _near(self, x: np.ndarray) -> bool:
-        """Within a step in a plane the points move by so little from where they were predicted
-        that the walls are straight there, to their curvature times the square of it."""
-        if self._guide.dim == 3 or self._prediction != self._rod.predictions:
-            return False
-        moved = x - self._at
-        if np.abs(moved).max() > SHORT:
-            return False
-        self._distances = self._distances + np.einsum("ij,ij->i", self._outward, moved)
-        self._at = x
-        return True
 
     def near(self) -> np.ndarray:
         # a station that the rod has passed meets nothing, though it bore a moment ago
@@ -158,9 +141,19 @@ class GuideContact(Contact):
         rod = self.solid.rod
         s = rod.axis.along(self.surface.points)
         within = rod.axis.stretch(self.facets)
-        trace = BeamTrace(rod, s, self.stations, s[self.stations], within)
-        self.trace = PairTrace(self.solid, trace) if isinstance(self.solid, RodInTube) else trace
+        stand = s[self.stations]
+        self.trace = self.solid.around(BeamTrace(rod, s, self.stations, lambda: stand, within))
         return GuideCoupling(self, self.trace, self._turn)
+
+    def predict(self, step: Step, closing: bool = True) -> None:
+        super().predict(step, closing)
+        # the rod slides past: with which velocity the step starts is for its own operator to say,
+        # the one by which forces act; that of the last step saw other material
+        self.jump = self.coupling.jump("velocity")
+
+    def accept(self, force: np.ndarray, step: Step) -> None:
+        self.trace.accept()  # the next step starts from the gaps of the state as it is
+        super().accept(force, step)
 
     def normal_force(self) -> float:
         """Sum of the sizes of the normal forces in the last step, N."""
@@ -183,10 +176,67 @@ def _check_place(rod: BeamSolid, stretch: str, guide: Guide) -> None:
         )
     low = rod.axis.origin + rod.axis.stretch(stretch)[0] * rod.axis.direction
     tip = float(guide.depth(low[None])[0]) + rod.travel
-    stop = rod.law.stop if isinstance(rod.law, Fall) else None
+    stop = rod.law.stop if rod.law else None
     end = tip if stop is None else max(tip, tip - rod.travel + stop)
     if end > guide.bottom:
         raise checks.InputError(
             f"solid: the tip of {rod.name!r} reaches the depth {end:.6g} m, beyond the end of its "
             f"guide at {guide.bottom:.6g} m; the rod is longer than its guide allows"
         )
+
+
+class ForceMap:
+    """Mean normal forces by depth and time, and the rod's shape now and then.
+
+    Called with the contact after each step, for instance by a probe of the run.
+
+    Args:
+        dt: length of the steps, s.
+        duration, height: of a cell of the map, s and m.
+        every: time between two shapes, s.
+
+    Attributes:
+        shapes: times [s], and depths and first lateral places [m] of the guided nodes then.
+
+    Raises:
+        InputError: a number that is not positive.
+    """
+
+    def __init__(
+        self, dt: float, duration: float = 0.01, height: float = 0.05, every: float = 0.04
+    ) -> None:
+        self.dt = checks.number("dt", dt, above=0)
+        self.duration = checks.number("duration", duration, above=0)
+        self.height = checks.number("height", height, above=0)
+        self.every = checks.number("every", every, above=0)
+        self.shapes: list[tuple[float, np.ndarray, np.ndarray]] = []
+        self._cells: dict[tuple[int, int], float] = {}
+        self._time = 0.0
+
+    def __call__(self, contact: GuideContact) -> None:
+        """Note what the contact did in the step that has just been accepted."""
+        guide, places = contact.obstacle, contact.trace.positions()
+        depth = guide.depth(places)
+        if len(self.shapes) <= self._time / self.every:
+            nodes = np.setdiff1d(np.arange(len(depth)), contact.stations)
+            lateral = (places[nodes] - guide.origin) @ guide.lateral[0]
+            self.shapes.append((self._time, depth[nodes], lateral))
+        force = np.abs(np.einsum("ij,ij->i", contact.force, contact.normal))
+        column = int(self._time / self.duration)
+        for i in np.flatnonzero(force):
+            key = column, int(np.floor(depth[i] / self.height))
+            share = force[i] * self.dt / self.duration
+            self._cells[key] = self._cells.get(key, 0.0) + share
+        self._time += self.dt
+
+    def picture(self) -> tuple[np.ndarray, list[float]]:
+        """Forces [N] by (depth, time), and the extent of the picture: start and end [s], bottom
+        and top [m]; empty if nothing bore."""
+        if not self._cells:
+            return np.zeros((0, 0)), [0.0, 0.0, 0.0, 0.0]
+        columns, rows = np.array(list(self._cells)).T
+        low = rows.min()
+        image = np.zeros((rows.max() - low + 1, columns.max() + 1))
+        image[rows - low, columns] = list(self._cells.values())
+        bottom, top = (rows.max() + 1) * self.height, low * self.height
+        return image, [0.0, (columns.max() + 1) * self.duration, bottom, top]

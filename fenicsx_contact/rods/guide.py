@@ -15,88 +15,16 @@ the rod is interpolated.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..base import checks
-from .curves import Curve, Straight
+from .pieces import Card, Straight, Tube
 
-#: Where no wall is near, m.
-FAR = 1.0
-
-
-@dataclass(frozen=True)
-class Tube:
-    """A continuous guide.
-
-    Args:
-        top, bottom: depths, m.
-        clearance: radial, m; or pairs (depth, clearance), linear in between.
-        curve: of its centre line.
-        kinks: depths at which the curve has a kink.
-
-    Raises:
-        InputError: an empty or upside-down tube, a clearance that is not positive.
-    """
-
-    top: float
-    bottom: float
-    clearance: float | Sequence[tuple[float, float]]
-    curve: Curve = field(default_factory=Straight)
-    kinks: Sequence[float] = ()
-
-    def __post_init__(self) -> None:
-        top, bottom = checks.number("top", self.top), checks.number("bottom", self.bottom)
-        if top >= bottom:
-            raise checks.InputError(f"top = {top!r}, bottom = {bottom!r}: the top must be above")
-        checks.instance("curve", self.curve, Curve, "a curve (Straight, Sine, Bow, ...)")
-        if not isinstance(self.clearance, (list, tuple, np.ndarray)):
-            checks.number("clearance", self.clearance, above=0)
-            return
-        table = np.array(self.clearance, dtype=float)
-        if table.ndim != 2 or table.shape[1] != 2 or not (np.diff(table[:, 0]) > 0).all():
-            raise checks.InputError(
-                f"clearance = {self.clearance!r}: must be > 0, or pairs (depth, clearance) that "
-                "go downwards"
-            )
-        for value in table[:, 1]:
-            checks.number("clearance", value, above=0)
-
-    def table(self) -> tuple[np.ndarray, np.ndarray]:
-        """Depths and clearances between which the clearance is linear."""
-        if isinstance(self.clearance, (list, tuple, np.ndarray)):
-            depth, clearance = np.array(self.clearance, dtype=float).T
-            return depth, clearance
-        return np.array([self.top, self.bottom]), np.full(2, self.clearance, dtype=float)
-
-    def stations(self) -> list[float]:
-        """Its ends, kinks, and the places at which a taper ends."""
-        depth, clearance = self.table()
-        slope = np.diff(clearance) / np.diff(depth)
-        tapers = depth[1:-1][np.diff(slope) > 0]
-        inside = [x for x in (*tapers, *self.kinks) if self.top < x < self.bottom]
-        return [self.top, *inside, self.bottom]
-
-
-@dataclass(frozen=True)
-class Card:
-    """A thin plate with a hole.
-
-    Args:
-        depth: m.
-        clearance: radial, m.
-        centre: lateral place of the hole, m.
-    """
-
-    depth: float
-    clearance: float
-    centre: float = 0.0
-
-    def __post_init__(self) -> None:
-        checks.number("depth", self.depth)
-        checks.number("centre", self.centre)
-        checks.number("clearance", self.clearance, above=0)
+#: Where there is no wall, points are so many of the widest clearance away from one.
+FAR = 1e3
+#: Depths that differ by no more than this share of the guide's length are one.
+SAME = 1e-9
 
 
 class Guide:
@@ -111,6 +39,7 @@ class Guide:
     Attributes:
         stations: depths of the stations, from the top down, (k,) in m.
         bottom: depth at which the last tube ends, m; infinite if there are only cards.
+        far: the distance of points next to which there is no wall, m.
 
     Raises:
         InputError: no pieces, tubes that overlap, directions that are zero or not lateral.
@@ -144,8 +73,11 @@ class Guide:
         # depth first, then the lateral directions
         self._axes = np.array([self.direction, self.plane, *second])
         self.tubes = sorted((p for p in pieces if isinstance(p, Tube)), key=lambda p: p.top)
+        depths = [x for p in pieces for x in p.stations()]
+        self._same = SAME * (max(depths) - min(depths))
+        self.far = FAR * max(p.hole(x)[0] for p in pieces for x in p.stations())
         for upper, lower in zip(self.tubes[:-1], self.tubes[1:]):
-            if lower.top < upper.bottom - 1e-12:
+            if lower.top < upper.bottom - self._same:
                 raise checks.InputError(f"pieces: {upper} and {lower} overlap")
         straight = Straight()
         self._bent = [(i, tube) for i, tube in enumerate(self.tubes) if tube.curve != straight]
@@ -157,41 +89,38 @@ class Guide:
         """Bounds of what lies between two depths; there the clearance is linear: begin, value,
         slope, and which tube it is (-1: none, nothing is near)."""
         bounds: list[float] = []
-        parts: list[tuple[float, float, float, int]] = [(0.0, FAR, 0.0, -1)]
+        parts: list[tuple[float, float, float, int]] = [(0.0, self.far, 0.0, -1)]
         for i, tube in enumerate(self.tubes):
             depth, clearance = tube.table()
             knots = np.array([tube.top, *(x for x in depth if tube.top < x < tube.bottom)])
             values = np.interp([*knots, tube.bottom], depth, clearance)
             slopes = np.diff(values) / np.diff([*knots, tube.bottom])
-            if bounds and abs(bounds[-1] - tube.top) <= 1e-12:
+            if bounds and abs(bounds[-1] - tube.top) <= self._same:
                 bounds.pop()
                 parts.pop()
             bounds += [*knots, tube.bottom]
-            parts += [*zip(knots, values[:-1], slopes, [i] * len(knots)), (0.0, FAR, 0.0, -1)]
+            parts += [*zip(knots, values[:-1], slopes, [i] * len(knots)), (0.0, self.far, 0.0, -1)]
         self._bounds = np.array(bounds)
         self._begin, self._value, self._taper, which = np.array(parts).T
         self._which = which.astype(int)
 
     def _stations(self) -> None:
         """Depth, clearance and centre of the stations; the tighter one where two coincide."""
-        d = self.dim
-        found: dict[float, tuple[float, np.ndarray]] = {}
+        found: list[tuple[float, float, np.ndarray]] = []
         for piece in self.pieces:
-            depths = [piece.depth] if isinstance(piece, Card) else piece.stations()
-            for depth in depths:
-                if isinstance(piece, Card):
-                    entry = piece.clearance, np.eye(d - 1)[0] * piece.centre
-                else:
-                    at = np.array([depth])
-                    centre = self._lateral(piece.curve.offset(at))[0]
-                    entry = float(np.interp(depth, *piece.table())), centre
-                key = round(depth, 9)
-                if key not in found or entry[0] < found[key][0]:
-                    found[key] = entry
-        order = sorted(found)
-        self.stations = np.array(order)
-        self._clearance = np.array([found[depth][0] for depth in order])
-        self._centre = np.array([found[depth][1] for depth in order])
+            for depth in piece.stations():
+                clearance, place = piece.hole(depth)
+                found.append((depth, clearance, self._lateral(place)[0]))
+        found.sort(key=lambda each: each[0])
+        kept = found[:1]
+        for each in found[1:]:
+            if each[0] - kept[-1][0] > self._same:
+                kept.append(each)
+            elif each[1] < kept[-1][1]:
+                kept[-1] = each
+        depths, clearances, centres = zip(*kept)
+        self.stations, self._clearance = np.array(depths), np.array(clearances)
+        self._centre = np.array(centres)
         self.bottom = self.tubes[-1].bottom if self.tubes else np.inf
 
     def _lateral(self, values: np.ndarray) -> np.ndarray:
@@ -235,7 +164,7 @@ class Guide:
         size, across = _polar(off)
         axial = (across * rate).sum(axis=1) + self._taper[segment]
         steep = np.sqrt(1 + axial * axial)
-        self._distance = np.where(which < 0, FAR, (clearance - size) / steep)
+        self._distance = np.where(which < 0, self.far, (clearance - size) / steep)
         local[:, 0], local[:, 1:] = axial / steep, across / -steep[:, None]
         self._normal = local @ self._axes
         self._last = points

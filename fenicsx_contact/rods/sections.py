@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import ufl
@@ -26,6 +27,8 @@ from .axis import AxisMesh
 
 #: A number, or a function of s [m] (n,) with values (n,), taken at the middle of each cell.
 Value = float | Callable[[np.ndarray], np.ndarray]
+#: A lateral field: of places along the axis [m] (n,), values (d - 1, n).
+Lateral = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -103,6 +106,7 @@ class BeamMatrices:
         free_bending, free_axial: unknowns that no support holds fast.
         shapes: of the deflection inside the cells, see :func:`shape_functions`.
         mass: of the beam and its point masses, kg; ``weights``, by node.
+        lengths: of the axis that belong to the nodes, m.
     """
 
     def __init__(
@@ -117,6 +121,8 @@ class BeamMatrices:
         s = axis.along(scalars.tabulate_dof_coordinates()[:, : axis.dim])
         order = np.argsort(s)
         self.s = s[order]
+        ends = np.concatenate([self.s[:1], 0.5 * (self.s[1:] + self.s[:-1]), self.s[-1:]])
+        self.lengths = np.diff(ends)
         nodes = compat.cell_dofs(scalars)
         dofs = np.empty((2, len(s)), dtype=int)
         for component in range(2):
@@ -179,6 +185,8 @@ class BeamMatrices:
             self.axial_mass = np.array([self.mass])
             self.axial_stiffness = np.zeros((1, 1))
         self._ground(supports, stretches)
+        #: Of the last lengths of steps.
+        self.flexibilities = lru_cache(8)(self._flexibilities)
 
     def _node(self, what: str, place: float) -> int:
         i = int(np.abs(self.s - checks.number(what, place)).argmin())
@@ -202,6 +210,22 @@ class BeamMatrices:
                 else:
                     matrix[at, at] += stiffness
 
+    def _flexibilities(self, span: float, rate: float) -> tuple[np.ndarray, np.ndarray]:
+        """Inverses of ``M/span + rate K`` of bending and of axial motion, zero where a support
+        holds fast; a span and a rate in s, the inverses in m/(N s)."""
+        bending = np.diag(self.bending_mass) / span + rate * self.bending_stiffness
+        axial = np.diag(self.axial_mass) / span + rate * self.axial_stiffness
+        return _inverse(bending, self.free_bending), _inverse(axial, self.free_axial)
+
+    def bent(self, w: np.ndarray, slope: np.ndarray | None) -> np.ndarray:
+        """The unknowns of a deflection [m] of the nodes and its slope (default: by differences),
+        (planes, m) each."""
+        result = np.empty((len(w), len(self.bending_mass)))
+        result[:, ::2] = w
+        result[:, 1::2] = np.gradient(w, self.s, axis=1) if slope is None else slope
+        result[:, ~self.free_bending] = 0.0
+        return result
+
     def slowest_period(self) -> float:
         """Period of the slowest bending vibration that is not rigid, s."""
         keep = self.free_bending & (self.bending_mass > 0)
@@ -214,6 +238,14 @@ class BeamMatrices:
         root = 1 / np.sqrt(self.bending_mass[keep])
         square = np.linalg.eigvalsh(root[:, None] * stiff * root)
         return float(2 * np.pi / np.sqrt(square[square > 1e-9 * square[-1]].min()))
+
+
+def _inverse(matrix: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """The inverse over the free unknowns, zero elsewhere."""
+    result = np.zeros_like(matrix)
+    here = np.ix_(free, free)
+    result[here] = np.linalg.inv(matrix[here])
+    return result
 
 
 def _values(

@@ -78,7 +78,11 @@ class RodInTube(Solid):
             solid.rest()
 
     def trace(self, points: np.ndarray) -> PairTrace:
-        return PairTrace(self, self.rod.trace(points))
+        return self.around(self.rod.trace(points))
+
+    def around(self, trace: BeamTrace) -> PairTrace:
+        """A trace of the rod, seen from the tube."""
+        return PairTrace(self, trace)
 
     def predict(self, step: Step) -> None:
         for solid in self._both:
@@ -103,9 +107,9 @@ class RodInTube(Solid):
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
         return 0.0
 
-    def accept(self) -> None:
+    def accept(self, step: Step) -> None:
         for solid in self._both:
-            solid.accept()
+            solid.accept(step)
 
     def energies(self) -> tuple[float, float, float]:
         kinetic, strain, potential = np.sum([solid.energies() for solid in self._both], axis=0)
@@ -143,9 +147,10 @@ class PairTrace(Trace):
     def __init__(self, solid: RodInTube, rod: BeamTrace) -> None:
         self._solid, self.rod = solid, rod
         n = len(rod.positions())
-        self.tube = BeamTrace(solid.tube, np.zeros(n), np.arange(n), np.zeros(n))
-        self._seen = -1
-        self.follow()
+        self.tube = BeamTrace(
+            solid.tube, np.zeros(n), np.arange(n), lambda: solid.tube.axis.along(rod.positions())
+        )
+        self._positions: np.ndarray | None = None
 
     @property
     def void(self) -> np.ndarray:
@@ -162,27 +167,30 @@ class PairTrace(Trace):
 
     def follow(self) -> None:
         self.rod.follow()
-        if self._seen != self._solid.tube.predictions:
-            self._seen = self._solid.tube.predictions
-            self.tube.move(self._solid.tube.axis.along(self.rod.positions()))
         self.tube.follow()
+        self._positions = None
 
     def linearise(self, step: Step) -> None:
         self.rod.linearise(step)
         self.tube.linearise(step)
 
     def accept(self) -> None:
-        """Nothing to do: the operators follow the prediction of each step."""
+        self.rod.accept()
+        self.tube.accept()
+        self._positions = None
 
     def positions(self) -> np.ndarray:
-        return self.rod.positions() - self.tube.deflections()
+        if self._positions is None:
+            self._positions = self.rod.positions() - self.tube.deflections()
+        return self._positions
 
     def jump(self, velocity: np.ndarray) -> np.ndarray:
         rod, tube = self._solid.split(velocity)
         return self.rod.jump(rod) - self.tube.jump(tube)
 
     def mean_jump(self, velocity: np.ndarray) -> np.ndarray:
-        return self.jump(velocity)
+        rod, tube = self._solid.split(velocity)
+        return self.rod.mean_jump(rod) - self.tube.mean_jump(tube)
 
     def free_jump(self) -> np.ndarray:
         return self.rod.free_jump() - self.tube.free_jump()

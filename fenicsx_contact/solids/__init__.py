@@ -4,7 +4,8 @@
 from .base import MonolithicSolid, MonolithicTrace, Solid, Trace
 from .deformable import DeformableSolid
 from .elastic import ElasticSolid
-from .hyperelastic import HyperelasticSolid, ciarlet, neo_hookean, st_venant_kirchhoff
+from .energies import ciarlet, neo_hookean, st_venant_kirchhoff
+from .hyperelastic import HyperelasticSolid
 from .rigid import RigidSolid
 
 __all__ = [

@@ -7,7 +7,7 @@ A step of a scene asks a solid, in this order::
     linearise(step)                  A and b of  A v+ = b + J' f  about the trial state
     trace.compliance(), ...          the contacts take what they need and spread their forces
     correct(step)                    v+ from these forces; the last two again if not linear
-    accept()                         the trial state becomes the state
+    accept(step)                     the trial state becomes the state
 
 Velocities are arrays of the unknowns that a process holds; positions are whatever the solid needs
 to know where it is. Forces are mean forces over the step, impulses divided by dt.
@@ -53,6 +53,10 @@ class Trace(ABC):
     def mean_jump(self, velocity: np.ndarray) -> np.ndarray:
         """Velocities of the points, by the operator whose transpose spreads the forces."""
 
+    def rows(self, which: np.ndarray) -> np.ndarray:
+        """These rows of J, dense, of a shiftable solid."""
+        raise AttributeError("only traces of what is shiftable have dense rows")
+
     @abstractmethod
     def free_jump(self) -> np.ndarray:
         """Velocities of the points that the step would end with if no contact acted."""
@@ -79,10 +83,12 @@ class Solid(ABC):
         mesh: its shape.
         dim: dimension of space.
         linear: one linearisation serves a whole step.
+        shiftable: rigid: can be put elsewhere without a velocity (`shift`, `mobility`).
         massless: some of its boundary has no mass, and so no velocity of its own.
         patient: an old linearisation may serve as long as corrections converge fast.
         supported: something holds it even without contact.
         velocity, trial_velocity: at the start and at the end of the step.
+        memory: what the scheme remembers of earlier steps, None before the first one.
     """
 
     name: str
@@ -91,9 +97,11 @@ class Solid(ABC):
     linear: bool
     supported: bool
     massless = False
+    shiftable = False
     patient = False
     velocity: np.ndarray
     trial_velocity: np.ndarray
+    memory: np.ndarray | None = None
 
     @abstractmethod
     def trace(self, points: np.ndarray) -> Trace:
@@ -106,6 +114,16 @@ class Solid(ABC):
     @abstractmethod
     def linearise(self, step: Step) -> None:
         """Set up A and b of ``A v+ = b + J' f`` about the trial state, and drop old forces."""
+
+    def shift(self, way: np.ndarray) -> None:
+        """Put a shiftable solid elsewhere in its trial state: ways [m] and turns [rad] of its
+        unknowns; its momentum stays."""
+        raise AttributeError("only what is shiftable can be shifted")
+
+    @property
+    def mobility(self) -> np.ndarray:
+        """Of a shiftable solid: the inverse of its mass matrix in the trial state."""
+        raise AttributeError("only what is shiftable has a mobility")
 
     def broken(self) -> str:
         """Why the trial state is not admissible, or nothing."""
@@ -133,8 +151,8 @@ class Solid(ABC):
         none of them is more than ``noise``, N."""
 
     @abstractmethod
-    def accept(self) -> None:
-        """Make the trial state the state."""
+    def accept(self, step: Step) -> None:
+        """Make the trial state the state, after :meth:`works`."""
 
     @abstractmethod
     def energies(self) -> tuple[float, float, float]:
@@ -149,6 +167,10 @@ class Solid(ABC):
         """Work on the mean velocity of the step in J, in the trial state: of the change of
         momentum, of internal forces and all loads, of the supports, of the tractions among the
         loads."""
+
+    def memories(self) -> dict[str, np.ndarray]:
+        """The part of :meth:`state` that the scheme needs."""
+        return {} if self.memory is None else {"memory": self.memory}
 
     @abstractmethod
     def state(self) -> dict[str, np.ndarray]:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Linear elastic solids of small strain and rotation.
 
-Mass and stiffness are assembled once; the matrix of a step, ``A = M/dt + a theta dt K``, is
+Mass and stiffness are assembled once; the matrix of a step, ``A = M/dt + force_rate K``, is
 factored once for each step length.
 """
 
@@ -14,20 +14,15 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
-from ..base import checks, compat
+from ..base import compat
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
 from .deformable import DeformableSolid
+from .energies import elastic_constants
 from .factor import Factorisation
 
-
-def elastic_constants(youngs_modulus: float, poisson_ratio: float) -> tuple[float, float]:
-    """E [Pa] > 0 and nu in (-1, 1/2), or an :class:`~fenicsx_contact.base.checks.InputError`."""
-    E = checks.number("youngs_modulus", youngs_modulus, above=0)
-    nu = checks.number("poisson_ratio", poisson_ratio, above=-1)
-    if nu >= 0.5:
-        raise checks.InputError(f"poisson_ratio = {poisson_ratio!r}: must be < 0.5")
-    return E, nu
+#: Factorisations that are kept, of steps of so many lengths: the lengths of adaptive steps.
+KEPT = 9
 
 
 class ElasticSolid(DeformableSolid):
@@ -51,10 +46,9 @@ class ElasticSolid(DeformableSolid):
         self.youngs_modulus, self.poisson_ratio = elastic_constants(youngs_modulus, poisson_ratio)
         super().__init__(mesh, **{"name": "elastic", **others})
         self._stiffness = compat.assemble_petsc_matrix(self._stiffness_form())
-        self._factors: dict[tuple[float, float, float], tuple[int, Factorisation]] = {}
+        self._factors: dict[tuple[float, float], tuple[int, Factorisation]] = {}
         self._made = 0
-        self._relax()
-        self._state_changed()
+        self._begin()
 
     def _stiffness_form(self) -> ufl.Form:
         E, nu, d = self.youngs_modulus, self.poisson_ratio, self.dim
@@ -66,44 +60,42 @@ class ElasticSolid(DeformableSolid):
             return ufl.sym(ufl.grad(w))
 
         stress = 2 * mu * strain(u) + lmbda * ufl.tr(strain(u)) * ufl.Identity(d)
-        return ufl.inner(stress, strain(v)) * self._dx
+        return ufl.inner(stress, strain(v)) * ufl.dx(self.mesh.mesh)
 
     def _state_changed(self) -> None:
         self._internal = self.internal_force(self.displacement)
-        self._internal_rate = self.internal_force(self.velocity)
 
     def linearise(self, step: Step) -> None:
-        key = (step.span, step.force_rate, step.scheme.inertia)
+        key = (step.inertia_rate, step.force_rate)
         if key not in self._factors:
-            if len(self._factors) > 8:  # steps of many lengths: do not hoard factors
+            if len(self._factors) >= KEPT:
                 self._factors.pop(next(iter(self._factors)))[1].destroy()
             matrix = self._mass.copy()
-            matrix.scale(step.scheme.inertia / step.span)
+            matrix.scale(step.inertia_rate)
             matrix.axpy(step.force_rate, self._stiffness)
             self._made += 1
             factor = Factorisation(self.hold(matrix), self.name)
             self._factors[key] = (self._made, factor)
         self.linearisation, self.factorisation = self._factors[key]
-        known = step.scheme.force_weight * step.dt * (1 - step.scheme.theta)
-        load = self._loads(step) - self._internal if step.dt else 0.0
-        self.free_load = step.scheme.inertia / step.span * self._momentum + load
-        if known:
-            self.free_load -= known * self._internal_rate
-        if self._target is not None:
-            self._drive(step)
+        self.free_load = step.inertia_rate * self._momentum
+        if step.loaded:
+            drift = step.drift(self.velocity, self.memory)
+            before, after = step.scheme.linear_weights
+            self.free_load += self._loads(step) - (before + after) * self._internal
+            if drift.any():
+                self.free_load -= after * self.internal_force(drift)
+            if self._target is not None:
+                self._drive(step, drift)
         self.free_load[self.fixed_unknowns] = self.trial_velocity[self.fixed_unknowns]
         self._force = np.zeros(self.owned)
         self._free_velocity = None
 
-    def _drive(self, step: Step) -> None:
+    def _drive(self, step: Step, drift: np.ndarray) -> None:
         """What the motion of the supports pulls along."""
-        held = self.fixed_unknowns
+        held, after = self.fixed_unknowns, step.scheme.linear_weights[1]
         speed, way = np.zeros(self.owned), np.zeros(self.owned)
-        speed[held] = step.scheme.inertia / step.span * self.trial_velocity[held]
-        way[held] = step.scheme.force_weight * (self._target - self.displacement[held])
-        way[held] -= (
-            step.scheme.force_weight * step.dt * (1 - step.scheme.theta) * self.velocity[held]
-        )
+        speed[held] = step.inertia_rate * self.trial_velocity[held]
+        way[held] = after * (self._target - self.displacement[held] - drift[held])
         self.free_load -= self.multiply(self._mass, speed) + self.multiply(self._stiffness, way)
 
     @property
@@ -116,13 +108,16 @@ class ElasticSolid(DeformableSolid):
     def internal_force(self, displacement: np.ndarray) -> np.ndarray:
         return self.multiply(self._stiffness, self._strained(displacement))
 
+    def _internal_forces(self, step: Step) -> np.ndarray:
+        return self.internal_force(step.linear_mean(self.displacement, self.trial_displacement))
+
     def _strained(self, displacement: np.ndarray) -> np.ndarray:
         """The displacement less a translation, which strains nothing but costs K u its digits."""
         if self.supported:
             return displacement
         own = displacement[: self.dim] if self.owned else np.zeros(self.dim)
         first = self.comm.bcast(own) if self.comm.size > 1 else own
-        return displacement - np.tile(first, len(displacement) // self.dim)
+        return (displacement.reshape(-1, self.dim) - first).ravel()
 
     def strain_energy(self) -> float:
         """Strain energy of the state, J."""

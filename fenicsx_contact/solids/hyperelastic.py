@@ -9,7 +9,6 @@ to second order (the midpoint has it the other way round).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -21,61 +20,16 @@ from ..base import checks, compat
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
 from .deformable import DeformableSolid
-from .elastic import elastic_constants
+from .energies import Energy
 from .factor import Factorisation
 
-#: A step may make this share of a solid's energies, by the quadrature of its forces.
+#: The share of a solid's energies that a step may make, by the quadrature of its forces.
 MADE = 1e-6
-#: The stored energy of a solid that is strained by 1, times this, is its round-off: it is the small
-#: difference of large terms.
+#: The round-off of the stored energy, as a share of that of the solid strained by 1: it is the
+#: small difference of terms of that size.
 NOISE = 1e-15
-
-#: An old tangent serves while each correction leaves at most this share of the error.
+#: The share of the error that each correction by an old tangent may leave.
 RATE = 0.1
-
-#: A stored energy density [J/m³] as a UFL function of the deformation gradient, (3, 3).
-Energy = Callable[[Any], Any]
-
-
-def _lame(youngs_modulus: float, poisson_ratio: float) -> tuple[float, float]:
-    E, nu = elastic_constants(youngs_modulus, poisson_ratio)
-    return E * nu / (1 + nu) / (1 - 2 * nu), E / 2 / (1 + nu)
-
-
-def st_venant_kirchhoff(youngs_modulus: float, poisson_ratio: float) -> Energy:
-    """``lambda/2 tr(E)² + mu E:E`` with E the Green-Lagrange strain."""
-    lmbda, mu = _lame(youngs_modulus, poisson_ratio)
-
-    def energy(F: Any) -> Any:
-        strain = (F.T * F - ufl.Identity(3)) / 2
-        return lmbda / 2 * ufl.tr(strain) ** 2 + mu * ufl.inner(strain, strain)
-
-    return energy
-
-
-def neo_hookean(youngs_modulus: float, poisson_ratio: float) -> Energy:
-    """``mu/2 (tr(F'F) - 3 - 2 ln J) + lambda/2 (ln J)²``, compressible."""
-    lmbda, mu = _lame(youngs_modulus, poisson_ratio)
-
-    def energy(F: Any) -> Any:
-        J = ufl.det(F)
-        return mu / 2 * (ufl.tr(F.T * F) - 3 - 2 * ufl.ln(J)) + lmbda / 2 * ufl.ln(J) ** 2
-
-    return energy
-
-
-def ciarlet(youngs_modulus: float, poisson_ratio: float) -> Energy:
-    """``mu/2 (tr(F'F) - 3 - 2 ln J) + lambda/4 (J² - 1 - 2 ln J)``: the neo-Hookean law that is
-    polyconvex, after P. G. Ciarlet, Mathematical Elasticity I (1988), section 4.10.
-    """
-    lmbda, mu = _lame(youngs_modulus, poisson_ratio)
-
-    def energy(F: Any) -> Any:
-        J = ufl.det(F)
-        volumetric = lmbda / 4 * (J**2 - 1 - 2 * ufl.ln(J))
-        return mu / 2 * (ufl.tr(F.T * F) - 3 - 2 * ufl.ln(J)) + volumetric
-
-    return energy
 
 
 class HyperelasticSolid(DeformableSolid):
@@ -83,7 +37,8 @@ class HyperelasticSolid(DeformableSolid):
 
     Args:
         mesh: its shape.
-        energy: stored energy density, for instance :func:`neo_hookean` (E, nu).
+        energy: stored energy density, for instance
+            :func:`~fenicsx_contact.solids.energies.neo_hookean` (E, nu).
         others: as for :class:`~fenicsx_contact.solids.deformable.DeformableSolid`.
     """
 
@@ -93,11 +48,8 @@ class HyperelasticSolid(DeformableSolid):
         if not callable(energy):
             raise checks.InputError(f"energy = {energy!r}: must be a function of F, in UFL")
         super().__init__(mesh, **{"name": "hyperelastic", **others})
-        u, v, du = (
-            self.displacement_field,
-            ufl.TestFunction(self.space),
-            ufl.TrialFunction(self.space),
-        )
+        self._field = u = fem.Function(self.space)
+        v, du = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
         F = ufl.Identity(self.dim) + ufl.grad(u)
         if self.dim == 2:  # plane strain
             F = ufl.as_matrix([[F[0, 0], F[0, 1], 0], [F[1, 0], F[1, 1], 0], [0, 0, 1]])
@@ -117,9 +69,7 @@ class HyperelasticSolid(DeformableSolid):
         self._last = np.empty(0), np.empty(0)
         self._stored = np.empty(0), 0.0
         self._tangent = compat.assemble_petsc_matrix(self._tangent_form)
-        swelling = self.space.tabulate_dof_coordinates()[
-            : self.owned // self.dim, : self.dim
-        ].ravel()
+        swelling = self.vectors.places.ravel()
         swollen = self._sum(swelling @ self.multiply(self._tangent, swelling))
         self._noise = NOISE * abs(swollen)
         self._factor: Factorisation | None = None
@@ -135,12 +85,11 @@ class HyperelasticSolid(DeformableSolid):
                 f"displacement: with the initial field an element of solid {self.name!r} is "
                 "inverted; its gradient must keep det(1 + grad u) > 0"
             )
-        self._relax()
-        self._state_changed()
+        self._begin()
 
     def _set(self, displacement: np.ndarray) -> None:
-        self.displacement_field.x.array[: self.owned] = displacement
-        self.displacement_field.x.scatter_forward()
+        self._field.x.array[: self.owned] = displacement
+        self._field.x.scatter_forward()
 
     def internal_force(self, displacement: np.ndarray) -> np.ndarray:
         self._set(displacement)
@@ -148,10 +97,13 @@ class HyperelasticSolid(DeformableSolid):
         compat.assemble_owned(self._force_form, force)
         return force
 
+    def _at(self, share: float) -> np.ndarray:
+        """The displacement at a share of the way of the step."""
+        return share * self.trial_displacement + (1 - share) * self.displacement
+
     def _internal_forces(self, step: Step) -> np.ndarray:
         if self._last[0] is not self.trial_displacement:
-            points = step.scheme.force_points
-            force = np.sum([w * self.internal_force(self._at(share)) for share, w in points], 0)
+            force = step.mean_force(lambda share: self.internal_force(self._at(share)))
             self._last = self.trial_displacement, force
         return self._last[1]
 
@@ -178,7 +130,7 @@ class HyperelasticSolid(DeformableSolid):
     def _choose_tangent(self, step: Step) -> None:
         """The matrix of the step: an old one if it will do, else that of the trial state. It is
         made when it is first asked for: the last state of a step needs none."""
-        key = (step.span, step.gap_rate, step.scheme.inertia)
+        key = (step.inertia_rate, step.gap_rate)
         slow = len(self._errors) > 1 and self._errors[-1] > RATE * self._errors[-2]
         if slow or not self.patient or not step.scheme.inertia or key != self._key:
             self._way = self.displacement, self.trial_displacement
@@ -204,8 +156,7 @@ class HyperelasticSolid(DeformableSolid):
         self._tangent.copy(matrix, structure.SAME_NONZERO_PATTERN)
         matrix.scale(step.gap_rate)
         if step.scheme.inertia:
-            share = step.scheme.inertia / step.span
-            matrix.axpy(share, self._mass, structure.SUBSET_NONZERO_PATTERN)
+            matrix.axpy(step.inertia_rate, self._mass, structure.SUBSET_NONZERO_PATTERN)
         self.hold(matrix)
         self._factor.refactor()
 
@@ -235,13 +186,12 @@ class HyperelasticSolid(DeformableSolid):
         self._errors, self._made = [1.0], False
         super().predict(step)
         self._predicted = self.trial_velocity
-        if self._target is not None and step.scheme.theta and self.broken():
+        if self._target is not None and step.gap_rate and self.broken():
             self._follow_supports(step)
 
     def _follow_supports(self, step: Step) -> None:
         """Let the solid yield elastically to its supports, which alone would invert elements."""
-        held, theta = self.fixed_unknowns, step.scheme.theta
-        way = np.zeros(self.owned)
+        held, way = self.fixed_unknowns, np.zeros(self.owned)
         way[held] = self._target - self.displacement[held]
         tangent = self.stiffness(self.displacement)
         pull = -self.multiply(tangent, way)
@@ -249,8 +199,7 @@ class HyperelasticSolid(DeformableSolid):
         factor = Factorisation(self.hold(tangent.copy()), self.name)
         increment = factor.solve(pull)
         factor.destroy()
-        known = step.dt * (1 - theta) * self.velocity
-        self.go((increment - known) / (theta * step.dt), step)
+        self.go((increment - step.drift(self.velocity, self.memory)) / step.gap_rate, step)
 
     def linearise(self, step: Step) -> None:
         self._choose_tangent(step)
@@ -285,7 +234,7 @@ class HyperelasticSolid(DeformableSolid):
     def unsound(self, step: Step) -> str:
         """The forces of a step are those of a few points of its way; more stored energy than
         their work would come from nowhere."""
-        if not step.dt or not step.scheme.inertia or step.scheme.theta < 0.5:
+        if not step.loaded or not step.scheme.bounds_work:
             return ""
         end = self.trial_displacement
         self._stored = end, self._stored_energy(end)

@@ -13,7 +13,6 @@ the start too.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 from petsc4py import PETSc
@@ -21,40 +20,49 @@ from scipy.optimize import nnls
 
 from ..base import checks
 from .factor import Factorisation
-
-if TYPE_CHECKING:
-    from .deformable import DeformableSolid
+from .vector_space import VectorSpace
 
 #: Layers of nodes behind the boundary that take over its mass.
 LAYERS = 2
+#: What the total mass counts against its moments in the least squares: it is to be kept exactly.
+TOTAL = 1e6
+#: Forces of the boundary, as a share of those at the start, that are round-off ...
+BALANCED = 1e-13
+#: ... and those from which, by the last correction, one more of Newton's leads there.
+NEARLY = 1e-10
+#: Newton's corrections that bring the boundary into equilibrium, at most.
+CORRECTIONS = 20
 
 
-def move_mass_inwards(solid: DeformableSolid, mass: PETSc.Mat, nodes: np.ndarray) -> None:
+def move_mass_inwards(
+    vectors: VectorSpace, mass: PETSc.Mat, nodes: np.ndarray, fixed: np.ndarray
+) -> None:
     """Take the mass of some nodes and give it to those behind them, changing ``mass``.
 
     Args:
-        solid: the solid, of degree 1.
+        vectors: the space of the solid's velocities, of degree 1.
         mass: its assembled mass matrix, kg.
         nodes: the local nodes of the boundary that this process owns.
+        fixed: the unknowns of the space that are held, which take no mass.
 
     Raises:
         InputError: a displacement of degree 2, or no free nodes behind the boundary.
     """
-    if solid.degree != 1:
+    if vectors.degree != 1:
         raise checks.InputError(
-            f"mass_redistribution: needs a displacement of degree 1, not {solid.degree}"
+            f"mass_redistribution: needs a displacement of degree 1, not {vectors.degree}"
         )
-    d, comm = solid.dim, solid.comm
-    x = solid.space.tabulate_dof_coordinates()[: solid.owned // d, :d]
+    d, comm = vectors.dim, vectors.comm
+    x = vectors.places
 
     def component(values: np.ndarray) -> np.ndarray:
         """A nodal scalar as the first component of a vector field."""
-        field = np.zeros(solid.owned)
+        field = np.zeros(vectors.owned)
         field[::d] = values
         return field
 
     def moments() -> np.ndarray:
-        products = [solid.multiply(mass, component(f)) for f in functions]
+        products = [vectors.multiply(mass, component(f)) for f in functions]
         table = [[component(f) @ p for p in products] for f in functions]
         return np.asarray(comm.allreduce(np.array(table)))
 
@@ -62,10 +70,10 @@ def move_mass_inwards(solid: DeformableSolid, mass: PETSc.Mat, nodes: np.ndarray
     near = np.zeros(len(x))
     near[nodes] = 1.0
     for _ in range(LAYERS):
-        near = np.abs(solid.multiply(mass, component(near))[::d]) > 0
+        near = np.abs(vectors.multiply(mass, component(near))[::d]) > 0
         near = near.astype(float)
     near[nodes] = 0.0
-    near[solid.fixed_unknowns // d] = 0.0
+    near[fixed // d] = 0.0
     behind = np.flatnonzero(near)
     places = np.concatenate(comm.allgather(x[behind]))
     if not len(places):
@@ -75,19 +83,19 @@ def move_mass_inwards(solid: DeformableSolid, mass: PETSc.Mat, nodes: np.ndarray
     functions = [np.ones(len(x)), *((x - origin).T / size)]
 
     before = moments()
-    unknowns = (nodes[:, None] * d + np.arange(d)).ravel()
-    mass.zeroRowsColumns(solid.first_unknown + unknowns.astype(np.int32), 0.0)
+    unknowns = vectors.at(nodes)
+    mass.zeroRowsColumns(vectors.first + unknowns.astype(np.int32), 0.0)
     lost = before - moments()
 
     # No mass is taken there, so that the matrix stays positive: the total is restored, the centre
     # and the moments of inertia as far as masses further inside can restore them, to O(h²).
     f = np.column_stack([np.ones(len(places)), (places - origin) / size])
     pairs = [(a, b) for a in range(d + 1) for b in range(a, d + 1)]
-    weights = np.array([1e6 if a == b == 0 else 1.0 for a, b in pairs])
+    weights = np.array([TOTAL if a == b == 0 else 1.0 for a, b in pairs])
     rows = np.array([f[:, a] * f[:, b] for a, b in pairs]) * weights[:, None]
     gained, _ = nnls(rows, weights * [lost[a, b] for a, b in pairs])
     first = sum(comm.allgather(len(behind))[: comm.rank])
-    added = np.zeros(solid.owned)
+    added = np.zeros(vectors.owned)
     for k in range(d):
         added[behind * d + k] = gained[first : first + len(behind)]
     diagonal = mass.getDiagonal()
@@ -102,7 +110,6 @@ def relax(
     force: Callable[[np.ndarray], np.ndarray],
     tangent: Callable[[np.ndarray], PETSc.Mat],
     first: int,
-    max_iterations: int = 20,
 ) -> None:
     """Bring a boundary without mass into equilibrium, by Newton's method, changing its
     ``displacement``.
@@ -121,18 +128,18 @@ def relax(
     rows = PETSc.IS().createGeneral((first + unknowns).astype(np.int32), comm=matrix.comm)
     comm = matrix.comm.tompi4py()
     start = None
-    for _ in range(max_iterations):
+    for _ in range(CORRECTIONS):
         residual = force(displacement)[unknowns]
         size = max(comm.allgather(float(np.abs(residual).max(initial=0.0))))
         start = size if start is None else start
-        if size <= 1e-13 * start or size == 0.0:
+        if size <= BALANCED * start or size == 0.0:
             rows.destroy()
             return
         block = tangent(displacement).createSubMatrix(rows, rows)
         factorisation = Factorisation(block, "relax")
         displacement[unknowns] -= factorisation.solve(residual)
         factorisation.destroy()
-        if size <= 1e-10 * start:  # one more correction than needed
+        if size <= NEARLY * start:  # one more correction than needed
             rows.destroy()
             return
     raise checks.InputError(

@@ -2,9 +2,8 @@
 """Rigid solids: 3 unknowns in 2D, 6 in 3D, finite rotations.
 
 Unknowns: the velocity of the centre of mass and the spin (a number in 2D, the spatial vector in
-3D). The theta-scheme acts on the place of the centre and on the rotation, whose increment is the
-exponential of ``dt ((1 - theta) w- + theta w+)``; angular momentum is balanced in space, so that
-free flight keeps it exactly.
+3D). The scheme acts on the place of the centre and on the rotation, which the exponential of its
+increment turns on; angular momentum is balanced in space, so that free flight keeps it exactly.
 """
 
 from __future__ import annotations
@@ -14,18 +13,19 @@ from math import sqrt
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from mpi4py import MPI
 from scipy.spatial.transform import Rotation
 
 from ..base import checks
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
-from .base import MonolithicSolid, MonolithicTrace, Trace
+from .base import MonolithicSolid
 from .moments import moments
+from .rigid_trace import RigidTrace
 
-#: A spin that changes by less than this share of it has settled; at most so many turns.
+#: The share of a spin by which it changes, in its last turn, at most: round-off.
 ROUND_OFF = 1e-15
+#: Turns until a spin has settled, at most.
 MAX_TURNS = 25
 
 
@@ -47,6 +47,7 @@ class RigidSolid(MonolithicSolid):
     """
 
     linear = False
+    shiftable = True
     supported = False
 
     def __init__(
@@ -98,6 +99,9 @@ class RigidSolid(MonolithicSolid):
     # -- the step -------------------------------------------------------------------------------
 
     def predict(self, step: Step) -> None:
+        self.memory = step.recall(self.memory, lambda: self._load)
+        carried = step.carried(self.memory)
+        self._acting = step.loaded * (step.load_weight * self._load + carried)
         self.trial_velocity = self.velocity
         self._move(step)
 
@@ -109,11 +113,15 @@ class RigidSolid(MonolithicSolid):
             self.inverse = np.zeros((len(self.velocity),) * 2)
             self.inverse[range(d), range(d)] = step.span / self.mass
             self.inverse[d:, d:] = step.span * self._spatial(self._mobility, self.trial_turn)
-        self.free_velocity = self.inverse @ (self._momentum / step.span + step.loaded * self._load)
+        self.free_velocity = self.inverse @ (self._momentum / step.span + self._acting)
         self._force = np.zeros_like(self.velocity)
 
     def correct(self, step: Step) -> None:
         self.go(self.free_velocity + self.inverse @ self._force, step)
+
+    def push(self, force: np.ndarray) -> None:
+        """Add to the forces on the solid in this step, N and N m."""
+        self._force += force
 
     def drop_forces(self) -> None:
         self._force = np.zeros_like(self.velocity)
@@ -128,7 +136,7 @@ class RigidSolid(MonolithicSolid):
     def _balance_spin(self, step: Step) -> None:
         """Turn until the spin belongs to the inertia where it leads: the outer loop, which is
         content with less, would let angular momentum drift from step to step."""
-        impulse = step.dt * self._load + step.span * self._force
+        impulse = step.span * (self._acting + self._force)
         momentum = (self._momentum + impulse)[self.dim :]
         for _ in range(MAX_TURNS):
             old = self.trial_velocity[self.dim :].copy()
@@ -159,19 +167,36 @@ class RigidSolid(MonolithicSolid):
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
         if self.dim == 2:
             return 0.0  # its inertia does not turn: a linearisation is exact
-        rate, load = (self._trial_momentum - self._momentum) / step.span, step.loaded * self._load
+        rate, load = step.inertia_force(self._momentum, self._trial_momentum), self._acting
         residual = rate - load - self._force
         size = np.abs(self._momentum / step.span) + np.abs(load) + np.abs(self._force)
         d = self.dim
         return max(_relative(residual[:d], size[:d]), _relative(residual[d:], size[d:]))
 
-    def accept(self) -> None:
+    @property
+    def mobility(self) -> np.ndarray:
+        d = self.dim
+        result = np.zeros((len(self.velocity),) * 2)
+        result[range(d), range(d)] = 1 / self.mass
+        result[d:, d:] = self._spatial(self._mobility, self.trial_turn)
+        return result
+
+    def shift(self, way: np.ndarray) -> None:
+        d = self.dim
+        self.trial_place = self.trial_place + way[:d]
+        self.trial_turn = _rotation(way[d:]) @ self.trial_turn
+        if d == 3:  # the spin that belongs to the momentum
+            spin = self._spatial(self._mobility, self.trial_turn) @ self._trial_momentum[d:]
+            self.trial_velocity = np.concatenate([self.trial_velocity[:d], spin])
+
+    def accept(self, step: Step) -> None:
+        self.memory = step.remember(self.velocity, self.trial_velocity, self._acting, self.memory)
         self.velocity = self.trial_velocity.copy()
         self._place, self._turn = self.trial_place, self.trial_turn
         self._momentum = self._trial_momentum
 
     def _move(self, step: Step) -> None:
-        increment = step.scheme.increment(step.dt, self.velocity, self.trial_velocity)
+        increment = step.increment(self.velocity, self.trial_velocity, self.memory)
         self.trial_place = self._place + increment[: self.dim]
         turn = _rotation(increment[self.dim :]) @ self._turn
         if self.dim == 3:  # products of many rotations would lose orthogonality, momentum with it
@@ -189,7 +214,7 @@ class RigidSolid(MonolithicSolid):
     # -- what it tells --------------------------------------------------------------------------
 
     def trace(self, points: np.ndarray) -> RigidTrace:
-        return RigidTrace(self, points)
+        return RigidTrace(self, points - self.centre)
 
     def energies(self) -> tuple[float, float, float]:
         kinetic = 0.5 * self.velocity @ self._momentum
@@ -199,12 +224,13 @@ class RigidSolid(MonolithicSolid):
         return sqrt(float(velocity @ self._momentum_of(velocity, self.trial_turn)) / self.mass)
 
     def works(self, step: Step) -> tuple[float, float, float, float]:
-        mean = step.scheme.mean(self.velocity, self.trial_velocity)
+        mean = step.mean(self.velocity, self.trial_velocity)
         change = self._trial_momentum - self._momentum
-        return float(mean @ change), float(step.dt * mean @ self._load), 0.0, 0.0
+        return float(mean @ change), step.work(mean, self._acting), 0.0, 0.0
 
     def state(self) -> dict[str, np.ndarray]:
-        return {"velocity": self.velocity, "place": self._place, "turn": self._turn}
+        state = {"velocity": self.velocity, "place": self._place, "turn": self._turn}
+        return state | self.memories()
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         self.velocity = np.array(state["velocity"])
@@ -212,6 +238,7 @@ class RigidSolid(MonolithicSolid):
         self.trial_velocity = self.velocity.copy()
         self.trial_place, self.trial_turn = self._place.copy(), self._turn.copy()
         self._momentum = self._momentum_of(self.velocity, self._turn)
+        self.memory = state.get("memory")
 
     @property
     def rotation(self) -> float | np.ndarray:
@@ -237,74 +264,6 @@ class RigidSolid(MonolithicSolid):
     def describe(self) -> str:
         weight = f"mass {self.mass:.9g}, gravity {self.gravity.tolist()}"
         return f"rigid, {weight}, {len(self.velocity)} unknowns"
-
-
-class RigidTrace(MonolithicTrace):
-    """A rigid solid seen from points; the operator follows the rotation."""
-
-    def __init__(self, solid: RigidSolid, points: np.ndarray) -> None:
-        self._solid = solid
-        self._reference = points - solid.centre
-        self._translation = np.zeros((*points.shape, len(solid.velocity)))
-        self._translation[:, range(solid.dim), range(solid.dim)] = 1.0
-        self.follow()
-        self.accept()
-
-    def follow(self) -> None:
-        self._operator = self._build(self._solid.trial_turn)
-
-    def linearise(self, step: Step) -> None:
-        # forces act through the operator at the place where the scheme takes forces
-        weight = step.scheme.force_weight
-        self._force_operator = weight * self._operator + (1 - weight) * self._start_operator
-        self._columns = self._solid.inverse @ self._force_operator.T
-
-    def accept(self) -> None:
-        self._start_operator = self._operator
-
-    def _build(self, turn: np.ndarray) -> np.ndarray:
-        d, n = self._solid.dim, len(self._reference)
-        self._arm = arm = self._reference @ turn.T
-        operator = self._translation.copy()
-        if d == 2:
-            np.negative(arm[:, 1], out=operator[:, 0, 2])
-            operator[:, 1, 2] = arm[:, 0]
-        else:
-            x, y, z = arm.T
-            operator[:, 0, 4], operator[:, 0, 5] = z, -y
-            operator[:, 1, 3], operator[:, 1, 5] = -z, x
-            operator[:, 2, 3], operator[:, 2, 4] = y, -x
-        return operator.reshape(n * d, -1)
-
-    def positions(self) -> np.ndarray:
-        return self._solid.trial_place + self._arm
-
-    def jump(self, velocity: np.ndarray) -> np.ndarray:
-        return self._operator @ velocity
-
-    def mean_jump(self, velocity: np.ndarray) -> np.ndarray:
-        return self._force_operator @ velocity
-
-    def free_jump(self) -> np.ndarray:
-        return self._operator @ self._solid.free_velocity
-
-    def compliance(self, mine: np.ndarray, other: Trace, theirs: np.ndarray) -> np.ndarray:
-        assert isinstance(other, RigidTrace)
-        if len(mine) == len(self._operator) and len(theirs) == len(other._operator):
-            return self._operator @ other._columns
-        return self._operator[mine] @ other._columns[:, theirs]
-
-    def mobility(self) -> np.ndarray:
-        return np.einsum("ij,ji->i", self._operator, self._columns)
-
-    def seeing(self) -> sp.csr_matrix:
-        return sp.csr_matrix(self._operator)
-
-    def spreading(self) -> sp.csr_matrix:
-        return sp.csr_matrix(self._force_operator)
-
-    def spread(self, force: np.ndarray) -> None:
-        self._solid._force += force @ self._force_operator
 
 
 def _angles(name: str, value: Any, size: int) -> np.ndarray:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 import scipy.sparse
@@ -12,52 +12,82 @@ from scipy.spatial import cKDTree
 from ..base import checks
 from ..theory.theta import Step
 from .base import MonolithicTrace, Trace
-
-if TYPE_CHECKING:
-    from .deformable import DeformableSolid
-
+from .factor import Factorisation
+from .vector_space import VectorSpace
 
 #: Up to so many components all columns of A^-1 J' are computed, above only those that are needed.
 FEW = 150
+#: How far a point may be from its node, as a share of the extent of all points.
+REACH = 1e-8
+
+
+class TracedSolid(Protocol):
+    """What a trace asks of its solid. Arrays hold the owned unknowns of ``vectors``.
+
+    Attributes:
+        vectors: the space of displacements and velocities.
+        fixed_unknowns: those of the owned unknowns that are held.
+        trial_displacement, trial_velocity: of the trial state, m and m/s.
+        linearisation: counts the changes of the matrix A of the step.
+        factorisation: of A.
+        free_load: b of ``A v+ = b + J' f``, N.
+    """
+
+    vectors: VectorSpace
+    fixed_unknowns: np.ndarray
+    trial_displacement: np.ndarray
+    trial_velocity: np.ndarray
+    linearisation: int
+
+    @property
+    def factorisation(self) -> Factorisation: ...
+
+    @property
+    def free_load(self) -> np.ndarray: ...
+
+    def free_velocity(self) -> np.ndarray:
+        """A^-1 b, m/s."""
+
+    def push(self, force: np.ndarray) -> None:
+        """Add to the forces on the solid in this step, N."""
 
 
 class DeformableTrace(MonolithicTrace):
     """A deformable solid seen from points that are nodes of its mesh; the operator is constant."""
 
-    def __init__(self, solid: DeformableSolid, points: np.ndarray) -> None:
+    def __init__(self, solid: TracedSolid, points: np.ndarray) -> None:
         self._solid, self._reference = solid, points
+        vectors = solid.vectors
+        self._comm, nodes, owned = vectors.comm, vectors.places, vectors.owned
         n, d = points.shape
-        nodes = solid.space.tabulate_dof_coordinates()[: solid.owned // d, :d]
-        reach = 1e-8 * np.ptp(points, axis=0).max()
+        reach = REACH * np.ptp(points, axis=0).max()
         mine = np.zeros(0, dtype=int)
         node = np.zeros(0, dtype=int)
         if len(nodes):
             distance, nearest = cKDTree(nodes).query(points)
             mine = np.flatnonzero(distance <= reach)
             node = nearest[mine]
-        if solid.comm.allreduce(len(mine)) != n:
+        if self._comm.allreduce(len(mine)) != n:
             raise checks.InputError("points: each point of a trace must be a node of the solid")
-        rows = (mine[:, None] * d + np.arange(d)).ravel()
-        columns = (node[:, None] * d + np.arange(d)).ravel()
+        rows, columns = (vectors.at(each) for each in (mine, node))
         free = ~np.isin(columns, solid.fixed_unknowns)  # what is held fast does not move
         entries = (np.ones(free.sum()), (rows[free], columns[free]))
-        self._spreading = scipy.sparse.csr_matrix(entries, (n * d, solid.owned)).T.tocsr()
+        self._spreading = scipy.sparse.csr_matrix(entries, (n * d, owned)).T.tocsr()
         every = (np.ones(len(rows)), (rows, columns))
-        self._operator = scipy.sparse.csr_matrix(every, (n * d, solid.owned))
+        self._operator = scipy.sparse.csr_matrix(every, (n * d, owned))
         self._held = (self._operator - self._spreading.T).tocsr()
         # the same in the numbers of all unknowns, on every process; held ones do not answer
-        parts = solid.comm.allgather((rows[free], solid.first_unknown + columns[free]))
+        parts = self._comm.allgather((rows[free], vectors.first + columns[free]))
         row, column = (np.concatenate(each) for each in zip(*parts))
         ones = np.ones(len(row))
-        self._whole = scipy.sparse.csr_matrix((ones, (row, column)), (n * d, solid.unknowns))
+        self._whole = scipy.sparse.csr_matrix((ones, (row, column)), (n * d, vectors.unknowns))
         self._linearisation = 0
         self._known = np.zeros(n * d, dtype=bool)  # columns of A^-1 J' that are computed
         self._columns = np.empty((0, 0))
         self._compliance: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
     def _sum(self, values: np.ndarray) -> np.ndarray:
-        comm = self._solid.comm
-        return comm.allreduce(values) if comm.size > 1 else values
+        return self._comm.allreduce(values) if self._comm.size > 1 else values
 
     def follow(self) -> None:
         """Nothing to do: the operator is constant."""
@@ -130,4 +160,4 @@ class DeformableTrace(MonolithicTrace):
         return self._whole
 
     def spread(self, force: np.ndarray) -> None:
-        self._solid._force += self._spreading @ force
+        self._solid.push(self._spreading @ force)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from ..base import checks
 from ..contact.contact import Contact
 from ..solids import DeformableSolid, MonolithicSolid, Solid
-from ..theory.theta import ThetaScheme
+from ..theory.theta import Scheme
 from .full_newton import SYSTEMS
 from .statics import stands
 
@@ -24,7 +24,7 @@ LARGE_SOLIDS = 10_000
 def choose(
     solids: Sequence[Solid],
     contacts: Sequence[Contact],
-    scheme: ThetaScheme,
+    scheme: Scheme,
     geometry: str | None,
     solver: str | None,
 ) -> tuple[str, str]:

@@ -60,7 +60,10 @@ class FixedPoint:
             clock("solids")
             error = self._nonlinearity(step, speed, solution.force)
             self.errors.append(error)
+            grown = [contact.grow(step) for contact in self._all.contacts]
             clock("pairing")
+            if any(grown):
+                continue
             if error <= GEOMETRY_TOLERANCE or last <= error <= ROUGH:
                 return solution.force, iterations, sweep, remarks
             last = error
@@ -74,6 +77,9 @@ class FixedPoint:
         for contact in self._all.contacts:
             contact.linearise(step)
         self._free = self._all.free()
+        if first:
+            for contact, part in zip(self._all.contacts, self._all.parts):
+                contact.screen(self._free[part], step)
         pushed = max((c.push(c.force, step) for c in self._all.contacts), default=0.0)
         speed = scale_of(max(self._all.fastest(self._free), SLOW * pushed))
         self._all.set_scale(step, speed)

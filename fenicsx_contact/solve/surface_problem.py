@@ -26,8 +26,8 @@ from .pointwise import PointwiseSolver, PointwiseStep
 #: Compliance added to the tangent, never to the residual. Points of a rigid solid are hyperstatic
 #: and their multipliers not unique; this picks those nearest to the last ones.
 COMPLIANCE = 1e-8
-#: The same while the statuses of a hyperstatic contact change: points that bear in one iteration may
-#: ask of a rigid solid what it cannot do; stiffer forces than these tell nothing then.
+#: The same while the statuses of a hyperstatic contact change: points that bear in one iteration
+#: may ask of a rigid solid what it cannot do; stiffer forces than these tell nothing then.
 YIELDING = 1e-3
 #: Speeds below this share of those that the contact forces stand for are not resolved: where forces
 #: balance each other, as in a squeezed body, jumps are far smaller, down to round-off.

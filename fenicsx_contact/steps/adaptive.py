@@ -31,7 +31,7 @@ from ..contact.arrivals import depth, struck
 from ..contact.contact import Contact
 from ..solids import Solid
 from ..solve.problem import Clock
-from ..theory.theta import Step, ThetaScheme
+from ..theory.theta import Scheme, Step
 from .pace import Pace
 from .step import Stepper, Trial
 
@@ -72,19 +72,19 @@ class ErrorControl:
         InputError: no positive error, or a scheme that is not of second order.
     """
 
-    def __init__(self, stepper: Stepper, scheme: ThetaScheme, error: float) -> None:
+    def __init__(self, stepper: Stepper, scheme: Scheme, error: float) -> None:
         self.error = checks.number("step_error", error, above=0, at_most=1)
         if not scheme.inertia:
             raise checks.InputError(
                 f"step_error = {error!r}: without inertia time only orders the loads; there is no "
                 "error in time to control"
             )
-        if scheme.theta != 0.5 or scheme.forces != "theta":
+        if scheme.error_constant is None:
             raise checks.InputError(
-                f"step_error = {error!r}: the estimate is that of the scheme of second order, "
-                "theta = 0.5 with forces at 'theta', not theta = "
-                f"{scheme.theta!r} at {scheme.forces!r}"
+                f"step_error = {error!r}: the estimate is that of a scheme of second order, such "
+                f"as theta = 0.5 with forces at 'theta', not of {scheme.describe()}"
             )
+        self._constant = scheme.error_constant
         self._stepper, self.least = stepper, 0.0
         self._tolerance = max((c.tolerance for c in stepper.contacts), default=0.0)
         self.length = np.inf
@@ -193,7 +193,7 @@ class ErrorControl:
         change = self._size([a - b for a, b in zip(accelerations, others)])
         # of this step and of a reference half as long
         noise = 3 * self._stepper.resolution / step.dt
-        return step.dt**2 / 12 * max(change - noise, 0.0) / (time - other_time)
+        return self._constant * step.dt**2 * max(change - noise, 0.0) / (time - other_time)
 
     def _fastest(self, step: Step) -> float:
         """The largest speed since the last impact, m/s."""

@@ -21,7 +21,7 @@ from math import sqrt
 import numpy as np
 
 from ..contact.arrivals import arrival
-from ..theory.theta import Step, ThetaScheme
+from ..theory.theta import Scheme, Step
 from .adaptive import ErrorControl
 from .step import Stepper, Trial
 
@@ -42,7 +42,7 @@ class UniformImpacts:
         scheme: of the scene.
     """
 
-    def __init__(self, scheme: ThetaScheme) -> None:
+    def __init__(self, scheme: Scheme) -> None:
         self._scheme = scheme
 
     def cross(
@@ -79,7 +79,7 @@ class LocatedImpacts:
         scheme: of the scene.
     """
 
-    def __init__(self, scheme: ThetaScheme) -> None:
+    def __init__(self, scheme: Scheme) -> None:
         self._scheme = scheme
         self._rates: list[np.ndarray] | None = None  # accelerations in the last flight, m/s²
 
@@ -96,7 +96,7 @@ class LocatedImpacts:
         for _ in range(MAX_IMPACTS):
             if stepper.struck(Step(left, self._scheme, stepper.time), touching=True):
                 self._rates = None
-                yield _accept(stepper, Step(0.0, self._scheme, stepper.time, left), remarks)
+                yield _accept(stepper, Step(0.0, self._scheme, stepper.time, dt), remarks)
             flight = self._fly(stepper, left)
             if flight[1] > 0:
                 flight = (_arrive(partial(self._fly, stepper), flight, tolerance), 0.0, 0.0, 0.0)

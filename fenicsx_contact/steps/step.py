@@ -17,6 +17,7 @@ from ..solve.krylov import Iterative
 from ..solve.newton import Newton
 from ..solve.problem import Assembly, Clock
 from ..theory.theta import Step
+from .hold import hold_gaps
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,7 @@ class Stepper:
             self._method = FullNewton(self._assembly, newton, solver)
         else:
             self._method = FixedPoint(self._assembly, newton)
+        self._linear = not any(solid.shiftable for solid in self.solids)
         self.times: dict[str, float] = {}
         self.time = 0.0
         self.work, self.balance = np.zeros(4), 0.0
@@ -92,6 +94,8 @@ class Stepper:
                 self._guess(step, rates)
             clock("pairing")
             trial = Trial(step, *self._method.solve(step, clock))
+            if step.dt and not self._linear:
+                hold_gaps(self.contacts, step)
             for solid in self.solids:
                 if reason := solid.unsound(step):
                     raise StepFailed(reason)
@@ -141,7 +145,7 @@ class Stepper:
         mean = step.scheme.mean
         means = {id(solid): mean(solid.velocity, solid.trial_velocity) for solid in self.solids}
         for solid in self.solids:
-            solid.accept()
+            solid.accept(step)
         impact = friction = 0.0
         for contact, part in zip(self.contacts, self._assembly.parts):
             contact.accept(trial.force[part], step)

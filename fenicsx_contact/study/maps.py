@@ -49,6 +49,8 @@ MESH = Axis(
     [0.02, 0.05, 0.15, 0.5, 1.0, 2.0, 7.0, 20.0, 50.0],
     "cells of the slave / of the master",
 )
+SEED = Axis("seed", list(range(100)), "E, size, friction, slope and strain drawn by number")
+START = Axis("start", ["open", "touching", "overlapping"], "start")
 CLEARANCE = Axis("clearance", decades(-7, 0, 8), "clearance / diameter of the rod")
 
 MAPS: list[Map] = [
@@ -174,6 +176,7 @@ MAPS: list[Map] = [
         Axis("dt", decades(-5, 1, 7), "step [s]"),
         Axis("gravity", [0.0, *decades(-6, 6, 7)], "gravity [m/s²]"),
     ),
+    Map("lying", "Elastic block on a slope, static", problems.lying, SEED, START),
     Map(
         "dropped",
         "Rigid block falling flat",

@@ -9,6 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from ..base import checks
+from .scheme import Points, Scheme, Step
+
+__all__ = ["QuasiStatic", "Scheme", "Step", "ThetaScheme"]
 
 #: Gauss points over the way of a step, and weights: exact for stored energies of degree 6 in F.
 _GAUSS = [(float(1 + x) / 2, float(w) / 2) for x, w in zip(*np.polynomial.legendre.leggauss(3))]
@@ -16,7 +19,7 @@ _GAUSS = [(float(1 + x) / 2, float(w) / 2) for x, w in zip(*np.polynomial.legend
 
 @dataclass(frozen=True)
 class ThetaScheme:
-    """The time scheme of a scene.
+    """The theta-scheme.
 
     Args:
         theta: in [0, 1].
@@ -33,10 +36,16 @@ class ThetaScheme:
     theta: float = 0.5
     forces: str = "theta"
     inertia: ClassVar[float] = 1.0
+    memory_rows: ClassVar[int] = 0
 
     def __post_init__(self) -> None:
         checks.number("theta", self.theta, at_least=0, at_most=1)
         checks.choice("forces", self.forces, ["theta", "end"])
+
+    @property
+    def position_rate(self) -> float:
+        """Derivative of the increment by v+, over dt."""
+        return self.theta
 
     @property
     def force_weight(self) -> float:
@@ -44,7 +53,17 @@ class ThetaScheme:
         return self.theta if self.forces == "theta" else 1.0
 
     @property
-    def force_points(self) -> list[tuple[float, float]]:
+    def linear_weights(self) -> tuple[float, float]:
+        """The force of a linear solid is that at one point."""
+        return 1 - self.force_weight, self.force_weight
+
+    @property
+    def load_points(self) -> Points:
+        """Loads are taken at the same point."""
+        return [(self.force_weight, 1.0)]
+
+    @property
+    def force_points(self) -> Points:
         """Where a nonlinear solid takes its internal forces: shares of the way from u- to u+ and
         their weights.
 
@@ -60,18 +79,55 @@ class ThetaScheme:
         return points if mean == 1 else [*points, (float(self.theta > 0.5), 1 - mean)]
 
     @property
-    def mean_share(self) -> float:
-        """How much of the forces is taken in the mean over the way; see ``force_points``."""
-        return 2 * min(self.theta, 1 - self.theta) if self.forces == "theta" else 0.0
+    def growth(self) -> str:
+        """Below 1/2 it makes (1/2 - theta) dv' M dv in each step."""
+        if self.theta >= 0.5:
+            return ""
+        return (
+            f"theta = {self.theta!r}: must be >= 1/2, below which the scheme makes energy in each "
+            "step, in deformable solids exponentially"
+        )
+
+    @property
+    def bounds_work(self) -> bool:
+        """From 1/2 on."""
+        return self.theta >= 0.5
+
+    @property
+    def error_constant(self) -> float | None:
+        """That of the trapezoidal rule."""
+        return 1 / 12 if self.theta == 0.5 and self.forces == "theta" else None
+
+    def increment(
+        self, dt: float, v_old: np.ndarray, v_new: np.ndarray, memory: np.ndarray | None = None
+    ) -> np.ndarray:
+        """(8)."""
+        return dt * ((1 - self.theta) * v_old + self.theta * v_new)
 
     def mean(self, v_old: np.ndarray, v_new: np.ndarray) -> np.ndarray:
-        """The velocity by which works are counted: what multiplies a change of momentum to give
-        that of the kinetic energy."""
+        """Of the velocities at both ends."""
         return 0.5 * (v_old + v_new)
 
-    def increment(self, dt: float, v_old: np.ndarray, v_new: np.ndarray) -> np.ndarray:
-        """The displacement increment u+ - u- of a step."""
-        return dt * ((1 - self.theta) * v_old + self.theta * v_new)
+    def first(self, force: np.ndarray) -> None:
+        """Nothing to remember."""
+
+    def carried(self, memory: np.ndarray | None) -> float:
+        """Nothing."""
+        return 0.0
+
+    def remember(
+        self,
+        dt: float,
+        v_old: np.ndarray,
+        v_new: np.ndarray,
+        force: np.ndarray,
+        memory: np.ndarray | None,
+    ) -> None:
+        """Nothing."""
+
+    def describe(self) -> str:
+        """Its name and parameters."""
+        return f"theta = {self.theta!r}, forces at {self.forces}"
 
 
 @dataclass(frozen=True)
@@ -85,63 +141,11 @@ class QuasiStatic(ThetaScheme):
     forces: str = field(default="end", init=False)
     inertia: ClassVar[float] = 0.0
 
+    @property
+    def bounds_work(self) -> bool:
+        """An equilibrium may be reached by a snap, from more energy or to more."""
+        return False
+
     def mean(self, v_old: np.ndarray, v_new: np.ndarray) -> np.ndarray:
         """The increments of the step over its length."""
         return v_new
-
-
-@dataclass(frozen=True)
-class Step:
-    """One time step: its length in seconds and the scheme that crosses it.
-
-    An impact is a step of no length. Its forces are percussions: impulses over a ``span`` of 1 s
-    instead of over dt, with which nothing moves and no load acts. It looks ``ahead`` over the step
-    that follows it: no point may come out of it faster than it would arrive then.
-    """
-
-    dt: float
-    scheme: ThetaScheme
-    start: float = 0.0
-    ahead: float = 0.0
-
-    @property
-    def horizon(self) -> float:
-        """The time by whose end no point may pass its obstacle, s."""
-        return self.dt or self.ahead or 1.0
-
-    @property
-    def limit_rate(self) -> float:
-        """How fast a point may fall back, over how fast it left: (1 - theta)/theta, with which it
-        is back at the end of the step; 0 in an impact."""
-        theta = self.scheme.theta
-        return (1 - theta) / theta if self.dt and theta else 0.0
-
-    @property
-    def end(self) -> float:
-        """Time at which it ends, s."""
-        return self.start + self.dt
-
-    @property
-    def force_time(self) -> float:
-        """Time at which its forces are taken, s."""
-        return self.start + self.scheme.force_weight * self.dt
-
-    @property
-    def span(self) -> float:
-        """The time over which the forces of the step are spread, s."""
-        return self.dt or 1.0
-
-    @property
-    def loaded(self) -> float:
-        """1 where loads and internal forces act, 0 in an impact."""
-        return 1.0 if self.dt else 0.0
-
-    @property
-    def gap_rate(self) -> float:
-        """Derivative of the end position by the end velocity: theta dt."""
-        return self.scheme.theta * self.dt
-
-    @property
-    def force_rate(self) -> float:
-        """Derivative of the position at which forces are taken by the end velocity."""
-        return self.scheme.force_weight * self.gap_rate

@@ -11,6 +11,7 @@ from .hard import klarbring, painleve
 from .pairs import collision, pressed, stacked
 from .pressing import hertz
 from .rocking import BLOCK, rocking, toppling
+from .statics import lying
 
 #: Where the block of :func:`rocking` tips over, rad.
 rocking_angle = BLOCK.alpha
@@ -28,6 +29,7 @@ __all__ = [
     "klarbring",
     "leaning_drop",
     "leaning_tube",
+    "lying",
     "oscillator",
     "painleve",
     "pressed",

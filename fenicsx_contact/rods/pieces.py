@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What guides are made of: tubes, cards, and the centre lines of tubes, the lateral offset [m] as a
+function of the depth [m]."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from ..base import checks
+
+
+@runtime_checkable
+class Curve(Protocol):
+    """A centre line. Arrays (n,) in its plane, or (n, d - 1) for a curve in space."""
+
+    def offset(self, depth: np.ndarray) -> np.ndarray:
+        """Lateral offset at depths (n,), m."""
+        ...
+
+    def slope(self, depth: np.ndarray) -> np.ndarray:
+        """Its derivative by the depth."""
+        ...
+
+
+@dataclass(frozen=True)
+class Straight:
+    """A straight line, inclined by ``tilt`` (slope)."""
+
+    tilt: float = 0.0
+
+    def offset(self, depth: np.ndarray) -> np.ndarray:
+        """Lateral offset at depths (n,), m."""
+        return self.tilt * depth
+
+    def slope(self, depth: np.ndarray) -> np.ndarray:
+        """Its derivative by the depth."""
+        return np.full_like(depth, self.tilt)
+
+
+@dataclass(frozen=True)
+class Sine:
+    """An S: ``a sin kx``, with k = 2 pi / wavelength.
+
+    Args:
+        amplitude: a, m.
+        wavelength: m.
+        inlet: ``"tangent"`` subtracts ``a k x``, so that a straight guide leads smoothly into it;
+            ``"kinked"`` keeps the slope a k at depth 0.
+    """
+
+    amplitude: float
+    wavelength: float
+    inlet: str = "tangent"
+
+    def __post_init__(self) -> None:
+        checks.number("amplitude", self.amplitude)
+        checks.number("wavelength", self.wavelength, above=0)
+        checks.choice("inlet", self.inlet, ["tangent", "kinked"])
+
+    def offset(self, depth: np.ndarray) -> np.ndarray:
+        """Lateral offset at depths (n,), m."""
+        x = 2 * np.pi / self.wavelength * depth
+        return self.amplitude * (np.sin(x) - x * (self.inlet == "tangent"))
+
+    def slope(self, depth: np.ndarray) -> np.ndarray:
+        """Its derivative by the depth."""
+        k = 2 * np.pi / self.wavelength
+        return self.amplitude * k * (np.cos(k * depth) - (self.inlet == "tangent"))
+
+
+@dataclass(frozen=True)
+class Bow:
+    """A C: ``a (1 - cos 2 kx) / 2`` with k = pi / length; tangent at both ends of its length.
+
+    Args:
+        sagitta: a, m.
+        length: m.
+    """
+
+    sagitta: float
+    length: float
+
+    def __post_init__(self) -> None:
+        checks.number("sagitta", self.sagitta)
+        checks.number("length", self.length, above=0)
+
+    def offset(self, depth: np.ndarray) -> np.ndarray:
+        """Lateral offset at depths (n,), m."""
+        return 0.5 * self.sagitta * (1 - np.cos(2 * np.pi / self.length * depth))
+
+    def slope(self, depth: np.ndarray) -> np.ndarray:
+        """Its derivative by the depth."""
+        k = 2 * np.pi / self.length
+        return 0.5 * self.sagitta * k * np.sin(k * depth)
+
+
+@dataclass(frozen=True)
+class AnyCurve:
+    """A curve given by two functions of the depth (n,)."""
+
+    function: Callable[[np.ndarray], np.ndarray] = field(repr=False)
+    derivative: Callable[[np.ndarray], np.ndarray] = field(repr=False)
+
+    def offset(self, depth: np.ndarray) -> np.ndarray:
+        """Lateral offset at depths (n,), m."""
+        return self.function(depth)
+
+    def slope(self, depth: np.ndarray) -> np.ndarray:
+        """Its derivative by the depth."""
+        return self.derivative(depth)
+
+
+@dataclass(frozen=True)
+class Tube:
+    """A continuous guide.
+
+    Args:
+        top, bottom: depths, m.
+        clearance: radial, m; or pairs (depth, clearance), linear in between.
+        curve: of its centre line.
+        kinks: depths at which the curve has a kink.
+
+    Raises:
+        InputError: an empty or upside-down tube, a clearance that is not positive.
+    """
+
+    top: float
+    bottom: float
+    clearance: float | Sequence[tuple[float, float]]
+    curve: Curve = field(default_factory=Straight)
+    kinks: Sequence[float] = ()
+
+    def __post_init__(self) -> None:
+        top, bottom = checks.number("top", self.top), checks.number("bottom", self.bottom)
+        if top >= bottom:
+            raise checks.InputError(f"top = {top!r}, bottom = {bottom!r}: the top must be above")
+        checks.instance("curve", self.curve, Curve, "a curve (Straight, Sine, Bow, ...)")
+        if not isinstance(self.clearance, (list, tuple, np.ndarray)):
+            checks.number("clearance", self.clearance, above=0)
+            return
+        table = np.array(self.clearance, dtype=float)
+        if table.ndim != 2 or table.shape[1] != 2 or not (np.diff(table[:, 0]) > 0).all():
+            raise checks.InputError(
+                f"clearance = {self.clearance!r}: must be > 0, or pairs (depth, clearance) that "
+                "go downwards"
+            )
+        for value in table[:, 1]:
+            checks.number("clearance", value, above=0)
+
+    def table(self) -> tuple[np.ndarray, np.ndarray]:
+        """Depths and clearances between which the clearance is linear."""
+        if isinstance(self.clearance, (list, tuple, np.ndarray)):
+            depth, clearance = np.array(self.clearance, dtype=float).T
+            return depth, clearance
+        return np.array([self.top, self.bottom]), np.full(2, self.clearance, dtype=float)
+
+    def stations(self) -> list[float]:
+        """Its ends, kinks, and the places at which a taper ends."""
+        depth, clearance = self.table()
+        slope = np.diff(clearance) / np.diff(depth)
+        tapers = depth[1:-1][np.diff(slope) > 0]
+        inside = [x for x in (*tapers, *self.kinks) if self.top < x < self.bottom]
+        return [self.top, *inside, self.bottom]
+
+    def hole(self, depth: float) -> tuple[float, np.ndarray]:
+        """Its clearance and lateral place there, m."""
+        return float(np.interp(depth, *self.table())), self.curve.offset(np.array([depth]))
+
+
+@dataclass(frozen=True)
+class Card:
+    """A thin plate with a hole.
+
+    Args:
+        depth: m.
+        clearance: radial, m.
+        centre: lateral place of the hole, m.
+    """
+
+    depth: float
+    clearance: float
+    centre: float = 0.0
+
+    def __post_init__(self) -> None:
+        checks.number("depth", self.depth)
+        checks.number("centre", self.centre)
+        checks.number("clearance", self.clearance, above=0)
+
+    def stations(self) -> list[float]:
+        """Itself."""
+        return [self.depth]
+
+    def hole(self, depth: float) -> tuple[float, np.ndarray]:
+        """Its clearance and lateral place, m."""
+        return self.clearance, np.array([self.centre])

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Elastic constants, and stored energies of isotropic solids as UFL functions of the deformation
+gradient."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import ufl
+
+from ..base import checks
+
+#: A stored energy density [J/m³] as a UFL function of the deformation gradient, (3, 3).
+Energy = Callable[[Any], Any]
+
+
+def elastic_constants(youngs_modulus: float, poisson_ratio: float) -> tuple[float, float]:
+    """E [Pa] > 0 and nu in (-1, 1/2), or an :class:`~fenicsx_contact.base.checks.InputError`."""
+    E = checks.number("youngs_modulus", youngs_modulus, above=0)
+    nu = checks.number("poisson_ratio", poisson_ratio, above=-1)
+    if nu >= 0.5:
+        raise checks.InputError(f"poisson_ratio = {poisson_ratio!r}: must be < 0.5")
+    return E, nu
+
+
+def lame_constants(youngs_modulus: float, poisson_ratio: float) -> tuple[float, float]:
+    """lambda and mu, Pa, from E and nu."""
+    E, nu = elastic_constants(youngs_modulus, poisson_ratio)
+    return E * nu / (1 + nu) / (1 - 2 * nu), E / 2 / (1 + nu)
+
+
+def st_venant_kirchhoff(youngs_modulus: float, poisson_ratio: float) -> Energy:
+    """``lambda/2 tr(E)² + mu E:E`` with E the Green-Lagrange strain."""
+    lmbda, mu = lame_constants(youngs_modulus, poisson_ratio)
+
+    def energy(F: Any) -> Any:
+        strain = (F.T * F - ufl.Identity(3)) / 2
+        return lmbda / 2 * ufl.tr(strain) ** 2 + mu * ufl.inner(strain, strain)
+
+    return energy
+
+
+def neo_hookean(youngs_modulus: float, poisson_ratio: float) -> Energy:
+    """``mu/2 (tr(F'F) - 3 - 2 ln J) + lambda/2 (ln J)²``, compressible."""
+    lmbda, mu = lame_constants(youngs_modulus, poisson_ratio)
+
+    def energy(F: Any) -> Any:
+        J = ufl.det(F)
+        return mu / 2 * (ufl.tr(F.T * F) - 3 - 2 * ufl.ln(J)) + lmbda / 2 * ufl.ln(J) ** 2
+
+    return energy
+
+
+def ciarlet(youngs_modulus: float, poisson_ratio: float) -> Energy:
+    """``mu/2 (tr(F'F) - 3 - 2 ln J) + lambda/4 (J² - 1 - 2 ln J)``: the neo-Hookean law that is
+    polyconvex, after P. G. Ciarlet, Mathematical Elasticity I (1988), section 4.10.
+    """
+    lmbda, mu = lame_constants(youngs_modulus, poisson_ratio)
+
+    def energy(F: Any) -> Any:
+        J = ufl.det(F)
+        volumetric = lmbda / 4 * (J**2 - 1 - 2 * ufl.ln(J))
+        return mu / 2 * (ufl.tr(F.T * F) - 3 - 2 * ufl.ln(J)) + volumetric
+
+    return energy

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A rigid solid seen from points of a surface."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..theory.theta import Step
+from .base import MonolithicTrace, Trace
+
+
+class TracedSolid(Protocol):
+    """What a trace asks of its solid.
+
+    Attributes:
+        dim: d, dimension of space.
+        velocity: of the centre of mass and spin, (3,) in 2D, (6,) in 3D.
+        free_velocity: that at the end of the step if no contact acted.
+        inverse: A^-1 of ``A v+ = b + J' f``.
+        trial_place: the centre of mass in the trial state, (d,) in m.
+        trial_turn: the rotation there, (d, d).
+    """
+
+    dim: int
+    velocity: np.ndarray
+    free_velocity: np.ndarray
+    inverse: np.ndarray
+    trial_place: np.ndarray
+    trial_turn: np.ndarray
+
+    def push(self, force: np.ndarray) -> None:
+        """Add to the forces on the solid in this step, N and N m."""
+
+
+class RigidTrace(MonolithicTrace):
+    """A rigid solid seen from points; the operator follows the rotation.
+
+    Args:
+        solid: the solid.
+        points: from its centre of mass, in the reference placement, (n, d) in m.
+    """
+
+    def __init__(self, solid: TracedSolid, points: np.ndarray) -> None:
+        self._solid, self._reference = solid, points
+        self._translation = np.zeros((*points.shape, len(solid.velocity)))
+        self._translation[:, range(solid.dim), range(solid.dim)] = 1.0
+        self.follow()
+        self.accept()
+
+    def follow(self) -> None:
+        self._operator = self._build(self._solid.trial_turn)
+
+    def linearise(self, step: Step) -> None:
+        # forces act through the operator at the place where the scheme takes forces
+        weight = step.scheme.force_weight
+        self._force_operator = weight * self._operator + (1 - weight) * self._start_operator
+        self._columns = self._solid.inverse @ self._force_operator.T
+
+    def accept(self) -> None:
+        self._start_operator = self._operator
+
+    def _build(self, turn: np.ndarray) -> np.ndarray:
+        d, n = self._solid.dim, len(self._reference)
+        self._arm = arm = self._reference @ turn.T
+        operator = self._translation.copy()
+        if d == 2:
+            np.negative(arm[:, 1], out=operator[:, 0, 2])
+            operator[:, 1, 2] = arm[:, 0]
+        else:
+            x, y, z = arm.T
+            operator[:, 0, 4], operator[:, 0, 5] = z, -y
+            operator[:, 1, 3], operator[:, 1, 5] = -z, x
+            operator[:, 2, 3], operator[:, 2, 4] = y, -x
+        return operator.reshape(n * d, -1)
+
+    def positions(self) -> np.ndarray:
+        return self._solid.trial_place + self._arm
+
+    def jump(self, velocity: np.ndarray) -> np.ndarray:
+        return self._operator @ velocity
+
+    def mean_jump(self, velocity: np.ndarray) -> np.ndarray:
+        return self._force_operator @ velocity
+
+    def free_jump(self) -> np.ndarray:
+        return self._operator @ self._solid.free_velocity
+
+    def compliance(self, mine: np.ndarray, other: Trace, theirs: np.ndarray) -> np.ndarray:
+        assert isinstance(other, RigidTrace)
+        if len(mine) == len(self._operator) and len(theirs) == len(other._operator):
+            return self._operator @ other._columns
+        return self._operator[mine] @ other._columns[:, theirs]
+
+    def mobility(self) -> np.ndarray:
+        return np.einsum("ij,ji->i", self._operator, self._columns)
+
+    def rows(self, which: np.ndarray) -> np.ndarray:
+        return self._operator[which]
+
+    def seeing(self) -> sp.csr_matrix:
+        return sp.csr_matrix(self._operator)
+
+    def spreading(self) -> sp.csr_matrix:
+        return sp.csr_matrix(self._force_operator)
+
+    def spread(self, force: np.ndarray) -> None:
+        self._solid.push(force @ self._force_operator)

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The vector fields on a mesh: their unknowns, and which of them a process owns.
+
+Arrays of values hold the owned unknowns, (owned,): all components of a node, node by node.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from dolfinx import fem
+from petsc4py import PETSc
+
+from ..base import checks, compat
+from ..base.mesh import NamedMesh
+
+#: A field given as a function of ``x`` (3, n) with values (d, n).
+Field = Callable[[np.ndarray], np.ndarray]
+
+
+class VectorSpace:
+    """Continuous vector fields on a mesh that may be distributed.
+
+    Args:
+        mesh: the mesh.
+        degree: 1 or 2.
+
+    Attributes:
+        dim, comm: dimension of space, and the processes.
+        space: the function space.
+        owned, unknowns: how many unknowns this process owns, and how many there are.
+        first: the number of this process's first unknown among all.
+        places: of the owned nodes, (owned/d, d) in m.
+
+    Raises:
+        InputError: another degree.
+    """
+
+    def __init__(self, mesh: NamedMesh, degree: int) -> None:
+        if degree not in (1, 2):
+            raise checks.InputError(f"degree = {degree!r}: must be 1 or 2")
+        self.mesh, self.degree, self.dim = mesh, degree, mesh.dim
+        self.comm, d = mesh.mesh.comm, mesh.dim
+        self.space = compat.lagrange_space(mesh.mesh, degree, shape=(d,))
+        self._linear = compat.lagrange_space(mesh.mesh, 1, shape=(d,))
+        index_map = self.space.dofmap.index_map
+        self.owned = index_map.size_local * d
+        self.unknowns = index_map.size_global * d
+        self.first = index_map.local_range[0] * d
+        self.places = self.space.tabulate_dof_coordinates()[: index_map.size_local, :d]
+        self._x, self._y = (self._vector() for _ in range(2))
+
+    def _vector(self) -> PETSc.Vec:
+        vector = PETSc.Vec().create(self.comm)
+        vector.setSizes((self.owned, None))
+        vector.setType(PETSc.Vec.Type.STANDARD)
+        return vector
+
+    def facets(self, name: str, what: str) -> np.ndarray:
+        """The local facets that bear a name, given by the argument ``what``.
+
+        Raises:
+            InputError: the mesh has no such name, or no facet bears it.
+        """
+        try:
+            return self.mesh.facets(name)
+        except checks.InputError as problem:
+            raise checks.InputError(f"{what}: {problem}") from None
+
+    def nodes_of(self, names: Sequence[str] | str, what: str) -> np.ndarray:
+        """The nodes of the named facets that this process owns, sorted.
+
+        Args:
+            names: of facets.
+            what: the argument that names them, for messages.
+
+        Raises:
+            InputError: a name that the mesh lacks, or that no facet bears.
+        """
+        blocks = [np.empty(0, dtype=np.int32)]
+        for name in [names] if isinstance(names, str) else names:
+            facets = self.facets(name, what)
+            blocks.append(fem.locate_dofs_topological(self.space, self.dim - 1, facets))
+        nodes = np.unique(np.concatenate(blocks)).astype(np.int64)
+        return nodes[nodes < self.owned // self.dim]
+
+    def at(self, nodes: np.ndarray) -> np.ndarray:
+        """All unknowns of some nodes, flat."""
+        return (nodes[:, None] * self.dim + np.arange(self.dim)).ravel()
+
+    def multiply(self, matrix: PETSc.Mat, values: np.ndarray) -> np.ndarray:
+        """A matrix of the space times values of the owned unknowns."""
+        self._x.setArray(values)
+        matrix.mult(self._x, self._y)
+        return self._y.array_r.copy()
+
+    def sum(self, value: float) -> float:
+        """The sum over all processes."""
+        return float(self.comm.allreduce(value)) if self.comm.size > 1 else float(value)
+
+    def diagonal(self, matrix: PETSc.Mat) -> np.ndarray:
+        """The diagonal of a matrix of the space, (owned,)."""
+        matrix.getDiagonal(self._y)
+        return self._y.array_r.copy()
+
+    def interpolate(self, what: str, field: Field | None) -> np.ndarray:
+        """Values of a field, None being zero.
+
+        Args:
+            what: the argument that gave it, for messages.
+            field: the field.
+
+        Raises:
+            InputError: no function, values of another shape, or not finite.
+        """
+        function = fem.Function(self.space)
+
+        def values_at(x: np.ndarray) -> np.ndarray:
+            values = np.asarray(field(x), dtype=float)  # type: ignore[misc]
+            if values.shape != (self.dim, x.shape[1]):
+                raise checks.InputError(
+                    f"{what}: gives values of shape {values.shape} at x of shape {x.shape}; must "
+                    f"be a function of x (3, n) with values ({self.dim}, n)"
+                )
+            return values
+
+        if field is not None:
+            if not callable(field):
+                raise checks.InputError(f"{what} = {field!r}: must be a function of x (3, n)")
+            compat.interpolate(function, values_at)
+        values = function.x.array[: self.owned].copy()
+        if not min(self.comm.allgather(bool((np.abs(values) <= checks.LARGEST).all()))):
+            raise checks.InputError(
+                f"{what}: the initial field is not finite everywhere, or above {checks.LARGEST:g}"
+            )
+        return values
+
+    def function(self, values: np.ndarray) -> Any:
+        """A function of the space from the values of its owned unknowns."""
+        function = fem.Function(self.space)
+        function.x.array[: self.owned] = values
+        function.x.scatter_forward()
+        return function
+
+    def at_mesh(self, values: np.ndarray) -> np.ndarray:
+        """The field at the local nodes of the mesh's geometry, (n, d)."""
+        mesh = self.mesh.mesh
+        nodes, dofs = compat.cell_geometry(mesh), compat.cell_dofs(self._linear)
+        linear = fem.Function(self._linear)
+        linear.interpolate(self.function(values))
+        result = np.zeros((len(mesh.geometry.x), self.dim))
+        result[nodes.ravel()] = linear.x.array.reshape(-1, self.dim)[dofs.ravel()]
+        return result

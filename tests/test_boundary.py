@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What is prescribed on the boundary of a solid, and constants of UFL as numbers."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from pathlib import Path
+
+import dolfinx
+import numpy as np
+import pytest
+import ufl
+from dolfinx import fem
+from scenes import rectangle
+
+import fenicsx_contact
+from fenicsx_contact import (
+    ElasticSolid,
+    InputError,
+    NamedMesh,
+    QuasiStatic,
+    RigidSolid,
+    Scene,
+    name_facets,
+)
+
+ELASTIC = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}
+
+
+def solid(**others):
+    return ElasticSolid(rectangle((2, 3)), **{**ELASTIC, **others})
+
+
+# -- supports --
+
+
+@pytest.mark.parametrize(
+    "supports",
+    [
+        {"fixed": ["left"], "prescribed": {"top": [0.0, -0.01]}},
+        {"prescribed": {"left": [0.0, 0.0], "top": [0.01, None]}},
+        {"fixed": "left", "prescribed": {"top": lambda t: [0.0, -0.01 * t]}},
+    ],
+)
+def test_contradictory_supports_are_refused(supports):
+    """The corner that the two share cannot follow both."""
+    with pytest.raises(InputError, match=r"'top' contradicts.*'left'"):
+        solid(**supports)
+
+
+def test_supports_that_contradict_each_other_later_are_refused_then():
+    def late(t):
+        return [0.0, -0.01 if t > 0.5 else 0.0]
+
+    scene = Scene([solid(fixed=["left"], prescribed={"top": late})], [], QuasiStatic())
+    with pytest.raises(InputError, match=r"t = 0.6 s.*'top' contradicts"):
+        scene.run(1.0, 0.2)
+
+
+@pytest.mark.parametrize("free", [[None, -0.01], [1e-14, -0.01]])
+def test_supports_that_agree_are_taken(free):
+    """Where a direction is free, or round-off away from what another one says."""
+    made = solid(prescribed={"left": [0.0, None], "top": free})
+    assert Scene([made], [], QuasiStatic()).run(0.1, 0.1).finished
+
+
+def test_supports_start_with_the_speed_of_their_motion():
+    """Whatever the unit of time: the solid knows it."""
+    for unit in (1e-9, 1.0, 1e9):
+        E = ELASTIC["youngs_modulus"] / unit**2
+        made = solid(
+            youngs_modulus=E,
+            prescribed={"top": lambda t, unit=unit: [0.0, -1e-3 * np.sin(3 * t / unit)]},
+        )
+        speed = made.velocity[made.fixed_unknowns][1::2] * unit
+        np.testing.assert_allclose(speed, -3e-3, rtol=1e-6)
+
+
+@pytest.mark.parametrize("argument", ["fixed", "prescribed", "tractions", "mass_redistribution"])
+@pytest.mark.parametrize("name", ["nowhere", "unknown"])
+def test_names_that_match_nothing_are_refused_by_their_argument(argument, name):
+    mesh = rectangle((2, 3))
+    tags = {"top": lambda x: np.isclose(x[1], 0.8), "nowhere": lambda x: x[1] > 99}
+    given = [name] if argument in ("fixed", "mass_redistribution") else {name: [0.0, 1.0]}
+    with pytest.raises(InputError, match=rf"{argument}: .*'{name}'"):
+        ElasticSolid(name_facets(mesh.mesh, tags), **ELASTIC, **{argument: given})
+
+
+def test_traction_inside_the_mesh_is_refused():
+    """It would be no load at all."""
+    mesh = rectangle((2, 2)).mesh
+    inside = dolfinx.mesh.locate_entities(mesh, 1, lambda x: np.isclose(x[0], 0.0))
+    tags = dolfinx.mesh.meshtags(mesh, 1, inside, np.ones(len(inside), dtype=np.int32))
+    with pytest.raises(InputError, match=r"tractions\['inside'\].*boundary"):
+        ElasticSolid(
+            NamedMesh(mesh, tags, {"inside": 1}), **ELASTIC, tractions={"inside": [0.0, 1.0]}
+        )
+
+
+# -- constants --
+
+
+def test_constants_of_ufl_are_numbers():
+    mesh = rectangle((2, 3))
+    constants = {name: fem.Constant(mesh.mesh, value) for name, value in ELASTIC.items()}
+    gravity = fem.Constant(mesh.mesh, np.array([0.0, -9.81]))
+    made = ElasticSolid(mesh, **constants, gravity=gravity)
+    assert made.describe() == solid(gravity=[0.0, -9.81]).describe()
+    assert RigidSolid(mesh, density=constants["density"]).mass == pytest.approx(288.0)
+
+
+@pytest.mark.parametrize("name", ELASTIC)
+def test_other_expressions_are_refused(name):
+    """At once: float() of them recurses until the stack is full."""
+    mesh = rectangle((2, 3))
+    x, limit = ufl.SpatialCoordinate(mesh.mesh), sys.getrecursionlimit()
+    sys.setrecursionlimit(300)
+    try:
+        for value in (1e6 * x[0], x, fem.Constant(mesh.mesh, np.array([1.0, 2.0]))):
+            with pytest.raises(InputError, match=name):
+                ElasticSolid(mesh, **{**ELASTIC, name: value})
+    finally:
+        sys.setrecursionlimit(limit)
+
+
+# -- the house --
+
+
+def test_no_circles_among_the_files_of_solids():
+    """Imports for typing included; and each file is short."""
+    folder = Path(fenicsx_contact.__file__).parent / "solids"
+    imports = {}
+    for file in folder.glob("*.py"):
+        text = file.read_text()
+        assert len(text.splitlines()) <= 300, file
+        nodes = [n for n in ast.walk(ast.parse(text)) if isinstance(n, ast.ImportFrom)]
+        imports[file.stem] = {n.module for n in nodes if n.level == 1}
+    left = set(imports)
+    while left:
+        floor = {name for name in left if not imports[name] & left}
+        assert floor, f"a circle among {sorted(left)}"
+        left -= floor

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Everything with everything: each kind of solid on each kind of master, in the plane and in space,
+by every law, geometry, solver and scheme. A scene runs and makes sense, or it is refused when it is
+built, by an argument that its user gave; nothing else. By default a sample; all with -m long."""
+
+from __future__ import annotations
+
+from functools import cache
+from itertools import product
+
+import numpy as np
+import pytest
+from scenes import FLOOR, FLOOR_3D, G, box, energy_size, rectangle, total_energy
+
+from fenicsx_contact import (
+    Contact,
+    Discrete,
+    ElasticSolid,
+    HyperelasticSolid,
+    InputError,
+    QuasiStatic,
+    RigidSolid,
+    Scene,
+    ThetaScheme,
+    neo_hookean,
+)
+
+SLAVES = ["rigid", "elastic", "hyperelastic"]
+MASTERS = ["obstacle", *SLAVES]
+LAWS = {"velocity": "velocity", "gap": "gap", "lagrange": "lagrange", "springs": Discrete(1e8)}
+WAYS = {
+    "default": {},
+    "newton": {"geometry": "newton"},
+    "fixed point": {"geometry": "fixed point"},
+    "monolithic": {"geometry": "newton", "solver": "monolithic"},
+    "condensed": {"geometry": "newton", "solver": "condensed"},
+}
+SCHEMES = {"theta 1/2": ThetaScheme(), "theta 1": ThetaScheme(1.0), "static": QuasiStatic()}
+REST = list(product([0.0, 0.3], WAYS, SCHEMES))
+GROUPS = list(product(SLAVES, MASTERS, [2, 3], LAWS))
+#: What a refusal may name.
+ARGUMENTS = ["solids", "contacts", "solver", "geometry", "scheme", "theta", "formulation", "master"]
+
+GAP, SPEED, DT = 1e-3, 1.0, 1e-3
+TOP = 0.3  # of a master
+
+
+@cache
+def mesh(role, dim):
+    """The meshes, made once: a small block above a larger one."""
+    if role == "low":
+        return rectangle((3, 1), (0.6, TOP)) if dim == 2 else box((2, 2, 1), (0.6, 0.6, TOP))
+    block = rectangle((2, 1), (0.4, 0.2)) if dim == 2 else box((1, 1, 1), (0.4, 0.4, 0.2))
+    block.mesh.geometry.x[:, dim - 1] += (TOP if role == "on solid" else 0.0) + GAP
+    return block
+
+
+def solid(kind, shape, name, velocity=None, **held):
+    """A solid of 1000 kg/m³ under gravity; soft ones strain by 1e-3 under their weight."""
+    d = shape.dim
+    common = {"density": 1000.0, "gravity": -G * np.eye(d)[-1], "name": name}
+    if kind == "rigid":
+        return RigidSolid(shape, velocity=velocity, **common)
+    if velocity is not None:
+        speed = np.asarray(velocity, dtype=float)
+        held["velocity"] = lambda x: np.outer(speed, np.ones(x.shape[1]))
+    if kind == "elastic":
+        material = {"youngs_modulus": 1e7, "poisson_ratio": 0.3}
+        return ElasticSolid(shape, **material, **common, **held)
+    return HyperelasticSolid(shape, energy=neo_hookean(1e7, 0.3), **common, **held)
+
+
+def build(slave, master, dim, law, friction, way, scheme):
+    """The scene of one combination."""
+    floor = FLOOR if dim == 2 else FLOOR_3D
+    moving = scheme != "static"
+    velocity = 0.3 * np.eye(dim)[0] - SPEED * np.eye(dim)[-1] if moving else None
+    role = "on floor" if master == "obstacle" else "on solid"
+    up = solid(slave, mesh(role, dim), "up", velocity)
+    if master == "obstacle":
+        contacts = [Contact(up, "base", floor, LAWS[law], friction, name="c")]
+        return Scene([up], contacts, SCHEMES[scheme], **WAYS[way])
+    held = {} if master == "rigid" else {"fixed": ["base"]}
+    low = solid(master, mesh("low", dim), "low", **held)
+    contacts = [Contact(up, "base", (low, "top"), LAWS[law], friction, name="c")]
+    if master == "rigid":
+        contacts.append(Contact(low, "base", floor, LAWS[law], friction, name="floor"))
+    return Scene([low, up], contacts, SCHEMES[scheme], **WAYS[way])
+
+
+def fault(*what):  # noqa: PLR0911
+    """What is wrong with one combination, or nothing."""
+    try:
+        scene = build(*what)
+    except InputError as refusal:
+        named = any(word in str(refusal) for word in ARGUMENTS)
+        return "" if named else f"refused without an argument: {refusal}"
+    except Exception as error:  # anything else is what this looks for
+        return f"built: {type(error).__name__}: {error}"
+    try:
+        history = scene.run(3 * DT, DT, progress=False)
+    except Exception as error:
+        return f"run: {type(error).__name__}: {error}"
+    if not history.finished:
+        return history.reason
+    if not np.isfinite(history.rows()).all():
+        return "a number that is not finite"
+    total = total_energy(history)
+    rise = (total - total[0]).max() / energy_size(history)
+    if rise > 1e-9:
+        return f"energy rises by {rise:.2g} of itself"
+    depth = max(history[c].max() for c in history.columns if c.endswith("penetration"))
+    if depth > 2 * SPEED * DT:
+        return f"{depth:.2g} m inside"
+    moved = np.abs(scene.solids[-1].fields()["displacement"]).max()
+    # what touches stops there, and nothing moves faster than it was thrown
+    if moved > 3 * (1.5 * SPEED + G * DT) * DT + GAP:
+        return f"moved by {moved:.2g} m"
+    return ""
+
+
+def faults(combinations):
+    found = {what: fault(*what) for what in combinations}
+    return "\n".join(f"{what}: {text[:150]}" for what, text in found.items() if text)
+
+
+def sample(group, count=2):
+    """Some of the rest for a group, always the same, all of them about equally often."""
+    at = GROUPS.index(group) * count
+    order = np.random.default_rng(0).permutation(len(REST))
+    return [REST[order[(at + i) % len(REST)]] for i in range(count)]
+
+
+@pytest.mark.parametrize("group", GROUPS, ids=lambda g: "-".join(map(str, g)))
+def test_pairs(group):
+    assert not (text := faults([(*group, *rest) for rest in sample(group)])), "\n" + text
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("group", GROUPS, ids=lambda g: "-".join(map(str, g)))
+def test_all_pairs(group):
+    assert not (text := faults([(*group, *rest) for rest in REST])), "\n" + text

@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Statics, all defaults: what lies, is pressed, wedged or wound is solved right from any start;
+what nothing can hold is refused by name. No scene may end as nonsense that calls itself finished.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from corpus import (
+    STARTS,
+    Static,
+    block_on_floor,
+    neo_hookean_on_slab,
+    squashed_ring,
+    stack,
+    strap,
+    three_pressed,
+    wedge,
+)
+from scenes import FLOOR, FLOOR_3D, G, box, rectangle
+
+from fenicsx_contact import Contact, ElasticSolid, InputError, QuasiStatic, RigidSolid, Scene
+
+LAWS = ["velocity", "gap"]
+START = list(STARTS)
+
+
+def solved(case: Static, law: str, force: float = 1e-8) -> Static:
+    """The case, run and judged: forces, size of the displacements, penetration, what is exact."""
+    scene = case.scene
+    starts = [solid.displacement.copy() for solid in scene.solids]
+    history = scene.run(case.until, 1.0, progress=False)
+    assert history.finished, history.reason
+    assert np.isfinite(history.rows()).all()
+    size = max(np.nanmax(np.abs(f)) for f in case.forces.values()) or 1.0
+    kept = abs(case.start) if law == "velocity" else 0.0  # a law of velocities need not close it
+    for contact in scene.contacts:
+        exact = np.asarray(case.forces[contact.name], dtype=float)
+        found = [history[f"{contact.name}.force_{a}"][-1] for a in "xyz"[: len(exact)]]
+        known = np.isfinite(exact)
+        size_here = max(np.abs(exact[known]).max(initial=0.0), force * size) or np.abs(found).max()
+        np.testing.assert_allclose(
+            np.array(found)[known], exact[known], rtol=0, atol=force * size_here
+        )
+        tiny = min(1e-7 * contact.extent, 1e-3 * case.reach) + 1e-14 * contact.extent
+        assert history[f"{contact.name}.penetration"][-1] <= tiny + kept
+        assert (contact.multiplier <= 0).all()
+        if contact.friction:
+            normal = -(contact.force * contact.normal).sum(axis=1)
+            tangential = contact.force + normal[:, None] * contact.normal
+            limit = contact.friction * np.abs(normal)
+            assert (np.linalg.norm(tangential, axis=1) <= limit + 1e-7 * size_here).all()
+    for solid, start in zip(scene.solids, starts):
+        assert np.abs(solid.displacement - start).max() <= case.reach, solid.name
+    if case.exact is not None:
+        solid = scene.solids[0]
+        x = solid.mesh.mesh.geometry.x[:, : solid.dim]
+        u, exact = solid.fields()["displacement"], case.exact(x)
+        elastic = np.ptp(exact, axis=0).max()
+        if not solid.supported:  # friction keeps it where it happens to be
+            u = u - (u - exact).mean(axis=0) * np.eye(solid.dim)[0]
+        round_off = 1e-12 * np.abs(x).max()
+        np.testing.assert_allclose(u, exact, rtol=0, atol=1e-6 * elastic + kept + round_off)
+    return case
+
+
+# -- a block on a floor --
+
+CELLS = [
+    ((1, 1), "quadrilateral"),
+    ((8, 4), "quadrilateral"),
+    ((1, 1), "triangle"),
+    ((6, 3), "triangle"),
+    ((1, 1, 1), "tetrahedron"),
+    ((2, 2, 1), "tetrahedron"),
+    ((2, 1, 1), "hexahedron"),
+]
+
+
+@pytest.mark.parametrize("held", ["side", "both", "friction"])
+@pytest.mark.parametrize("load", ["weight", "traction"])
+@pytest.mark.parametrize(("n", "cell"), CELLS)
+def test_block_on_floor(n, cell, load, held):
+    solved(block_on_floor(n=n, cell=cell, load=load, held=held), "velocity")
+
+
+@pytest.mark.parametrize("start", START)
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("held", ["side", "both", "friction"])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_block_from_any_start(dim, held, law, start):
+    n, cell = ((4, 2), "quadrilateral") if dim == 2 else ((2, 2, 1), "tetrahedron")
+    solved(block_on_floor(n=n, cell=cell, held=held, law=law, start=start), law)
+
+
+@pytest.mark.parametrize("held", ["side", "friction"])
+@pytest.mark.parametrize("nu", [0.0, 0.3])
+@pytest.mark.parametrize("E", [1.0, 1e3, 1e6, 1e9, 2e11])
+def test_block_of_any_stiffness(E, nu, held):
+    for load in ("weight", "traction"):
+        solved(block_on_floor(E=E, nu=nu, held=held, load=load), "velocity")
+
+
+@pytest.mark.parametrize("start", START)
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("share", [0.5, 0.9, 0.99, 0.999])
+def test_block_on_a_slope_is_held_by_friction(share, law, start):
+    solved(block_on_floor(slope=share, law=law, start=start), law)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.999])
+@pytest.mark.parametrize("load", ["weight", "traction"])
+@pytest.mark.parametrize("cell", ["triangle", "tetrahedron"])
+def test_slope_other_cells(cell, load, share):
+    n = (4, 2) if cell == "triangle" else (2, 2, 1)
+    solved(block_on_floor(n=n, cell=cell, slope=share, load=load), "velocity")
+
+
+def test_block_beyond_the_friction_angle_does_not_come_to_rest():
+    """No equilibrium exists: the run stops with a reason, or the scene is refused."""
+    try:
+        history = block_on_floor(slope=1.01).scene.run(1.0, 1.0, progress=False)
+    except InputError as refusal:
+        assert "block" in str(refusal)
+    else:
+        assert not history.finished and history.reason
+
+
+# -- several bodies --
+
+
+@pytest.mark.parametrize("start", START)
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("held", [False, True])
+@pytest.mark.parametrize("load", ["weight", "traction"])
+def test_neo_hookean_block_on_slab(load, held, law, start):
+    solved(neo_hookean_on_slab(load=load, start=start, held=held, law=law), law)
+
+
+@pytest.mark.parametrize("start", START)
+@pytest.mark.parametrize("law", LAWS)
+def test_stack_of_ten(law, start):
+    solved(stack(law=law, start=start), law)
+
+
+@pytest.mark.parametrize("start", START)
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_wedge(friction, law, start):
+    """By symmetry each side bears half of the load; across, what is normal to the sides, which
+    turn with the strain (1e-5), or less by friction that holds the wedge up."""
+    case = solved(wedge(friction=friction, start=start, law=law), law)
+    across = case.scene.contacts[0].force[:, 0].sum() / case.forces["cl"][1]
+    if friction:
+        angle, tilt = np.arctan(friction), np.pi / 6
+        assert 1 / np.tan(tilt + angle) * 0.999 < across < 1 / np.tan(tilt - angle) * 1.001
+    else:
+        assert across == pytest.approx(1 / np.tan(np.pi / 6), rel=1e-3)
+
+
+@pytest.mark.parametrize("start", START)
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("nu", [0.0, 0.3])
+def test_three_bodies_pressed(nu, law, start):
+    solved(three_pressed(nu=nu, start=start, law=law), law)
+
+
+@pytest.mark.parametrize("start", START)
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("hyperelastic", [False, True])
+def test_squashed_ring(hyperelastic, law, start):
+    case = squashed_ring(start=start, law=law, hyperelastic=hyperelastic)
+    solved(case, law)
+    under, over = (contact.force.sum(axis=0) for contact in case.scene.contacts)
+    assert under[1] > 0
+    np.testing.assert_allclose(under, -over, rtol=0, atol=1e-8 * under[1])
+    ring = case.scene.solids[0].fields()["displacement"]
+    assert abs(ring[:, 0].mean()) < 1e-6
+
+
+@pytest.mark.parametrize("start", START)
+@pytest.mark.parametrize("law", LAWS)
+def test_strap_round_a_drum(law, start):
+    case = solved(strap(start=start, law=law), law, force=0.01)
+    drawn, pulled = case.scene.contacts[0].force.sum(axis=0)
+    assert pulled == pytest.approx(case.forces["c"][1], rel=1e-8)  # the load
+    assert drawn / pulled == pytest.approx(np.exp(0.3 * np.pi / 2), rel=0.01)
+
+
+# -- what is to be refused --
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_rigid_solids_are_refused_by_name(dim, friction):
+    mesh, floor = (rectangle(), FLOOR) if dim == 2 else (box(), FLOOR_3D)
+    brick = RigidSolid(mesh, mass=1.0, gravity=-G * np.eye(dim)[-1], name="brick")
+    with pytest.raises(InputError, match="brick"):
+        Scene([brick], [Contact(brick, "base", floor, friction=friction)], QuasiStatic())
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_what_nothing_holds_is_refused_by_name(dim):
+    mesh, floor = (rectangle((2, 2)), FLOOR) if dim == 2 else (box(), FLOOR_3D)
+    brick = ElasticSolid(
+        mesh,
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1.0,
+        gravity=-G * np.eye(dim)[-1],
+        name="brick",
+    )
+    with pytest.raises(InputError, match=r"brick.*moving along"):
+        Scene([brick], [Contact(brick, "base", floor)], QuasiStatic())
+
+
+def test_block_pulled_off_its_floor_is_not_finished():
+    """Contact can only push: a scene that glue would hold, and nothing else, has no equilibrium."""
+    block = ElasticSolid(
+        rectangle((2, 2)),
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1.0,
+        gravity=(0, G),
+        prescribed={"left": (0.0, None)},
+        name="block",
+    )
+    scene = Scene([block], [Contact(block, "base", FLOOR)], QuasiStatic())
+    history = scene.run(1.0, 1.0, progress=False)
+    assert not history.finished and history.reason
+    assert np.abs(block.displacement).max() < 1.0

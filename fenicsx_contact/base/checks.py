@@ -104,7 +104,8 @@ def offers(name: str, value: Any, protocol: type, allowed: str) -> Any:
     it inherits from it or not, else an :class:`InputError` that names those which it lacks."""
     if isinstance(value, type):
         raise InputError(f"{name} = {value!r}: must be {allowed}, not a class")
-    lacks = sorted(m for m in _members(protocol) if not hasattr(value, m))
+    members = _members(protocol)
+    lacks = sorted(m for m in members if not (hasattr(value, m) or hasattr(type(value), m)))
     if lacks:
         some = f"; it lacks {', '.join(lacks[:4])}{', ...' if len(lacks) > 4 else ''}"
         raise InputError(f"{name} = {value!r}: must be {allowed}{some}")

@@ -70,7 +70,9 @@ class Scene:
         deepest: float = 1e-3,
     ) -> None:
         start = perf_counter()
-        self.solids = checks.sequence("solids", solids, Solid, "solids")
+        if not isinstance(solids, (list, tuple)):
+            raise checks.InputError(f"solids = {solids!r}: must be a list of solids")
+        self.solids = [checks.offers("solids", solid, Solid, "solids") for solid in solids]
         if not self.solids:
             raise checks.InputError("solids = []: a scene needs at least one solid")
         self.contacts = checks.sequence("contacts", contacts, Contact, "contacts")

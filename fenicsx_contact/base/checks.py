@@ -99,8 +99,28 @@ def instance(name: str, value: Any, kind: type | tuple[type, ...], allowed: str)
     return value
 
 
+def offers(name: str, value: Any, protocol: type, allowed: str) -> Any:
+    """``value`` if it has all public members of a protocol (or of an abstract base class), whether
+    it inherits from it or not, else an :class:`InputError` that names those which it lacks."""
+    if isinstance(value, type):
+        raise InputError(f"{name} = {value!r}: must be {allowed}, not a class")
+    members = _members(protocol)
+    lacks = sorted(m for m in members if not (hasattr(value, m) or hasattr(type(value), m)))
+    if lacks:
+        some = f"; it lacks {', '.join(lacks[:4])}{', ...' if len(lacks) > 4 else ''}"
+        raise InputError(f"{name} = {value!r}: must be {allowed}{some}")
+    return value
+
+
+def _members(protocol: type) -> set[str]:
+    """The public names that a class and its bases define or annotate."""
+    own = [c for c in protocol.__mro__ if c.__module__ not in ("builtins", "abc", "typing")]
+    names = {n for c in own for n in [*vars(c), *vars(c).get("__annotations__", ())]}
+    return {n for n in names if not n.startswith("_")}
+
+
 def sequence(name: str, values: Any, kind: type, allowed: str) -> list[Any]:
-    """``values`` as a list of things of one kind, or an :class:`InputError`."""
+    """``values`` as a list of things of one class, or an :class:`InputError`."""
     if not isinstance(values, (list, tuple)) or not all(isinstance(v, kind) for v in values):
         raise InputError(f"{name} = {values!r}: must be a list of {allowed}")
     return list(values)

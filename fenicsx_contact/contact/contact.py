@@ -69,7 +69,7 @@ class Contact:
         gap_tolerance: float = 1e-11,
         name: str | None = None,
     ) -> None:
-        checks.instance("solid", solid, Solid, "a solid")
+        checks.offers("solid", solid, Solid, "a solid")
         other = _check_master(solid, facets, master)
         self.solid, self.facets = solid, facets
         self.formulation = as_formulation(formulation)
@@ -333,10 +333,11 @@ class Contact:
 
     def accept(self, force: np.ndarray, step: Step) -> None:
         """Keep what the next step starts from; ``force``: on the traces' points, flat."""
+        self.equations.release()
         self.force = self._nodal_force() if self._paired else force.reshape(self.normal.shape)
         self.status = self.equations.statuses()
         if self._remembers and self.friction_law is not None:
-            self._keep_stretch(step)
+            self._keep_stretch(step, getattr(self.formulation, "stiffness_t", np.inf))
         self.coupling.accept()
         self.gap, self.jump = self.coupling.gaps(), self.trial_jump
         self._start()
@@ -349,10 +350,11 @@ class Contact:
             force[active] = -self.equations.residual()[active]
         return force.reshape(self.normal.shape)
 
-    def _keep_stretch(self, step: Step) -> None:
-        """Stretch of the tangential springs: elastic while they stick, returned on slip."""
+    def _keep_stretch(self, step: Step, stiffness: float) -> None:
+        """Stretch of the tangential springs: elastic while they stick, returned on slip; a law
+        without such a stiffness has none."""
         tangential = self.force - _dot(self.force, self.normal)[:, None] * self.normal
-        held = -tangential / self.formulation.stiffness_t  # type: ignore[attr-defined]
+        held = -tangential / stiffness
         stuck = self._stretch + (held - self._stretch) / (step.scheme.force_weight or 1.0)
         self._stretch = np.where((self.status == 1)[:, None], stuck, held)
 
@@ -428,9 +430,9 @@ def _check_master(solid: Solid, facets: str, master: Any) -> Master:
                 f"master = {master!r}: has dimension {master.dim}, the solid {solid.dim}"
             )
         return master
-    if len(master) != 2 or not isinstance(master[0], Solid) or not isinstance(master[1], str):
+    if len(master) != 2 or not isinstance(master[1], str):
         raise checks.InputError(f"master = {master!r}: must be (solid, name of facets)")
-    other, theirs = master
+    other, theirs = checks.offers("master[0]", master[0], Solid, "a solid"), master[1]
     if other.dim != solid.dim:
         raise checks.InputError(
             f"master = ({other.name!r}, {theirs!r}): has dimension {other.dim}, "

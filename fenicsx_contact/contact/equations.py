@@ -261,12 +261,18 @@ class SurfaceEquations:
         Args:
             jump, free: of the last step and without contact, flat, m/s.
         """
+        self.release()
         z = self.values
-        z[self.idle_multipliers] = 0.0
         z[: self.jumps] = free
         if self.tractions > self.jumps:
             bearing = np.repeat(z[self.jumps : self.tractions] < 0, self._surface.dim)
             z[: self.jumps][bearing] = jump[bearing]
+        self.values = z
+
+    def release(self) -> None:
+        """Nothing acts where there are no equations."""
+        z = self.values
+        z[self.idle_multipliers] = 0.0
         self.values = z
 
     @property

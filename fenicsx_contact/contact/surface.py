@@ -136,6 +136,11 @@ class SurfaceFields:
         if self._weight is not None:
             self._weight.x.array[:] = weight
 
+    @property
+    def x(self) -> Any:
+        """Reference coordinates, m."""
+        return ufl.SpatialCoordinate(self.surface.mesh)
+
     def constant(self, value: float) -> Any:
         """A new constant."""
         return self.surface.constant(value)

@@ -18,7 +18,8 @@ class ContactFields(Protocol):
         velocity_jump: w, m/s, an unknown; ``jump_n``, ``jump_t`` its parts, with test functions.
         multiplier: lam, Pa (N at points), an unknown; None for springs.
         traction: tau, d - 1 components, Pa (N), an unknown; None without friction or multipliers.
-        normal, gap: n and d_n [m, positive: penetration], coefficients.
+        normal, gap: n and d_n [m, positive: penetration], coefficients; ``x``: reference
+            coordinates, m.
         start_jump_n: w_n at the start of the step, m/s; ``limit_rate``: (1 - theta)/theta.
         closed: Su of a law that is decided before the step, 0 or 1.
         rho_n, rho_t: augmentation, Pa s/m, coefficients.
@@ -45,6 +46,8 @@ class ContactFields(Protocol):
     frozen: Any
     known_pressure: Any
 
+    @property
+    def x(self) -> Expr: ...
     @property
     def jump_n(self) -> Expr: ...
     @property

@@ -1,0 +1,492 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Own parts without touching the package: a stranger's class for each protocol that there is.
+
+None of the classes here inherits from the package; each is passed where the package's own would be.
+(A stranger's drive of a rod: tests/test_beam.py.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+import ufl
+from scenes import FLOOR, FLOOR_3D, G, box, rectangle
+
+from fenicsx_contact import (
+    Contact,
+    Discrete,
+    ElasticSolid,
+    HalfSpace,
+    InputError,
+    RigidSolid,
+    Scene,
+    ThetaScheme,
+)
+from fenicsx_contact.theory.weak_form import weak_form
+
+IMPLICIT = ThetaScheme(1.0)
+
+
+def thrown(formulation="gap", master=FLOOR, scheme=IMPLICIT, friction=0.0):
+    """An elastic block of one facet at its base, thrown on the floor; its heights and scene."""
+    solid = ElasticSolid(
+        rectangle((1, 2)),
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1000.0,
+        gravity=(0, -G),
+        displacement=lambda x: np.stack([0 * x[0], 0.01 + 0 * x[0]]),
+        velocity=lambda x: np.stack([0.5 + 0 * x[0], -1.0 + 0 * x[0]]),
+    )
+    contact = Contact(solid, "base", master, formulation, friction, name="c")
+    scene = Scene([solid], [contact], scheme)
+    history = scene.run(
+        until=0.06, dt=1e-3, probes={"y": lambda: solid.mean(solid.displacement)[1]}
+    )
+    assert history.reason == "finished"
+    assert history["c.force_y"].max() > 0
+    return history
+
+
+# -- a formulation -------------------------------------------------------------------------------
+
+
+class Penalty:
+    """A pressure that grows with the penetration at the end of the step: no multipliers."""
+
+    name = "penalty"
+    multipliers = percussive = at_points = False
+    points = None
+    gap_share = 1.0  # the gap of the form is that of the end of the step
+
+    def __init__(self, stiffness):
+        self.stiffness = stiffness  # Pa/m
+
+    def form(self, k):
+        pressure = self.stiffness * ufl.max_value(k.gap + k.gap_rate * k.jump_n, 0.0)
+        bears = ufl.conditional(ufl.gt(pressure, 0), 1.0, 0.0)
+        form = k.integral(pressure * k.test_jump_n)
+        if k.friction is not None:  # regularised: creeps where Coulomb sticks
+            speed = ufl.sqrt(ufl.dot(k.jump_t, k.jump_t) + 0.05**2)  # m/s
+            b = k.friction.bound(k, pressure, bears)
+            form += k.integral(b / speed * ufl.dot(k.jump_t, k.test_jump_t))
+        return form, bears
+
+    def closed(self, predicted_gap):
+        return np.ones(len(predicted_gap), dtype=bool)
+
+    def limit(self, data):
+        return None
+
+
+class Shim:
+    """The law of displacements before a floor that has a shim on it: with multipliers."""
+
+    name = "shim"
+    multipliers = True
+    percussive = at_points = False
+    points = None
+    gap_share = 1.0
+
+    def __init__(self, thickness):
+        self.thickness = thickness  # m
+
+    def form(self, k):
+        return weak_form(k, k.jump_n + (k.gap + self.thickness) / k.gap_rate)
+
+    def closed(self, predicted_gap):
+        return np.ones(len(predicted_gap), dtype=bool)
+
+    def limit(self, data):
+        return -(data.gap + self.thickness) / data.gap_rate
+
+
+def test_a_formulation_without_multipliers():
+    """At the two nodes of one facet a penalty is two springs; implicit, they are the same."""
+    stiffness, width = 1e8, 0.36
+    penalty, springs = thrown(Penalty(stiffness)), thrown(Discrete(stiffness * width / 2))
+    np.testing.assert_allclose(penalty["y"], springs["y"], rtol=0, atol=1e-11)
+    exact = thrown("gap")
+    errors = [np.abs(thrown(Penalty(s))["y"] - exact["y"]).max() for s in (1e7, 1e8, 1e9)]
+    assert errors[0] > errors[1] > errors[2] and errors[2] < 2e-4
+
+
+def test_a_formulation_with_friction_of_its_own():
+    """No tangential springs, no memory: only what its form says."""
+    rubbed, free = thrown(Penalty(1e8), friction=0.3), thrown(Penalty(1e8))
+    assert rubbed["c.force_x"].min() < 0 and not free["c.force_x"].any()
+    share = rubbed["c.force_x"][1:] / np.maximum(rubbed["c.force_y"][1:], 1e-9)
+    assert share.min() == pytest.approx(-0.3, rel=0.02)
+    energy = rubbed["kinetic"][0]
+    assert np.abs(rubbed["balance"]).max() < 1e-10 * energy
+    assert np.diff(rubbed["friction"]).max() < 1e-10 * energy
+
+
+def test_a_formulation_with_multipliers():
+    shim = thrown(Shim(0.002), friction=0.3)
+    raised = thrown("gap", HalfSpace((0, 0.002), (0, 1)), friction=0.3)
+    np.testing.assert_allclose(shim["y"], raised["y"], rtol=0, atol=1e-12)
+
+
+# -- a law of friction ---------------------------------------------------------------------------
+
+
+class Glue:
+    """Tresca's friction with a stress that depends on the place."""
+
+    def __init__(self, stress):
+        self.stress = stress  # of the reference coordinates, Pa
+
+    def bound(self, k, pressure, S):
+        return self.stress(k.x) * S
+
+    def describe(self):
+        return "glue"
+
+
+@dataclass(frozen=True)
+class Stribeck:
+    """Coulomb's friction, less of it when fast: kinetic + (static - kinetic) exp(-|w_t|/speed)."""
+
+    static: float
+    kinetic: float
+    speed: float
+
+    def bound(self, k, pressure, S):
+        slip = ufl.sqrt(ufl.max_value(ufl.dot(k.jump_t, k.jump_t), 1e-20))  # smooth at rest
+        mu = self.kinetic + (self.static - self.kinetic) * ufl.exp(-slip / self.speed)
+        return mu * pressure
+
+    def describe(self):
+        return f"friction from {self.static} to {self.kinetic} at {self.speed} m/s"
+
+
+@pytest.mark.parametrize("law", ["velocity", "printed", "gap"])
+def test_a_friction_that_depends_on_the_place(law):
+    """What a sliding block feels is the integral of the stress."""
+    solid = RigidSolid(rectangle((8, 1)), mass=500.0, gravity=(0, -G), velocity=(3.0, 0))
+    friction = Glue(lambda x: 1000 * (1 + x[0]))
+    scene = Scene([solid], [Contact(solid, "base", FLOOR, law, friction, name="c")], IMPLICIT)
+    history = scene.run(until=0.05, dt=1e-3)
+    assert history.reason == "finished"
+    np.testing.assert_allclose(history["c.force_x"][2:], -1000 * 0.36, rtol=1e-9)
+    assert "glue" in scene.describe()
+
+
+def test_a_friction_that_depends_on_the_speed():
+    """A rigid block slides to rest: v' = -mu(v) g. No stress turns it: it is flat."""
+    friction = Stribeck(0.4, 0.2, 0.5)
+    errors = []
+    for dt in (4e-3, 2e-3, 1e-3):
+        solid = RigidSolid(
+            rectangle((1, 1), (1.0, 0.1)), mass=10.0, gravity=(0, -G), velocity=(1.0, 0)
+        )
+        contact = Contact(solid, "base", FLOOR, "velocity", friction, name="c")
+        history = Scene([solid], [contact]).run(
+            until=0.2, dt=dt, probes={"v": lambda s=solid: s.velocity[0]}
+        )
+        v, fine = 1.0, 1e-5
+        for _ in range(round(0.2 / fine)):
+            v -= fine * G * (0.2 + 0.2 * np.exp(-v / 0.5))
+        errors.append(abs(history["v"][-1] - v))
+    assert errors[2] < 1e-3 and errors[1] / errors[2] > 1.7  # first order
+    history = Scene([solid], [contact]).run(
+        until=1.0, dt=dt, probes={"v": lambda: solid.velocity[0]}
+    )
+    assert abs(history["v"][-1]) < 1e-12  # and it stops
+
+
+# -- an obstacle ---------------------------------------------------------------------------------
+
+
+class Plane:
+    """A floor at a height."""
+
+    flat = True
+
+    def __init__(self, dim, height):
+        self.dim, self.height = dim, height
+
+    def distance(self, points):
+        return points[:, -1] - self.height
+
+    def normals(self, points):
+        return np.tile(np.eye(self.dim)[-1], (len(points), 1))
+
+
+class Hill:
+    """What is below y = height - x²/2r: its distances are right to first order near it."""
+
+    dim = 2
+    flat = False
+
+    def __init__(self, radius, height=0.0):
+        self.radius, self.height = radius, height
+
+    def _slope(self, points):
+        return np.stack([points[:, 0] / self.radius, np.ones(len(points))], axis=1)
+
+    def distance(self, points):
+        above = points[:, 1] - self.height + points[:, 0] ** 2 / (2 * self.radius)
+        return above / np.linalg.norm(self._slope(points), axis=1)
+
+    def normals(self, points):
+        slope = self._slope(points)
+        return slope / np.linalg.norm(slope, axis=1)[:, None]
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_an_obstacle_that_is_flat(dim):
+    """It is the package's own half-space, to the last digit."""
+    runs = []
+    for master in (Plane(dim, 0.0), FLOOR if dim == 2 else FLOOR_3D):
+        up = np.eye(dim)[-1]
+        solid = RigidSolid(
+            rectangle() if dim == 2 else box(),
+            mass=10.0,
+            gravity=-G * up,
+            velocity=0.3 * np.eye(dim)[0] - 0.5 * up,
+            rotation=0.01 if dim == 2 else (0.02, -0.03, 0.01),
+            about=-0.3 * up,
+        )
+        contact = Contact(solid, "base", master, friction=0.3, name="c")
+        runs.append(Scene([solid], [contact], deepest=1.0).run(until=0.1, dt=1e-3).rows())
+    np.testing.assert_array_equal(*runs)
+
+
+@pytest.mark.parametrize("geometry", ["fixed point", "newton"])
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+def test_an_obstacle_that_is_curved(law, geometry):
+    """A block dropped on the side of a hill slides down, and never into it."""
+    hill = Hill(0.5)
+    solid = RigidSolid(
+        rectangle((2, 1), (0.2, 0.1)), mass=10.0, gravity=(0, -G), velocity=(0.3, 0.0)
+    )
+    contact = Contact(solid, "base", hill, law, friction=0.1, name="c")
+    scene = Scene([solid], [contact], IMPLICIT, geometry=geometry)
+    history = scene.run(until=0.3, dt=1e-3)
+    assert history.reason == "finished"
+    assert history["c.force_x"].max() > 0  # the hill pushes it to its side
+    assert history["c.penetration"].max() < (1e-12 if law == "gap" else 1e-3)
+    assert "Hill" in repr(scene.contacts[0].coupling.describe())
+
+
+# -- a solid -------------------------------------------------------------------------------------
+
+
+class PointMass:
+    """A body that moves without turning, in a viscous fluid: m v' = m g - drag v + f.
+
+    Its unknowns are the d components of its velocity. It offers what
+    :class:`fenicsx_contact.solids.base.Solid` asks for.
+    """
+
+    linear, supported, massless, patient, shiftable, memory = True, False, False, False, False, None
+
+    def __init__(self, mesh, mass, drag, gravity, velocity, name="mass"):
+        self.mesh, self.dim, self.name = mesh, mesh.dim, name
+        self.mass, self.drag, self.gravity = mass, drag, np.array(gravity)
+        self.velocity = self.trial_velocity = np.array(velocity, dtype=float)
+        self.place = self.trial_place = np.zeros(mesh.dim)
+
+    def trace(self, points):
+        return PointMassTrace(self, points)
+
+    def go(self, velocity, step):
+        self.trial_velocity = velocity
+        self.trial_place = self.place + step.scheme.increment(step.dt, self.velocity, velocity)
+
+    def predict(self, step):
+        self.go(self.velocity, step)
+
+    def linearise(self, step):
+        # drag at the velocity where the scheme takes forces
+        share, drag = step.scheme.theta, self.drag * step.loaded
+        self.a = self.mass / step.span + share * drag
+        known = (self.mass / step.span - (1 - share) * drag) * self.velocity
+        self.free = (known + step.loaded * self.mass * self.gravity) / self.a
+        self.drop_forces()
+
+    def drop_forces(self):
+        self.force = np.zeros(self.dim)
+
+    def correct(self, step):
+        self.go(self.free + self.force / self.a, step)
+
+    def imbalance(self, step, noise=0.0):
+        return 0.0  # linear: solved by correct
+
+    def broken(self):
+        return ""
+
+    def unsound(self, step):
+        return ""
+
+    def turn(self, step):
+        return 0.0
+
+    def shift(self, way):
+        self.trial_place = self.trial_place + way
+
+    @property
+    def mobility(self):
+        return np.eye(self.dim) / self.mass
+
+    def memories(self):
+        return {}
+
+    def accept(self, step):
+        self.velocity, self.place = self.trial_velocity, self.trial_place
+
+    def energies(self):
+        moving = 0.5 * self.mass * float(self.velocity @ self.velocity)
+        return moving, 0.0, -self.mass * float(self.gravity @ self.place)
+
+    def root_mean_square(self, velocity):
+        return float(np.linalg.norm(velocity))
+
+    def works(self, step):
+        mean = step.scheme.mean(self.velocity, self.trial_velocity)
+        share = step.scheme.theta
+        dragging = -self.drag * (share * self.trial_velocity + (1 - share) * self.velocity)
+        momentum = self.mass * (self.trial_velocity - self.velocity)
+        acting = step.dt * (self.mass * self.gravity + dragging)
+        return float(mean @ momentum), float(mean @ acting), 0.0, 0.0
+
+    def state(self):
+        return {"place": self.place, "velocity": self.velocity}
+
+    def restore(self, state):
+        self.place = self.trial_place = np.array(state["place"])
+        self.velocity = self.trial_velocity = np.array(state["velocity"])
+
+    def describe(self):
+        return f"point mass of {self.mass} kg, drag {self.drag} N s/m"
+
+    def fields(self):
+        nodes = (len(self.mesh.mesh.geometry.x), 1)
+        return {
+            "displacement": np.tile(self.place, nodes),
+            "velocity": np.tile(self.velocity, nodes),
+        }
+
+
+class PointMassTrace:
+    """It, seen from n points: each moves as it does."""
+
+    def __init__(self, solid, points):
+        self.solid, self.points = solid, points
+        self.J = np.tile(np.eye(solid.dim), (len(points), 1))
+
+    def follow(self):
+        pass
+
+    def linearise(self, step):
+        pass
+
+    def accept(self):
+        pass
+
+    def positions(self):
+        return self.points + self.solid.trial_place
+
+    def jump(self, velocity):
+        return self.J @ velocity
+
+    mean_jump = jump
+
+    def free_jump(self):
+        return self.J @ self.solid.free
+
+    def compliance(self, mine, other, theirs):
+        return self.J[mine] @ other.J[theirs].T / self.solid.a
+
+    def mobility(self):
+        return np.full(self.points.size, 1 / self.solid.a)
+
+    def spread(self, force):
+        self.solid.force += self.J.T @ force
+
+
+def sliding(drag=5.0, **scene):
+    solid = PointMass(rectangle((2, 1)), 10.0, drag, (0, -G), (2.0, 0.0))
+    contact = Contact(solid, "base", FLOOR, friction=0.2, name="c")
+    return solid, Scene([solid], [contact], **scene)
+
+
+def test_a_solid():
+    """It slides to rest on the floor, under drag and friction, at the exact instant."""
+    solid, scene = sliding()
+    history = scene.run(until=1.2, dt=1e-3, probes={"v": lambda: solid.velocity[0]})
+    assert history.reason == "finished"
+    rate, held = 5.0 / 10.0, 0.2 * G
+    t, v = history.time, history["v"]
+    stop = np.log(1 + rate * 2.0 / held) / rate
+    exact = (2.0 + held / rate) * np.exp(-rate * t) - held / rate
+    np.testing.assert_allclose(v[t < stop], exact[t < stop], atol=1e-5)
+    assert np.abs(v[t > stop + 2e-3]).max() < 1e-12
+    assert history["balance"][-1] == pytest.approx(0, abs=1e-10)
+    assert "point mass" in scene.describe()
+
+
+def test_a_solid_on_one_of_the_package(tmp_path):
+    """A point mass dropped on an elastic block; files are written and the run is resumed (forces of
+    no size, after the flight began, are round-off)."""
+
+    def make():
+        low = ElasticSolid(
+            rectangle((6, 2), (0.6, 0.2)),
+            youngs_modulus=1e6,
+            poisson_ratio=0.3,
+            density=1000.0,
+            fixed=["base"],
+            name="low",
+        )
+        up = PointMass(rectangle((3, 1), (0.2, 0.1)), 50.0, 1.0, (0, -G), (0.2, -0.5), "up")
+        up.place = up.trial_place = np.array([0.02, 0.201])
+        contact = Contact(up, "base", (low, "top"), "gap", friction=0.3, name="c")
+        return Scene([up, low], [contact], IMPLICIT)
+
+    whole = make().run(until=0.02, dt=1e-3)
+    assert whole.reason == "finished" and whole["c.force_y"].max() > 500.0
+    assert np.abs(whole["balance"]).max() < 1e-8 * whole["kinetic"][0]
+    make().run(until=0.01, dt=1e-3, directory=tmp_path, fields_every=5)
+    resumed = make().run(until=0.02, dt=1e-3, directory=tmp_path, fields_every=5, resume=True)
+    np.testing.assert_allclose(resumed.rows(), whole.rows(), rtol=1e-9, atol=1e-8)
+
+
+# -- refusals ------------------------------------------------------------------------------------
+
+
+class Incomplete:
+    """Has a name and nothing else."""
+
+    name, dim = "incomplete", 2
+
+    def __repr__(self):
+        return "Incomplete()"
+
+
+def rigid():
+    return RigidSolid(rectangle(), mass=1.0)
+
+
+@pytest.mark.parametrize(
+    "make, says",
+    [
+        (lambda: Contact(Incomplete(), "base", FLOOR), r"solid = Incomplete\(\): .*lacks accept"),
+        (lambda: Contact(PointMass, "base", FLOOR), "solid = <class .*not a class"),
+        (lambda: Contact(rigid(), "base", (Incomplete(), "top")), "master.*Incomplete.*lacks"),
+        (lambda: Contact(rigid(), "base", Incomplete()), r"master = Incomplete\(\): must be"),
+        (lambda: Contact(rigid(), "base", FLOOR, Incomplete()), "formulation = Incomplete.*lacks"),
+        (lambda: Contact(rigid(), "base", FLOOR, Penalty), "formulation = <class.*call it"),
+        (lambda: Contact(rigid(), "base", FLOOR, friction=Incomplete()), "friction = Incomplete"),
+        (lambda: Scene([Incomplete()], []), r"solids = Incomplete\(\): must be solids; it lacks"),
+        (lambda: Scene(rigid(), []), "solids = .*must be a list of solids"),
+    ],
+)
+def test_what_lacks_a_member_is_refused_by_name(make, says):
+    with pytest.raises(InputError, match=says):
+        make()

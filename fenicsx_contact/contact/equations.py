@@ -27,6 +27,10 @@ class SurfaceEquations:
         chosen: the points that the formulation acts on, (n,) of bool.
         weight: what a point weighs in the integrals: its area, or 1, (n,).
         augmentation: pure numbers that multiply rho_n and rho_t.
+
+    Attributes:
+        carried: velocities of the other side that are given, flat, m/s: the velocities of the
+            points are w and these.
     """
 
     def __init__(
@@ -67,9 +71,14 @@ class SurfaceEquations:
         mine = points[self._place[0]] == points[self._place[1]]
         row, column = (each[mine] for each in self._place)
         self._own = mine, (points[row], kinds[row], kinds[column])
+        by_jump = kinds[column] < d
+        self._by_jump = mine.nonzero()[0][by_jump], tuple(each[by_jump] for each in self._own[1])
         self._blocks = np.zeros((n, k.components, k.components))
         self._z = k.unknowns.x.array
         self._key, self._speed, self._rates = b"", 0.0, (0.0, 0.0, 0.0)
+        self.carried = np.zeros(self.jumps)
+        self._turn: tuple[np.ndarray, np.ndarray] | None = None
+        self._parameters: ParameterTangents | None = None
         self.rho = np.ones((2, n))  # normal, tangential
         self.revision = 0  # counts the changes of candidates and scales
         self.choose(chosen)
@@ -159,9 +168,34 @@ class SurfaceEquations:
         """The assembled contact terms of (7)."""
         return self._residual()[self._order]
 
+    def turn(self, gap: np.ndarray | None = None, normal: np.ndarray | None = None) -> None:
+        """What w changes in the geometry that the equations read, which without is frozen.
+
+        Args:
+            gap: derivatives of the gaps by w, (n, d) in s.
+            normal: of the normals, (n, d, d) in s/m.
+        """
+        self._turn = None if gap is None or normal is None else (gap, normal)
+
+    def _entries_of(self, frozen: bool = False) -> np.ndarray:
+        """Values of the sparse tangent; the next call uses the same array again."""
+        values = self._tangent()
+        if self._turn is not None and not frozen:
+            gap, normal = self._turn
+            by = self.parameters()
+            turned = by[:, :, :1] * gap[:, None, :] + by[:, :, 1:] @ normal
+            entries, index = self._by_jump
+            values[entries] += turned[index]
+        return values
+
+    def parameters(self) -> np.ndarray:
+        """Derivatives of the rows of each point by its gap and normal, (n, unknowns, 1 + d)."""
+        self._parameters = self._parameters or ParameterTangents(self)
+        return self._parameters()
+
     def tangent(self) -> np.ndarray:
         """Their derivative by the unknowns; the next call uses the same array again."""
-        self._dense.ravel()[self._entries] = self._tangent()
+        self._dense.ravel()[self._entries] = self._entries_of()
         return self._dense
 
     # -- as a part of a system: restricted to the candidates --------------------------------------
@@ -186,8 +220,10 @@ class SurfaceEquations:
         return self.column_scale[self.active], self.row_scale[self.active]
 
     def active_values(self) -> np.ndarray:
-        """The active unknowns."""
-        return self._z[self._active_dofs]
+        """The active unknowns: velocities of the candidates, and multipliers."""
+        values = self._z[self._active_dofs]
+        values[: len(self.active_jumps)] += self.carried[self.active_jumps]
+        return values
 
     def active_residual(self) -> np.ndarray:
         """Their rows."""
@@ -201,7 +237,7 @@ class SurfaceEquations:
     def point_tangents(self) -> np.ndarray:
         """Tangents of the candidates one by one, (points, unknowns, unknowns)."""
         mine, index = self._own
-        self._blocks[index] = self._tangent()[mine]
+        self._blocks[index] = self._entries_of()[mine]
         return self._blocks[self.candidates]
 
     def move(self, step: np.ndarray) -> None:
@@ -216,13 +252,13 @@ class SurfaceEquations:
         return "jump" if row < 0 else "multiplier" if row < len(self.candidates) else "friction"
 
     def jump_operator(self) -> None:
-        """The unknown velocities are the jumps of the candidates."""
+        """The unknown velocities are the jumps of the candidates and what is carried."""
         return None
 
     def set_places(self, velocities: np.ndarray) -> None:
         """Set the active velocities."""
         values = self.values
-        values[self.active_jumps] = velocities
+        values[self.active_jumps] = velocities - self.carried[self.active_jumps]
         self.values = values
 
     @property
@@ -230,13 +266,13 @@ class SurfaceEquations:
         """The equations of the surface: these."""
         return self
 
-    def whole_tangent(self) -> sp.csr_matrix:
-        """The tangent of all points, sparse."""
-        return sp.csr_matrix((self._tangent(), self._place), (self.size, self.size))
+    def whole_tangent(self, frozen: bool = False) -> sp.csr_matrix:
+        """The tangent of all points, sparse; if ``frozen`` without the derivatives of geometry."""
+        return sp.csr_matrix((self._entries_of(frozen), self._place), (self.size, self.size))
 
     def sparse_tangent(self, frozen: bool = False) -> sp.csr_matrix:
-        """The tangent of the active unknowns, sparse; the geometry is frozen here anyway."""
-        return self.whole_tangent()[self.active][:, self.active]
+        """The tangent of the active unknowns, sparse."""
+        return self.whole_tangent(frozen)[self.active][:, self.active]
 
     def statuses(self) -> np.ndarray:
         """0 open, 1 stick (or bearing without friction), 2 slip, for each point."""
@@ -273,3 +309,39 @@ class SurfaceEquations:
         """lam at the points, Pa (N where a formulation acts at points), if there is one."""
         lam = slice(self.jumps, self.tractions)
         return self.values[lam] if self.tractions > self.jumps else None
+
+
+class ParameterTangents:
+    """Derivatives of the contact terms by gap and normal, point by point."""
+
+    def __init__(self, equations: SurfaceEquations) -> None:
+        k = equations.fields
+        n, d = k.surface.size, k.surface.dim
+        space = compat.component_space(k.surface.mesh, 1 + d)
+        trial = ufl.split(ufl.TrialFunction(space))
+        normal = ufl.as_vector(trial[1:])
+        form = ufl.derivative(equations.form, k.normal, normal)
+        form += ufl.derivative(equations.form, k.gap, trial[0])
+        self._assembler = compat.MatrixAssembler(form)
+        point, kind = np.empty((2, n * (1 + d)), dtype=np.int64)
+        for component in range(1 + d):
+            dofs = compat.cell_dofs(space.sub(component)).ravel()
+            point[dofs], kind[dofs] = k.surface.cell_nodes.ravel(), component
+        lengths = np.diff(self._assembler.indptr)
+        row = equations.order_of_rows[np.repeat(np.arange(equations.size), lengths)]
+        column, jump = self._assembler.indices, row < equations.jumps
+        behind = row - equations.jumps
+        at = np.where(jump, row // d, behind % n)
+        what = np.where(jump, row % d, d + behind // n)
+        self._mine = at == point[column]  # all that are not zero
+        self._place = at[self._mine], what[self._mine], kind[column][self._mine]
+        self._blocks = np.zeros((n, k.components, 1 + d))
+        self._equations, self._revision = equations, -1
+
+    def __call__(self) -> np.ndarray:
+        """Those of all points, (n, unknowns, 1 + d); the next call uses the same array again."""
+        if self._revision != self._equations.revision:
+            self._revision = self._equations.revision
+            self._assembler.refresh_constants()
+        self._blocks[self._place] = self._assembler()[self._mine]
+        return self._blocks

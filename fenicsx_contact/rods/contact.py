@@ -14,7 +14,7 @@ import numpy as np
 
 from ..base import checks
 from ..contact.contact import Contact
-from ..contact.jump import ObstacleCoupling
+from ..contact.jump import NodalJump
 from ..contact.surface import Surface
 from ..theory.formulations import Formulation
 from .beam import BeamSolid
@@ -27,7 +27,7 @@ from .tube import PairTrace, RodInTube
 SHORT = 1e-5
 
 
-class GuideCoupling(ObstacleCoupling):
+class GuideCoupling(NodalJump):
     """Points of a rod and stations of its guide: the stations see it by its slope, too."""
 
     def __init__(

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..base.checks import StepFailed
-from ..contact.jump import PairCoupling
+from ..contact.jump import MortarJump
 from ..solids import DeformableSolid
 from ..theory.theta import Step
 from .condensed import Condensed
@@ -87,7 +87,7 @@ class FullNewton:
         """Take up the geometry of the contacts; ``exact`` with its derivatives, which between
         solids take longest."""
         for contact in self._all.contacts:
-            paired = isinstance(contact.coupling, PairCoupling)
+            paired = isinstance(contact.coupling, MortarJump)
             contact.linearise(step, exact=exact or not paired)
 
     def _speed(self, step: Step) -> float:

@@ -253,7 +253,8 @@ class SurfaceSystem:
             full[:, columns] = np.eye(len(columns)) if operator is None else operator
             blocks.append(full)
         J = np.concatenate(blocks)
-        return J, J @ self.W @ J.T, J @ self.free
+        given = [p.equations.carried[p.equations.active_jumps] for p in self.parts]
+        return J, J @ self.W @ J.T, J @ self.free - np.concatenate(given)
 
     def remember(self) -> np.ndarray:
         """Statuses of all points of all contacts, kept to tell which ones flip."""

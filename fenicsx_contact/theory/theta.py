@@ -117,6 +117,12 @@ class Step:
         return (1 - theta) / theta if self.dt and theta else 0.0
 
     @property
+    def implicitness(self) -> float:
+        """How far the velocity at the end of a step is the mean over it: 1 for theta = 1, 0 for
+        theta = 1/2."""
+        return max(0.0, 2 * self.scheme.theta - 1)
+
+    @property
     def end(self) -> float:
         """Time at which it ends, s."""
         return self.start + self.dt

@@ -14,6 +14,8 @@ from ..base import checks
 #: Relative error of the length of unit normals, and of a surface's extent the way along them on
 #: which distances must grow.
 UNIT, OUTWARDS = 1e-6, 1e-6
+#: A time [s] over which an obstacle is asked for its velocity to see whether it is one.
+MOMENT = 2.0**-30
 
 
 @runtime_checkable
@@ -105,7 +107,7 @@ class Wall:
             distance, normals = self.distance(points, 0.0), self.normals(points, 0.0)
             answers = {"distance": (distance, (n,)), "normals": (normals, (n, d))}
             if self.moving:
-                answers["velocity"] = self.velocity(points, 0.0, 1.0), (n, d)
+                answers["velocity"] = self.velocity(points, 0.0, MOMENT), (n, d)
             if (curvature := self.curvature(points, 0.0)) is not None:
                 answers["curvature"] = _finite("curvature", curvature, points), (n, d, d)
         except (TypeError, ValueError, IndexError, checks.StepFailed) as problem:

@@ -9,7 +9,8 @@ from .base.checks import InputError  # noqa: E402
 from .base.mesh import NamedMesh, mesh_from_gmsh, name_facets  # noqa: E402
 from .base.mesh_files import mesh_from_file  # noqa: E402
 from .contact.contact import Contact  # noqa: E402
-from .contact.obstacle import Circle, Cylinder, HalfSpace, LevelSet, Moved, Sphere  # noqa: E402
+from .contact.level_set import LevelSet  # noqa: E402
+from .contact.obstacle import Circle, Cylinder, HalfSpace, Moved, Sphere  # noqa: E402
 from .contact.wall import Obstacle  # noqa: E402
 from .output.history import History  # noqa: E402
 from .output.storage import read_history  # noqa: E402

@@ -19,7 +19,8 @@ from ..theory.formulations import formulation as as_formulation
 from ..theory.friction import FrictionBound, friction_bound
 from ..theory.theta import Step
 from .equations import SurfaceEquations
-from .jump import Coupling, MortarJump, NodalJump, side_of
+from .jump import Coupling, MortarJump, side_of
+from .nodal import NodalJump
 from .surface import Surface
 from .wall import Obstacle
 

@@ -14,6 +14,7 @@ import ufl
 from ..base import compat
 from ..theory.formulations import Formulation
 from ..theory.friction import FrictionBound
+from .parameters import ParameterTangents
 from .surface import Surface, SurfaceFields
 
 
@@ -154,6 +155,8 @@ class SurfaceEquations:
         self.revision += 1
         self._residual.refresh_constants()
         self._tangent.refresh_constants()
+        if self._parameters is not None:
+            self._parameters.refresh_constants()
 
     @property
     def values(self) -> np.ndarray:
@@ -190,7 +193,8 @@ class SurfaceEquations:
 
     def parameters(self) -> np.ndarray:
         """Derivatives of the rows of each point by its gap and normal, (n, unknowns, 1 + d)."""
-        self._parameters = self._parameters or ParameterTangents(self)
+        if self._parameters is None:
+            self._parameters = ParameterTangents(self.fields, self.form, self.order_of_rows)
         return self._parameters()
 
     def tangent(self) -> np.ndarray:
@@ -309,39 +313,3 @@ class SurfaceEquations:
         """lam at the points, Pa (N where a formulation acts at points), if there is one."""
         lam = slice(self.jumps, self.tractions)
         return self.values[lam] if self.tractions > self.jumps else None
-
-
-class ParameterTangents:
-    """Derivatives of the contact terms by gap and normal, point by point."""
-
-    def __init__(self, equations: SurfaceEquations) -> None:
-        k = equations.fields
-        n, d = k.surface.size, k.surface.dim
-        space = compat.component_space(k.surface.mesh, 1 + d)
-        trial = ufl.split(ufl.TrialFunction(space))
-        normal = ufl.as_vector(trial[1:])
-        form = ufl.derivative(equations.form, k.normal, normal)
-        form += ufl.derivative(equations.form, k.gap, trial[0])
-        self._assembler = compat.MatrixAssembler(form)
-        point, kind = np.empty((2, n * (1 + d)), dtype=np.int64)
-        for component in range(1 + d):
-            dofs = compat.cell_dofs(space.sub(component)).ravel()
-            point[dofs], kind[dofs] = k.surface.cell_nodes.ravel(), component
-        lengths = np.diff(self._assembler.indptr)
-        row = equations.order_of_rows[np.repeat(np.arange(equations.size), lengths)]
-        column, jump = self._assembler.indices, row < equations.jumps
-        behind = row - equations.jumps
-        at = np.where(jump, row // d, behind % n)
-        what = np.where(jump, row % d, d + behind // n)
-        self._mine = at == point[column]  # all that are not zero
-        self._place = at[self._mine], what[self._mine], kind[column][self._mine]
-        self._blocks = np.zeros((n, k.components, 1 + d))
-        self._equations, self._revision = equations, -1
-
-    def __call__(self) -> np.ndarray:
-        """Those of all points, (n, unknowns, 1 + d); the next call uses the same array again."""
-        if self._revision != self._equations.revision:
-            self._revision = self._equations.revision
-            self._assembler.refresh_constants()
-        self._blocks[self._place] = self._assembler()[self._mine]
-        return self._blocks

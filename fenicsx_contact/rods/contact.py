@@ -14,7 +14,7 @@ import numpy as np
 
 from ..base import checks
 from ..contact.contact import Contact
-from ..contact.jump import NodalJump
+from ..contact.nodal import NodalJump
 from ..contact.surface import Surface
 from ..theory.formulations import Formulation
 from .beam import BeamSolid

@@ -9,7 +9,9 @@ from .base.checks import InputError  # noqa: E402
 from .base.mesh import NamedMesh, mesh_from_gmsh, name_facets  # noqa: E402
 from .base.mesh_files import mesh_from_file  # noqa: E402
 from .contact.contact import Contact  # noqa: E402
-from .contact.obstacle import HalfSpace  # noqa: E402
+from .contact.level_set import LevelSet  # noqa: E402
+from .contact.obstacle import Circle, Cylinder, HalfSpace, Moved, Sphere  # noqa: E402
+from .contact.wall import Obstacle  # noqa: E402
 from .output.history import History  # noqa: E402
 from .output.storage import read_history  # noqa: E402
 from .rods.axis import AxisMesh, axis_mesh  # noqa: E402
@@ -37,7 +39,9 @@ __all__ = [
     "VELOCITY",
     "AxisMesh",
     "BeamSolid",
+    "Circle",
     "Contact",
+    "Cylinder",
     "Discrete",
     "Driven",
     "ElasticSolid",
@@ -49,12 +53,16 @@ __all__ = [
     "HyperelasticSolid",
     "InputError",
     "Lagrange",
+    "LevelSet",
+    "Moved",
     "NamedMesh",
     "Newton",
+    "Obstacle",
     "QuasiStatic",
     "RigidSolid",
     "Scene",
     "Section",
+    "Sphere",
     "Support",
     "ThetaScheme",
     "Velocity",

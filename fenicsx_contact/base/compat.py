@@ -20,6 +20,9 @@ MODERN = VERSION >= (0, 8)  # elements come from basix.ufl, wrappers hold a _cpp
 if MODERN:
     import basix.ufl
 
+#: What UFL raises where an expression makes no sense.
+UFLError: type[Exception] = getattr(ufl, "UFLException", ValueError)
+
 
 # -- meshes -------------------------------------------------------------------------------------
 
@@ -105,6 +108,15 @@ def component_space(mesh: Any, components: int) -> Any:
         return fem.functionspace(mesh, basix.ufl.mixed_element([scalar] * components))
     scalar = ufl.FiniteElement("Lagrange", mesh.ufl_cell(), 1)
     return fem.FunctionSpace(mesh, ufl.MixedElement([scalar] * components))
+
+
+def _cellwise(mesh: Any, dim: int = 0) -> Any:
+    """Space of scalars, or vectors of ``dim`` components, that are constant in each cell."""
+    if MODERN:
+        return fem.functionspace(mesh, ("DG", 0, (dim,)) if dim else ("DG", 0))
+    if dim:
+        return fem.VectorFunctionSpace(mesh, ("DG", 0), dim=dim)
+    return fem.FunctionSpace(mesh, ("DG", 0))
 
 
 def cell_dofs(space: Any) -> np.ndarray:
@@ -234,6 +246,27 @@ class PointExpression:
         return np.asarray(values).reshape(len(self._cells), -1)
 
 
+class PointCloud:
+    """n points anywhere, on which UFL of a position ``x`` (d components) and a time ``t`` is
+    evaluated: both are constant in each of n cells, which themselves are no place (one process)."""
+
+    def __init__(self, n: int, dim: int) -> None:
+        mesh = dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, n)
+        self._space = _cellwise(mesh)
+        vectors = _cellwise(mesh, dim)
+        self.x, self.t = fem.Function(vectors, name="x"), fem.Function(self._space, name="t")
+        self._rows = cell_dofs(vectors).ravel()
+
+    def place(self, points: np.ndarray, time: float) -> None:
+        """Put the points (n, d) where they are at a time."""
+        self.x.x.array.reshape(points.shape)[self._rows] = points
+        self.t.x.array[:] = time
+
+    def compiled(self, expression: Any) -> PointExpression:
+        """An expression in ``x`` and ``t``; its values are (n, components)."""
+        return PointExpression(expression, self._space)
+
+
 def assemble_petsc_matrix(form: Any) -> PETSc.Mat:
     """Assemble a form, compiled or not, into a new PETSc matrix."""
     from dolfinx.fem import petsc
@@ -275,8 +308,7 @@ def interpolate(function: Any, values: Callable[[np.ndarray], np.ndarray]) -> No
 
 def cell_constants(mesh: Any, values: np.ndarray) -> Any:
     """A coefficient that is constant in each cell, from values (cells,) (one process)."""
-    kind = ("DG", 0)
-    space = fem.functionspace(mesh, kind) if MODERN else fem.FunctionSpace(mesh, kind)
+    space = _cellwise(mesh)
     function = fem.Function(space)
     function.x.array[cell_dofs(space).ravel()] = values
     return function

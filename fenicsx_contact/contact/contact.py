@@ -19,9 +19,10 @@ from ..theory.formulations import formulation as as_formulation
 from ..theory.friction import FrictionBound, friction_bound
 from ..theory.theta import Step
 from .equations import SurfaceEquations
-from .jump import Coupling, ObstacleCoupling, PairCoupling, side_of
-from .obstacle import Obstacle
+from .jump import Coupling, MortarJump, side_of
+from .nodal import NodalJump
 from .surface import Surface
+from .wall import Obstacle
 
 #: What a solid's facets may meet: an obstacle, or the named facets of another solid.
 Master = Obstacle | tuple[Solid, str]
@@ -104,10 +105,12 @@ class Contact:
 
     def _couple(self, other: Obstacle | tuple[Solid, str]) -> Coupling:
         if not isinstance(other, tuple):
-            return ObstacleCoupling(self.solid, self.equations, other)
+            coupling = NodalJump(self.solid, self.equations, other)
+            coupling.wall.check(coupling.positions())
+            return coupling
         solid, facets = other
         sides = side_of(self.solid, self.facets, self.surface), side_of(solid, facets)
-        pair = PairCoupling((self.solid, solid), sides, self.equations)
+        pair = MortarJump((self.solid, solid), sides, self.equations)
         if not pair.faces:
             raise checks.InputError(
                 f"master = ({solid.name!r}, {facets!r}): nowhere faces {self.facets!r} of "
@@ -147,7 +150,8 @@ class Contact:
 
     def _start(self) -> None:
         """Approach and frame from which the next step starts."""
-        self._start_jump_n = _dot(self.jump, self.coupling.normals())
+        self._start_normal = self.coupling.normals()
+        self._start_jump_n = _dot(self.jump, self._start_normal)
         tangents = self.equations.fields.frame()[1]
         if self.surface.dim == 3 and len(tangents):
             self.equations.fields.set_tangent(tangents[0])
@@ -157,6 +161,10 @@ class Contact:
     def predict(self, step: Step, closing: bool = True) -> None:
         """Follow the solids' explicit prediction and choose the candidates of the step; points that
         are open now only if ``closing``, in a percussion only those of a law of velocities."""
+        self.coupling.begin(step)
+        if self.coupling.driven:
+            self.jump = self.coupling.jump("velocity")
+            self._start_jump_n = _dot(self.jump, self._start_normal)
         self.coupling.follow()
         self._allowed = self.formulation.closed(self.coupling.gaps())
         if not closing:
@@ -176,6 +184,8 @@ class Contact:
         bore = self.status > 0
         self._asked = bore | self._violates(self.coupling.to_jump(free), step)
         self._choose()
+        if self._paired:  # its operators are those of the candidates
+            self.coupling.linearise(step, False, self.formulation.gap_share)
 
     def grow(self, step: Step) -> bool:
         """Let points be candidates that do in the trial state what the law forbids; whether there
@@ -278,7 +288,8 @@ class Contact:
         among ``where`` (n,)."""
         if not self.formulation.percussive or not step.scheme.inertia:
             return np.zeros(self.surface.size, dtype=bool)
-        excess = self._start_jump_n + np.minimum(self.gap, 0.0) / step.dt
+        self.coupling.begin(step)
+        excess = self._struck_jump_n() + np.minimum(self.gap, 0.0) / step.dt
         return where & self.chosen & self.coupling.near() & (excess > resolution)
 
     def struck(self, step: Step, points: np.ndarray) -> bool:
@@ -287,9 +298,11 @@ class Contact:
         traces are linearised about the prediction of the step."""
         for trace in self.traces:
             trace.linearise(step)
+        self.coupling.begin(step)
         free = self.coupling.to_jump(np.concatenate([t.free_jump() for t in self.traces]))
-        change = np.abs(_dot(free, self.normal) - self._start_jump_n)
-        excess = self._start_jump_n + np.minimum(self.gap, 0.0) / step.dt
+        start = self._struck_jump_n()
+        change = np.abs(_dot(free, self.normal) - start)
+        excess = start + np.minimum(self.gap, 0.0) / step.dt
         return bool((excess > change)[points].any())
 
     def astray(self, step: Step) -> np.ndarray:
@@ -308,6 +321,12 @@ class Contact:
         rows = (points[:, None] * d + np.arange(d)).ravel()
         operators = self.coupling.jump_rows(rows)
         return [np.einsum("pi,pij->pj", normals, J.reshape(len(points), d, -1)) for J in operators]
+
+    def _struck_jump_n(self) -> np.ndarray:
+        """w_n at the start of the begun step, if it starts with a percussion, (n,)."""
+        if not self.coupling.driven:
+            return self._start_jump_n
+        return _dot(self.coupling.struck_jump(), self._start_normal)
 
     def follow(self) -> None:
         """Follow the solids to their trial states, which have just been computed."""
@@ -331,11 +350,24 @@ class Contact:
             gap = max(0.0, gap - ROUND_OFF * float(np.abs(self.coupling.positions()).max()))
         return float(jump), gap, float(np.abs(self.trial_jump).max())
 
-    def accept(self, force: np.ndarray, step: Step) -> None:
-        """Keep what the next step starts from; ``force``: on the traces' points, flat."""
+    def _statuses(self, resolution: float) -> np.ndarray:
+        """Statuses in the trial state; what moves along the surface by less than ``resolution``,
+        m/s, sticks, whatever round-off says where hardly anything presses."""
+        status = self.equations.statuses()
+        along = self.trial_jump - _dot(self.trial_jump, self.normal)[:, None] * self.normal
+        return np.where(np.linalg.norm(along, axis=1) <= resolution, np.minimum(status, 1), status)
+
+    def accept(self, force: np.ndarray, step: Step, resolution: float) -> None:
+        """Keep what the next step starts from.
+
+        Args:
+            force: on the traces' points, flat, N.
+            step: that was solved.
+            resolution: speeds below it are none, m/s.
+        """
         self.equations.release()
         self.force = self._nodal_force() if self._paired else force.reshape(self.normal.shape)
-        self.status = self.equations.statuses()
+        self.status = self._statuses(resolution)
         if self._remembers and self.friction_law is not None:
             self._keep_stretch(step, getattr(self.formulation, "stiffness_t", np.inf))
         self.coupling.accept()
@@ -360,16 +392,17 @@ class Contact:
 
     # -- what it tells --------------------------------------------------------------------------
 
-    def work(self, means: Mapping[int, np.ndarray], span: float) -> tuple[float, float]:
-        """Work of the contact on its solids in the step, J: of the normal and of the friction
-        forces, from the solids' mean velocities (by id). Both are losses, of an obstacle at rest
-        or between solids."""
+    def work(self, means: Mapping[int, np.ndarray], step: Step) -> tuple[float, float, float]:
+        """Work of the contact on its solids in the step, J, from their mean velocities (by id): of
+        the normal and of the friction forces on the jumps, which both are losses, and of what
+        drives the other side."""
         if not self.force.any():
-            return 0.0, 0.0
-        jump = self.coupling.mean_jump(means)
+            return 0.0, 0.0, 0.0
+        jump, span = self.coupling.mean_jump(means, step), step.span
         total = span * float((self.force * jump).sum())
         normal = span * float((_dot(self.force, self.normal) * _dot(jump, self.normal)).sum())
-        return normal, total - normal
+        driven = span * float((self.force * self.coupling.carried(step)).sum())
+        return normal, total - normal, driven
 
     def counts(self) -> tuple[int, int]:
         """Points that bear, and that slip, in the last step."""
@@ -395,6 +428,7 @@ class Contact:
             "tangent": tangents[:1],
             "units": self._units,
             "octave": np.array([self._octave, self._mobility]),
+            **self.coupling.state(),
         }
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
@@ -403,8 +437,7 @@ class Contact:
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
         self._stretch, self._units = np.array(state["stretch"]), np.array(state["units"])
         self._octave, self._mobility = (float(value) for value in state["octave"])
-        self.coupling.follow()
-        self.coupling.accept()
+        self.coupling.restore(state)
         if len(state["tangent"]):
             self.equations.fields.set_tangent(np.array(state["tangent"][0]))
         self._locate()

@@ -14,6 +14,7 @@ import ufl
 from ..base import compat
 from ..theory.formulations import Formulation
 from ..theory.friction import FrictionBound
+from .parameters import ParameterTangents
 from .surface import Surface, SurfaceFields
 
 
@@ -27,6 +28,10 @@ class SurfaceEquations:
         chosen: the points that the formulation acts on, (n,) of bool.
         weight: what a point weighs in the integrals: its area, or 1, (n,).
         augmentation: pure numbers that multiply rho_n and rho_t.
+
+    Attributes:
+        carried: velocities of the other side that are given, flat, m/s: the velocities of the
+            points are w and these.
     """
 
     def __init__(
@@ -67,9 +72,14 @@ class SurfaceEquations:
         mine = points[self._place[0]] == points[self._place[1]]
         row, column = (each[mine] for each in self._place)
         self._own = mine, (points[row], kinds[row], kinds[column])
+        by_jump = kinds[column] < d
+        self._by_jump = mine.nonzero()[0][by_jump], tuple(each[by_jump] for each in self._own[1])
         self._blocks = np.zeros((n, k.components, k.components))
         self._z = k.unknowns.x.array
         self._key, self._speed, self._rates = b"", 0.0, (0.0, 0.0, 0.0)
+        self.carried = np.zeros(self.jumps)
+        self._turn: tuple[np.ndarray, np.ndarray] | None = None
+        self._parameters: ParameterTangents | None = None
         self.rho = np.ones((2, n))  # normal, tangential
         self.revision = 0  # counts the changes of candidates and scales
         self.choose(chosen)
@@ -154,6 +164,8 @@ class SurfaceEquations:
         self.revision += 1
         self._residual.refresh_constants()
         self._tangent.refresh_constants()
+        if self._parameters is not None:
+            self._parameters.refresh_constants()
 
     @property
     def values(self) -> np.ndarray:
@@ -168,9 +180,35 @@ class SurfaceEquations:
         """The assembled contact terms of (7)."""
         return self._residual()[self._order]
 
+    def turn(self, gap: np.ndarray | None = None, normal: np.ndarray | None = None) -> None:
+        """What w changes in the geometry that the equations read, which without is frozen.
+
+        Args:
+            gap: derivatives of the gaps by w, (n, d) in s.
+            normal: of the normals, (n, d, d) in s/m.
+        """
+        self._turn = None if gap is None or normal is None else (gap, normal)
+
+    def _entries_of(self, frozen: bool = False) -> np.ndarray:
+        """Values of the sparse tangent; the next call uses the same array again."""
+        values = self._tangent()
+        if self._turn is not None and not frozen:
+            gap, normal = self._turn
+            by = self.parameters()
+            turned = by[:, :, :1] * gap[:, None, :] + by[:, :, 1:] @ normal
+            entries, index = self._by_jump
+            values[entries] += turned[index]
+        return values
+
+    def parameters(self) -> np.ndarray:
+        """Derivatives of the rows of each point by its gap and normal, (n, unknowns, 1 + d)."""
+        if self._parameters is None:
+            self._parameters = ParameterTangents(self.fields, self.form, self.order_of_rows)
+        return self._parameters()
+
     def tangent(self) -> np.ndarray:
         """Their derivative by the unknowns; the next call uses the same array again."""
-        self._dense.ravel()[self._entries] = self._tangent()
+        self._dense.ravel()[self._entries] = self._entries_of()
         return self._dense
 
     # -- as a part of a system: restricted to the candidates --------------------------------------
@@ -195,8 +233,10 @@ class SurfaceEquations:
         return self.column_scale[self.active], self.row_scale[self.active]
 
     def active_values(self) -> np.ndarray:
-        """The active unknowns."""
-        return self._z[self._active_dofs]
+        """The active unknowns: velocities of the candidates, and multipliers."""
+        values = self._z[self._active_dofs]
+        values[: len(self.active_jumps)] += self.carried[self.active_jumps]
+        return values
 
     def active_residual(self) -> np.ndarray:
         """Their rows."""
@@ -210,7 +250,7 @@ class SurfaceEquations:
     def point_tangents(self) -> np.ndarray:
         """Tangents of the candidates one by one, (points, unknowns, unknowns)."""
         mine, index = self._own
-        self._blocks[index] = self._tangent()[mine]
+        self._blocks[index] = self._entries_of()[mine]
         return self._blocks[self.candidates]
 
     def move(self, step: np.ndarray) -> None:
@@ -225,13 +265,13 @@ class SurfaceEquations:
         return "jump" if row < 0 else "multiplier" if row < len(self.candidates) else "friction"
 
     def jump_operator(self) -> None:
-        """The unknown velocities are the jumps of the candidates."""
+        """The unknown velocities are the jumps of the candidates and what is carried."""
         return None
 
     def set_places(self, velocities: np.ndarray) -> None:
         """Set the active velocities."""
         values = self.values
-        values[self.active_jumps] = velocities
+        values[self.active_jumps] = velocities - self.carried[self.active_jumps]
         self.values = values
 
     @property
@@ -239,13 +279,13 @@ class SurfaceEquations:
         """The equations of the surface: these."""
         return self
 
-    def whole_tangent(self) -> sp.csr_matrix:
-        """The tangent of all points, sparse."""
-        return sp.csr_matrix((self._tangent(), self._place), (self.size, self.size))
+    def whole_tangent(self, frozen: bool = False) -> sp.csr_matrix:
+        """The tangent of all points, sparse; if ``frozen`` without the derivatives of geometry."""
+        return sp.csr_matrix((self._entries_of(frozen), self._place), (self.size, self.size))
 
     def sparse_tangent(self, frozen: bool = False) -> sp.csr_matrix:
-        """The tangent of the active unknowns, sparse; the geometry is frozen here anyway."""
-        return self.whole_tangent()[self.active][:, self.active]
+        """The tangent of the active unknowns, sparse."""
+        return self.whole_tangent(frozen)[self.active][:, self.active]
 
     def statuses(self) -> np.ndarray:
         """0 open, 1 stick (or bearing without friction), 2 slip, for each point."""

@@ -18,7 +18,6 @@ from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .mortar import Pairing, Side
 from .mortar.matrices import by_component, square
-from .obstacle import Obstacle
 from .pair_equations import PairedEquations
 from .surface import Surface
 
@@ -30,12 +29,20 @@ class Coupling(ABC):
         solids, traces: the slave's first.
         part: the equations, in the velocities of the traces' points.
         fixed_normal: whether the normals never change.
+        driven: whether the other side moves as it is told.
+        time: of the trial state, s.
     """
 
     solids: list[Solid]
     traces: list[Trace]
     part: Part
     fixed_normal: bool
+    driven = False
+    time = 0.0
+
+    def begin(self, step: Step) -> None:
+        """Take up what is given of the other side in a step; of a solid nothing is."""
+        self.time = step.end
 
     @abstractmethod
     def follow(self) -> None:
@@ -76,15 +83,37 @@ class Coupling(ABC):
         parts = [t.jump(getattr(s, which)) for s, t in zip(self.solids, self.traces)]
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
+    def speeds(self, which: str) -> np.ndarray:
+        """What sets the scale of speeds: velocities of the points, or their jumps where the other
+        side moves as it is told."""
+        return self.jump(which) if self.driven else self.velocities(which)
+
     def jump(self, which: str) -> np.ndarray:
         """Nodal jumps (n, d), likewise."""
         return self.to_jump(self.velocities(which))
 
-    def mean_jump(self, means: Mapping[int, np.ndarray]) -> np.ndarray:
+    def struck_jump(self) -> np.ndarray:
+        """Nodal jumps (n, d) at the start of the begun step, if it starts with a percussion."""
+        return self.jump("velocity")
+
+    def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
         """Nodal jumps from mean velocities of the solids, by id, by the operators whose
         transposes spread the forces."""
         parts = [t.mean_jump(means[id(s)]) for s, t in zip(self.solids, self.traces)]
         return self.to_jump(parts[0] if len(parts) == 1 else np.concatenate(parts))
+
+    def carried(self, step: Step) -> np.ndarray | float:
+        """Mean velocities in the step of what moves as it is told, (n, d)."""
+        return 0.0
+
+    def state(self) -> dict[str, np.ndarray]:
+        """The arrays from which :meth:`restore` continues identically, beside the solids'."""
+        return {}
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Take up a state that :meth:`state` gave; the solids have been restored before."""
+        self.follow()
+        self.accept()
 
     @abstractmethod
     def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:
@@ -103,60 +132,7 @@ class Coupling(ABC):
         return self.traces[0].positions()
 
 
-class ObstacleCoupling(Coupling):
-    """Nodes of a solid before an obstacle: their velocities are the jumps."""
-
-    def __init__(
-        self,
-        solid: Solid,
-        equations: SurfaceEquations,
-        obstacle: Obstacle,
-        trace: Trace | None = None,
-    ) -> None:
-        self.obstacle = obstacle
-        self.part = self.equations = equations
-        self.solids = [solid]
-        self.traces = [trace or solid.trace(equations.fields.surface.points)]
-        self.fixed_normal = obstacle.flat
-        self._shape = equations.fields.surface.points.shape
-
-    def follow(self) -> None:
-        self.traces[0].follow()
-
-    def gaps(self) -> np.ndarray:
-        return -self.obstacle.distance(self.traces[0].positions())
-
-    def normals(self) -> np.ndarray:
-        return -self.obstacle.normals(self.traces[0].positions())
-
-    def to_jump(self, velocities: np.ndarray) -> np.ndarray:
-        return velocities.reshape(self._shape)
-
-    def linearise(self, step: Step, exact: bool, share: float) -> None:
-        if exact:
-            values = self.equations.values
-            values[: self.equations.jumps] = self.velocities("trial_velocity")
-            self.equations.values = values
-
-    @property
-    def area(self) -> np.ndarray:
-        return self.equations.fields.surface.area
-
-    def near(self) -> np.ndarray:
-        return np.ones(self._shape[0], dtype=bool)
-
-    def mobility(self) -> np.ndarray:
-        return self.traces[0].mobility().reshape(self._shape)
-
-    def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:
-        return [self.traces[0].rows(rows)]
-
-    def describe(self) -> str:
-        plain = type(self.obstacle).__repr__ is object.__repr__  # would tell an address in memory
-        return type(self.obstacle).__name__ if plain else repr(self.obstacle)
-
-
-class PairCoupling(Coupling):
+class MortarJump(Coupling):
     """The facets of a solid before those of another."""
 
     fixed_normal = False

@@ -1,34 +1,25 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What is given: obstacles, which have no unknowns."""
+"""What is given: obstacles, which have no unknowns.
+
+An obstacle is known by its signed distance. Planes and round ones are formulas here; a
+:class:`~fenicsx_contact.contact.level_set.LevelSet` takes any function of position and time in UFL;
+:class:`Moved` moves any of them; an own one is any object with the members of
+:class:`~fenicsx_contact.contact.wall.Obstacle`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Protocol, runtime_checkable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
 from ..base import checks
-
-
-@runtime_checkable
-class Obstacle(Protocol):
-    """Anything with a signed distance. ``flat`` obstacles have one normal everywhere."""
-
-    dim: int
-    flat: bool
-
-    def distance(self, points: np.ndarray) -> np.ndarray:
-        """Signed distance of the points (n, d), positive outside, in m."""
-        ...
-
-    def normals(self, points: np.ndarray) -> np.ndarray:
-        """Outward unit normals of the obstacle next to the points, (n, d)."""
-        ...
+from .wall import Obstacle, Wall
 
 
 class HalfSpace:
-    """The half-space below a plane (a half-plane in 2D), fixed and rigid.
+    """The half-space below a plane (a half-plane in 2D).
 
     Args:
         point: a point of the plane, d coordinates in m.
@@ -38,24 +29,174 @@ class HalfSpace:
     flat = True
 
     def __init__(self, point: Sequence[float], normal: Sequence[float]) -> None:
-        size = len(np.atleast_1d(np.asarray(point)))
-        if size not in (2, 3):
-            raise checks.InputError(f"point = {point!r}: must be 2 or 3 finite numbers")
-        self.dim = size
-        self.point = checks.vector("point", point, size)
-        self.normal = checks.vector("normal", normal, size)
-        length = float(np.linalg.norm(self.normal))
-        if length == 0:
-            raise checks.InputError(f"normal = {normal!r}: must not be zero")
-        self.normal /= length
+        self.dim, self.point = _point("point", point)
+        self.normal = _direction("normal", normal, self.dim)
 
-    def distance(self, points: np.ndarray) -> np.ndarray:
+    def distance(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Signed distance of the points (n, d), positive outside."""
         return (points - self.point) @ self.normal
 
-    def normals(self, points: np.ndarray) -> np.ndarray:
+    def normals(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """The outward normal, repeated for each point, (n, d)."""
         return np.broadcast_to(self.normal, points.shape)
 
     def __repr__(self) -> str:
         return f"HalfSpace(point={self.point.tolist()}, normal={self.normal.tolist()})"
+
+
+class _Round:
+    """Points nearer to a centre than a radius, or all others; across ``axis`` if there is one."""
+
+    flat = False
+
+    def __init__(
+        self,
+        dim: int,
+        center: Sequence[float],
+        radius: float,
+        inside: bool,
+        axis: Sequence[float] | None = None,
+    ) -> None:
+        self.dim, self.center = dim, checks.vector("center", center, dim)
+        self.radius, self.inside = checks.number("radius", radius, above=0), bool(inside)
+        self.axis = None if axis is None else _direction("axis", axis, dim)
+        self._across = np.eye(dim)
+        if self.axis is not None:
+            self._across -= np.outer(self.axis, self.axis)
+        self._sign = -1.0 if inside else 1.0
+
+    def _polar(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Distances from the centre and directions away from it; any direction at the centre."""
+        off = (points - self.center) @ self._across
+        size = np.linalg.norm(off, axis=1)
+        # the row of the projector that is longest is a direction
+        any_one = self._across[np.abs(np.diag(self._across)).argmax()]
+        away = np.where(size[:, None] > 0, off, any_one / np.linalg.norm(any_one))
+        return size, away / np.where(size > 0, size, 1.0)[:, None]
+
+    def distance(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """Signed distance of the points (n, d), positive outside of the obstacle."""
+        return self._sign * (self._polar(points)[0] - self.radius)
+
+    def normals(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """Outward unit normals of the obstacle, (n, d)."""
+        return self._sign * self._polar(points)[1]
+
+    def curvature(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """Derivatives of the normals, (n, d, d); none at the centre."""
+        size, away = self._polar(points)
+        bend = self._sign / np.where(size > 0, size, np.inf)
+        return bend[:, None, None] * (self._across - away[:, :, None] * away[:, None, :])
+
+    def __repr__(self) -> str:
+        axis = "" if self.axis is None else f"axis={self.axis.tolist()}, "
+        return (
+            f"{type(self).__name__}(center={self.center.tolist()}, {axis}radius={self.radius}, "
+            f"inside={self.inside})"
+        )
+
+
+class Circle(_Round):
+    """A disk in the plane, or all but a disk.
+
+    Args:
+        center: m.
+        radius: m.
+        inside: the solid is inside of the circle.
+    """
+
+    def __init__(self, center: Sequence[float], radius: float, inside: bool = False) -> None:
+        super().__init__(2, center, radius, inside)
+
+
+class Sphere(_Round):
+    """A ball in space, or all but a ball; arguments as of :class:`Circle`."""
+
+    def __init__(self, center: Sequence[float], radius: float, inside: bool = False) -> None:
+        super().__init__(3, center, radius, inside)
+
+
+class Cylinder(_Round):
+    """An endless cylinder in space, or all but that: a pipe.
+
+    Args:
+        center: a point of its axis, m.
+        axis: along it, of any length but zero.
+        radius, inside: as of :class:`Circle`.
+    """
+
+    def __init__(
+        self,
+        center: Sequence[float],
+        axis: Sequence[float],
+        radius: float,
+        inside: bool = False,
+    ) -> None:
+        super().__init__(3, center, radius, inside, axis)
+
+
+class Moved:
+    """An obstacle that is carried along.
+
+    Args:
+        obstacle: any obstacle.
+        motion: its displacement as a function of the time [s], d numbers in m. Velocities are
+            differences of it over the times that a scheme asks for, so that tables and sudden
+            starts will do.
+
+    Raises:
+        InputError: no obstacle, a motion that is none.
+    """
+
+    moving = True
+
+    def __init__(self, obstacle: Obstacle, motion: Callable[[float], Any]) -> None:
+        self._wall, self._motion = Wall(obstacle), motion
+        self.dim, self.flat = self._wall.dim, self._wall.flat
+        self.displacement(0.0)
+
+    def displacement(self, time: float) -> np.ndarray:
+        """At a time, (d,) in m."""
+        problem = f"motion = {self._motion!r}: must give {self.dim} finite numbers at each time"
+        try:
+            given = [float(value) for value in self._motion(time)]
+        except (TypeError, ValueError):
+            raise checks.InputError(f"{problem}; at {time:g} s it does not") from None
+        return checks.vector(f"motion({time:g})", given, self.dim)
+
+    def distance(self, points: np.ndarray, time: float) -> np.ndarray:
+        """Signed distance of the points (n, d), positive outside."""
+        return self._wall.distance(points - self.displacement(time), time)
+
+    def normals(self, points: np.ndarray, time: float) -> np.ndarray:
+        """Outward unit normals, (n, d)."""
+        return self._wall.normals(points - self.displacement(time), time)
+
+    def curvature(self, points: np.ndarray, time: float) -> np.ndarray | None:
+        """Derivatives of the normals, (n, d, d); None if the obstacle does not tell them."""
+        return self._wall.curvature(points - self.displacement(time), time)
+
+    def velocity(self, points: np.ndarray, start: float, end: float) -> np.ndarray:
+        """Mean velocity from start to end, (n, d)."""
+        first, last = self.displacement(start), self.displacement(end)
+        return (last - first) / (end - start) + self._wall.velocity(points - last, start, end)
+
+    def __repr__(self) -> str:
+        return f"Moved({self._wall.describe()})"
+
+
+def _point(name: str, value: Any) -> tuple[int, np.ndarray]:
+    """The dimension of space and a point in it."""
+    size = len(np.atleast_1d(np.asarray(value)))
+    if size not in (2, 3):
+        raise checks.InputError(f"{name} = {value!r}: must be 2 or 3 finite numbers")
+    return size, checks.vector(name, value, size)
+
+
+def _direction(name: str, value: Any, size: int) -> np.ndarray:
+    """A unit vector along this one."""
+    vector = checks.vector(name, value, size)
+    length = float(np.linalg.norm(vector))
+    if length == 0:
+        raise checks.InputError(f"{name} = {value!r}: must not be zero")
+    return vector / length

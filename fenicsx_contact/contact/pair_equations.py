@@ -10,9 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-import ufl
 
-from ..base import compat
 from .equations import SurfaceEquations
 from .mortar import Pairing
 from .mortar.matrices import (
@@ -46,7 +44,6 @@ class PairedEquations:
         self.velocities = np.zeros(self.places)
         self.active_places = np.empty(0, dtype=np.int64)
         self.revision = 0
-        self._parameters: _ParameterTangents | None = None
         self._rates: Rates | None = None
 
     @property
@@ -86,7 +83,6 @@ class PairedEquations:
             gaps = jumps.size + np.arange(len(jumps))[:, None]
             order = np.concatenate([jumps, gaps, jumps.size + len(jumps) + jumps], axis=1)
             self._seen = stack([each[:, mine] for each in seen[1:]])[order.ravel()]
-            self._parameters = self._parameters or _ParameterTangents(e)
         self._set_jumps()
 
     def _set_jumps(self) -> None:
@@ -130,8 +126,8 @@ class PairedEquations:
         read, seen = tangents[:, :, :d], J
         exact = self._rates is not None and not frozen
         if exact:
-            assert self._parameters is not None
-            read, seen = np.concatenate([read, self._parameters()], axis=2), self._seen
+            read = np.concatenate([read, e.parameters()[e.candidates]], axis=2)
+            seen = self._seen
         forces = J.T @ by_point(read[:, :d], seen)
         if exact:
             assert self._rates is not None
@@ -181,39 +177,3 @@ class PairedEquations:
     def jump_operator(self) -> np.ndarray:
         """Jumps of the candidates from the active velocities."""
         return self._J if self._dense else self._J.toarray()
-
-
-class _ParameterTangents:
-    """Derivatives of the contact terms by gap and normal, point by point."""
-
-    def __init__(self, equations: SurfaceEquations) -> None:
-        k = equations.fields
-        n, d = k.surface.size, k.surface.dim
-        space = compat.component_space(k.surface.mesh, 1 + d)
-        trial = ufl.split(ufl.TrialFunction(space))
-        normal = ufl.as_vector(trial[1:])
-        form = ufl.derivative(equations.form, k.normal, normal)
-        form += ufl.derivative(equations.form, k.gap, trial[0])
-        self._assembler = compat.MatrixAssembler(form)
-        point, kind = np.empty((2, n * (1 + d)), dtype=np.int64)
-        for component in range(1 + d):
-            dofs = compat.cell_dofs(space.sub(component)).ravel()
-            point[dofs], kind[dofs] = k.surface.cell_nodes.ravel(), component
-        lengths = np.diff(self._assembler.indptr)
-        row = equations.order_of_rows[np.repeat(np.arange(equations.size), lengths)]
-        column, jump = self._assembler.indices, row < equations.jumps
-        behind = row - equations.jumps
-        at = np.where(jump, row // d, behind % n)
-        what = np.where(jump, row % d, d + behind // n)
-        self._mine = at == point[column]  # all that are not zero
-        self._place = at[self._mine], what[self._mine], kind[column][self._mine]
-        self._blocks = np.zeros((n, k.components, 1 + d))
-        self._equations, self._revision = equations, -1
-
-    def __call__(self) -> np.ndarray:
-        """Those of the candidates, (points, unknowns, 1 + d)."""
-        if self._revision != self._equations.revision:
-            self._revision = self._equations.revision
-            self._assembler.refresh_constants()
-        self._blocks[self._place] = self._assembler()[self._mine]
-        return self._blocks[self._equations.candidates]

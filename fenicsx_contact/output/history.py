@@ -39,10 +39,10 @@ class History:
     The first row is the initial state. Energies and works in J (J/m in 2D):
 
     * ``kinetic``, ``strain``, ``potential``: of the state at ``time`` [s];
-    * ``impact``, ``friction``: work of the normal and tangential contact forces since the start
-      (negative: a loss). In a step in which slip turns round one of them may gain a little on
-      behalf of the other; their sum does not;
-    * ``drive``: work of prescribed motions and tractions since the start;
+    * ``impact``, ``friction``: work of the normal and tangential contact forces on the jumps since
+      the start (negative: a loss). In a step in which slip turns round one of them may gain a
+      little on behalf of the other; their sum does not;
+    * ``drive``: work of prescribed motions, tractions and obstacles that move since the start;
     * ``scheme``: energy that the time scheme has made (positive) or damped since the start;
     * ``balance``: what is left of the sum, as a check of the whole; a small residual;
     * ``dt``, ``newton``, ``geometry``: length of the step, iterations, linearisations;

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..base import checks
 from ..contact.contact import Contact
-from ..contact.jump import ObstacleCoupling
+from ..contact.nodal import NodalJump
 from ..contact.surface import Surface
 from ..theory.formulations import Formulation
 from ..theory.theta import Step
@@ -25,7 +25,7 @@ from .trace import BeamTrace
 from .tube import PairTrace, RodInTube
 
 
-class GuideCoupling(ObstacleCoupling):
+class GuideCoupling(NodalJump):
     """Points of a rod and stations of its guide: the stations see it by its slope, too."""
 
     def __init__(

@@ -169,12 +169,12 @@ class Guide:
         self._normal = local @ self._axes
         self._last = points
 
-    def distance(self, points: np.ndarray) -> np.ndarray:
+    def distance(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Signed distance of the points (n, d) from the walls, positive inside the corridor, m."""
         self._look(points)
         return self._distance
 
-    def normals(self, points: np.ndarray) -> np.ndarray:
+    def normals(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Unit normals of the nearest walls, into the corridor, (n, d)."""
         self._look(points)
         return self._normal

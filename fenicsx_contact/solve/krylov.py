@@ -69,7 +69,7 @@ class Krylov(Monolithic):
         yy, ym, seen, mm = frozen[:n, :n], frozen[:n, n:], frozen[n:, :n], frozen[n:, n:]
         # far from the solution some points are paired with what they will not meet, and derivatives
         # of that push where they should pull
-        far = max(self._errors) > self.near
+        far = self._frozen or max(self._errors) > self.near
         block = frozen if far else self._contact_block() + self._compliance()
         # the rows of the multipliers times S^-1, as the forces for which these stand: norms add
         # them to those of the solids

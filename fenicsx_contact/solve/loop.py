@@ -205,7 +205,7 @@ class StepSolver:
         """The largest speed at the contacts, m/s, or that which their forces resolve, or else, at
         the start of a drive, anywhere in the solids; 0 where nothing moves yet."""
         contacts = self._all.contacts
-        solids = [contact.coupling.velocities("trial_velocity") for contact in contacts]
+        solids = [contact.coupling.speeds("trial_velocity") for contact in contacts]
         speed = max((float(np.abs(v).max(initial=0.0)) for v in solids), default=0.0)
         pushed = max((c.push(c.force, step) for c in contacts), default=0.0)
         loaded = max((solid.load_speed() for solid in self._floating), default=0.0)

@@ -50,7 +50,7 @@ class Assembly:
         """The largest of these velocities at points that are active."""
         return max(
             (
-                float(np.abs(velocities[part][contact.part.active_places]).max(initial=0.0))
+                _largest(contact, velocities[part])
                 for contact, part in zip(self.contacts, self.parts)
             ),
             default=0.0,
@@ -104,6 +104,12 @@ class Assembly:
         for solid in self.solids:
             if reason := solid.broken():
                 raise StepFailed(reason)
+
+
+def _largest(contact: Contact, velocities: np.ndarray) -> float:
+    if contact.coupling.driven:
+        velocities = contact.coupling.to_jump(velocities).ravel()
+    return float(np.abs(velocities[contact.part.active_places]).max(initial=0.0))
 
 
 def scale_of(speed: float) -> float:

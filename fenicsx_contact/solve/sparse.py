@@ -42,7 +42,7 @@ class Sparse(Monolithic):
         self._system = None
 
     def _solve(self) -> np.ndarray:
-        contacts = (self._contact_block() + self._compliance())[self._rows_here]
+        contacts = (self._contact_block(self._frozen) + self._compliance())[self._rows_here]
         here = self._system is not None and self._system.holds(contacts)
         old = bool(self.comm.allreduce(here, op=MPI.MIN)) if self.comm.size > 1 else here
         if not old:

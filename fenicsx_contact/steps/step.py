@@ -145,17 +145,17 @@ class Stepper:
         means = {id(solid): mean(solid.velocity, solid.trial_velocity) for solid in self.solids}
         for solid in self.solids:
             solid.accept(step)
-        impact = friction = 0.0
+        impact = friction = driven = 0.0
         for contact, part in zip(self.contacts, self._assembly.parts):
-            contact.accept(trial.force[part], step)
-            normal, tangential = contact.work(means, step.span)
-            impact, friction = impact + normal, friction + tangential
+            contact.accept(trial.force[part], step, self.resolution)
+            normal, tangential, moved = contact.work(means, step)
+            impact, friction, driven = impact + normal, friction + tangential, driven + moved
         old, self.energies = self.energies, self.sum_energies()
         change = sum(self.energies) - sum(old)
         # what the scheme makes: energies change otherwise than forces and momenta work
         scheme = change - momentum + loads - tractions
-        self.work += (impact, friction, supports + tractions, scheme)
-        self.balance += momentum - loads - impact - friction - supports
+        self.work += (impact, friction, supports + tractions + driven, scheme)
+        self.balance += momentum - loads - impact - friction - supports - driven
         self.time += step.dt
         row = self.row(step.dt, trial.newton, trial.geometry)
         clock("history")

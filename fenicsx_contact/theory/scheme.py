@@ -147,6 +147,12 @@ class Step:
         return self.dt or self.ahead or 1.0
 
     @property
+    def implicitness(self) -> float:
+        """How far the velocity at the end of a step is the mean over it: 1 for theta = 1, 0 for
+        theta = 1/2."""
+        return max(0.0, 2 * self.scheme.position_rate - 1)
+
+    @property
     def limit_rate(self) -> float:
         """How fast a point may fall back, over how fast it left, so that it is back at the end of
         the step: (1 - theta)/theta; 0 in an impact."""

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Obstacles given by a function of position and time in UFL, which is differentiated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import ufl
+
+from ..base import checks, compat
+
+
+class LevelSet:
+    """An obstacle where a function of position and time is negative, in UFL.
+
+        LevelSet(lambda x, t: ufl.sqrt(ufl.dot(x, x)) - 0.1, dim=2)
+
+    is a circle. The function need not be a distance: distances are ``phi/|grad phi|``, right to
+    first order next to the surface (all that a contact asks), normals ``grad phi/|grad phi|``;
+    their derivatives are exact (``ufl.diff``). Where the surface moves it does so along its normals
+    unless a velocity tells of the material (a belt, a drum that turns).
+
+    Args:
+        phi: from a position x (a UFL vector) and the time t [s] to a UFL scalar, positive outside.
+        dim: 2 or 3.
+        velocity: from x and t to the velocity of the material, d components in m/s.
+
+    Raises:
+        InputError: no such functions, a phi without a gradient.
+    """
+
+    flat = False
+
+    def __init__(
+        self,
+        phi: Callable[[Any, Any], Any],
+        dim: int,
+        velocity: Callable[[Any, Any], Any] | None = None,
+    ) -> None:
+        self.dim = checks.whole_number("dim", dim, at_least=2)
+        if dim > 3:
+            raise checks.InputError(f"dim = {dim!r}: must be 2 or 3")
+        self._phi, self._motion = phi, velocity
+        self._compiled: dict[tuple[str, int], tuple[compat.PointCloud, Callable]] = {}
+        x, t = (cloud := compat.PointCloud(1, dim)).x, cloud.t
+        value = self._value(x, t)
+        self._text = str(value)
+        used = ufl.algorithms.extract_coefficients(value)
+        if x not in used:
+            raise checks.InputError(f"phi = {phi!r}: must depend on the position, it is {value}")
+        self.moving = t in used or velocity is not None
+        if velocity is not None:
+            self._drift(x, t)  # refuse now what can be refused
+            self.velocity = self._velocity
+
+    def _value(self, x: Any, t: Any) -> Any:
+        return _as_ufl("phi", self._phi, x, t, ())
+
+    def _drift(self, x: Any, t: Any) -> Any:
+        return _as_ufl("velocity", self._motion, x, t, (self.dim,))
+
+    def _over_slope(self, x: Any, t: Any) -> tuple[Any, Any]:
+        """phi and its gradient, both over the size of the gradient."""
+        phi = self._value(x, t)
+        gradient = ufl.diff(phi, x)
+        size = ufl.sqrt(ufl.dot(gradient, gradient))
+        return phi / size, gradient / size
+
+    def _at(self, what: str, points: np.ndarray, time: float) -> np.ndarray:
+        """One of the expressions at the points, compiled once for each number of points."""
+        key = what, len(points)
+        if key not in self._compiled:
+            cloud = compat.PointCloud(len(points), self.dim)
+            x = ufl.variable(cloud.x)
+            expressions: dict[str, Callable[[], Any]] = {
+                "distance": lambda: self._over_slope(x, cloud.t)[0],
+                "normals": lambda: self._over_slope(x, cloud.t)[1],
+                "curvature": lambda: ufl.diff(self._over_slope(x, cloud.t)[1], x),
+                "velocity": lambda: self._drift(x, cloud.t),
+            }
+            self._compiled[key] = cloud, cloud.compiled(expressions[what]())
+        cloud, expression = self._compiled[key]
+        cloud.place(points, time)
+        return expression()
+
+    def distance(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """Signed distance of the points (n, d), positive outside, to first order."""
+        return self._at("distance", points, time)[:, 0]
+
+    def normals(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """Outward unit normals, (n, d)."""
+        return self._at("normals", points, time)
+
+    def curvature(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """Derivatives of the normals, (n, d, d)."""
+        return self._at("curvature", points, time).reshape(-1, self.dim, self.dim)
+
+    def _velocity(self, points: np.ndarray, time: float) -> np.ndarray:
+        return self._at("velocity", points, time)
+
+    def __repr__(self) -> str:
+        return f"LevelSet({self._text}, dim={self.dim})"
+
+
+def _as_ufl(name: str, function: Any, x: Any, t: Any, shape: tuple[int, ...]) -> Any:
+    """What a function of the user's says in UFL, or a refusal."""
+    kind = f"a vector of {shape[0]} components" if shape else "a scalar"
+    problem = f"{name} = {function!r}: must be a function of (x, t) that gives {kind} in UFL"
+    try:
+        value = function(x, t)
+        value = ufl.as_vector(value) if shape and not hasattr(value, "ufl_shape") else value
+        value = ufl.as_ufl(value)
+    except (TypeError, ValueError, compat.UFLError) as error:
+        raise checks.InputError(f"{problem}; {error}") from None
+    if value.ufl_shape != shape:
+        raise checks.InputError(f"{problem}; its shape is {value.ufl_shape}")
+    return value

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The points of a contact surface before an obstacle, at rest or moving as it is told."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..solids import Solid, Trace
+from ..theory.theta import Step
+from .equations import SurfaceEquations
+from .jump import Coupling
+from .wall import Obstacle, Wall
+
+#: Share of a step over which the velocity of an obstacle that moves is taken at the ends of it.
+BRIEF = 2.0**-10
+
+
+class NodalJump(Coupling):
+    """Nodes of a solid before an obstacle: their velocities less the obstacle's are the jumps.
+
+    An obstacle that moves ends a step with a velocity that suits the scheme: by theta = 1 with its
+    mean velocity in the step, with which a point that sticks goes exactly the obstacle's way; by
+    theta = 1/2 with that of the very end. A step starts with the velocity with which the last one
+    ended; where the motion has a corner there, a percussion sees the new one.
+    """
+
+    def __init__(
+        self,
+        solid: Solid,
+        equations: SurfaceEquations,
+        obstacle: Obstacle,
+        trace: Trace | None = None,
+    ) -> None:
+        self.obstacle, self.wall = obstacle, Wall(obstacle)
+        self.part = self.equations = equations
+        self.solids = [solid]
+        self.traces = [trace or solid.trace(equations.fields.surface.points)]
+        self.fixed_normal, self.driven = self.wall.flat, self.wall.moving
+        self._shape = equations.fields.surface.points.shape
+        self._step: Step | None = None
+        # velocities of the obstacle: before the begun step, in it at the start and at the end
+        self._before: np.ndarray | None = None
+        self._start = self._end = np.zeros(self._shape)
+        self._start_positions = self.traces[0].positions()
+
+    def begin(self, step: Step) -> None:
+        if not self.driven:
+            return
+        super().begin(step)
+        self._step, x = step, self._start_positions
+        new = self.wall.velocity(x, step.start, step.start + BRIEF * step.horizon)
+        self._before = new if self._before is None else self._before
+        late = step.implicitness
+        self._struck = (1 - late) * new + late * self._before
+        self._start = self._before if step.dt else self._struck
+        self._end = self._last_velocity(x)
+
+    def _last_velocity(self, x: np.ndarray) -> np.ndarray:
+        """Velocities of the obstacle beside these places at the end of the begun step."""
+        step = self._step
+        assert step is not None
+        if not step.dt:
+            return self._struck
+        late, end = step.implicitness, step.end
+        velocity = np.zeros(self._shape)
+        if late < 1:
+            velocity += (1 - late) * self.wall.velocity(x, end - BRIEF * step.dt, end)
+        if late:
+            velocity += late * self.wall.velocity(x, step.start, end)
+        return velocity
+
+    def follow(self) -> None:
+        self.traces[0].follow()
+        if self._step:
+            self._end = self._last_velocity(self.positions())
+
+    def accept(self) -> None:
+        super().accept()
+        if self.driven:
+            self._start_positions = self.positions()
+            self._before = self._end if self._step else self._before
+
+    def gaps(self) -> np.ndarray:
+        return -self.wall.distance(self.traces[0].positions(), self.time)
+
+    def normals(self) -> np.ndarray:
+        return -self.wall.normals(self.traces[0].positions(), self.time)
+
+    def to_jump(self, velocities: np.ndarray) -> np.ndarray:
+        jump = velocities.reshape(self._shape)
+        return jump - self._end if self.driven else jump
+
+    def jump(self, which: str) -> np.ndarray:
+        jump = self.velocities(which).reshape(self._shape)
+        if not self.driven:
+            return jump
+        return jump - (self._start if which == "velocity" else self._end)
+
+    def struck_jump(self) -> np.ndarray:
+        jump = self.velocities("velocity").reshape(self._shape)
+        return jump - self._struck if self.driven else jump
+
+    def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
+        jump = self.traces[0].mean_jump(means[id(self.solids[0])]).reshape(self._shape)
+        return jump - self.carried(step)
+
+    def carried(self, step: Step) -> np.ndarray | float:
+        return step.scheme.mean(self._start, self._end) if self.driven else 0.0
+
+    def linearise(self, step: Step, exact: bool, share: float) -> None:
+        e = self.equations
+        if self.driven:
+            e.carried[:] = self._end.ravel()
+        e.turn()
+        if not exact:
+            return
+        jump, values = self.jump("trial_velocity"), e.values
+        values[: e.jumps] = jump.ravel()
+        e.values = values
+        curvature = self.wall.curvature(self.traces[0].positions(), self.time)
+        if curvature is not None:
+            # n = -(outward normal); the gap read is that of the end less gap_rate w . n
+            turn = -step.gap_rate * curvature
+            e.turn(-share * step.gap_rate * np.einsum("pi,pij->pj", jump, turn), turn)
+
+    @property
+    def area(self) -> np.ndarray:
+        return self.equations.fields.surface.area
+
+    def near(self) -> np.ndarray:
+        return np.ones(self._shape[0], dtype=bool)
+
+    def mobility(self) -> np.ndarray:
+        return self.traces[0].mobility().reshape(self._shape)
+
+    def state(self) -> dict[str, np.ndarray]:
+        if self._before is None:
+            return {}
+        return {"time": np.array(self.time), "carried": self._before}
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        self._step = None
+        if "time" in state:
+            self.time, self._before = float(state["time"]), np.array(state["carried"])
+            self._start = self._end = self._before
+        super().restore(state)
+
+    def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:
+        return [self.traces[0].rows(rows)]
+
+    def describe(self) -> str:
+        return self.wall.describe()

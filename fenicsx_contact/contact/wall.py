@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What a contact asks of an obstacle, and how it asks whatever it was given."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+
+from ..base import checks
+
+#: Relative error of the length of unit normals, and of a surface's extent the way along them on
+#: which distances must grow.
+UNIT, OUTWARDS = 1e-6, 1e-6
+#: A time [s] over which an obstacle is asked for its velocity to see whether it is one.
+MOMENT = 2.0**-30
+
+
+@runtime_checkable
+class Obstacle(Protocol):
+    """Anything with a signed distance; points are (n, d) in m, time in s.
+
+    A method may leave out the time if it does not use it. Optional are
+
+    * ``curvature(points, time)``: derivatives of the normals by the position, which are the second
+      derivatives of the distance, (n, d, d) in 1/m. Without it Newton's method converges linearly
+      where the obstacle is curved;
+    * ``velocity(points, start, end)``: mean velocity of the obstacle's material beside the points
+      between two times, (n, d) in m/s; or ``velocity(points, time)``. Without it an obstacle that
+      moves does so along its normals;
+    * ``flat``: whether the normal is the same everywhere and always; default: no;
+    * ``moving``: whether anything depends on time; default: if there is a velocity, or if the
+      distance asks for the time.
+    """
+
+    dim: int
+
+    def distance(self, points: np.ndarray, time: float) -> np.ndarray:
+        """Signed distance of the points, positive outside, (n,) in m."""
+        ...
+
+    def normals(self, points: np.ndarray, time: float) -> np.ndarray:
+        """Outward unit normals of the obstacle next to the points, (n, d)."""
+        ...
+
+
+class Wall:
+    """An obstacle as a contact sees it: the same questions to whatever it is, the answers checked.
+
+    Args:
+        obstacle: has the members of :class:`Obstacle`.
+
+    Raises:
+        InputError: it has not.
+    """
+
+    def __init__(self, obstacle: Obstacle) -> None:
+        checks.instance(
+            "obstacle", obstacle, Obstacle, "an obstacle (dim, distance and normals at least)"
+        )
+        self.obstacle, self.dim = obstacle, obstacle.dim
+        self.flat = bool(getattr(obstacle, "flat", False))
+        self._distance, asks = _timed(obstacle.distance)
+        self._normals, _ = _timed(obstacle.normals)
+        curvature = getattr(obstacle, "curvature", None)
+        self._curvature = _timed(curvature)[0] if curvature and not self.flat else None
+        velocity = getattr(obstacle, "velocity", None)
+        self._velocity = _mean(velocity) if velocity else None
+        self.moving = bool(getattr(obstacle, "moving", velocity is not None or asks))
+
+    def distance(self, points: np.ndarray, time: float) -> np.ndarray:
+        """Signed distance of the points (n, d) at a time, positive outside, (n,) in m.
+
+        Raises:
+            StepFailed: there is none.
+        """
+        return _finite("distance", self._distance(points, time), points)
+
+    def normals(self, points: np.ndarray, time: float) -> np.ndarray:
+        """Outward unit normals, (n, d); raises likewise."""
+        return _finite("normal", self._normals(points, time), points)
+
+    def curvature(self, points: np.ndarray, time: float) -> np.ndarray | None:
+        """Derivatives of the normals, (n, d, d) in 1/m; None where they vanish or are not known."""
+        return self._curvature(points, time) if self._curvature else None
+
+    def velocity(self, points: np.ndarray, start: float, end: float) -> np.ndarray:
+        """Mean velocity of what is beside the points between two times, (n, d) in m/s."""
+        if not self.moving:
+            return np.zeros(points.shape)
+        if self._velocity:
+            return _finite("velocity", self._velocity(points, start, end), points)
+        closer = self.distance(points, end) - self.distance(points, start)
+        return -(closer / (end - start))[:, None] * self.normals(points, end)
+
+    def check(self, points: np.ndarray) -> None:
+        """Refuse an obstacle whose answers at these points, at time 0, are none.
+
+        Raises:
+            InputError: with what is wrong and where.
+        """
+        n, d = points.shape
+        reach = OUTWARDS * float(np.ptp(points, axis=0).max())
+        try:
+            distance, normals = self.distance(points, 0.0), self.normals(points, 0.0)
+            answers = {"distance": (distance, (n,)), "normals": (normals, (n, d))}
+            if self.moving:
+                answers["velocity"] = self.velocity(points, 0.0, MOMENT), (n, d)
+            if (curvature := self.curvature(points, 0.0)) is not None:
+                answers["curvature"] = _finite("curvature", curvature, points), (n, d, d)
+        except (TypeError, ValueError, IndexError, checks.StepFailed) as problem:
+            raise checks.InputError(f"master = {self.obstacle!r}: {problem}") from None
+        for what, (answer, shape) in answers.items():
+            if answer.shape != shape:
+                raise checks.InputError(
+                    f"master = {self.obstacle!r}: its {what} must be {shape} numbers for {n} "
+                    f"points, it is {answer.shape}"
+                )
+        off = np.abs(np.linalg.norm(normals, axis=1) - 1)
+        if off.max() > UNIT:
+            at = int(off.argmax())
+            raise checks.InputError(
+                f"master = {self.obstacle!r}: its normals must be unit vectors; at "
+                f"{points[at].tolist()} it is {normals[at].tolist()}"
+            )
+        grown = self.distance(points + reach * normals, 0.0) - distance
+        if (grown < 0).all():
+            raise checks.InputError(
+                f"master = {self.obstacle!r}: its normals must point the way on which its distance "
+                f"grows; at {points[0].tolist()} it falls along {normals[0].tolist()}"
+            )
+
+    def describe(self) -> str:
+        """The obstacle, without an address in memory."""
+        plain = type(self.obstacle).__repr__ is object.__repr__
+        return type(self.obstacle).__name__ if plain else repr(self.obstacle)
+
+
+def _parameters(function: Callable) -> list[inspect.Parameter] | None:
+    """Parameters that may be given by place, or None if nobody knows."""
+    try:
+        parameters = list(inspect.signature(function).parameters.values())
+    except (TypeError, ValueError):
+        return None
+    if any(p.kind is p.VAR_POSITIONAL for p in parameters):
+        return None
+    return [p for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
+
+
+def _timed(function: Callable) -> tuple[Callable[[np.ndarray, float], np.ndarray], bool]:
+    """The function of points as one of points and time, and whether it insists on the time."""
+    parameters = _parameters(function)
+    if parameters is None or len(parameters) > 1:
+        return function, bool(parameters and parameters[1].default is inspect.Parameter.empty)
+    return lambda points, time: function(points), False
+
+
+def _mean(velocity: Callable) -> Callable[[np.ndarray, float, float], np.ndarray]:
+    """The velocity as a function of points, start and end."""
+    parameters = _parameters(velocity)
+    if parameters is None or len(parameters) > 2:
+        return velocity
+    if len(parameters) == 2:
+        return lambda points, start, end: velocity(points, 0.5 * (start + end))
+    return lambda points, start, end: velocity(points)
+
+
+def _finite(what: str, answer: Any, points: np.ndarray) -> np.ndarray:
+    answer = np.asarray(answer, dtype=float)
+    if not np.isfinite(answer).all():
+        at = np.argwhere(~np.isfinite(answer))[0]
+        raise checks.StepFailed(
+            f"the {what} of an obstacle is {answer[tuple(at)]} at the point "
+            f"{points[min(at[0], len(points) - 1)].tolist()}"
+        )
+    return answer

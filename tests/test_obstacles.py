@@ -1,0 +1,517 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Obstacles: level sets and their derivatives, curvature in Newton's method, walls that move."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import ufl
+from scenes import FLOOR, G, box, energy_size, rates, rectangle, total_energy
+
+from fenicsx_contact import (
+    Circle,
+    Contact,
+    Cylinder,
+    Discrete,
+    ElasticSolid,
+    HalfSpace,
+    InputError,
+    LevelSet,
+    Moved,
+    Obstacle,
+    QuasiStatic,
+    RigidSolid,
+    Scene,
+    Sphere,
+    ThetaScheme,
+)
+from fenicsx_contact.contact.wall import Wall
+
+
+def away(x, t, center, axis=None):
+    """Distance from a centre or an axis, in UFL."""
+    q = x - ufl.as_vector(center)
+    if axis is not None:
+        q -= ufl.dot(q, ufl.as_vector(axis)) * ufl.as_vector(axis)
+    return ufl.sqrt(ufl.dot(q, q))
+
+
+AXIS = (2 / 3, -1 / 3, 2 / 3)
+CENTER = (0.1, -0.2, 0.3)
+SAME = {
+    "plane": (
+        HalfSpace((0.1, -0.2), (3, 4)),
+        lambda x, t: 0.6 * (x[0] - 0.1) + 0.8 * (x[1] + 0.2),
+    ),
+    "plane 3D": (
+        HalfSpace(CENTER, AXIS),
+        lambda x, t: ufl.dot(x - ufl.as_vector(CENTER), ufl.as_vector(AXIS)),
+    ),
+    "circle": (Circle((0.1, -0.2), 0.4), lambda x, t: away(x, t, (0.1, -0.2)) - 0.4),
+    "ring": (
+        Circle((0.1, -0.2), 0.4, inside=True),
+        lambda x, t: 0.4 - away(x, t, (0.1, -0.2)),
+    ),
+    "sphere": (Sphere(CENTER, 0.4), lambda x, t: away(x, t, CENTER) - 0.4),
+    "shell": (Sphere(CENTER, 0.4, inside=True), lambda x, t: 0.4 - away(x, t, CENTER)),
+    "cylinder": (Cylinder(CENTER, AXIS, 0.4), lambda x, t: away(x, t, CENTER, AXIS) - 0.4),
+    "pipe": (
+        Cylinder(CENTER, AXIS, 0.4, inside=True),
+        lambda x, t: 0.4 - away(x, t, CENTER, AXIS),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SAME)
+def test_a_level_set_is_what_its_formula_says(name):
+    """Distances, normals and curvature of the ready-made obstacles and of the same in UFL."""
+    given, phi = SAME[name]
+    level = LevelSet(phi, given.dim)
+    points = np.random.default_rng(1).standard_normal((7, given.dim))
+    np.testing.assert_allclose(level.distance(points), given.distance(points), atol=1e-14)
+    np.testing.assert_allclose(level.normals(points), given.normals(points), atol=1e-14)
+    curvature = 0.0 if given.flat else given.curvature(points)
+    np.testing.assert_allclose(level.curvature(points) - curvature, 0.0, atol=1e-13)
+    assert not level.moving and isinstance(level, Obstacle) and isinstance(given, Obstacle)
+
+
+def wave(x, t):
+    """A wave that travels, no distance: its gradient is not a unit vector."""
+    return 2 * x[1] - 0.3 * ufl.sin(3 * x[0] - 2 * t)
+
+
+OBSTACLES = {
+    "ellipse": LevelSet(lambda x, t: x[0] ** 2 / 4 + x[1] ** 2 - 1, 2),
+    "wave": LevelSet(wave, 2),
+    "wedge": LevelSet(lambda x, t: ufl.max_value(x[0] + x[1], x[0] - 2 * x[1]) + t * x[0], 2),
+    "circle": Circle((0.1, -0.2), 0.4),
+    "pipe": Cylinder(CENTER, (1, 2, 3), 2.0, inside=True),
+    "moved": Moved(Sphere(CENTER, 0.4), lambda t: (t, 0.3 * np.sin(t), -(t**2))),
+    "moved wave": Moved(LevelSet(wave, 2), lambda t: (ufl.sin(t), 0.2 * t)),
+}
+
+
+@pytest.mark.parametrize("name", OBSTACLES)
+def test_normals_and_curvature_by_differences(name):
+    """Curvature everywhere, normals at the surface, where a level set is a distance."""
+    obstacle, t, h = OBSTACLES[name], 0.7, 1e-6
+    d = obstacle.dim
+    x = 0.5 + np.random.default_rng(2).random((9, d))
+    for _ in range(60):  # to the surface
+        on = x = x - obstacle.distance(x, t)[:, None] * obstacle.normals(x, t)
+    np.testing.assert_allclose(obstacle.distance(on, t), 0.0, atol=1e-12)
+    normals = obstacle.normals(on, t)
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0, rtol=1e-13)
+    for i, step in enumerate(h * np.eye(d)):
+        slope = (obstacle.distance(on + step, t) - obstacle.distance(on - step, t)) / (2 * h)
+        np.testing.assert_allclose(slope, normals[:, i], atol=1e-8)
+        off = on + 0.1
+        turn = (obstacle.normals(off + step, t) - obstacle.normals(off - step, t)) / (2 * h)
+        np.testing.assert_allclose(obstacle.curvature(off, t)[:, :, i], turn, atol=1e-7)
+
+
+def test_velocity_of_a_wall():
+    """Told, by the motion, or else along the normals as fast as the surface goes."""
+    x, start, end = np.random.default_rng(3).random((4, 2)), 0.5, 0.5 + 1e-5
+    travelling = Wall(LevelSet(wave, 2))
+    normals = travelling.normals(x, end)
+    gradient = np.stack([-0.9 * np.cos(3 * x[:, 0] - 2 * end), np.full(4, 2.0)], axis=1)
+    size = np.linalg.norm(gradient, axis=1)
+    on = x.copy()
+    on[:, 1] = 0.15 * np.sin(3 * x[:, 0] - 2 * end)
+    speed = -0.6 * np.cos(3 * x[:, 0] - 2 * end) / size
+    np.testing.assert_allclose(
+        travelling.velocity(on, start, end), speed[:, None] * normals, atol=1e-4
+    )
+    drum = LevelSet(
+        lambda x, t: away(x, t, (0, 0)) - 1, 2, velocity=lambda x, t: (-2 * x[1] * t, 2 * x[0] * t)
+    )
+    turned = Wall(drum).velocity(x, 0.4, 0.6)
+    np.testing.assert_allclose(turned, np.stack([-x[:, 1], x[:, 0]], axis=1), rtol=1e-13)
+    carried = Wall(Moved(drum, lambda t: (t, t**2)))
+    np.testing.assert_allclose(
+        carried.velocity(x, 0.4, 0.6),
+        1 + Wall(drum).velocity(x - [0.6, 0.36], 0.4, 0.6),
+        rtol=1e-13,
+    )
+    assert not Wall(FLOOR).moving and not Wall(FLOOR).velocity(x, 0.0, 1.0).any()
+
+
+class Ball:
+    """A stranger's obstacle: the least that there is, nothing of it from the package."""
+
+    dim = 2
+
+    def __init__(self, radius):
+        self.radius, self.center = radius, np.array([0.03, -radius])
+
+    def distance(self, points):
+        return np.linalg.norm(points - self.center, axis=1) - self.radius
+
+    def normals(self, points):
+        return (points - self.center) / np.linalg.norm(points - self.center, axis=1)[:, None]
+
+
+def pressed(obstacle, friction, top=(0.03, -0.05), **scene):
+    """A block pressed on something round and drawn over it, in one step."""
+    block = ElasticSolid(
+        rectangle((16, 8), (0.4, 0.2)),
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1000.0,
+        prescribed={"top": lambda t: (top[0] * t, top[1] * t)},
+    )
+    # large augmentations keep points that the curvature sets free
+    contact = Contact(
+        block,
+        "base",
+        obstacle,
+        "gap",
+        friction=friction,
+        normal_augmentation=0.25,
+        tangential_augmentation=0.25,
+        name="c",
+    )
+    return Scene([block], [contact], QuasiStatic(), **{"geometry": "newton", **scene})
+
+
+@pytest.mark.parametrize(
+    ("solver", "friction", "most"),
+    [
+        ("condensed", 0.0, 5),
+        ("condensed", 0.3, 8),
+        ("monolithic", 0.0, 5),
+        # where lam = 0 exactly its bound has a corner, and round-off chooses the side
+        ("monolithic", 0.3, 10),
+    ],
+)
+def test_newton_knows_the_curvature(solver, friction, most):
+    """Errors fall quadratically; without curvature linearly, to the same forces."""
+    circle = LevelSet(lambda x, t: away(x, t, (0.03, -0.1)) - 0.1, 2)
+    scene = pressed(circle, friction, solver=solver)
+    history = scene.run(1.0, 1.0)
+    assert history.finished and history["newton"].sum() <= most
+    errors = np.array(scene.errors[-3:])
+    assert errors[1] < 0.1 and errors[2] < 20 * errors[1] ** 2 + 1e-13
+    blind = pressed(Ball(0.1), friction, solver="condensed")
+    slow = blind.run(1.0, 1.0)
+    assert slow.finished and slow["newton"].sum() >= 12
+    np.testing.assert_allclose(scene.contacts[0].force, blind.contacts[0].force, atol=1e-3)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_newton_knows_the_curvature_in_space(friction):
+    cube = ElasticSolid(
+        box((4, 4, 3), (0.4, 0.4, 0.2)),
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1000.0,
+        prescribed={"top": lambda t: (0.01 * t, 0.005 * t, -0.02 * t)},
+    )
+    ball = Sphere((0.02, 0.01, -0.3), 0.3)
+    contact = Contact(cube, "base", ball, "gap", friction, normal_augmentation=0.25, name="c")
+    scene = Scene([cube], [contact], QuasiStatic(), geometry="newton")
+    history = scene.run(1.0, 1.0)
+    assert history.finished and history["newton"].sum() <= 8
+    assert scene.errors[-1] < 20 * scene.errors[-2] ** 2 + 1e-13
+    assert history["c.bearing"][-1] >= 4 and contact.gap.max() < 1e-9
+
+
+def thrown(obstacle, **scene):
+    block = ElasticSolid(
+        rectangle((4, 4), (0.4, 0.4)),
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1000.0,
+        velocity=lambda x: np.stack([0.5 + 0 * x[0], -1.0 - 0.2 * x[0]]),
+    )
+    return Scene([block], [Contact(block, "base", obstacle, friction=0.3, name="c")], **scene)
+
+
+def test_a_tilted_level_set_is_a_half_space():
+    """The same course of a throw, by either."""
+    point, normal = (0.0, -0.04), np.array([-0.2, 1.0]) / np.hypot(0.2, 1.0)
+    planes = [
+        HalfSpace(point, normal),
+        LevelSet(lambda x, t: normal[0] * x[0] + normal[1] * (x[1] + 0.04), 2),
+    ]
+    histories = [thrown(plane).run(0.03, 5e-4) for plane in planes]
+    a, b = (history.rows()[:, 2:10] for history in histories)
+    np.testing.assert_allclose(a, b, atol=1e-8 * np.abs(a).max())
+    assert histories[0]["c.bearing"].max() > 0
+
+
+# -- walls that move --
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+def test_a_wall_that_strikes(law, theta):
+    """A floor comes up to a rigid block and drags it aside; exact velocities, no penetration."""
+    block = RigidSolid(rectangle((2, 1)), mass=10.0)
+    floor = Moved(HalfSpace((0, -0.01), (0, 1)), lambda t: (0.3 * t, 0.5 * t))
+    contact = Contact(block, "base", floor, law, friction=0.3, name="c")
+    history = Scene([block], [contact], ThetaScheme(theta)).run(0.1, 1e-3)
+    assert history.finished
+    if law == "gap" and theta == 0.5:  # bounces
+        assert block.velocity[1] >= 0.5
+    else:
+        np.testing.assert_allclose(block.velocity[:3], [0.15, 0.5, 0.0], atol=1e-9)
+        loss = 10 * 0.5 * (0.5**2 + (0.3**2 - 0.15**2))
+        lost = history["impact"] + history["friction"] + history["scheme"]
+        np.testing.assert_allclose(lost[-1], -loss, rtol=1e-8)
+        np.testing.assert_allclose(history["drive"][-1], 10 * (0.5**2 + 0.15 * 0.3), rtol=1e-8)
+    assert history["c.penetration"].max() < 1e-3 * 0.5 * (law == "velocity") + 1e-12
+    books(history)
+
+
+def books(history, tolerance=1e-11):
+    """Energies change by what the books name, to round-off; contacts only dissipate."""
+    size = max(energy_size(history), np.abs(history["drive"]).max())
+    assert np.abs(history["balance"]).max() <= tolerance * size
+    named = sum(history[each] for each in ("impact", "friction", "drive", "scheme", "balance"))
+    total = total_energy(history)
+    np.testing.assert_allclose(total - total[0], named, atol=tolerance * size)
+    assert (history["impact"] + history["friction"]).max() <= tolerance * size
+
+
+class Belt(HalfSpace):
+    """A stranger's belt: it stays where it is, its material runs."""
+
+    speed = 0.7
+
+    def velocity(self, points):
+        return np.tile([self.speed, 0.0], (len(points), 1))
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+@pytest.mark.parametrize("elastic", [False, True])
+def test_a_belt_drags_a_block_along(law, elastic):
+    """mu g until it has the belt's speed."""
+    mesh = rectangle((4, 2), (0.4, 0.1))
+    if elastic:
+        block = ElasticSolid(
+            mesh, youngs_modulus=1e6, poisson_ratio=0.3, density=1000.0, gravity=(0, -G)
+        )
+    else:
+        block = RigidSolid(mesh, mass=40.0, gravity=(0, -G))
+    contact = Contact(block, "base", Belt((0, 0), (0, 1)), law, friction=0.3, name="c")
+    scene = Scene([block], [contact], ThetaScheme(1.0, "end"))
+    history = scene.run(0.6, 2e-3)
+    assert history.finished
+    speed = history.impulse("c")[:, 0] / 40.0
+    slides = (history.time > 0.05) & (history.time < 0.7 / (0.3 * G) - 0.03)
+    np.testing.assert_allclose(speed[slides], 0.3 * G * history.time[slides], rtol=0.05)
+    np.testing.assert_allclose(speed[-1], 0.7, rtol=1e-3)
+    books(history)
+    # what runs the belt pays for the block's speed, and as much again for the slip
+    np.testing.assert_allclose(history["drive"][-1], 40 * 0.7**2, rtol=0.01)
+
+
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+def test_a_lift(theta, law):
+    """A block rides on a floor that swings: it goes its way, to the order of the scheme."""
+    high, pulse = 0.02, 10.0
+
+    def lag(dt):
+        block = RigidSolid(rectangle((2, 1)), mass=10.0, gravity=(0, -G))
+        lift = Moved(FLOOR, lambda t: (0.0, high * (1 - np.cos(pulse * t))))
+        contact = Contact(block, "base", lift, law, friction=0.3, name="c")
+        history = Scene([block], [contact], ThetaScheme(theta)).run(1.0, dt)
+        assert history.finished and len(history) == round(1 / dt) + 1  # no percussions
+        if (law, theta) != ("gap", 0.5):  # which bounces
+            books(history)
+            assert history["c.bearing"][1:].min() == 3
+        gap = float(np.abs(contact.gap).max())
+        assert gap < dt**2 / 6 * high * pulse**2 + 1e-12
+        return gap
+
+    lags = [lag(dt) for dt in (0.02, 0.01, 0.005)]
+    if law == "gap" or theta == 1.0:
+        assert max(lags) < 1e-12
+    else:
+        assert rates(lags).min() > 1.8
+
+
+def test_a_circle_moved_into_a_block():
+    """The same as the block moved onto the circle: forces agree, with friction, step by step."""
+    circle = Circle((0.03, -0.1), 0.1)
+    there = pressed(circle, 0.3)
+    here = pressed(Moved(circle, lambda t: (-0.03 * t, 0.05 * t)), 0.3, top=(0.0, 0.0))
+    for scene in (there, here):
+        history = scene.run(1.0, 0.25)
+        assert history.finished
+        assert np.abs(history["balance"]).max() < 1e-10 * history["strain"].max()
+    np.testing.assert_allclose(there.contacts[0].force, here.contacts[0].force, atol=1e-6 * 48190.0)
+    a, b = (scene.stepper for scene in (there, here))
+    np.testing.assert_allclose(a.work[:3], b.work[:3], atol=1e-6 * a.energies[1])
+    assert b.work[2] > 0.9 * b.energies[1]  # what drives the circle pays
+
+
+SPEED = np.array([-0.5, 1.0])
+
+
+@pytest.mark.parametrize("geometry", ["newton", "fixed point"])
+@pytest.mark.parametrize("law", ["velocity", "gap", "printed", Discrete(1e7, 1e3)])
+@pytest.mark.parametrize("elastic", [False, True])
+def test_only_relative_motion_counts(elastic, law, geometry):
+    """A block thrown at a circle, and a circle thrown at a block: the same impulses."""
+
+    def scene(moved):
+        v = np.zeros(2) if moved else -SPEED
+        if elastic:
+            block = ElasticSolid(
+                rectangle((4, 4), (0.4, 0.4)),
+                youngs_modulus=1e6,
+                poisson_ratio=0.3,
+                density=1000.0,
+                velocity=lambda x: np.outer(v, np.ones_like(x[0])),
+            )
+        else:
+            block = RigidSolid(rectangle((3, 1), (0.4, 0.4)), mass=160.0, velocity=v, rotation=0.1)
+        circle = Circle((0.03, -0.44), 0.4)
+        master = Moved(circle, lambda t: SPEED * t) if moved else circle
+        contact = Contact(block, "base", master, law, friction=0.3, name="c")
+        return Scene([block], [contact], geometry=geometry)
+
+    histories = [scene(moved).run(0.06, 1e-3) for moved in (False, True)]
+    assert all(history.finished for history in histories)
+    there, here = (history.impulse("c") for history in histories)
+    np.testing.assert_allclose(here, there, atol=1e-7 * np.abs(there).max())
+    books(histories[1], tolerance=1e-9)  # as far as Newton's method goes
+
+
+def test_the_projected_solver_knows_a_moving_wall():
+    """A scene in which Newton's method cycles, at rest and carried along."""
+
+    def scene(speed):
+        block = RigidSolid(
+            rectangle(),
+            mass=417.6,
+            gravity=(0, -G),
+            rotation=1.7e-4,
+            about=(-0.18, 0),
+            velocity=speed,
+        )
+        floor = Moved(FLOOR, lambda t: speed * t)
+        contact = Contact(block, "base", floor, friction=0.9, tangential_augmentation=1e6, name="c")
+        return Scene([block], [contact])
+
+    histories = [scene(speed).run(0.01, 1e-4) for speed in (0 * SPEED, SPEED)]
+    assert all("projected" in h.remarks[0][1] for h in histories)
+    there, here = (history.impulse("c") for history in histories)
+    np.testing.assert_allclose(here, there, atol=1e-6 * np.abs(there).max())
+
+
+def test_a_sudden_start_is_a_blow():
+    """A floor at rest that starts at once: the block that stands on it is struck; by theta = 1/2
+    it goes with it exactly."""
+    block = RigidSolid(rectangle((2, 1)), mass=10.0)
+    floor = Moved(FLOOR, lambda t: (0.0, max(0.0, t - 0.01)))
+    contact = Contact(block, "base", floor, name="c")
+    scene = Scene([block], [contact])
+    history = scene.run(0.03, 1e-3)
+    np.testing.assert_allclose(block.velocity, [0, 1.0, 0], atol=1e-9)
+    assert np.abs(contact.gap).max() < 1e-11
+    assert np.count_nonzero(history["dt"] == 0) == 2  # the first row, and the blow
+    np.testing.assert_allclose(history["drive"][-1], 10.0, rtol=1e-9)
+    np.testing.assert_allclose(history["impact"][-1], -5.0, rtol=1e-9)
+
+
+def test_located_impacts_of_a_moving_wall():
+    block = RigidSolid(rectangle((2, 1)), mass=10.0)
+    floor = Moved(HalfSpace((0, -0.0123), (0, 1)), lambda t: (0.0, 0.5 * t))
+    contact = Contact(block, "base", floor, name="c")
+    history = Scene([block], [contact], locate_impacts=True).run(0.05, 5e-3)
+    struck = history.time[np.flatnonzero(history["dt"][1:] == 0) + 1]
+    np.testing.assert_allclose(struck, [0.0246], rtol=1e-6)
+    assert np.abs(contact.gap).max() < 1e-9
+
+
+def test_a_run_goes_on_where_it_was():
+    """State and restore know the time and the velocity of the wall."""
+
+    def scene():
+        block = RigidSolid(rectangle((2, 1)), mass=10.0, gravity=(0, -G))
+        lift = Moved(FLOOR, lambda t: (0.0, 0.02 * (1 - np.cos(10 * t))))
+        return Scene([block], [Contact(block, "base", lift, friction=0.3)])
+
+    first, second = scene(), scene()
+    first.run(0.05, 1e-3)
+    second.restore({name: np.array(value) for name, value in first.state().items()})
+    for each in (first, second):
+        each.run(0.1, 1e-3)
+    np.testing.assert_array_equal(first.solids[0].velocity, second.solids[0].velocity)
+    np.testing.assert_array_equal(first.contacts[0].gap, second.contacts[0].gap)
+
+
+# -- what is refused --
+
+
+def refused(make, *words):
+    with pytest.raises(InputError) as caught:
+        make()
+    for word in words:
+        assert word in str(caught.value)
+
+
+def on(obstacle):
+    return Contact(RigidSolid(rectangle(), mass=1.0), "base", obstacle)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: LevelSet(lambda x, t: x, 2), ("phi", "scalar", "(2,)")),
+        (lambda: LevelSet(lambda x, t: 1.0, 2), ("phi", "must depend on the position")),
+        (lambda: LevelSet(lambda x, t: t, 2), ("phi", "must depend on the position")),
+        (lambda: LevelSet(lambda x: x[0], 2), ("phi", "(x, t)")),
+        (lambda: LevelSet(lambda x, t: x[2], 2), ("phi",)),
+        (lambda: LevelSet(lambda x, t: x[0], 4), ("dim = 4", "2 or 3")),
+        (lambda: LevelSet(lambda x, t: x[0], 2.0), ("dim = 2.0",)),
+        (lambda: LevelSet(lambda x, t: x[0], 2, velocity=lambda x, t: t), ("velocity", "vector")),
+        (lambda: Circle((0, 0), 0.0), ("radius",)),
+        (lambda: Circle((0, 0, 0), 1.0), ("center",)),
+        (lambda: Sphere((0, 0), 1.0), ("center",)),
+        (lambda: Cylinder((0, 0, 0), (0, 0, 0), 1.0), ("axis", "zero")),
+        (lambda: Moved("floor", lambda t: (0, 0)), ("obstacle", "floor")),
+        (lambda: Moved(FLOOR, (0, 1)), ("motion",)),
+        (lambda: Moved(FLOOR, lambda t: (t, t, t)), ("motion(0)",)),
+        (lambda: Moved(FLOOR, lambda t: (np.nan, 0)), ("motion(0)",)),
+        (lambda: on(Sphere((0, 0, -1), 1.0)), ("master", "dimension 3")),
+        (lambda: on(LevelSet(lambda x, t: ufl.sqrt(x[1] - 5), 2)), ("master", "distance", "nan")),
+    ],
+)
+def test_bad_obstacles(make, words):
+    refused(make, *words)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"distance": lambda self, p: np.full(len(p), np.nan)}, ("distance", "nan")),
+        ({"distance": lambda self, p: p}, ("distance", "(2,)")),
+        ({"normals": lambda self, p: 2 * Ball.normals(self, p)}, ("unit",)),
+        ({"normals": lambda self, p: -Ball.normals(self, p)}, ("distance grows",)),
+        ({"normals": lambda self, p: p[:, 0]}, ("normals", "(2, 2)")),
+        ({"velocity": lambda self, p: np.zeros(3)}, ("velocity", "(2, 2)")),
+        ({"curvature": lambda self, p: np.zeros((2, 2))}, ("curvature", "(2, 2, 2)")),
+    ],
+)
+def test_bad_answers_of_a_strangers_obstacle(changes, words):
+    refused(lambda: on(type("Strange", (Ball,), changes)(1.0)), "master", *words)
+
+
+def test_a_reversed_half_space_is_legal():
+    block = RigidSolid(rectangle(), mass=1.0, gravity=(0, G))
+    contact = Contact(block, "top", HalfSpace((0, 0.8), (0, -1)))
+    Scene([block], [contact]).run(0.01, 1e-3)
+    np.testing.assert_allclose(contact.force.sum(axis=0), [0, -G], atol=1e-9)
+
+
+def test_a_distance_that_fails_stops_the_run_with_a_reason():
+    block = RigidSolid(rectangle(), mass=1.0, gravity=(0, -G))
+    floor = LevelSet(lambda x, t: x[1] - 0.1 + ufl.sqrt(0.015 - t), 2)
+    history = Scene([block], [Contact(block, "base", floor)]).run(0.1, 1e-2)
+    assert not history.finished and "an obstacle is nan at the point" in history.reason

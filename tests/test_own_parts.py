@@ -74,7 +74,7 @@ class Penalty:
             form += k.integral(b / speed * ufl.dot(k.jump_t, k.test_jump_t))
         return form, bears
 
-    def closed(self, predicted_gap):
+    def closed(self, predicted_gap, tolerance):
         return np.ones(len(predicted_gap), dtype=bool)
 
     def limit(self, data):
@@ -96,7 +96,7 @@ class Shim:
     def form(self, k):
         return weak_form(k, k.jump_n + (k.gap + self.thickness) / k.gap_rate)
 
-    def closed(self, predicted_gap):
+    def closed(self, predicted_gap, tolerance):
         return np.ones(len(predicted_gap), dtype=bool)
 
     def limit(self, data):

@@ -98,7 +98,7 @@ class Contact:
         self.status = np.zeros(self.surface.size)
         self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
         self._octave, self._units = -np.inf, np.ones((2, self.surface.size))
-        self._mobility = 0.0
+        self._mobility = self._resolution = 0.0
         self._remembers = not self.formulation.multipliers
         self._set_normal(self.coupling.normals())
         self._locate()
@@ -166,7 +166,7 @@ class Contact:
             self.jump = self.coupling.jump("velocity")
             self._start_jump_n = _dot(self.jump, self._start_normal)
         self.coupling.follow()
-        self._allowed = self.formulation.closed(self.coupling.gaps())
+        self._allowed = self.formulation.closed(self.coupling.gaps(), self.tolerance)
         if not closing:
             self._allowed = self._allowed & self.touching()
         if not step.dt and not self.formulation.percussive:
@@ -230,8 +230,11 @@ class Contact:
             self._end = self.coupling.gaps() - step.gap_rate * approach
             gap = (1 - share) * gap + share * self._end
         k.gap.x.array[:] = gap
+        start = _dot(self.jump, self.normal)  # as the operators of this step see it
+        self._start_jump_n = np.where(np.abs(start) <= self._resolution, 0.0, start)
         k.start_jump_n.x.array[:] = self._start_jump_n
-        self.equations.set_rates(share * step.gap_rate, step.horizon, step.limit_rate)
+        rates = step.horizon, step.limit_rate, self._resolution
+        self.equations.set_rates(share * step.gap_rate, *rates)
         if self._remembers:
             rate = step.scheme.force_weight * (step.dt - step.gap_rate)
             k.elongation.x.array[:] = (self._stretch + rate * self.jump).ravel()
@@ -280,6 +283,7 @@ class Contact:
                 gap_rate=step.gap_rate,
                 limit_rate=step.limit_rate,
                 dt=step.horizon,
+                resolution=self._resolution,
             )
         )
 
@@ -370,6 +374,7 @@ class Contact:
         self.status = self._statuses(resolution)
         if self._remembers and self.friction_law is not None:
             self._keep_stretch(step, getattr(self.formulation, "stiffness_t", np.inf))
+        self._resolution = resolution
         self.coupling.accept()
         self.gap, self.jump = self.coupling.gaps(), self.trial_jump
         self._start()
@@ -427,7 +432,7 @@ class Contact:
             "stretch": self._stretch,
             "tangent": tangents[:1],
             "units": self._units,
-            "octave": np.array([self._octave, self._mobility]),
+            "octave": np.array([self._octave, self._mobility, self._resolution]),
             **self.coupling.state(),
         }
 
@@ -436,7 +441,7 @@ class Contact:
         self.equations.values = np.array(state["unknowns"])
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
         self._stretch, self._units = np.array(state["stretch"]), np.array(state["units"])
-        self._octave, self._mobility = (float(value) for value in state["octave"])
+        self._octave, self._mobility, self._resolution = map(float, state["octave"])
         self.coupling.restore(state)
         if len(state["tangent"]):
             self.equations.fields.set_tangent(np.array(state["tangent"][0]))

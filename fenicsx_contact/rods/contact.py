@@ -151,10 +151,6 @@ class GuideContact(Contact):
         # the one by which forces act; that of the last step saw other material
         self.jump = self.coupling.jump("velocity")
 
-    def accept(self, force: np.ndarray, step: Step) -> None:
-        self.trace.accept()  # the next step starts from the gaps of the state as it is
-        super().accept(force, step)
-
     def normal_force(self) -> float:
         """Sum of the sizes of the normal forces in the last step, N."""
         return float(np.abs(np.einsum("ij,ij->i", self.force, self.normal)).sum())

@@ -28,7 +28,7 @@ KEPT = 4
 #: Relative residual at which corrections end, how many there may be, and by what each must gain.
 EXACT, CORRECTIONS, GAIN = 1e-14, 20, 0.5
 #: Relative residual above which the rounded factors have not served.
-SERVED = 1e-11
+SERVED = 1e-13
 
 
 class PointwiseStep:

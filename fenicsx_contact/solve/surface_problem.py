@@ -26,9 +26,12 @@ from .pointwise import PointwiseSolver, PointwiseStep
 #: Compliance added to the tangent, never to the residual. Points of a rigid solid are hyperstatic
 #: and their multipliers not unique; this picks those nearest to the last ones.
 COMPLIANCE = 1e-8
-#: The same while the statuses of a hyperstatic contact change: points that bear in one iteration
-#: may ask of a rigid solid what it cannot do; stiffer forces than these tell nothing then.
-YIELDING = 1e-3
+#: That of solids that deform: only held nodes need it.
+FIRM = 1e-12
+#: The same of a hyperstatic contact while its statuses change, or an iteration leaves more than
+#: this share of the error: points that bear in one iteration may ask of a rigid solid what it
+#: cannot do; stiffer forces than these tell nothing then.
+YIELDING, GAIN = 1e-3, 0.1
 #: Speeds below this share of those that the contact forces stand for are not resolved: where forces
 #: balance each other, as in a squeezed body, jumps are far smaller, down to round-off.
 SLOW = 1e-4
@@ -95,8 +98,9 @@ class SurfaceSystem:
         self._solver = PointwiseSolver(COMPLIANCE)
         self._sizes = np.empty(0), np.empty(0)
         self.worst = 0.0
-        self._compliance, self._centre = COMPLIANCE, np.empty(0)
-        self._before = np.empty(0)  # statuses
+        self._firm = COMPLIANCE if hyperstatic else FIRM
+        self._compliance, self._centre = self._firm, np.empty(0)
+        self._before, self._last = np.empty(0), np.inf  # statuses, error
 
     def arrange(self) -> np.ndarray:
         """Take up which points are active; their velocities' indices among all."""
@@ -110,6 +114,7 @@ class SurfaceSystem:
         """Take up the free velocities (flat) and W of the active points, after `arrange`."""
         self.W, self.free = compliance, free
         self.history: list[np.ndarray] = []
+        self._last, self.worst = np.inf, 0.0
         if self.size:
             self.update()
 
@@ -166,7 +171,7 @@ class SurfaceSystem:
         """Put springs in series with the contact, so compliant (scaled), that are without strain at
         the present multipliers; 0: take them away."""
         self._centre = self._multipliers() if compliance else np.empty(0)
-        self._compliance = compliance or COMPLIANCE
+        self._compliance = compliance or self._firm
         for part in self.parts:
             part.equations.freeze_bound(compliance > 0)
         self.update()
@@ -237,7 +242,7 @@ class SurfaceSystem:
         if singular:
             return False
         step, _ = lapack.dgetrs(factors, pivots, self.residual)
-        if self._compliance == COMPLIANCE:
+        if self._compliance == self._firm:
             step += lapack.dgetrs(factors, pivots, self.residual - A @ step)[0]
         step *= self._columns
         self.linear_force = self._spread(stiffness @ step - self.assembled[:nw])
@@ -273,9 +278,17 @@ class SurfaceSystem:
         return result
 
     def _settled(self) -> bool:
-        """Whether the statuses are those of the last iteration."""
+        """Whether the statuses are those of the last iteration, and that one gained."""
         before, self._before = self._before, np.concatenate([p.statuses() for p in self.parts])
-        return np.array_equal(before, self._before)
+        last, self._last = self._last, self.worst
+        return np.array_equal(before, self._before) and self.worst <= GAIN * last
+
+    def steady(self) -> bool:
+        """Whether the last iteration changed no status of a hyperstatic contact: its forces may be
+        exact while a point that sticks is taken for one that slips."""
+        if not self._hyperstatic or self._centre.size:
+            return True
+        return np.array_equal(self._before, np.concatenate([p.statuses() for p in self.parts]))
 
     def remember(self) -> np.ndarray:
         """Statuses of all points of all contacts, kept to tell which ones flip."""

@@ -95,18 +95,25 @@ class LocatedImpacts:
         tolerance = min((contact.tolerance for contact in stepper.contacts), default=0.0)
         for _ in range(MAX_IMPACTS):
             if stepper.struck(Step(left, self._scheme, stepper.time), touching=True):
-                self._rates = None
-                yield _accept(stepper, Step(0.0, self._scheme, stepper.time, dt), remarks)
+                yield self._strike(stepper, dt, remarks)
             flight = self._fly(stepper, left)
-            if flight[1] > 0:
-                flight = (_arrive(partial(self._fly, stepper), flight, tolerance), 0.0, 0.0, 0.0)
-            trial = flight[0]
+            arrives = flight[1] > 0
+            fly = partial(self._fly, stepper)
+            trial = _arrive(fly, flight, tolerance) if arrives else flight[0]
             remarks.extend(trial.remarks)
             left -= trial.step.dt
             yield stepper.accept(trial)
+            if arrives:
+                yield self._strike(stepper, dt, remarks)
             if left <= 1e-9 * dt:
                 return
         yield _accept(stepper, Step(left, self._scheme, stepper.time), remarks)
+
+    def _strike(
+        self, stepper: Stepper | ErrorControl, dt: float, remarks: list[str]
+    ) -> list[float]:
+        self._rates = None
+        return _accept(stepper, Step(0.0, self._scheme, stepper.time, dt), remarks)
 
     def _fly(self, stepper: Stepper | ErrorControl, length: float) -> Flight:
         """The step as if no open point could close."""

@@ -50,9 +50,9 @@ class Formulation(Protocol):
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Contact terms of (7), and the status of each point: 0 open, 1 stick, 2 slip."""
 
-    def closed(self, predicted_gap: np.ndarray) -> np.ndarray:
+    def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
         """Su, as far as it is decided before the step, from the gaps (n,) [m] at the end of an
-        explicit prediction; True where the form decides."""
+        explicit prediction, equal up to a tolerance [m]; True where the form decides."""
 
     def limit(self, data: StepData) -> np.ndarray | None:
         """The w_n (n,) [m/s] that the law allows at most; None for springs."""
@@ -68,6 +68,7 @@ class StepData:
         gap_rate: derivative of the end position by the end velocity, s.
         limit_rate: (1 - theta)/theta of the scheme, 0 in a percussion.
         dt: length of the step, s; of a percussion, that over which it looks ahead.
+        resolution: speeds below it are none, m/s.
     """
 
     gap: np.ndarray
@@ -75,6 +76,7 @@ class StepData:
     gap_rate: float
     limit_rate: float
     dt: float
+    resolution: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,7 @@ class Velocity:
 
         w_n <= max(-d_n/dt, -(1 - theta)/theta w_n^-, 0),   lam <= 0,   complementary,
 
-    in place of Su in (1)-(2). What bears then never moves outwards in the step, ``dt (theta w_n +
+    in place of Su in (1)-(2) (for 0: less than the solver resolves, so that round-off decays). What bears then never moves outwards in the step, ``dt (theta w_n +
     (1 - theta) w_n^-) >= 0``, so that a contact does no positive work, and a closed point keeps to
     the printed ``w_n <= 0``. A point that starts faster than that is struck: an impact, which is
     solved as a percussion for all points at once, ``M (v+ - v-) = J' P`` with ``w_n <= -d_n/dt``.
@@ -111,17 +113,19 @@ class Velocity:
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Contact terms of (7) and the status of each point."""
         limit = ufl.max_value(-k.gap / k.dt, -k.limit_rate * k.start_jump_n)
-        limit = ufl.max_value(limit, -self.drift_correction * ufl.max_value(k.gap, 0.0) / k.dt)
+        limit = ufl.max_value(limit, -k.resolution)
+        limit -= self.drift_correction * ufl.max_value(k.gap, 0.0) / k.dt
         return weak_form(k, k.jump_n - limit)
 
-    def closed(self, predicted_gap: np.ndarray) -> np.ndarray:
+    def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
         """The form decides."""
         return np.ones(len(predicted_gap), dtype=bool)
 
     def limit(self, data: StepData) -> np.ndarray:
         """The w_n that the law allows at most."""
         limit = np.maximum(-data.gap / data.dt, -data.limit_rate * data.start_jump_n)
-        return np.maximum(limit, -self.drift_correction * np.maximum(data.gap, 0.0) / data.dt)
+        limit = np.maximum(limit, -data.resolution)
+        return np.asarray(limit - self.drift_correction * np.maximum(data.gap, 0.0) / data.dt)
 
 
 @dataclass(frozen=True)
@@ -143,9 +147,9 @@ class Printed(Velocity):
         """Contact terms of (7) and the status of each point."""
         return weak_form(k, k.jump_n + self.drift_correction * k.gap / k.dt, k.closed)
 
-    def closed(self, predicted_gap: np.ndarray) -> np.ndarray:
+    def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
         """Su: the points whose predicted gap is closed."""
-        return predicted_gap >= 0
+        return predicted_gap >= -tolerance
 
     def limit(self, data: StepData) -> np.ndarray:
         """The w_n that the law allows at most."""
@@ -171,7 +175,7 @@ class Gap:
         """Contact terms of (7) with the gap law, and the status of each point."""
         return weak_form(k, k.jump_n + k.gap / k.gap_rate)
 
-    def closed(self, predicted_gap: np.ndarray) -> np.ndarray:
+    def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
         """The form decides."""
         return np.ones(len(predicted_gap), dtype=bool)
 
@@ -230,7 +234,7 @@ class Discrete:
         """Forces of the springs and the status of each point."""
         return spring_form(k, self)
 
-    def closed(self, predicted_gap: np.ndarray) -> np.ndarray:
+    def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
         """The form decides."""
         return np.ones(len(predicted_gap), dtype=bool)
 

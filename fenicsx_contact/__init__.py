@@ -28,7 +28,19 @@ from .solids import (  # noqa: E402
     st_venant_kirchhoff,
 )
 from .solve.newton import Newton  # noqa: E402
-from .theory.formulations import GAP, LAGRANGE, VELOCITY, Discrete, Gap, Lagrange, Velocity  # noqa: E402
+from .theory.formulations import (  # noqa: E402
+    GAP,
+    LAGRANGE,
+    PRINTED,
+    VELOCITY,
+    Discrete,
+    Gap,
+    Lagrange,
+    Printed,
+    Velocity,
+)
+from .theory.friction import Coulomb, Tresca  # noqa: E402
+from .theory.generalised_alpha import GeneralisedAlpha  # noqa: E402
 from .theory.theta import QuasiStatic, ThetaScheme  # noqa: E402
 
 __version__ = "0.1.0"
@@ -36,17 +48,20 @@ __version__ = "0.1.0"
 __all__ = [
     "GAP",
     "LAGRANGE",
+    "PRINTED",
     "VELOCITY",
     "AxisMesh",
     "BeamSolid",
     "Circle",
     "Contact",
+    "Coulomb",
     "Cylinder",
     "Discrete",
     "Driven",
     "ElasticSolid",
     "Fall",
     "Gap",
+    "GeneralisedAlpha",
     "GuideTubeWater",
     "HalfSpace",
     "History",
@@ -58,6 +73,7 @@ __all__ = [
     "NamedMesh",
     "Newton",
     "Obstacle",
+    "Printed",
     "QuasiStatic",
     "RigidSolid",
     "Scene",
@@ -65,6 +81,7 @@ __all__ = [
     "Sphere",
     "Support",
     "ThetaScheme",
+    "Tresca",
     "Velocity",
     "axis_mesh",
     "ciarlet",

@@ -80,7 +80,7 @@ def test_percussion_of_a_dropped_mass(formulation, theta, dim):
         stop = first + np.flatnonzero(np.abs(history["v"][first:]) < 1e-9)[0]
         percussion = (force * span(history))[first : stop + 1].sum()
         errors.append(abs(percussion / exact - 1))
-        # slowed down to touch at the end of the step, then stopped; each a row of its own by velocity
+        # slowed down to touch at the end of the step, then stopped: rows of their own by velocity
         assert stop - first <= (2 if formulation == "velocity" else 1)
         assert errors[-1] * exact < 2 * WEIGHT * dt
         np.testing.assert_allclose(force[-n // 10 :], WEIGHT, rtol=1e-10)
@@ -361,9 +361,7 @@ def test_friction_oscillator():
 # -- bars --
 
 
-def bar(
-    cells, length, gap, wave_speed, until, theta=0.5, forces="theta", law="velocity", **others
-):
+def bar(cells, length, gap, wave_speed, until, theta=0.5, forces="theta", law="velocity", **others):
     """A bar of density and cross-section 1 along x, which may touch a wall ``gap`` to its left; in
     a step a wave crosses one cell."""
     solid = ElasticSolid(

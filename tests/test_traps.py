@@ -11,6 +11,7 @@ from fenicsx_contact import (
     Contact,
     HalfSpace,
     Newton,
+    Printed,
     RigidSolid,
     Scene,
     ThetaScheme,
@@ -42,10 +43,10 @@ def test_1_closing_within_a_step_has_a_solution():
 
 @pytest.mark.parametrize("kappa", [0.0, 0.3])
 def test_2_drift_is_bounded_and_can_be_made_to_decay(kappa):
-    """theta = 1/2 catches a falling block up to half a step's way too deep."""
+    """As printed, theta = 1/2 catches a falling block up to half a step's way too deep."""
     deepest = 0.0
     for height in (0.0101, 0.0103, 0.0105, 0.0107):
-        scene = dropped(height, theta=0.5, formulation=Velocity(drift_correction=kappa))
+        scene = dropped(height, theta=0.5, formulation=Printed(drift_correction=kappa))
         history = scene.run(0.2, 1e-3)
         depth = history["rigid.base.penetration"]
         assert depth.max() <= 0.5 * np.sqrt(2 * 9.81 * height) * 1e-3  # half a step's way
@@ -56,6 +57,18 @@ def test_2_drift_is_bounded_and_can_be_made_to_decay(kappa):
         else:
             assert np.ptp(late) < 1e-15  # held, not growing
     assert deepest > 5e-5  # the trap was there
+
+
+@pytest.mark.parametrize("kappa", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+def test_2_a_law_that_looks_ahead_does_not_drift(theta, kappa):
+    """Nor does it throw up what it caught, however its drift is corrected."""
+    for height in (0.0101, 0.0103, 0.0105, 0.0107):
+        scene = dropped(height, theta=theta, formulation=Velocity(drift_correction=kappa))
+        history = scene.run(0.2, 1e-3)
+        assert history["rigid.base.penetration"].max() < 1e-12
+        late = history.time > 0.06
+        assert history["kinetic"][late].max() < 1e-20 * history["kinetic"].max() + 1e-25
 
 
 def test_3_ball_projection_is_exact_and_differentiable_at_zero():
@@ -137,12 +150,12 @@ def test_8_unknowns_are_scaled(size):
 
 
 def test_9_first_contact_with_friction_converges_in_few_iterations():
-    """The first iteration of an impact is frictionless; a corner lands in about three."""
+    """What will press decides at once what it may hold; a corner lands in about three."""
     tilted = {"rotation": 0.01, "about": (-0.18, 0)}
     scene = dropped(1e-3, friction=0.9, velocity=(0.2, -0.1), **tilted)
     history = scene.run(0.05, 1e-3)
     assert history.finished and not history.remarks
-    assert (history["newton"] <= 3 * history["geometry"]).all()
+    assert (history["newton"] <= 3 * np.maximum(history["geometry"], 1)).all()
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.5])
@@ -201,7 +214,7 @@ def test_ping_pong_is_named_and_ends():
     history = Scene([block], [contact]).run(0.01, 1e-5)
     assert history.finished
     named = [text for _, text in history.remarks if "statuses flip at points" in text]
-    assert named and "projected solver took over" in named[0]
+    assert named and "method of multipliers took over" in named[0]
 
 
 def test_a_hopeless_step_stops_with_a_reason():

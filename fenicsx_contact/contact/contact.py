@@ -233,8 +233,7 @@ class Contact:
         start = _dot(self.jump, self.normal)  # as the operators of this step see it
         self._start_jump_n = np.where(np.abs(start) <= self._resolution, 0.0, start)
         k.start_jump_n.x.array[:] = self._start_jump_n
-        rates = step.horizon, step.limit_rate, self._resolution
-        self.equations.set_rates(share * step.gap_rate, *rates)
+        self.equations.set_rates(share * step.gap_rate, step.horizon, step.limit_rate)
         if self._remembers:
             rate = step.scheme.force_weight * (step.dt - step.gap_rate)
             k.elongation.x.array[:] = (self._stretch + rate * self.jump).ravel()
@@ -283,7 +282,6 @@ class Contact:
                 gap_rate=step.gap_rate,
                 limit_rate=step.limit_rate,
                 dt=step.horizon,
-                resolution=self._resolution,
             )
         )
 

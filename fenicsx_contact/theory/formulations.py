@@ -68,7 +68,6 @@ class StepData:
         gap_rate: derivative of the end position by the end velocity, s.
         limit_rate: (1 - theta)/theta of the scheme, 0 in a percussion.
         dt: length of the step, s; of a percussion, that over which it looks ahead.
-        resolution: speeds below it are none, m/s.
     """
 
     gap: np.ndarray
@@ -76,7 +75,6 @@ class StepData:
     gap_rate: float
     limit_rate: float
     dt: float
-    resolution: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -88,7 +86,7 @@ class Velocity:
 
         w_n <= max(-d_n/dt, -(1 - theta)/theta w_n^-, 0),   lam <= 0,   complementary,
 
-    in place of Su in (1)-(2) (for 0: less than the solver resolves, so that round-off decays). What bears then never moves outwards in the step, ``dt (theta w_n +
+    in place of Su in (1)-(2). What bears then never moves outwards in the step, ``dt (theta w_n +
     (1 - theta) w_n^-) >= 0``, so that a contact does no positive work, and a closed point keeps to
     the printed ``w_n <= 0``. A point that starts faster than that is struck: an impact, which is
     solved as a percussion for all points at once, ``M (v+ - v-) = J' P`` with ``w_n <= -d_n/dt``.
@@ -113,7 +111,7 @@ class Velocity:
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Contact terms of (7) and the status of each point."""
         limit = ufl.max_value(-k.gap / k.dt, -k.limit_rate * k.start_jump_n)
-        limit = ufl.max_value(limit, -k.resolution)
+        limit = ufl.max_value(limit, 0.0)
         limit -= self.drift_correction * ufl.max_value(k.gap, 0.0) / k.dt
         return weak_form(k, k.jump_n - limit)
 
@@ -124,7 +122,7 @@ class Velocity:
     def limit(self, data: StepData) -> np.ndarray:
         """The w_n that the law allows at most."""
         limit = np.maximum(-data.gap / data.dt, -data.limit_rate * data.start_jump_n)
-        limit = np.maximum(limit, -data.resolution)
+        limit = np.maximum(limit, 0.0)
         return np.asarray(limit - self.drift_correction * np.maximum(data.gap, 0.0) / data.dt)
 
 

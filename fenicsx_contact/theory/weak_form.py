@@ -20,8 +20,7 @@ class ContactFields(Protocol):
         traction: tau, d - 1 components, Pa (N), an unknown; None without friction or multipliers.
         normal, gap: n and d_n [m, positive: penetration], coefficients; ``x``: reference
             coordinates, m.
-        start_jump_n: w_n at the start of the step, m/s; ``limit_rate``: (1 - theta)/theta;
-            ``resolution``: speeds below it are none, m/s.
+        start_jump_n: w_n at the start of the step, m/s; ``limit_rate``: (1 - theta)/theta.
         closed: Su of a law that is decided before the step, 0 or 1.
         rho_n, rho_t: augmentation, Pa s/m, coefficients.
         gap_rate: derivative of the end position by the end velocity, s; ``dt``: the step, s.
@@ -38,7 +37,6 @@ class ContactFields(Protocol):
     gap: Any
     start_jump_n: Any
     limit_rate: Any
-    resolution: Any
     closed: Any
     rho_n: Any
     rho_t: Any

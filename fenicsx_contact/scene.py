@@ -81,10 +81,13 @@ class Scene:
         if isinstance(self.scheme, type) or not isinstance(self.scheme, Scheme):
             raise checks.InputError(f"scheme = {scheme!r}: must be a scheme, such as ThetaScheme()")
         checks.instance("newton", self.newton, Newton, "a Newton")
-        self.locate_impacts = locate_impacts
+        self.locate_impacts = checks.truth("locate_impacts", locate_impacts)
         crossing = LocatedImpacts if locate_impacts else UniformImpacts
         self._impacts = crossing(self.scheme)
-        self._check(allow_free, checks.number("deepest", deepest, at_least=0))
+        checks.truth("allow_growth", allow_growth)
+        self._check(
+            checks.truth("allow_free", allow_free), checks.number("deepest", deepest, at_least=0)
+        )
         if self.scheme.growth and not allow_growth:
             raise checks.InputError(
                 f"{self.scheme.growth}; pass allow_growth=True if that is meant"
@@ -116,6 +119,10 @@ class Scene:
             )
         if len({solid.dim for solid in self.solids}) > 1:
             raise checks.InputError("solids: some are in 2D and some in 3D; use one dimension")
+        if self.locate_impacts and not self.scheme.inertia:
+            raise checks.InputError(
+                f"locate_impacts = True: an impact needs inertia; {self.scheme.describe()} has none"
+            )
         for contact in self.contacts:
             for solid in contact.solids:
                 if solid not in self.solids:
@@ -274,12 +281,18 @@ class Scene:
 
     def describe(self) -> str:
         """What the scene consists of, and what was left out because nothing needs it."""
-        lines = [self.scheme.describe()]
+        lines = [
+            f"scheme: {self.scheme.describe()}",
+            f"geometry: {self.geometry}, solver: {self.solver}",
+        ]
         lines += [f"solid {solid.name!r}: {solid.describe()}" for solid in self.solids]
         lines += [f"contact {contact.name!r}: {contact.describe()}" for contact in self.contacts]
         left_out = ["unknowns of obstacles"]
-        if all(solid.linear for solid in self.solids):
-            left_out.append("geometric fixed point (linear solids: one linearisation a step)")
+        flat = all(contact.coupling.fixed_normal for contact in self.contacts)
+        if flat and all(solid.linear for solid in self.solids):
+            left_out.append(
+                "geometric fixed point (linear solids, flat obstacles: one linearisation a step)"
+            )
         if not any(contact.friction for contact in self.contacts):
             left_out.append("friction")
         if not any(isinstance(solid, DeformableSolid) for solid in self.solids):

@@ -21,6 +21,7 @@ from fenicsx_contact import (
     Lagrange,
     NamedMesh,
     Newton,
+    QuasiStatic,
     RigidSolid,
     Scene,
     ThetaScheme,
@@ -79,7 +80,7 @@ def refused(make, *words):
 
 # -- numbers: where, name, values that must be refused --
 
-BAD = (NAN, INF, -INF, 1e300, 1e-300, None, "much", (1.0, 2.0), 1j)
+BAD = (NAN, INF, -INF, 1e300, 1e-300, None, "much", "0.3", True, (1.0, 2.0), 1j)
 NUMBERS = [
     (contact, "friction", (-0.1, *BAD)),
     (contact, "normal_augmentation", (0.0, -1.0, *BAD)),
@@ -136,6 +137,7 @@ def test_fields_every(fields_every, tmp_path):
 # -- vectors --
 
 VECTORS = [(1.0, 2.0, 3.0), (1.0,), 9.81, (NAN, 0.0), (0.0, INF), (0.0, 1e300), "down"]
+VECTORS += [("0.0", "-9.81"), (True, False), (0.0, 1j)]
 
 
 @pytest.mark.parametrize("value", VECTORS, ids=str)
@@ -262,6 +264,23 @@ def test_initial_fields(make, name, field):
     refused(lambda: make(**{name: field}), name)
 
 
+# -- names --
+
+
+@pytest.mark.parametrize("name", ["a/b", "/", "", "two\nlines", 3, b"base"])
+def test_names_that_cannot_be_those_of_files(name):
+    for make in (rigid, elastic, hyperelastic, contact):
+        refused(lambda make=make: make(name=name), f"name = {name!r}", "'/'")
+    assert contact(name="base of 'a' & b <1>.x").name == "base of 'a' & b <1>.x"
+
+
+def test_a_contact_named_by_facets_that_cannot_name_a_file():
+    mesh = name_facets(rectangle().mesh, {"low/left": lambda x: x[1] < 1e-9})
+    solid = RigidSolid(mesh, mass=1.0)
+    refused(lambda: Contact(solid, "low/left", FLOOR), "name = 'rigid.low/left'")
+    assert Contact(solid, "low/left", FLOOR, name="low left").name == "low left"
+
+
 # -- scenes --
 
 
@@ -323,6 +342,26 @@ def test_body_that_starts_deep_inside():
     refused(lambda: scene(obstacle=HalfSpace((0, 0.1), (0, 1))), "'rigid.base'", "0.1 inside")
     assert scene(obstacle=HalfSpace((0, 0.1), (0, 1)), deepest=0.5)
     assert scene(obstacle=HalfSpace((0, 1e-4), (0, 1)))
+
+
+@pytest.mark.parametrize("value", ["no", "yes", 0, 1, None, 1.0])
+@pytest.mark.parametrize("name", ["locate_impacts", "allow_free", "allow_growth"])
+def test_truth(name, value):
+    refused(lambda: scene(**{name: value}), f"{name} = {value!r}", "True or False")
+
+
+@pytest.mark.parametrize("value", ["no", 1])
+def test_resume_that_is_no_truth(value, tmp_path):
+    refused(lambda: run(resume=value, directory=tmp_path), f"resume = {value!r}", "True or False")
+
+
+def test_located_impacts_without_inertia():
+    def pressed(**others):
+        solid = elastic(fixed=["top"], gravity=(0, -9.81))
+        return Scene([solid], [Contact(solid, "base", FLOOR)], QuasiStatic(), **others)
+
+    refused(lambda: pressed(locate_impacts=True), "locate_impacts = True", "quasi-static")
+    assert pressed().run(2e-3, 1e-3).finished
 
 
 @pytest.mark.parametrize("formulation", ["gap", "lagrange", Discrete(1e6)])

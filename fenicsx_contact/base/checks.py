@@ -31,6 +31,14 @@ def _plain(value: Any) -> Any:
     return getattr(value, "value", None) if isinstance(value, ufl.core.expr.Expr) else value
 
 
+def _floats(value: Any) -> np.ndarray:
+    """The value as floats; text and truth values are no numbers."""
+    array = np.asarray(_plain(value))
+    if array.dtype.kind in "bSUc":
+        raise TypeError("no real numbers")
+    return np.array(array, dtype=float)
+
+
 def number(
     name: str,
     value: Any,
@@ -45,7 +53,7 @@ def number(
     bounds += [f"<= {at_most:g}" for _ in (1,) if at_most is not None]
     allowed = "a finite number" + (" " + " and ".join(bounds) if bounds else "")
     try:
-        result = float(_plain(value))
+        result = float(_floats(value))
     except (TypeError, ValueError):
         raise InputError(f"{name} = {value!r}: must be {allowed}") from None
     inside = (
@@ -67,7 +75,7 @@ def number(
 def vector(name: str, value: Any, size: int) -> np.ndarray:
     """``value`` as ``size`` finite floats, or an :class:`InputError`."""
     try:
-        result = np.array(_plain(value), dtype=float)
+        result = _floats(value)
     except (TypeError, ValueError):
         raise InputError(f"{name} = {value!r}: must be {size} finite numbers") from None
     if result.shape != (size,) or not np.isfinite(result).all():
@@ -82,6 +90,20 @@ def whole_number(name: str, value: Any, *, at_least: int) -> int:
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < at_least:
         raise InputError(f"{name} = {value!r}: must be a whole number >= {at_least}")
     return int(value)
+
+
+def truth(name: str, value: Any) -> bool:
+    """``value`` if it is True or False, else an :class:`InputError`."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise InputError(f"{name} = {value!r}: must be True or False")
+    return bool(value)
+
+
+def label(name: str, value: Any) -> str:
+    """``value`` if it can name a thing and its files, else an :class:`InputError`."""
+    if not isinstance(value, str) or not value or "/" in value or not value.isprintable():
+        raise InputError(f"{name} = {value!r}: must be a text that can name a file, without '/'")
+    return value
 
 
 def choice(name: str, value: Any, allowed: Iterable[str]) -> str:

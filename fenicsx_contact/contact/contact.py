@@ -50,6 +50,7 @@ class Contact:
         gap, jump: at the start of the step, m and m/s; ``trial_jump`` in the trial state.
         status: of the points in the last step: 0 open, 1 stick, 2 slip.
         force: mean of the last step on the solid, N.
+        speed: by which the unknowns of the last step were scaled, m/s.
 
     Raises:
         InputError: friction < 0 or NaN, unknown formulation or facets, dimensions that differ,
@@ -79,7 +80,7 @@ class Contact:
             checks.number("normal_augmentation", normal_augmentation, above=0),
             checks.number("tangential_augmentation", tangential_augmentation, above=0),
         )
-        self.name = name or f"{solid.name}.{facets}"
+        self.name = checks.label("name", f"{solid.name}.{facets}" if name is None else name)
         self.surface = self._make_surface()
         self.extent = float(np.ptp(self.surface.points, axis=0).max())
         self.tolerance = checks.number("gap_tolerance", gap_tolerance, at_least=0) * self.extent
@@ -96,6 +97,7 @@ class Contact:
         self.part = self.coupling.part
         self.force = np.zeros(self.surface.points.shape)
         self.status = np.zeros(self.surface.size)
+        self.speed = 0.0
         self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
         self._octave, self._units = -np.inf, np.ones((2, self.surface.size))
         self._mobility = self._resolution = 0.0
@@ -149,8 +151,8 @@ class Contact:
         self._start()
 
     def _start(self) -> None:
-        """Approach and frame from which the next step starts."""
-        self._start_normal = self.coupling.normals()
+        """Normals, approach and frame from which the next step starts."""
+        self._start_normal = np.array(self.coupling.normals())
         self._start_jump_n = _dot(self.jump, self._start_normal)
         tangents = self.equations.fields.frame()[1]
         if self.surface.dim == 3 and len(tangents):
@@ -303,7 +305,7 @@ class Contact:
         self.coupling.begin(step)
         free = self.coupling.to_jump(np.concatenate([t.free_jump() for t in self.traces]))
         start = self._struck_jump_n()
-        change = np.abs(_dot(free, self.normal) - start)
+        change = np.abs(_dot(free, self._start_normal) - start)
         excess = start + np.minimum(self.gap, 0.0) / step.dt
         return bool((excess > change)[points].any())
 
@@ -369,7 +371,7 @@ class Contact:
         """
         self.equations.release()
         self.force = self._nodal_force() if self._paired else force.reshape(self.normal.shape)
-        self.status = self._statuses(resolution)
+        self.status, self.speed = self._statuses(resolution), self.equations.speed
         if self._remembers and self.friction_law is not None:
             self._keep_stretch(step, getattr(self.formulation, "stiffness_t", np.inf))
         self._resolution = resolution
@@ -422,15 +424,15 @@ class Contact:
 
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically."""
-        tangents = self.equations.fields.frame()[1]
         return {
             "unknowns": self.equations.values,
             "status": self.status,
             "force": self.force,
             "stretch": self._stretch,
-            "tangent": tangents[:1],
+            "tangent": self.equations.fields.tangent,
             "units": self._units,
             "octave": np.array([self._octave, self._mobility, self._resolution]),
+            "speed": np.array(self.speed),
             **self.coupling.state(),
         }
 
@@ -440,15 +442,16 @@ class Contact:
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
         self._stretch, self._units = np.array(state["stretch"]), np.array(state["units"])
         self._octave, self._mobility, self._resolution = map(float, state["octave"])
+        self.speed = float(state["speed"])
         self.coupling.restore(state)
-        if len(state["tangent"]):
-            self.equations.fields.set_tangent(np.array(state["tangent"][0]))
         self._locate()
+        self.equations.fields.set_tangent(np.array(state["tangent"]))
 
     def describe(self) -> str:
         """What is there and what was left out."""
         k, n = self.equations.fields, int(self.chosen.sum())
-        parts = [f"{self.formulation.name}, {n} points"]
+        parts = [f"{self.formulation.name}, {n} points of {self.solid.name!r}"]
+        parts.append(f"before {self.coupling.describe()}")
         parts.append(self.friction_law.describe() if self.friction_law else "no friction (no tau)")
         unknowns = n * (k.components - self.surface.dim)
         parts.append(f"{unknowns} multipliers" if unknowns else "springs (no multipliers)")

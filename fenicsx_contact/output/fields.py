@@ -9,6 +9,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import quoteattr
 
 import meshio
 import numpy as np
@@ -140,7 +141,7 @@ class FieldWriter:
         for number, time in enumerate(self._times):
             for part in parts:
                 file = self._file(name, number, part)
-                lines.append(f'<DataSet timestep="{time!r}" part="{part}" file="{file}"/>')
+                lines.append(f'<DataSet timestep="{time!r}" part="{part}" file={quoteattr(file)}/>')
         lines += ["</Collection>", "</VTKFile>", ""]
         _replace(self._path / f"{name}.pvd", "\n".join(lines))
 

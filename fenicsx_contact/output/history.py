@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What a run leaves: a table with one row a step, its end, and the time it spent."""
+"""What a run leaves: a table with one row a step and impact, its end, and the time it spent."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ class History:
     * ``scheme``: energy that the time scheme has made (positive) or damped since the start;
     * ``balance``: what is left of the sum, as a check of the whole; a small residual;
     * ``dt``, ``newton``, ``geometry``: length of the step, iterations, linearisations;
-    * ``<contact>.force_x`` ...: mean force in the step on the solid, N; where an impact was
-      located (``dt`` = 0) its percussion, N s;
+    * ``<contact>.force_x`` ...: mean force in the step on the solid, N; in an impact (a row with
+      ``dt`` = 0) its percussion, N s;
       ``bearing``, ``slipping``: points by status; ``penetration`` of the deepest point, m;
     * last the probes of the run.
 
@@ -98,6 +98,11 @@ class History:
         return self["time"]
 
     @property
+    def steps(self) -> int:
+        """The number of steps; the start and impacts, which have no length, are none."""
+        return int(np.count_nonzero(self["dt"]))
+
+    @property
     def run_time(self) -> float:
         """Seconds spent in the time loop, set-up and output left out."""
         return sum(t for phase, t in self.times.items() if phase not in ("set-up", "output"))
@@ -115,7 +120,7 @@ class History:
         """A few numbers about the run."""
         return {
             "reason": self.reason,
-            "steps": len(self) - 1,
+            "steps": self.steps,
             "newton": float(self["newton"].sum()),
             "geometry": float(self["geometry"].sum()),
             "run_time_s": self.run_time,
@@ -125,4 +130,4 @@ class History:
 
     def __repr__(self) -> str:
         end = self.time[-1] if len(self) else 0.0
-        return f"History({len(self) - 1} steps to {end:.6g} s, {self.reason})"
+        return f"History({self.steps} steps to {end:.6g} s, {self.reason})"

@@ -65,7 +65,8 @@ class BeamSolid(Solid):
         name: str = "beam",
     ) -> None:
         checks.instance("axis", axis, AxisMesh, "an AxisMesh (axis_mesh)")
-        self.name, self.mesh, self.dim = name, axis, axis.dim  # type: ignore[assignment]
+        self.name = checks.label("name", name)
+        self.mesh, self.dim = axis, axis.dim  # type: ignore[assignment]
         if isinstance(sections, Section):
             sections = dict.fromkeys(axis.stretches, sections)
         self.matrices = k = BeamMatrices(axis, sections, masses, supports)

@@ -77,7 +77,7 @@ class DeformableSolid(MonolithicSolid):
         name: str = "deformable",
     ) -> None:
         checks.instance("mesh", mesh, NamedMesh, "a NamedMesh (mesh_from_gmsh, name_facets)")
-        self.name, self.mesh, self.dim = name, mesh, mesh.dim
+        self.name, self.mesh, self.dim = checks.label("name", name), mesh, mesh.dim
         self.vectors = VectorSpace(mesh, degree)
         self.comm, self.space, self.degree = self.vectors.comm, self.vectors.space, degree
         self.owned, self.unknowns = self.vectors.owned, self.vectors.unknowns

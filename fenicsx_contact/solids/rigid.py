@@ -64,7 +64,7 @@ class RigidSolid(MonolithicSolid):
         name: str = "rigid",
     ) -> None:
         checks.instance("mesh", mesh, NamedMesh, "a NamedMesh (mesh_from_gmsh, name_facets)")
-        self.name, self.mesh, self.dim = name, mesh, mesh.dim
+        self.name, self.mesh, self.dim = checks.label("name", name), mesh, mesh.dim
         if (density is None) == (mass is None):
             raise checks.InputError(f"density = {density!r}, mass = {mass!r}: give one of them")
         size, self.centre, second = moments(mesh)
@@ -237,14 +237,14 @@ class RigidSolid(MonolithicSolid):
 
     def state(self) -> dict[str, np.ndarray]:
         state = {"velocity": self.velocity, "place": self._place, "turn": self._turn}
-        return state | self.memories()
+        return state | {"momentum": self._momentum} | self.memories()
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         self.velocity = np.array(state["velocity"])
         self._place, self._turn = np.array(state["place"]), np.array(state["turn"])
         self.trial_velocity = self.velocity.copy()
         self.trial_place, self.trial_turn = self._place.copy(), self._turn.copy()
-        self._momentum = self._momentum_of(self.velocity, self._turn)
+        self._momentum = np.array(state["momentum"])
         self.memory = state.get("memory")
 
     @property

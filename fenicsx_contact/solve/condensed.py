@@ -36,6 +36,12 @@ class Condensed:
         self._surfaces = assembly.surface_system()
         self._force: np.ndarray | float = 0.0  # of the last state
 
+    def restart(self) -> None:
+        """A step begins: what is kept between iterations is that of the state."""
+        statuses = [contact.status for contact in self._all.contacts]
+        self._surfaces.restart(np.concatenate([np.empty(0), *statuses]))
+        self._force = 0.0
+
     def free(self) -> np.ndarray:
         """Velocities of all points without contact, flat, as the solids are linearised now."""
         self._free = self._all.free()

@@ -84,6 +84,7 @@ class StepSolver:
             StepFailed: with the reason.
         """
         self.errors = []
+        self.system.restart()
         return (self._fixed_point if self._settles else self._full)(step, clock)
 
     # -- contact settled on frozen geometry, which is then renewed --------------------------------

@@ -57,9 +57,13 @@ class Monolithic(ABC):
         self._kept: dict[tuple[int, str], tuple] = {}
         self._linearisations: list[int] = []
         self._floating = np.zeros(self._places.size)
+        self._patterns: list[tuple[np.ndarray, np.ndarray]] = []
+        self.restart()
+
+    def restart(self) -> None:
+        """A step begins: nothing is softened, nothing frozen."""
         self._softness, self._centre = COMPLIANCE, np.empty(0)
         self._frozen = False
-        self._patterns: list[tuple[np.ndarray, np.ndarray]] = []
 
     def begin(self, step: Step) -> tuple[float, np.ndarray]:
         """Residual of the present state: its largest relative error, and the forces on all points

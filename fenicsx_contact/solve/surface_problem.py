@@ -110,10 +110,14 @@ class SurfaceSystem:
             self._arrange()
         return self.active
 
+    def restart(self, statuses: np.ndarray) -> None:
+        """A step begins, from the statuses of all points at the end of the last one."""
+        self.history: list[np.ndarray] = []
+        self._before = statuses
+
     def begin(self, free: np.ndarray, compliance: np.ndarray) -> None:
         """Take up the free velocities (flat) and W of the active points, after `arrange`."""
         self.W, self.free = compliance, free
-        self.history: list[np.ndarray] = []
         self._last, self.worst = np.inf, 0.0
         if self.size:
             self.update()

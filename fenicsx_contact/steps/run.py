@@ -44,6 +44,7 @@ def run(
     until = checks.number("until", until)
     shortest = checks.number("shortest", shortest, above=0, at_most=1)
     checks.whole_number("fields_every", fields_every, at_least=0)
+    checks.truth("resume", resume)
     if until <= scene.time:
         raise checks.InputError(f"until = {until!r}: must be > {scene.time:g}, the present time")
     if dt > (until - scene.time) * (1 + 1e-9):
@@ -139,7 +140,6 @@ def _fingerprint(scene: Scene, dt: float, step_error: float | None) -> str:
     for contact in scene.contacts:
         lines.append(
             f"{contact.name}: {contact.formulation}, friction {contact.friction!r}, "
-            f"{contact.coupling.describe()}, "
             f"gaps {contact.gap.min():.9g} to {contact.gap.max():.9g}"
         )
     return "\n".join(lines)

@@ -112,9 +112,10 @@ class Stepper:
             touching: ask only points that touch; the others are watched otherwise.
         """
         asked = []
+        resolved = self._tolerance * max((c.speed for c in self.contacts), default=0.0)
         for contact in self.contacts:
             where = contact.touching() if touching else contact.chosen
-            points = contact.approaches(step, where, self.resolution)
+            points = contact.approaches(step, where, resolved)
             if points.any():
                 asked.append((contact, points))
         if not asked:
@@ -163,7 +164,8 @@ class Stepper:
 
     @property
     def resolution(self) -> float:
-        """Errors of the velocities, m/s, with which Newton's method may end a step."""
+        """Errors of the velocities, m/s, with which Newton's method may end the step that was
+        attempted last."""
         return self._tolerance * max((c.equations.speed for c in self.contacts), default=0.0)
 
     @property

@@ -149,3 +149,7 @@ class QuasiStatic(ThetaScheme):
     def mean(self, v_old: np.ndarray, v_new: np.ndarray) -> np.ndarray:
         """The increments of the step over its length."""
         return v_new
+
+    def describe(self) -> str:
+        """Its name; it has no parameters."""
+        return "quasi-static"

@@ -146,8 +146,7 @@ class Contact:
         self._start()
 
     def _start(self) -> None:
-        """Approach and frame from which the next step starts."""
-        self._start_jump_n = _dot(self.jump, self.coupling.normals())
+        """Frame from which the next step starts."""
         tangents = self.equations.fields.frame()[1]
         if self.surface.dim == 3 and len(tangents):
             self.equations.fields.set_tangent(tangents[0])
@@ -213,7 +212,8 @@ class Contact:
             self._choose()
         if not self.coupling.fixed_normal:
             self._set_normal(self.coupling.normals())
-        gap = self.gap
+        self._start_jump_n = _dot(self.jump, self.normal)
+        gap = self.gap if step.dt else np.minimum(self.gap, 0.0)  # no way to correct a drift
         if share:
             # the gap at the end of the step as a function of w: end + gap_rate w_n
             approach = _dot(self.coupling.jump("trial_velocity"), self.normal)
@@ -276,10 +276,7 @@ class Contact:
     def approaches(self, step: Step, where: np.ndarray, resolution: float) -> np.ndarray:
         """Points that start the step faster than its law allows by more than ``resolution``, m/s,
         among ``where`` (n,)."""
-        if not self.formulation.percussive or not step.scheme.inertia:
-            return np.zeros(self.surface.size, dtype=bool)
-        excess = self._start_jump_n + np.minimum(self.gap, 0.0) / step.dt
-        return where & self.chosen & self.coupling.near() & (excess > resolution)
+        return where & self.chosen & self.coupling.near() & (self._excess(step) > resolution)
 
     def struck(self, step: Step, points: np.ndarray) -> bool:
         """Whether one of these points is faster than its law allows by more than what the loads of
@@ -288,9 +285,13 @@ class Contact:
         for trace in self.traces:
             trace.linearise(step)
         free = self.coupling.to_jump(np.concatenate([t.free_jump() for t in self.traces]))
-        change = np.abs(_dot(free, self.normal) - self._start_jump_n)
-        excess = self._start_jump_n + np.minimum(self.gap, 0.0) / step.dt
-        return bool((excess > change)[points].any())
+        change = np.abs(_dot(free - self.jump, self.coupling.normals()))
+        return bool((self._excess(step) > change)[points].any())
+
+    def _excess(self, step: Step) -> np.ndarray:
+        """How much faster than its law allows each point starts the step, (n,) in m/s."""
+        approach = _dot(self.jump, self.coupling.normals())
+        return np.asarray(approach + np.minimum(self.gap, 0.0) / step.dt)
 
     def astray(self, step: Step) -> np.ndarray:
         """How much deeper each point is in the trial state than its velocities say, (n,) in m."""

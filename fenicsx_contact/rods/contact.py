@@ -151,9 +151,10 @@ class GuideContact(Contact):
         # the one by which forces act; that of the last step saw other material
         self.jump = self.coupling.jump("velocity")
 
-    def accept(self, force: np.ndarray, step: Step) -> None:
-        self.trace.accept()  # the next step starts from the gaps of the state as it is
-        super().accept(force, step)
+    def approaches(self, step: Step, where: np.ndarray, resolution: float) -> np.ndarray:
+        self.coupling.follow()
+        self.jump = self.coupling.jump("velocity")
+        return super().approaches(step, where, resolution)
 
     def normal_force(self) -> float:
         """Sum of the sizes of the normal forces in the last step, N."""

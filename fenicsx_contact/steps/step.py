@@ -111,8 +111,13 @@ class Stepper:
             step: to be crossed from the present state.
             touching: ask only points that touch; the others are watched otherwise.
         """
+        percussive = [contact for contact in self.contacts if contact.formulation.percussive]
+        if not percussive or not step.scheme.inertia:
+            return False
+        for solid in self.solids:
+            solid.predict(step)
         asked = []
-        for contact in self.contacts:
+        for contact in percussive:
             where = contact.touching() if touching else contact.chosen
             points = contact.approaches(step, where, self.resolution)
             if points.any():
@@ -120,7 +125,6 @@ class Stepper:
         if not asked:
             return False
         for solid in self.solids:
-            solid.predict(step)
             solid.linearise(step)
         return any(contact.struck(step, points) for contact, points in asked)
 

@@ -151,9 +151,7 @@ class Contact:
         self._start()
 
     def _start(self) -> None:
-        """Normals, approach and frame from which the next step starts."""
-        self._start_normal = np.array(self.coupling.normals())
-        self._start_jump_n = _dot(self.jump, self._start_normal)
+        """Frame from which the next step starts."""
         tangents = self.equations.fields.frame()[1]
         if self.surface.dim == 3 and len(tangents):
             self.equations.fields.set_tangent(tangents[0])
@@ -166,7 +164,6 @@ class Contact:
         self.coupling.begin(step)
         if self.coupling.driven:
             self.jump = self.coupling.jump("velocity")
-            self._start_jump_n = _dot(self.jump, self._start_normal)
         self.coupling.follow()
         self._allowed = self.formulation.closed(self.coupling.gaps(), self.tolerance)
         if not closing:
@@ -225,7 +222,7 @@ class Contact:
             self._choose()
         if not self.coupling.fixed_normal:
             self._set_normal(self.coupling.normals())
-        gap = self.gap
+        gap = self.gap if step.dt else np.minimum(self.gap, 0.0)  # no way to correct a drift
         if share:
             # the gap at the end of the step as a function of w: end + gap_rate w_n
             approach = _dot(self.coupling.jump("trial_velocity"), self.normal)
@@ -290,11 +287,7 @@ class Contact:
     def approaches(self, step: Step, where: np.ndarray, resolution: float) -> np.ndarray:
         """Points that start the step faster than its law allows by more than ``resolution``, m/s,
         among ``where`` (n,)."""
-        if not self.formulation.percussive or not step.scheme.inertia:
-            return np.zeros(self.surface.size, dtype=bool)
-        self.coupling.begin(step)
-        excess = self._struck_jump_n() + np.minimum(self.gap, 0.0) / step.dt
-        return where & self.chosen & self.coupling.near() & (excess > resolution)
+        return where & self.chosen & self.coupling.near() & (self._excess(step) > resolution)
 
     def struck(self, step: Step, points: np.ndarray) -> bool:
         """Whether one of these points is faster than its law allows by more than what the loads of
@@ -304,10 +297,18 @@ class Contact:
             trace.linearise(step)
         self.coupling.begin(step)
         free = self.coupling.to_jump(np.concatenate([t.free_jump() for t in self.traces]))
-        start = self._struck_jump_n()
-        change = np.abs(_dot(free, self._start_normal) - start)
-        excess = start + np.minimum(self.gap, 0.0) / step.dt
-        return bool((excess > change)[points].any())
+        change = np.abs(_dot(free - self._struck_jump(), self.coupling.normals()))
+        return bool((self._excess(step) > change)[points].any())
+
+    def _excess(self, step: Step) -> np.ndarray:
+        """How much faster than its law allows each point starts the step, (n,) in m/s."""
+        self.coupling.begin(step)
+        approach = _dot(self._struck_jump(), self.coupling.normals())
+        return np.asarray(approach + np.minimum(self.gap, 0.0) / step.dt)
+
+    def _struck_jump(self) -> np.ndarray:
+        """w at the start of the begun step, if it starts with a percussion, (n, d)."""
+        return self.coupling.struck_jump() if self.coupling.driven else self.jump
 
     def astray(self, step: Step) -> np.ndarray:
         """How much deeper each point is in the trial state than its velocities say, (n,) in m."""
@@ -325,12 +326,6 @@ class Contact:
         rows = (points[:, None] * d + np.arange(d)).ravel()
         operators = self.coupling.jump_rows(rows)
         return [np.einsum("pi,pij->pj", normals, J.reshape(len(points), d, -1)) for J in operators]
-
-    def _struck_jump_n(self) -> np.ndarray:
-        """w_n at the start of the begun step, if it starts with a percussion, (n,)."""
-        if not self.coupling.driven:
-            return self._start_jump_n
-        return _dot(self.coupling.struck_jump(), self._start_normal)
 
     def follow(self) -> None:
         """Follow the solids to their trial states, which have just been computed."""

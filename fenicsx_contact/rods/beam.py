@@ -166,7 +166,7 @@ class BeamSolid(Solid):
 
     def predict(self, step: Step) -> None:
         self.memory = step.recall(self.memory, lambda: self._load - self._internal)
-        self.go(self.velocity, step)
+        self.go(self.velocity, step.coming)  # in an impact what is around it is that of the step
         self.predictions += 1
 
     def linearise(self, step: Step) -> None:

@@ -212,10 +212,14 @@ class BeamMatrices:
 
     def _flexibilities(self, span: float, rate: float) -> tuple[np.ndarray, np.ndarray]:
         """Inverses of ``M/span + rate K`` of bending and of axial motion, zero where a support
-        holds fast; a span and a rate in s, the inverses in m/(N s)."""
-        bending = np.diag(self.bending_mass) / span + rate * self.bending_stiffness
-        axial = np.diag(self.axial_mass) / span + rate * self.axial_stiffness
-        return _inverse(bending, self.free_bending), _inverse(axial, self.free_axial)
+        holds fast; a span and a rate in s, the inverses in m/(N s). At a rate of 0, in an impact,
+        what has no mass follows what has, as at any small rate."""
+        motions = (
+            (self.bending_mass, self.bending_stiffness, self.free_bending),
+            (self.axial_mass, self.axial_stiffness, self.free_axial),
+        )
+        bending, axial = (_flexibility(M / span, rate, K, free) for M, K, free in motions)
+        return bending, axial
 
     def bent(self, w: np.ndarray, slope: np.ndarray | None) -> np.ndarray:
         """The unknowns of a deflection [m] of the nodes and its slope (default: by differences),
@@ -228,23 +232,34 @@ class BeamMatrices:
 
     def slowest_period(self) -> float:
         """Period of the slowest bending vibration that is not rigid, s."""
-        keep = self.free_bending & (self.bending_mass > 0)
-        rest = self.free_bending & ~keep
-        stiff = self.bending_stiffness[np.ix_(keep, keep)]
-        if rest.any():  # slopes without inertia follow
-            mixed = self.bending_stiffness[np.ix_(keep, rest)]
-            inner = self.bending_stiffness[np.ix_(rest, rest)]
-            stiff = stiff - mixed @ np.linalg.solve(inner, mixed.T)
-        root = 1 / np.sqrt(self.bending_mass[keep])
+        follow = _following(self.bending_mass, self.bending_stiffness, self.free_bending)
+        stiff = follow.T @ self.bending_stiffness @ follow
+        root = 1 / np.sqrt(self.bending_mass[self.free_bending & (self.bending_mass > 0)])
         square = np.linalg.eigvalsh(root[:, None] * stiff * root)
         return float(2 * np.pi / np.sqrt(square[square > 1e-9 * square[-1]].min()))
 
 
-def _inverse(matrix: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """The inverse over the free unknowns, zero elsewhere."""
-    result = np.zeros_like(matrix)
+def _flexibility(
+    mass: np.ndarray, rate: float, stiffness: np.ndarray, free: np.ndarray
+) -> np.ndarray:
+    """The inverse of ``diag(mass) + rate stiffness`` over the free unknowns, zero elsewhere."""
+    if not rate:
+        follow = _following(mass, stiffness, free)
+        return follow / mass[free & (mass > 0)] @ follow.T
+    result = np.zeros_like(stiffness)
     here = np.ix_(free, free)
-    result[here] = np.linalg.inv(matrix[here])
+    result[here] = np.linalg.inv(np.diag(mass[free]) + rate * stiffness[here])
+    return result
+
+
+def _following(mass: np.ndarray, stiffness: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """All unknowns, from those that are free and have mass: of least strain, (all, with mass)."""
+    keep, rest = free & (mass > 0), free & (mass == 0)
+    result = np.zeros((len(mass), np.count_nonzero(keep)))
+    result[keep] = np.eye(result.shape[1])
+    if rest.any():
+        mixed = stiffness[np.ix_(rest, keep)]
+        result[rest] = -np.linalg.solve(stiffness[np.ix_(rest, rest)], mixed)
     return result
 
 

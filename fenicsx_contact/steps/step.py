@@ -111,9 +111,14 @@ class Stepper:
             step: to be crossed from the present state.
             touching: ask only points that touch; the others are watched otherwise.
         """
+        percussive = [contact for contact in self.contacts if contact.formulation.percussive]
+        if not percussive or not step.scheme.inertia:
+            return False
+        for solid in self.solids:
+            solid.predict(step)
         asked = []
         resolved = self._tolerance * max((c.speed for c in self.contacts), default=0.0)
-        for contact in self.contacts:
+        for contact in percussive:
             where = contact.touching() if touching else contact.chosen
             points = contact.approaches(step, where, resolved)
             if points.any():
@@ -121,7 +126,6 @@ class Stepper:
         if not asked:
             return False
         for solid in self.solids:
-            solid.predict(step)
             solid.linearise(step)
         return any(contact.struck(step, points) for contact, points in asked)
 

@@ -92,9 +92,9 @@ class Velocity:
     solved as a percussion for all points at once, ``M (v+ - v-) = J' P`` with ``w_n <= -d_n/dt``.
 
     Args:
-        drift_correction: kappa in [0, 1]; a penetrated point must leave, ``w_n <= -kappa d_n/dt``,
-            so that the drift of a velocity law decays. That is work done by the law, not by the
-            contact: the certificate of a step says how much.
+        drift_correction: kappa in [0, 1]; a penetrated point must leave, and so end each step
+            faster by ``kappa d_n/dt``: the drift of a velocity law decays. That is work done by
+            the law, not by the contact. Impacts, in which nothing moves, know no drift.
     """
 
     drift_correction: float = 0.0
@@ -110,10 +110,9 @@ class Velocity:
 
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Contact terms of (7) and the status of each point."""
-        limit = ufl.max_value(-k.gap / k.dt, -k.limit_rate * k.start_jump_n)
-        limit = ufl.max_value(limit, 0.0)
-        limit -= self.drift_correction * ufl.max_value(k.gap, 0.0) / k.dt
-        return weak_form(k, k.jump_n - limit)
+        drift = ufl.max_value(k.gap, 0.0) / k.dt
+        limit = ufl.max_value(drift - k.gap / k.dt, -k.limit_rate * k.start_jump_n)
+        return weak_form(k, k.jump_n - (limit - self.drift_correction * drift))
 
     def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
         """The form decides."""
@@ -121,9 +120,9 @@ class Velocity:
 
     def limit(self, data: StepData) -> np.ndarray:
         """The w_n that the law allows at most."""
-        limit = np.maximum(-data.gap / data.dt, -data.limit_rate * data.start_jump_n)
-        limit = np.maximum(limit, 0.0)
-        return np.asarray(limit - self.drift_correction * np.maximum(data.gap, 0.0) / data.dt)
+        drift = np.maximum(data.gap, 0.0) / data.dt
+        limit = np.maximum(drift - data.gap / data.dt, -data.limit_rate * data.start_jump_n)
+        return limit - self.drift_correction * drift
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ whatever kind, write none of this themselves: they ask the :class:`Step`.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -133,6 +133,11 @@ class Step:
     def loaded(self) -> float:
         """1 where loads and internal forces act, 0 in an impact."""
         return 1.0 if self.dt else 0.0
+
+    @property
+    def coming(self) -> Step:
+        """The step in which time passes: that which follows an impact, or the step itself."""
+        return replace(self, dt=self.ahead, ahead=0.0) if self.ahead else self
 
     # -- position --------------------------------------------------------------------------------
 

@@ -207,8 +207,10 @@ class Contact:
         return approach > limit
 
     def touching(self) -> np.ndarray:
-        """Points that bore in the last step or touch at the start of this one, (n,) of bool."""
-        return self.chosen & ((self.status > 0) | (self.gap >= -self.tolerance))
+        """Points that bore in the last step, or touch at the start of this one and do not leave,
+        (n,) of bool."""
+        stays = _dot(self.jump, self.coupling.normals()) >= -self._resolution
+        return self.chosen & ((self.status > 0) | ((self.gap >= -self.tolerance) & stays))
 
     def linearise(self, step: Step, exact: bool = False) -> None:
         """Take up the trial states of the solids: operators, normals and gaps; if ``exact`` with

@@ -287,13 +287,6 @@ class SurfaceSystem:
         last, self._last = self._last, self.worst
         return np.array_equal(before, self._before) and self.worst <= GAIN * last
 
-    def steady(self) -> bool:
-        """Whether the last iteration changed no status of a hyperstatic contact: its forces may be
-        exact while a point that sticks is taken for one that slips."""
-        if not self._hyperstatic or self._centre.size:
-            return True
-        return np.array_equal(self._before, np.concatenate([p.statuses() for p in self.parts]))
-
     def remember(self) -> np.ndarray:
         """Statuses of all points of all contacts, kept to tell which ones flip."""
         self.history.append(np.concatenate([p.statuses() for p in self.parts]))

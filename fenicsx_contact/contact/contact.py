@@ -385,13 +385,12 @@ class Contact:
 
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically."""
-        tangents = self.equations.fields.frame()[1]
         return {
             "unknowns": self.equations.values,
             "status": self.status,
             "force": self.force,
             "stretch": self._stretch,
-            "tangent": tangents[:1],
+            "tangent": self.equations.fields.tangent,
             "units": self._units,
             "octave": np.array([self._octave, self._mobility]),
         }
@@ -404,9 +403,9 @@ class Contact:
         self._octave, self._mobility = (float(value) for value in state["octave"])
         self.coupling.follow()
         self.coupling.accept()
-        if len(state["tangent"]):
-            self.equations.fields.set_tangent(np.array(state["tangent"][0]))
         self._locate()
+        if len(state["tangent"]):  # last: normals are not those that it was set with
+            self.equations.fields.set_tangent(np.array(state["tangent"]))
 
     def describe(self) -> str:
         """What is there and what was left out."""

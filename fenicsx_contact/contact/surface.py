@@ -199,6 +199,12 @@ class SurfaceFields:
             self._framed = True
             self._tangent.x.array[:] = tangent.ravel()
 
+    @property
+    def tangent(self) -> np.ndarray:
+        """The first tangents as they were set, (n, 3); none where nothing needs them."""
+        kept = np.zeros(0) if self._tangent is None else self._tangent.x.array.copy()
+        return kept.reshape(-1, 3)
+
     def frame(self) -> tuple[np.ndarray, np.ndarray]:
         """Normals (n, d) and tangents (d - 1, n, d); no tangents where nothing needs them."""
         d = self.surface.dim

@@ -207,7 +207,9 @@ class SurfaceFields:
     @property
     def tangent(self) -> np.ndarray:
         """The first tangents as they were set, (n, 3); empty where nothing needs them."""
-        return np.empty((0, 3)) if self._tangent is None else self._tangent.x.array.reshape(-1, 3)
+        if self._tangent is None:
+            return np.empty((0, 3))
+        return self._tangent.x.array.reshape(-1, 3).copy()
 
     def frame(self) -> tuple[np.ndarray, np.ndarray]:
         """Normals (n, d) and tangents (d - 1, n, d); no tangents where nothing needs them."""

@@ -144,8 +144,7 @@ class SurfaceSystem:
             self._columns, self._rows = columns, rows
             nodal = all(part is part.equations for part in self.parts)
             self._many = nodal and not self._hyperstatic and m > MANY
-            if not self._many:
-                self._scaling = rows[:, None] * columns
+            self._scaling = np.empty(0)  # made where all unknowns are solved for together
 
     def _gather(self, arrays: Sequence[np.ndarray]) -> np.ndarray:
         if len(arrays) == 1:
@@ -233,6 +232,8 @@ class SurfaceSystem:
         stiffness = A[:nw].copy()
         A[:nw] = self.W @ stiffness
         A.flat[: nw * self.size : self.size + 1] += 1.0
+        if not self._scaling.size:
+            self._scaling = self._rows[:, None] * self._columns
         A *= self._scaling
         regular = A.copy()
         # high pressures weigh in the rows of friction, and again in the forces of their unknowns

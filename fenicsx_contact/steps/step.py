@@ -151,8 +151,7 @@ class Stepper:
         momentum, loads, supports, tractions = np.sum(
             [solid.works(step) for solid in self.solids], axis=0
         )
-        mean = step.scheme.mean
-        means = {id(solid): mean(solid.velocity, solid.trial_velocity) for solid in self.solids}
+        means = {id(solid): solid.mean_velocity(step) for solid in self.solids}
         for solid in self.solids:
             solid.accept(step)
         impact = friction = driven = 0.0

@@ -351,6 +351,41 @@ class Contact:
             gap = max(0.0, gap - ROUND_OFF * float(np.abs(self.coupling.positions()).max()))
         return float(jump), gap, float(np.abs(self.trial_jump).max())
 
+    def violation(self, step: Step) -> float:
+        """By how much the rows of the candidates fail with the jumps and gaps of the trial state,
+        in shares of the speeds of the step and of the forces that stop them."""
+        e, k, share = self.equations, self.equations.fields, self.formulation.gap_share
+        if not len(e.candidates):
+            return 0.0
+        before, gap = e.values, k.gap.x.array.copy()
+        values = before.copy()
+        values[: e.jumps] = self.trial_jump.ravel()
+        e.values = values
+        if share:
+            way = step.gap_rate * _dot(self.trial_jump, self.normal)
+            k.gap.x.array[:] = (1 - share) * self.gap + share * (self.coupling.gaps() - way)
+        n = len(e.active_jumps)
+        rows = e.active_residual()[n:] * e.scales()[1][n:]
+        e.values, k.gap.x.array[:] = before, gap
+        pushed = self.push(-e.residual()[e.active_jumps], step)
+        return float(np.abs(rows).max(initial=0.0)) * e.speed / max(e.speed, pushed)
+
+    def positive_work(self, step: Step) -> float:
+        """Work of the normal forces on the way of the points in the step where it is positive and
+        the law is to do none, over what they would do at the speed of the step."""
+        if not self.formulation.dissipative:
+            return 0.0
+        e, n = self.equations, self.normal
+        force = np.zeros(e.jumps)
+        force[e.active_jumps] = -e.residual()[e.active_jumps]
+        pushed = _dot(force.reshape(n.shape), n)
+        size = np.abs(pushed).sum() * e.speed * step.span
+        if step.dt:
+            way = step.gap_rate * self.trial_jump + (step.dt - step.gap_rate) * self.jump
+        else:
+            way = 0.5 * (self.trial_jump + self.jump)
+        return max(0.0, float(pushed @ _dot(way, n))) / size if size else 0.0
+
     def _statuses(self, resolution: float) -> np.ndarray:
         """Statuses in the trial state; what moves along the surface by less than ``resolution``,
         m/s, sticks, whatever round-off says where hardly anything presses."""

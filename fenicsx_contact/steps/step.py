@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,8 +16,8 @@ from ..solve.loop import StepSolver
 from ..solve.newton import Newton
 from ..solve.problem import Assembly, Clock
 from ..theory.theta import Step
+from .certificate import certify
 from .hold import hold_gaps
-
 
 #: Velocities are off by so many tolerances of Newton's method, at most: statuses of a hyperstatic
 #: contact share an error out unevenly.
@@ -33,6 +33,7 @@ class Trial:
     newton: int
     geometry: int
     remarks: list[str]
+    certificate: float = 0.0
 
 
 class Stepper:
@@ -103,7 +104,10 @@ class Stepper:
             for solid in self.solids:
                 if reason := solid.unsound(step):
                     raise StepFailed(reason)
-            return trial
+            certificate = certify(self._assembly, step)
+            if certificate.refusal:
+                raise StepFailed(certificate.refusal)
+            return replace(trial, certificate=certificate.worst)
         except StepFailed:
             for contact, values in zip(self.contacts, before):
                 contact.equations.values = values
@@ -166,7 +170,7 @@ class Stepper:
         self.work += (impact, friction, supports + tractions + driven, scheme)
         self.balance += momentum - loads - impact - friction - supports - driven
         self.time += step.dt
-        row = self.row(step.dt, trial.newton, trial.geometry)
+        row = self.row(step.dt, trial.newton, trial.geometry, trial.certificate)
         clock("history")
         return row
 
@@ -192,11 +196,13 @@ class Stepper:
         kinetic, strain, potential = zip(*(s.energies() for s in self.solids))
         return sum(kinetic), sum(strain), sum(potential)
 
-    def row(self, dt: float = 0.0, newton: int = 0, geometry: int = 0) -> list[float]:
+    def row(
+        self, dt: float = 0.0, newton: int = 0, geometry: int = 0, certificate: float = 0.0
+    ) -> list[float]:
         """The row of the history that stands for the present state."""
         kinetic, strain, potential = self.energies
         row = [self.time, dt, kinetic, strain, potential, *self.work, self.balance]
-        row += [newton, geometry]
+        row += [certificate, newton, geometry]
         for contact in self.contacts:
             row += [*contact.force.sum(axis=0), *contact.counts(), contact.depth()]
         return row

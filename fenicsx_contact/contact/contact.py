@@ -370,21 +370,15 @@ class Contact:
         pushed = self.push(-e.residual()[e.active_jumps], step)
         return float(np.abs(rows).max(initial=0.0)) * e.speed / max(e.speed, pushed)
 
-    def positive_work(self, step: Step) -> float:
-        """Work of the normal forces on the way of the points in the step where it is positive and
-        the law is to do none, over what they would do at the speed of the step."""
-        if not self.formulation.dissipative:
-            return 0.0
-        e, n = self.equations, self.normal
-        force = np.zeros(e.jumps)
-        force[e.active_jumps] = -e.residual()[e.active_jumps]
-        pushed = _dot(force.reshape(n.shape), n)
-        size = np.abs(pushed).sum() * e.speed * step.span
-        if step.dt:
-            way = step.gap_rate * self.trial_jump + (step.dt - step.gap_rate) * self.jump
-        else:
-            way = 0.5 * (self.trial_jump + self.jump)
-        return max(0.0, float(pushed @ _dot(way, n))) / size if size else 0.0
+    def trial_work(self, step: Step) -> tuple[float, float]:
+        """Work of the contact forces on the jumps of the step in the trial state, and what they
+        would do at most at the speed of the step, J."""
+        e = self.equations
+        if not len(e.active_jumps):
+            return 0.0, 0.0
+        mean = step.mean(self.jump, self.trial_jump).ravel()[e.active_jumps]
+        force = e.residual()[e.active_jumps]
+        return -step.span * float(force @ mean), step.span * e.speed * float(np.abs(force).sum())
 
     def _statuses(self, resolution: float) -> np.ndarray:
         """Statuses in the trial state; what moves along the surface by less than ``resolution``,

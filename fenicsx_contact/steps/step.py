@@ -16,7 +16,7 @@ from ..solve.loop import StepSolver
 from ..solve.newton import Newton
 from ..solve.problem import Assembly, Clock
 from ..theory.theta import Step
-from .certificate import certify
+from .certificate import Certificate, certify
 from .hold import hold_gaps
 
 #: Velocities are off by so many tolerances of Newton's method, at most: statuses of a hyperstatic
@@ -50,6 +50,7 @@ class Stepper:
         time: s.
         work: of impacts, friction, drives and the scheme since the start, J; ``balance``, what
             they and the energies leave unexplained.
+        most: the largest kinetic and strain energy so far, J.
         times: seconds spent by phase.
     """
 
@@ -73,6 +74,8 @@ class Stepper:
         self.time = 0.0
         self.work, self.balance = np.zeros(4), 0.0
         self.energies = self.sum_energies()
+        self.most = self.energies[0] + abs(self.energies[1])
+        self._overlaps = any(c.depth() > c.tolerance for c in self.contacts)
 
     def attempt(
         self, step: Step, closing: bool = True, rates: Sequence[np.ndarray] | None = None
@@ -104,7 +107,7 @@ class Stepper:
             for solid in self.solids:
                 if reason := solid.unsound(step):
                     raise StepFailed(reason)
-            certificate = certify(self._assembly, step)
+            certificate = self._certify(step)
             if certificate.refusal:
                 raise StepFailed(certificate.refusal)
             return replace(trial, certificate=certificate.worst)
@@ -112,6 +115,11 @@ class Stepper:
             for contact, values in zip(self.contacts, before):
                 contact.equations.values = values
             raise
+
+    def _certify(self, step: Step) -> Certificate:
+        asked = step.scheme.inertia and not self._overlaps
+        energy = self.most + abs(self.work[2]) if asked else 0.0
+        return certify(self._assembly, step, self.work[0] + self.work[1], energy)
 
     def struck(self, step: Step, touching: bool = False) -> bool:
         """Whether a velocity law is violated at the start of a step: a percussion is due.
@@ -165,6 +173,7 @@ class Stepper:
             impact, friction, driven = impact + normal, friction + tangential, driven + moved
         old, self.energies = self.energies, self.sum_energies()
         change = sum(self.energies) - sum(old)
+        self.most = max(self.most, self.energies[0] + abs(self.energies[1]))
         # what the scheme makes: energies change otherwise than forces and momenta work
         scheme = change - momentum + loads - tractions
         self.work += (impact, friction, supports + tractions + driven, scheme)

@@ -28,8 +28,6 @@ class Formulation(Protocol):
         multipliers: whether it has lam (and tau): springs have none.
         percussive: whether it limits velocities, so that it can be struck: impacts are then solved
             as percussions. Laws of positions and springs are not.
-        dissipative: whether its forces never work on the solids, on their way in a step: what a
-            certificate asks. Springs return what they store.
         at_points: whether its forces act at points [N] instead of on areas [Pa].
         points: coordinates (k, d) of the points that it acts on, None for all nodes.
         gap_share: which gap the form reads: 0 that of the start of the step, 1 that of its end as
@@ -42,8 +40,6 @@ class Formulation(Protocol):
     def multipliers(self) -> bool: ...
     @property
     def percussive(self) -> bool: ...
-    @property
-    def dissipative(self) -> bool: ...
     @property
     def at_points(self) -> bool: ...
     @property
@@ -105,7 +101,6 @@ class Velocity:
     name: ClassVar[str] = "velocity"
     multipliers: ClassVar[bool] = True
     percussive: ClassVar[bool] = True
-    dissipative: ClassVar[bool] = True
     at_points: ClassVar[bool] = False
     points: ClassVar[None] = None
     gap_share: ClassVar[float] = 0.0
@@ -144,7 +139,6 @@ class Printed(Velocity):
 
     name: ClassVar[str] = "printed"
     percussive: ClassVar[bool] = False
-    dissipative: ClassVar[bool] = False  # as printed, what has left may be pushed back
 
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Contact terms of (7) and the status of each point."""
@@ -170,7 +164,6 @@ class Gap:
     name: ClassVar[str] = "gap"
     multipliers: ClassVar[bool] = True
     percussive: ClassVar[bool] = False
-    dissipative: ClassVar[bool] = True
     at_points: ClassVar[bool] = False
     points: Any = field(default=None, init=False)
     gap_share: ClassVar[float] = 1.0
@@ -220,7 +213,6 @@ class Discrete:
     name: ClassVar[str] = "discrete"
     multipliers: ClassVar[bool] = False
     percussive: ClassVar[bool] = False
-    dissipative: ClassVar[bool] = False
     at_points: ClassVar[bool] = True
     gap_share: ClassVar[float] = 1.0
 
@@ -285,7 +277,6 @@ _MEMBERS = (
     "name",
     "multipliers",
     "percussive",
-    "dissipative",
     "at_points",
     "points",
     "gap_share",

@@ -80,7 +80,8 @@ class SurfaceEquations:
         self.carried = np.zeros(self.jumps)
         self._turn: tuple[np.ndarray, np.ndarray] | None = None
         self._parameters: ParameterTangents | None = None
-        self.rho = np.ones((2, n))  # normal, tangential
+        self.rho = self._units = np.ones((2, n))  # normal, tangential
+        self._plain = False
         self.revision = 0  # counts the changes of candidates and scales
         self.choose(chosen)
 
@@ -110,7 +111,8 @@ class SurfaceEquations:
                 normal and its tangents, (2, n).
             speed: a typical speed of the step, m/s.
         """
-        rho = self._augmentation[:, None] * units
+        self._units = units
+        rho = (1.0 if self._plain else self._augmentation[:, None]) * units
         changed = not np.array_equal(rho, self.rho)
         if not changed and speed == self._speed:
             return
@@ -150,9 +152,24 @@ class SurfaceEquations:
             k.gap_rate.value, k.dt.value, k.limit_rate.value = rates
             self.refresh()
 
+    def natural(self, scaled: np.ndarray) -> np.ndarray:
+        """What the scaled residuals of the active rows stand for: where a row says what a
+        multiplier is (open points, friction that slips) it is divided by rho."""
+        if self._plain or (self._augmentation == 1).all():
+            return scaled
+        m, d = len(self.candidates), self._surface.dim
+        status, result = self.statuses()[self.candidates], scaled.copy()
+        rows = result[len(result) - m * (self.fields.components - d) :].reshape(-1, m)
+        rows[:1, status == 0] *= self._augmentation[0]
+        rows[1:, status != 1] *= self._augmentation[1]
+        return result
+
     def freeze_bound(self, frozen: bool) -> None:
         """Whether the bound of friction is that of the present pressure, which then is no unknown
-        in it: Tresca's problem."""
+        in it: Tresca's problem; it is solved with the natural augmentation."""
+        self._plain = frozen
+        if self._speed:
+            self.set_scale(self._units, self._speed)
         if self.size > self.tractions:
             k = self.fields
             k.frozen.value = float(frozen)

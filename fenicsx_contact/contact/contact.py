@@ -234,7 +234,8 @@ class Contact:
         start = _dot(self.jump, self.normal)  # as the operators of this step see it
         self._start_jump_n = np.where(np.abs(start) <= self._resolution, 0.0, start)
         k.start_jump_n.x.array[:] = self._start_jump_n
-        self.equations.set_rates(share * step.gap_rate, step.horizon, step.limit_rate)
+        rate = share * step.gap_rate
+        self.equations.set_rates(rate, step.span, step.limit_rate, step.horizon)
         if self._remembers:
             rate = step.scheme.force_weight * (step.dt - step.gap_rate)
             k.elongation.x.array[:] = (self._stretch + rate * self.jump).ravel()
@@ -282,7 +283,7 @@ class Contact:
                 start_jump_n=self._start_jump_n,
                 gap_rate=step.gap_rate,
                 limit_rate=step.limit_rate,
-                dt=step.horizon,
+                horizon=step.horizon,
             )
         )
 
@@ -306,7 +307,7 @@ class Contact:
         """How much faster than its law allows each point starts the step, (n,) in m/s."""
         self.coupling.begin(step)
         approach = _dot(self._struck_jump(), self.coupling.normals())
-        return np.asarray(approach + np.minimum(self.gap, 0.0) / step.dt)
+        return np.asarray(approach + np.minimum(self.gap, 0.0) / step.horizon)
 
     def _struck_jump(self) -> np.ndarray:
         """w at the start of the begun step, if it starts with a percussion, (n, d)."""

@@ -76,7 +76,7 @@ class SurfaceEquations:
         self._by_jump = mine.nonzero()[0][by_jump], tuple(each[by_jump] for each in self._own[1])
         self._blocks = np.zeros((n, k.components, k.components))
         self._z = k.unknowns.x.array
-        self._key, self._speed, self._rates = b"", 0.0, (0.0, 0.0, 0.0)
+        self._key, self._speed, self._rates = b"", 0.0, (0.0, 0.0, 0.0, 0.0)
         self.carried = np.zeros(self.jumps)
         self._turn: tuple[np.ndarray, np.ndarray] | None = None
         self._parameters: ParameterTangents | None = None
@@ -143,13 +143,14 @@ class SurfaceEquations:
             self.fields.set_weight(weight / self._surface.area)
             self._speed = 0.0  # scales are to be set anew
 
-    def set_rates(self, gap_rate: float, dt: float, limit_rate: float) -> None:
-        """Derivative of the gap by w, s, length of the step, s, and (1 - theta)/theta."""
-        rates = (gap_rate, dt, limit_rate)
+    def set_rates(self, gap_rate: float, dt: float, limit_rate: float, horizon: float) -> None:
+        """Derivative of the gap by w, s, length of the step, s, (1 - theta)/theta, and the time
+        over which a law of velocities looks ahead, s."""
+        rates = (gap_rate, dt, limit_rate, horizon)
         if self._rates != rates:
             self._rates = rates
             k = self.fields
-            k.gap_rate.value, k.dt.value, k.limit_rate.value = rates
+            k.gap_rate.value, k.dt.value, k.limit_rate.value, k.horizon.value = rates
             self.refresh()
 
     def natural(self, scaled: np.ndarray) -> np.ndarray:

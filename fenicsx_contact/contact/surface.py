@@ -124,6 +124,7 @@ class SurfaceFields:
         for rho in (self.rho_n, self.rho_t):
             rho.x.array[:] = 1.0
         self.gap_rate, self.dt = surface.constant(1.0), surface.constant(1.0)
+        self.horizon = surface.constant(1.0)
         self.limit_rate = surface.constant()
         if not multipliers:
             self.start_gap, self.elongation = surface.scalar(), surface.vector()

@@ -16,6 +16,10 @@ class NotConverged(RuntimeError):
     """The surface problem was not solved; the message says what stalls or flips."""
 
 
+#: So many tolerances are accepted where iterations lower the error by less than half.
+ROUGH = 1e3
+
+
 class ContactProblem(Protocol):
     """A contact problem on frozen geometry: condensed on the surfaces, or with all solids.
 
@@ -76,8 +80,8 @@ class Newton:
         """
         if not system.size:
             return Solution(system.force(), 0)
-        iterations = self._iterate(system)
-        if system.worst <= self.tolerance:
+        iterations, rough = self._iterate(system)
+        if system.worst <= rough:
             return Solution(system.force(), iterations)
         remark = system.flips()
         steps = method_of_multipliers(system, self.tolerance)
@@ -86,20 +90,26 @@ class Newton:
             raise NotConverged(f"{system.stall()}; {remark}")
         return Solution(system.force(), iterations + steps, [remark])
 
-    def _iterate(self, system: ContactProblem) -> int:
-        """Newton steps until converged, or until the statuses cycle."""
+    def _iterate(self, system: ContactProblem) -> tuple[int, float]:
+        """Newton steps until converged, or until the statuses cycle; how many, and the error to be
+        accepted: where it falls no more that is round-off, by which points of a rigid solid that
+        stick contradict each other."""
         seen: set[bytes] = set()
-        last = b""
+        last, error = b"", np.inf
         for iteration in range(1, self.max_iterations + 1):
-            if not system.iterate() or system.error() <= self.tolerance:
-                return iteration
-            if not np.isfinite(system.worst):
-                return iteration
+            before = error
+            if not system.iterate():
+                return iteration, self.tolerance
+            error = system.error()
+            if error <= self.tolerance or not np.isfinite(error):
+                return iteration, self.tolerance
+            if before <= 2 * error and error <= ROUGH * self.tolerance:
+                return iteration, ROUGH * self.tolerance
             if iteration == 1:  # from a first guess statuses may change
                 continue
             key = system.remember().tobytes()
             if key in seen and key != last and iteration > 4:
-                return iteration
+                return iteration, self.tolerance
             seen.add(key)
             last = key
-        return self.max_iterations
+        return self.max_iterations, self.tolerance

@@ -258,7 +258,7 @@ class FrozenContact:
         self.parts = system._parts
         self.history: list[np.ndarray] = []
         self.worst = np.inf
-        self.size = system._size
+        self.size, self.firm = system._size, True
 
     def iterate(self) -> bool:
         """One Newton step; False where the tangent is singular."""

@@ -284,6 +284,11 @@ class SurfaceSystem:
         result[self.active] = force
         return result
 
+    @property
+    def firm(self) -> bool:
+        """Whether the last iteration was Newton's, not one in which the contact yields."""
+        return self._compliance == self._firm
+
     def _gained(self) -> bool:
         """Whether the last iteration, if there was one, left a small share of the error."""
         last, self._last = self._last, self.worst

@@ -142,6 +142,10 @@ def test_first_touch_is_regular(dim):
     """At lam = 0, S = 1, where the printed row says nothing of Lam, (4') says tau = 0."""
     eq = equations(dim, VELOCITY, Coulomb(MU))
     set_state(eq, "first touch")
+    eq.fields.start_jump_n.x.array[:] = 0.0
+    values = eq.values
+    values[: eq.jumps] = 0.0  # as fast as allowed: g_n = 0
+    eq.values = values
     K, n, d = eq.tangent(), *eq.fields.surface.points.shape
     tau = slice(eq.tractions, None)
     area = np.tile(eq.fields.surface.area, d - 1)
@@ -186,11 +190,11 @@ def test_rows_are_the_printed_ones_times_the_bound(dim):
     n, area = eq.fields.surface.size, eq.fields.surface.area
     rng = np.random.default_rng(3)
     for _ in range(30):
-        lam = -(10 ** rng.uniform(-3, 3, n))
-        b = -MU * lam
+        lam, w_n = -(10 ** rng.uniform(-3, 3, n)), rng.uniform(0, 1, n)
+        b = -MU * (lam - RHO_N * w_n)  # of the augmented pressure, which is lam in a solution
         w_t = rng.normal(size=(dim - 1, n)) * b / RHO_T
         Lam = rng.normal(size=(dim - 1, n))
-        eq.values = values_of(eq, rng.uniform(0, 1, n), w_t, lam, b * Lam)
+        eq.values = values_of(eq, w_n, w_t, lam, b * Lam)
         g_t = Lam + RHO_T / b * w_t
         printed = Lam - g_t / np.maximum(1, np.linalg.norm(g_t, axis=0))
         row = eq.residual()[eq.tractions :].reshape(dim - 1, n)

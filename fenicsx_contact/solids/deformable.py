@@ -17,7 +17,7 @@ from petsc4py import PETSc
 from ..base import checks
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
-from .base import MonolithicSolid
+from .balance import BalancedSolid
 from .boundary import Motion, Supports, Traction, Tractions
 from .factor import Factorisation
 from .mass import Mass
@@ -25,11 +25,8 @@ from .mass_redistribution import relax
 from .trace import DeformableTrace
 from .vector_space import Field, VectorSpace
 
-#: Forces below this share of the terms that they are the difference of are noise.
-ROUND_OFF = 1e-14
 
-
-class DeformableSolid(MonolithicSolid):
+class DeformableSolid(BalancedSolid):
     """A solid with a displacement field; see its two kinds.
 
     Args:
@@ -178,10 +175,6 @@ class DeformableSolid(MonolithicSolid):
             loads += traction
         return loads if self.memory is None else loads + step.carried(self.memory)
 
-    @abstractmethod
-    def _internal_forces(self, step: Step) -> np.ndarray:
-        """The mean of the internal forces in the step, as the scheme takes them."""
-
     def free_velocity(self) -> np.ndarray:
         """Velocity at the end of the step if no contact acted."""
         if self._free_velocity is None:
@@ -234,59 +227,12 @@ class DeformableSolid(MonolithicSolid):
         result[self.fixed_unknowns] = 0.0
         return result
 
-    def _balance(self, step: Step) -> list[np.ndarray]:
-        """The terms of the momentum balance in the trial state, for the owned unknowns; their sum
-        vanishes but at the supports, where it is the reaction."""
-        self._trial_momentum = self._momentum
-        if step.scheme.inertia:
-            self._trial_momentum = self._inertia.times(self.trial_velocity)
-        inertia = step.inertia_force(self._momentum, self._trial_momentum)
-        if not step.loaded:
-            return [-self._force, inertia]
-        return [-self._force, inertia, self._internal_forces(step), -self._loads(step)]
-
-    def imbalance(self, step: Step, noise: float = 0.0) -> float:
-        terms = self._balance(step)
-        # a stress-free body in flight has no forces but round-off, of its momentum and of K u
-        stiffness = self.vectors.diagonal(self.last_stiffness)
-        round_off = ROUND_OFF * (np.abs(self._momentum) / step.span)
-        if step.loaded and step.scheme.inertia:  # without inertia nothing may fly
-            strained = np.abs(stiffness * self.trial_displacement)
-            round_off += ROUND_OFF * strained.max(initial=0.0)
-        left = np.sum(terms, axis=0)
-        reaction = left[self.fixed_unknowns]
-        total = np.maximum(np.abs(left) - round_off, 0.0)
-        total[self.fixed_unknowns] = 0.0
-        # against what acts, not against internal forces, which may be absurd
-        contact, inertia, *others = terms
-        acting = [contact, inertia, *others[1:], reaction]
-        own = [np.abs(term).max(initial=0.0) for term in (total, *acting)]
-        residual, *sizes = np.max(self.comm.allgather(own), axis=0)
-        return float(residual / max(sizes)) if max(sizes) > noise else 0.0
-
     def accept(self, step: Step) -> None:
         self.memory = step.remember(self.velocity, self.trial_velocity, self._acting, self.memory)
         self.velocity = self.trial_velocity.copy()
         self.displacement = self.trial_displacement
         self._momentum = self._trial_momentum
         self._state_changed()
-
-    def works(self, step: Step) -> tuple[float, float, float, float]:
-        mean, held = step.mean(self.velocity, self.trial_velocity), self.fixed_unknowns
-        contact, inertia, *others = self._balance(step)
-        self._acting = -(others[0] + others[1]) if others else np.zeros(self.owned)
-        self._reaction = (contact + (inertia - self._acting))[held]
-        pulled = step.work(mean, step.loaded * self._traction) if self._tractions else 0.0
-        return (
-            self._sum(mean @ (self._trial_momentum - self._momentum)),
-            self._sum(step.work(mean, self._acting)),
-            self._sum(step.work(mean[held], self._reaction)),
-            self._sum(pulled),
-        )
-
-    def reaction(self, name: str) -> np.ndarray:
-        """Force of the support of the named facets on the solid in the last step, (d,) in N."""
-        return self.supports.total(name, self._reaction)
 
     def energies(self) -> tuple[float, float, float]:
         kinetic = 0.5 * self._sum(self.velocity @ self._momentum)

@@ -19,9 +19,10 @@ of that radius, (4) and (5) are one row
 
     (4')  tau = P_b(tau + rho w_t),    P_b(x) = b x / max(b, |x|),    b = mu S max(-lam, 0)
 
-For b P(x / b) = P_b(x): this is b times the printed ``Lam = P(Lam + rho_t w_t)``, its free number
-chosen as ``rho_t = rho / b``. The printed row has no equation for Lam where the pressure vanishes;
-(4') says tau = 0 there. ``Lam = tau / b`` is an output. Another law of friction is another b.
+with g_n (2) read for lam in b, which is lam wherever (2) holds. For b P(x / b) = P_b(x): this is b
+times the printed ``Lam = P(Lam + rho_t w_t)``, its free number chosen as ``rho_t = rho / b``. The
+printed row has no equation for Lam where the pressure vanishes; (4') says tau = 0 there. ``Lam =
+tau / b`` is an output. Another law of friction is another b.
 
 Nothing here knows a mesh. The printed (1) has ``w_n < 0``, which forbids a persistent contact, the
 printed (3) a plus sign, and (5)-(6) lack ``Su``, which (7) has.

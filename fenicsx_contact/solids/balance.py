@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The momentum balance of a deformable solid in a step: its terms, what is left, what they work."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from ..theory.theta import Step
+from .base import MonolithicSolid
+from .boundary import Supports, Tractions
+from .mass import Mass
+from .vector_space import VectorSpace
+
+#: Forces below this share of the terms that they are the difference of are noise.
+ROUND_OFF = 1e-14
+
+
+class BalancedSolid(MonolithicSolid):
+    """The balance of a solid with a displacement field."""
+
+    vectors: VectorSpace
+    comm: MPI.Comm
+    owned: int
+    supports: Supports
+    fixed_unknowns: np.ndarray
+    trial_displacement: np.ndarray
+    _inertia: Mass
+    _tractions: Tractions | None
+    _momentum: np.ndarray
+    _force: np.ndarray
+    _traction: np.ndarray
+    _reaction: np.ndarray
+
+    @property
+    @abstractmethod
+    def last_stiffness(self) -> PETSc.Mat:
+        """The newest stiffness."""
+
+    @abstractmethod
+    def _internal_forces(self, step: Step) -> np.ndarray:
+        """The mean of the internal forces in the step, as the scheme takes them."""
+
+    @abstractmethod
+    def _loads(self, step: Step) -> np.ndarray:
+        """Gravity and tractions where the scheme takes the forces, and what it carries along."""
+
+    def _balance(self, step: Step) -> list[np.ndarray]:
+        """The terms of the momentum balance in the trial state, for the owned unknowns; their sum
+        vanishes but at the supports, where it is the reaction."""
+        self._trial_momentum = self._momentum
+        if step.scheme.inertia:
+            self._trial_momentum = self._inertia.times(self.trial_velocity)
+        inertia = step.inertia_force(self._momentum, self._trial_momentum)
+        if not step.loaded:
+            return [-self._force, inertia]
+        return [-self._force, inertia, self._internal_forces(step), -self._loads(step)]
+
+    def imbalance(self, step: Step, noise: float = 0.0) -> float:
+        terms = self._balance(step)
+        # a stress-free body in flight has no forces but round-off, of its momentum and of K u;
+        # without inertia nothing may fly, but supports may carry it away
+        strained = np.abs(self.vectors.diagonal(self.last_stiffness) * self.trial_displacement)
+        strained = strained if step.scheme.inertia else strained[self.fixed_unknowns]
+        round_off = ROUND_OFF * (np.abs(self._momentum) / step.span)
+        if step.loaded:
+            round_off += ROUND_OFF * strained.max(initial=0.0)
+        left = np.sum(terms, axis=0)
+        reaction = left[self.fixed_unknowns]
+        total = np.maximum(np.abs(left) - round_off, 0.0)
+        total[self.fixed_unknowns] = 0.0
+        # against what acts, not against internal forces, which may be absurd
+        contact, inertia, *others = terms
+        acting = [contact, inertia, *others[1:], reaction]
+        own = [np.abs(term).max(initial=0.0) for term in (total, *acting)]
+        residual, *sizes = np.max(self.comm.allgather(own), axis=0)
+        return float(residual / max(sizes)) if max(sizes) > noise else 0.0
+
+    def works(self, step: Step) -> tuple[float, float, float, float]:
+        mean, held = step.mean(self.velocity, self.trial_velocity), self.fixed_unknowns
+        contact, inertia, *others = self._balance(step)
+        self._acting = -(others[0] + others[1]) if others else np.zeros(self.owned)
+        self._reaction = (contact + (inertia - self._acting))[held]
+        pulled = step.work(mean, step.loaded * self._traction) if self._tractions else 0.0
+        return (
+            self.vectors.sum(mean @ (self._trial_momentum - self._momentum)),
+            self.vectors.sum(step.work(mean, self._acting)),
+            self.vectors.sum(step.work(mean[held], self._reaction)),
+            self.vectors.sum(pulled),
+        )
+
+    def reaction(self, name: str) -> np.ndarray:
+        """Force of the support of the named facets on the solid in the last step, (d,) in N."""
+        return self.supports.total(name, self._reaction)

@@ -259,6 +259,7 @@ class FrozenContact:
         self.history: list[np.ndarray] = []
         self.worst = np.inf
         self.size = system._size
+        self._see()
 
     def iterate(self) -> bool:
         """One Newton step; False where the tangent is singular."""

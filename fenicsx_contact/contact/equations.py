@@ -328,9 +328,11 @@ class SurfaceEquations:
         self.values = z
 
     def release(self) -> None:
-        """Nothing acts where there are no equations."""
+        """Nothing acts where there are no equations, nor pulls where round-off would."""
         z = self.values
         z[self.idle_multipliers] = 0.0
+        lam = slice(self.jumps, self.tractions)
+        z[lam] = np.minimum(z[lam], 0.0)
         self.values = z
 
     @property

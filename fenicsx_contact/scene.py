@@ -258,6 +258,7 @@ class Scene:
             "scene.time": np.array(self.stepper.time),
             "scene.work": self.stepper.work,
             "scene.balance": np.array(self.stepper.balance),
+            "scene.most": np.array(self.stepper.most),
         }
         for prefix, thing in self._things():
             result |= {f"{prefix}{key}": value for key, value in thing.state().items()}
@@ -272,6 +273,7 @@ class Scene:
         stepper.time, stepper.balance = float(state["scene.time"]), float(state["scene.balance"])
         stepper.work = np.array(state["scene.work"])
         stepper.energies = stepper.sum_energies()
+        stepper.most = float(state["scene.most"])
 
     def _things(self) -> list[tuple[str, Any]]:
         things: list[tuple[str, Any]] = []

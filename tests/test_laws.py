@@ -62,7 +62,7 @@ def equations(dim, formulation, friction=None):
         k.mean_share.value, k.force_rate.value = 0.5, 0.05
         k.start_gap.x.array[:] = 0.01
         k.elongation.x.array[::dim] = 0.02
-    eq.set_rates(0.1, 0.2, 0.5)
+    eq.set_rates(0.1, 0.2, 0.5, 0.2)
     return eq
 
 
@@ -276,12 +276,12 @@ def test_limit_is_that_of_the_form(name):
         gap, start = rng.normal(size=n), rng.normal(size=n)
         gap_rate, dt, limit_rate = rng.uniform(0.1, 2, 3)
         k.gap.x.array[:], k.start_jump_n.x.array[:] = gap, start
-        eq.set_rates(gap_rate, dt, limit_rate)
+        eq.set_rates(gap_rate, 2 * dt, limit_rate, dt)
         eq.values = values_of(eq, np.full(n, fast), np.zeros((1, n)), np.full(n, -1.0), np.empty(0))
         row = eq.residual()[eq.jumps :] / eq.weight  # -(w_n - limit)
         data = StepData(gap, start, gap_rate, limit_rate, dt)
         np.testing.assert_allclose(fast + row, law.limit(data), rtol=0, atol=1e-10)
-    assert law.closed(np.array([-1.0, 1.0])).tolist() == [not isinstance(law, Printed), True]
+    assert law.closed(np.array([-1.0, 1.0]), 0.0).tolist() == [not isinstance(law, Printed), True]
 
 
 def spring_work(spring, a, b, mean_share, dt=0.3):
@@ -290,7 +290,7 @@ def spring_work(spring, a, b, mean_share, dt=0.3):
     k = eq.fields
     k.start_gap.x.array[:], k.gap.x.array[:] = a, b  # w = 0: b is where the step ends
     k.mean_share.value = mean_share
-    eq.set_rates(0.1, dt, 0.0)
+    eq.set_rates(0.1, dt, 0.0, dt)
     eq.values = np.zeros(eq.size)
     force = (eq.residual().reshape(-1, 2) * k.frame()[0]).sum(axis=1)
     return force * (b - a)

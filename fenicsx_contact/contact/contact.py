@@ -205,8 +205,10 @@ class Contact:
         return approach > limit
 
     def touching(self) -> np.ndarray:
-        """Points that bore in the last step or touch at the start of this one, (n,) of bool."""
-        return self.chosen & ((self.status > 0) | (self.gap >= -self.tolerance))
+        """Points that bore in the last step, or touch at the start of this one and do not leave,
+        (n,) of bool."""
+        stays = _dot(self.jump, self.coupling.normals()) >= -self._resolution
+        return self.chosen & ((self.status > 0) | ((self.gap >= -self.tolerance) & stays))
 
     def linearise(self, step: Step, exact: bool = False) -> None:
         """Take up the trial states of the solids: operators, normals and gaps; if ``exact`` with
@@ -230,7 +232,8 @@ class Contact:
         start = _dot(self.jump, self.normal)  # as the operators of this step see it
         self._start_jump_n = np.where(np.abs(start) <= self._resolution, 0.0, start)
         k.start_jump_n.x.array[:] = self._start_jump_n
-        self.equations.set_rates(share * step.gap_rate, step.horizon, step.limit_rate)
+        rate = share * step.gap_rate
+        self.equations.set_rates(rate, step.span, step.limit_rate, step.horizon)
         if self._remembers:
             rate = step.scheme.force_weight * (step.dt - step.gap_rate)
             k.elongation.x.array[:] = (self._stretch + rate * self.jump).ravel()
@@ -278,7 +281,7 @@ class Contact:
                 start_jump_n=self._start_jump_n,
                 gap_rate=step.gap_rate,
                 limit_rate=step.limit_rate,
-                dt=step.horizon,
+                horizon=step.horizon,
             )
         )
 
@@ -302,7 +305,7 @@ class Contact:
         """How much faster than its law allows each point starts the step, (n,) in m/s."""
         self.coupling.begin(step)
         approach = _dot(self._struck_jump(), self.coupling.normals())
-        return np.asarray(approach + np.minimum(self.gap, 0.0) / step.dt)
+        return np.asarray(approach + np.minimum(self.gap, 0.0) / step.horizon)
 
     def _struck_jump(self) -> np.ndarray:
         """w at the start of the begun step, if it starts with a percussion, (n, d)."""
@@ -346,6 +349,35 @@ class Contact:
             gap = float(np.abs(self.coupling.gaps() - expected)[points].max())
             gap = max(0.0, gap - ROUND_OFF * float(np.abs(self.coupling.positions()).max()))
         return float(jump), gap, float(np.abs(self.trial_jump).max())
+
+    def violation(self, step: Step) -> float:
+        """By how much the rows of the candidates fail with the jumps and gaps of the trial state,
+        in shares of the speeds of the step and of the forces that stop them."""
+        e, k, share = self.equations, self.equations.fields, self.formulation.gap_share
+        if not len(e.candidates):
+            return 0.0
+        before, gap = e.values, k.gap.x.array.copy()
+        values = before.copy()
+        values[: e.jumps] = self.trial_jump.ravel()
+        e.values = values
+        if share:
+            way = step.gap_rate * _dot(self.trial_jump, self.normal)
+            k.gap.x.array[:] = (1 - share) * self.gap + share * (self.coupling.gaps() - way)
+        n = len(e.active_jumps)
+        rows = e.active_residual()[n:] * e.scales()[1][n:]
+        e.values, k.gap.x.array[:] = before, gap
+        pushed = self.push(-e.residual()[e.active_jumps], step)
+        return float(np.abs(rows).max(initial=0.0)) * e.speed / max(e.speed, pushed)
+
+    def trial_work(self, step: Step) -> tuple[float, float]:
+        """Work of the contact forces on the jumps of the step in the trial state, and what they
+        would do at most at the speed of the step, J."""
+        e = self.equations
+        if not len(e.active_jumps):
+            return 0.0, 0.0
+        mean = step.mean(self.jump, self.trial_jump).ravel()[e.active_jumps]
+        force = e.residual()[e.active_jumps]
+        return -step.span * float(force @ mean), step.span * e.speed * float(np.abs(force).sum())
 
     def _statuses(self, step: Step, resolution: float) -> np.ndarray:
         """Statuses in the trial state; what moves along the surface by less than ``resolution``,

@@ -76,11 +76,12 @@ class SurfaceEquations:
         self._by_jump = mine.nonzero()[0][by_jump], tuple(each[by_jump] for each in self._own[1])
         self._blocks = np.zeros((n, k.components, k.components))
         self._z = k.unknowns.x.array
-        self._key, self._speed, self._rates = b"", 0.0, (0.0, 0.0, 0.0)
+        self._key, self._speed, self._rates = b"", 0.0, (0.0, 0.0, 0.0, 0.0)
         self.carried = np.zeros(self.jumps)
         self._turn: tuple[np.ndarray, np.ndarray] | None = None
         self._parameters: ParameterTangents | None = None
-        self.rho = np.ones((2, n))  # normal, tangential
+        self.rho = self._units = np.ones((2, n))  # normal, tangential
+        self._plain = False
         self.revision = 0  # counts the changes of candidates and scales
         self.choose(chosen)
 
@@ -110,7 +111,8 @@ class SurfaceEquations:
                 normal and its tangents, (2, n).
             speed: a typical speed of the step, m/s.
         """
-        rho = self._augmentation[:, None] * units
+        self._units = units
+        rho = (1.0 if self._plain else self._augmentation[:, None]) * units
         changed = not np.array_equal(rho, self.rho)
         if not changed and speed == self._speed:
             return
@@ -141,18 +143,34 @@ class SurfaceEquations:
             self.fields.set_weight(weight / self._surface.area)
             self._speed = 0.0  # scales are to be set anew
 
-    def set_rates(self, gap_rate: float, dt: float, limit_rate: float) -> None:
-        """Derivative of the gap by w, s, length of the step, s, and (1 - theta)/theta."""
-        rates = (gap_rate, dt, limit_rate)
+    def set_rates(self, gap_rate: float, dt: float, limit_rate: float, horizon: float) -> None:
+        """Derivative of the gap by w, s, length of the step, s, (1 - theta)/theta, and the time
+        over which a law of velocities looks ahead, s."""
+        rates = (gap_rate, dt, limit_rate, horizon)
         if self._rates != rates:
             self._rates = rates
             k = self.fields
-            k.gap_rate.value, k.dt.value, k.limit_rate.value = rates
+            k.gap_rate.value, k.dt.value, k.limit_rate.value, k.horizon.value = rates
             self.refresh()
+
+    def natural(self, scaled: np.ndarray) -> np.ndarray:
+        """What the scaled residuals of the active rows stand for: where a row says what a
+        multiplier is (open points, friction that slips) it is divided by rho."""
+        if self._plain or (self._augmentation == 1).all():
+            return scaled
+        m, d = len(self.candidates), self._surface.dim
+        status, result = self.statuses()[self.candidates], scaled.copy()
+        rows = result[len(result) - m * (self.fields.components - d) :].reshape(-1, m)
+        rows[:1, status == 0] *= self._augmentation[0]
+        rows[1:, status != 1] *= self._augmentation[1]
+        return result
 
     def freeze_bound(self, frozen: bool) -> None:
         """Whether the bound of friction is that of the present pressure, which then is no unknown
-        in it: Tresca's problem."""
+        in it: Tresca's problem; it is solved with the natural augmentation."""
+        self._plain = frozen
+        if self._speed:
+            self.set_scale(self._units, self._speed)
         if self.size > self.tractions:
             k = self.fields
             k.frozen.value = float(frozen)

@@ -124,6 +124,7 @@ class SurfaceFields:
         for rho in (self.rho_n, self.rho_t):
             rho.x.array[:] = 1.0
         self.gap_rate, self.dt = surface.constant(1.0), surface.constant(1.0)
+        self.horizon = surface.constant(1.0)
         self.limit_rate = surface.constant()
         if not multipliers:
             self.start_gap, self.elongation = surface.scalar(), surface.vector()
@@ -207,7 +208,9 @@ class SurfaceFields:
     @property
     def tangent(self) -> np.ndarray:
         """The first tangents as they were set, (n, 3); empty where nothing needs them."""
-        return np.empty((0, 3)) if self._tangent is None else self._tangent.x.array.reshape(-1, 3)
+        if self._tangent is None:
+            return np.empty((0, 3))
+        return self._tangent.x.array.reshape(-1, 3).copy()
 
     def frame(self) -> tuple[np.ndarray, np.ndarray]:
         """Normals (n, d) and tangents (d - 1, n, d); no tangents where nothing needs them."""

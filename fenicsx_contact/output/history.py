@@ -21,6 +21,7 @@ COLUMNS = (
     "drive",
     "scheme",
     "balance",
+    "certificate",
     "newton",
     "geometry",
 )
@@ -45,6 +46,8 @@ class History:
     * ``drive``: work of prescribed motions, tractions and obstacles that move since the start;
     * ``scheme``: energy that the time scheme has made (positive) or damped since the start;
     * ``balance``: what is left of the sum, as a check of the whole; a small residual;
+    * ``certificate``: the largest relative error of the accepted state, see
+      :mod:`fenicsx_contact.steps.certificate`;
     * ``dt``, ``newton``, ``geometry``: length of the step, iterations, linearisations;
     * ``<contact>.force_x`` ...: mean force in the step on the solid, N; in an impact (a row with
       ``dt`` = 0) its percussion, N s;

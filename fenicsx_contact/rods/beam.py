@@ -231,8 +231,13 @@ class BeamSolid(Solid):
     def root_mean_square(self, velocity: np.ndarray) -> float:
         return sqrt(float(velocity @ (self._masses * velocity)) / self.mass)
 
+    def mean_velocity(self, step: Step) -> np.ndarray:
+        # an impact finds what has no mass following: without a force it would have been, too
+        start = self.velocity if step.dt else self.free_velocity
+        return step.mean(start, self.trial_velocity)
+
     def works(self, step: Step) -> tuple[float, float, float, float]:
-        mean = step.mean(self.velocity, self.trial_velocity)
+        mean = self.mean_velocity(step)
         self._trial_momentum = self._masses * self.trial_velocity
         self._trial_internal = self._stiffness @ self.trial_displacement
         internal = step.linear_mean(self._internal, self._trial_internal)

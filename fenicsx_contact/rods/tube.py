@@ -104,6 +104,9 @@ class RodInTube(Solid):
         for solid in self._both:
             solid.drop_forces()
 
+    def mean_velocity(self, step: Step) -> np.ndarray:
+        return np.concatenate([solid.mean_velocity(step) for solid in self._both])
+
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
         return 0.0
 

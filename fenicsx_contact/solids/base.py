@@ -145,6 +145,10 @@ class Solid(ABC):
     def drop_forces(self) -> None:
         """Forget the forces spread so far."""
 
+    def mean_velocity(self, step: Step) -> np.ndarray:
+        """By which the works of the step are counted, in the trial state."""
+        return step.mean(self.velocity, self.trial_velocity)
+
     @abstractmethod
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
         """Residual of the momentum balance in the trial state over the size of its terms; 0 where

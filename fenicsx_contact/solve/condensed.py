@@ -38,8 +38,7 @@ class Condensed:
 
     def restart(self) -> None:
         """A step begins: what is kept between iterations is that of the state."""
-        statuses = [contact.status for contact in self._all.contacts]
-        self._surfaces.restart(np.concatenate([np.empty(0), *statuses]))
+        self._surfaces.restart()
         self._force = 0.0
 
     def free(self) -> np.ndarray:

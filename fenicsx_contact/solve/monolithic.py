@@ -301,10 +301,6 @@ class FrozenContact:
             part.equations.freeze_bound(compliance > 0)
         self._see()
 
-    def steady(self) -> bool:
-        """Statuses of solids that deform are as good as their forces."""
-        return True
-
     def remember(self) -> np.ndarray:
         """Statuses of all points of all contacts, kept to tell which ones flip."""
         self.history.append(np.concatenate([p.statuses() for p in self.parts]))

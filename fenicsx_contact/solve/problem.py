@@ -10,7 +10,7 @@ import numpy as np
 
 from ..base.checks import StepFailed
 from ..contact.contact import Contact
-from ..solids import DeformableSolid, Solid, Trace
+from ..solids import Solid, Trace
 from ..theory.theta import Step
 from .surface_problem import SurfaceSystem
 
@@ -37,7 +37,7 @@ class Assembly:
 
     def surface_system(self) -> SurfaceSystem:
         """The surface problem of the contacts."""
-        hyperstatic = not all(isinstance(solid, DeformableSolid) for solid in self.solids)
+        hyperstatic = any(solid.shiftable for solid in self.solids)
         contacts = self.contacts
         return SurfaceSystem([c.part for c in contacts], [c.name for c in contacts], hyperstatic)
 

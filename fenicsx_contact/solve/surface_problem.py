@@ -28,9 +28,9 @@ from .pointwise import PointwiseSolver, PointwiseStep
 COMPLIANCE = 1e-8
 #: That of solids that deform: only held nodes need it.
 FIRM = 1e-12
-#: The same of a hyperstatic contact while its statuses change, or an iteration leaves more than
-#: this share of the error: points that bear in one iteration may ask of a rigid solid what it
-#: cannot do; stiffer forces than these tell nothing then.
+#: The same of a hyperstatic contact after an iteration that leaves more than this share of the
+#: error: points that bear in one iteration may ask of a rigid solid what it cannot do; stiffer
+#: forces than these tell nothing then.
 YIELDING, GAIN = 1e-3, 0.1
 #: Speeds below this share of those that the contact forces stand for are not resolved: where forces
 #: balance each other, as in a squeezed body, jumps are far smaller, down to round-off.
@@ -100,7 +100,7 @@ class SurfaceSystem:
         self.worst = 0.0
         self._firm = COMPLIANCE if hyperstatic else FIRM
         self._compliance, self._centre = self._firm, np.empty(0)
-        self._before, self._last = np.empty(0), np.inf  # statuses, error
+        self._last = np.inf  # error before the last iteration
 
     def arrange(self) -> np.ndarray:
         """Take up which points are active; their velocities' indices among all."""
@@ -110,10 +110,9 @@ class SurfaceSystem:
             self._arrange()
         return self.active
 
-    def restart(self, statuses: np.ndarray) -> None:
-        """A step begins, from the statuses of all points at the end of the last one."""
+    def restart(self) -> None:
+        """A step begins."""
         self.history: list[np.ndarray] = []
-        self._before = statuses
 
     def begin(self, free: np.ndarray, compliance: np.ndarray) -> None:
         """Take up the free velocities (flat) and W of the active points, after `arrange`."""
@@ -144,8 +143,7 @@ class SurfaceSystem:
             self._columns, self._rows = columns, rows
             nodal = all(part is part.equations for part in self.parts)
             self._many = nodal and not self._hyperstatic and m > MANY
-            if not self._many:
-                self._scaling = rows[:, None] * columns
+            self._scaling = np.empty(0)  # made where all unknowns are solved for together
 
     def _gather(self, arrays: Sequence[np.ndarray]) -> np.ndarray:
         if len(arrays) == 1:
@@ -183,7 +181,7 @@ class SurfaceSystem:
     def iterate(self) -> bool:
         """One Newton step; False where the tangent is singular."""
         if self._hyperstatic and not self._centre.size:
-            self._compliance = COMPLIANCE if self._settled() else YIELDING
+            self._compliance = COMPLIANCE if self._gained() else YIELDING
         points = self._many and not self._centre.size
         return self._iterate_points() if points else self._iterate_all()
 
@@ -233,6 +231,8 @@ class SurfaceSystem:
         stiffness = A[:nw].copy()
         A[:nw] = self.W @ stiffness
         A.flat[: nw * self.size : self.size + 1] += 1.0
+        if not self._scaling.size:
+            self._scaling = self._rows[:, None] * self._columns
         A *= self._scaling
         regular = A.copy()
         # high pressures weigh in the rows of friction, and again in the forces of their unknowns
@@ -263,7 +263,10 @@ class SurfaceSystem:
         scaled[:nw] /= np.maximum(
             1.0, slow * (self._absolute() @ np.abs(self.assembled[:nw])) * self._rows[:nw]
         )
-        self.worst = float(np.abs(scaled).max())
+        self.worst = max(
+            float(np.abs(part.equations.natural(scaled[place])).max(initial=0.0))
+            for part, place in self.placed
+        )
         return self.worst if np.isfinite(self.worst) else np.inf
 
     def _absolute(self) -> np.ndarray:
@@ -281,18 +284,10 @@ class SurfaceSystem:
         result[self.active] = force
         return result
 
-    def _settled(self) -> bool:
-        """Whether the statuses are those of the last iteration, and that one gained."""
-        before, self._before = self._before, np.concatenate([p.statuses() for p in self.parts])
+    def _gained(self) -> bool:
+        """Whether the last iteration, if there was one, left a small share of the error."""
         last, self._last = self._last, self.worst
-        return np.array_equal(before, self._before) and self.worst <= GAIN * last
-
-    def steady(self) -> bool:
-        """Whether the last iteration changed no status of a hyperstatic contact: its forces may be
-        exact while a point that sticks is taken for one that slips."""
-        if not self._hyperstatic or self._centre.size:
-            return True
-        return np.array_equal(self._before, np.concatenate([p.statuses() for p in self.parts]))
+        return self.worst <= GAIN * last
 
     def remember(self) -> np.ndarray:
         """Statuses of all points of all contacts, kept to tell which ones flip."""

@@ -94,11 +94,11 @@ class LocatedImpacts:
         left = dt
         tolerance = min((contact.tolerance for contact in stepper.contacts), default=0.0)
         for _ in range(MAX_IMPACTS):
-            if stepper.struck(Step(left, self._scheme, stepper.time), touching=True):
+            if stepper.struck(Step(left, self._scheme, stepper.time, dt), touching=True):
                 yield self._strike(stepper, dt, remarks)
-            flight = self._fly(stepper, left)
+            flight = self._fly(stepper, left, dt)
             arrives = flight[1] > 0
-            fly = partial(self._fly, stepper)
+            fly = partial(self._fly, stepper, whole=dt)
             trial = _arrive(fly, flight, tolerance) if arrives else flight[0]
             remarks.extend(trial.remarks)
             left -= trial.step.dt
@@ -107,7 +107,7 @@ class LocatedImpacts:
                 yield self._strike(stepper, dt, remarks)
             if left <= 1e-9 * dt:
                 return
-        yield _accept(stepper, Step(left, self._scheme, stepper.time), remarks)
+        yield _accept(stepper, Step(left, self._scheme, stepper.time, dt), remarks)
 
     def _strike(
         self, stepper: Stepper | ErrorControl, dt: float, remarks: list[str]
@@ -115,9 +115,9 @@ class LocatedImpacts:
         self._rates = None
         return _accept(stepper, Step(0.0, self._scheme, stepper.time, dt), remarks)
 
-    def _fly(self, stepper: Stepper | ErrorControl, length: float) -> Flight:
-        """The step as if no open point could close."""
-        step = Step(length, self._scheme, stepper.time)
+    def _fly(self, stepper: Stepper | ErrorControl, length: float, whole: float) -> Flight:
+        """A part of the whole step as if no open point could close."""
+        step = Step(length, self._scheme, stepper.time, whole)
         rates, self._rates = self._rates, None  # not those of a step that fails
         trial = stepper.attempt(step, closing=False, rates=rates)
         self._rates = stepper.mean_accelerations(step)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +16,12 @@ from ..solve.loop import StepSolver
 from ..solve.newton import Newton
 from ..solve.problem import Assembly, Clock
 from ..theory.theta import Step
+from .certificate import Certificate, certify
 from .hold import hold_gaps
+
+#: Velocities are off by so many tolerances of Newton's method, at most: statuses of a hyperstatic
+#: contact share an error out unevenly.
+LOOSE = 10.0
 
 
 @dataclass(frozen=True)
@@ -28,6 +33,7 @@ class Trial:
     newton: int
     geometry: int
     remarks: list[str]
+    certificate: float = 0.0
 
 
 class Stepper:
@@ -44,6 +50,7 @@ class Stepper:
         time: s.
         work: of impacts, friction, drives and the scheme since the start, J; ``balance``, what
             they and the energies leave unexplained.
+        most: the largest kinetic and strain energy so far, J.
         times: seconds spent by phase.
     """
 
@@ -58,7 +65,7 @@ class Stepper:
     ) -> None:
         self.solids, self.contacts = list(solids), list(contacts)
         self._assembly = Assembly(self.solids, self.contacts)
-        self._tolerance = newton.tolerance
+        self._tolerance = LOOSE * newton.tolerance
         for solid in floating:
             solid.floating = True
         self._method = StepSolver(self._assembly, newton, geometry, solver, list(floating))
@@ -67,6 +74,8 @@ class Stepper:
         self.time = 0.0
         self.work, self.balance = np.zeros(4), 0.0
         self.energies = self.sum_energies()
+        self.most = self.energies[0] + abs(self.energies[1])
+        self._overlaps = any(c.depth() > c.tolerance for c in self.contacts)
 
     def attempt(
         self, step: Step, closing: bool = True, rates: Sequence[np.ndarray] | None = None
@@ -98,11 +107,19 @@ class Stepper:
             for solid in self.solids:
                 if reason := solid.unsound(step):
                     raise StepFailed(reason)
-            return trial
+            certificate = self._certify(step)
+            if certificate.refusal:
+                raise StepFailed(certificate.refusal)
+            return replace(trial, certificate=certificate.worst)
         except StepFailed:
             for contact, values in zip(self.contacts, before):
                 contact.equations.values = values
             raise
+
+    def _certify(self, step: Step) -> Certificate:
+        asked = step.scheme.inertia and not self._overlaps
+        energy = self.most + abs(self.work[2]) if asked else 0.0
+        return certify(self._assembly, step, self.work[0] + self.work[1], energy)
 
     def struck(self, step: Step, touching: bool = False) -> bool:
         """Whether a velocity law is violated at the start of a step: a percussion is due.
@@ -145,8 +162,7 @@ class Stepper:
         momentum, loads, supports, tractions = np.sum(
             [solid.works(step) for solid in self.solids], axis=0
         )
-        mean = step.scheme.mean
-        means = {id(solid): mean(solid.velocity, solid.trial_velocity) for solid in self.solids}
+        means = {id(solid): solid.mean_velocity(step) for solid in self.solids}
         for solid in self.solids:
             solid.accept(step)
         impact = friction = driven = 0.0
@@ -156,12 +172,13 @@ class Stepper:
             impact, friction, driven = impact + normal, friction + tangential, driven + moved
         old, self.energies = self.energies, self.sum_energies()
         change = sum(self.energies) - sum(old)
+        self.most = max(self.most, self.energies[0] + abs(self.energies[1]))
         # what the scheme makes: energies change otherwise than forces and momenta work
         scheme = change - momentum + loads - tractions
         self.work += (impact, friction, supports + tractions + driven, scheme)
         self.balance += momentum - loads - impact - friction - supports - driven
         self.time += step.dt
-        row = self.row(step.dt, trial.newton, trial.geometry)
+        row = self.row(step.dt, trial.newton, trial.geometry, trial.certificate)
         clock("history")
         return row
 
@@ -187,11 +204,13 @@ class Stepper:
         kinetic, strain, potential = zip(*(s.energies() for s in self.solids))
         return sum(kinetic), sum(strain), sum(potential)
 
-    def row(self, dt: float = 0.0, newton: int = 0, geometry: int = 0) -> list[float]:
+    def row(
+        self, dt: float = 0.0, newton: int = 0, geometry: int = 0, certificate: float = 0.0
+    ) -> list[float]:
         """The row of the history that stands for the present state."""
         kinetic, strain, potential = self.energies
         row = [self.time, dt, kinetic, strain, potential, *self.work, self.balance]
-        row += [newton, geometry]
+        row += [certificate, newton, geometry]
         for contact in self.contacts:
             row += [*contact.force.sum(axis=0), *contact.counts(), contact.depth()]
         return row

@@ -67,14 +67,14 @@ class StepData:
         start_jump_n: w_n at the start of the step, (n,) in m/s.
         gap_rate: derivative of the end position by the end velocity, s.
         limit_rate: (1 - theta)/theta of the scheme, 0 in a percussion.
-        dt: length of the step, s; of a percussion, that over which it looks ahead.
+        horizon: time over which it looks ahead, s: the step, or that of which it is a part.
     """
 
     gap: np.ndarray
     start_jump_n: np.ndarray
     gap_rate: float
     limit_rate: float
-    dt: float
+    horizon: float
 
 
 @dataclass(frozen=True)
@@ -110,8 +110,8 @@ class Velocity:
 
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Contact terms of (7) and the status of each point."""
-        drift = ufl.max_value(k.gap, 0.0) / k.dt
-        limit = ufl.max_value(drift - k.gap / k.dt, -k.limit_rate * k.start_jump_n)
+        drift = ufl.max_value(k.gap, 0.0) / k.horizon
+        limit = ufl.max_value(drift - k.gap / k.horizon, -k.limit_rate * k.start_jump_n)
         return weak_form(k, k.jump_n - (limit - self.drift_correction * drift))
 
     def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
@@ -120,8 +120,8 @@ class Velocity:
 
     def limit(self, data: StepData) -> np.ndarray:
         """The w_n that the law allows at most."""
-        drift = np.maximum(data.gap, 0.0) / data.dt
-        limit = np.maximum(drift - data.gap / data.dt, -data.limit_rate * data.start_jump_n)
+        drift = np.maximum(data.gap, 0.0) / data.horizon
+        limit = np.maximum(drift - data.gap / data.horizon, -data.limit_rate * data.start_jump_n)
         return limit - self.drift_correction * drift
 
 
@@ -142,7 +142,7 @@ class Printed(Velocity):
 
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Contact terms of (7) and the status of each point."""
-        return weak_form(k, k.jump_n + self.drift_correction * k.gap / k.dt, k.closed)
+        return weak_form(k, k.jump_n + self.drift_correction * k.gap / k.horizon, k.closed)
 
     def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
         """Su: the points whose predicted gap is closed."""
@@ -150,7 +150,7 @@ class Printed(Velocity):
 
     def limit(self, data: StepData) -> np.ndarray:
         """The w_n that the law allows at most."""
-        return -self.drift_correction * data.gap / data.dt
+        return -self.drift_correction * data.gap / data.horizon
 
 
 @dataclass(frozen=True)

@@ -111,7 +111,8 @@ class Step:
 
     An impact is a step of no length. Its forces are percussions: impulses over a ``span`` of 1 s
     instead of over dt, with which nothing moves and no load acts. It looks ``ahead`` over the step
-    that follows it: no point may come out of it faster than it would arrive then.
+    that follows it: no point may come out of it faster than it would arrive then. A part of a step
+    looks ahead over the whole of it: what may arrive in an instant is fast, and other parts follow.
     """
 
     dt: float
@@ -137,7 +138,7 @@ class Step:
     @property
     def coming(self) -> Step:
         """The step in which time passes: that which follows an impact, or the step itself."""
-        return replace(self, dt=self.ahead, ahead=0.0) if self.ahead else self
+        return self if self.dt else replace(self, dt=self.ahead, ahead=0.0)
 
     # -- position --------------------------------------------------------------------------------
 
@@ -149,7 +150,7 @@ class Step:
     @property
     def horizon(self) -> float:
         """The time by whose end no point may pass its obstacle, s."""
-        return self.dt or self.ahead or 1.0
+        return self.ahead or self.dt or 1.0
 
     @property
     def implicitness(self) -> float:

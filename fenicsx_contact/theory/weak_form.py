@@ -23,7 +23,8 @@ class ContactFields(Protocol):
         start_jump_n: w_n at the start of the step, m/s; ``limit_rate``: (1 - theta)/theta.
         closed: Su of a law that is decided before the step, 0 or 1.
         rho_n, rho_t: augmentation, Pa s/m, coefficients.
-        gap_rate: derivative of the end position by the end velocity, s; ``dt``: the step, s.
+        gap_rate: derivative of the end position by the end velocity, s; ``dt``: the step, s;
+            ``horizon``: over which a law of velocities looks ahead, s.
         friction: the law of friction, None if there is none.
         frozen, known_pressure: 1 where the bound is to be that of a known pressure [Pa], else 0.
     """
@@ -42,6 +43,7 @@ class ContactFields(Protocol):
     rho_t: Any
     gap_rate: Any
     dt: Any
+    horizon: Any
     friction: FrictionBound | None
     frozen: Any
     known_pressure: Any

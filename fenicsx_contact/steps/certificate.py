@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A certificate for every accepted step, computed afresh from the state that is to be accepted.
+
+Whatever loop produced a state, it is one only if momentum is balanced, if the rows of every contact
+hold with the jumps and gaps that the solids have there (complementarity, Coulomb's cone and its
+direction, the gap: the rows of the weak form are zero only with all of these), and if contacts have
+not given energy: in sum since the start they only take, springs among them, which return what they
+stored. The largest error stands in the history.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..solve.problem import Assembly
+from ..theory.theta import Step
+
+#: The largest error with which a step is accepted; what the loops end with is far below.
+ACCEPTED = 1e-5
+#: Share of the largest energy of a run that contacts may have given since its start: finite steps
+#: on curved surfaces, and slip that turns round within a step, give a little and take it again.
+GIVEN = 1e-2
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Relative errors of a trial state.
+
+    Attributes:
+        momentum: of the balances, over what acts on the solids.
+        contact: of the rows of the contacts, over the speeds of the step and the forces that stop
+            them.
+        given: energy that the contacts have given since the start, over the largest so far; 0 where
+            they took.
+    """
+
+    momentum: float
+    contact: float
+    given: float
+
+    @property
+    def worst(self) -> float:
+        """The largest error."""
+        return max(self.momentum, self.contact)
+
+    @property
+    def refusal(self) -> str:
+        """Why the state is not to be accepted, or nothing."""
+        for what in ("momentum", "contact"):
+            entry = getattr(self, what)
+            if not entry <= ACCEPTED:  # NaN is not
+                return f"no certificate: relative error of {what} {entry:.2g}, above {ACCEPTED:g}"
+        if not self.given <= GIVEN:
+            return f"no certificate: contacts would have given {self.given:.2g} of the energy"
+        return ""
+
+
+def certify(problem: Assembly, step: Step, worked: float, energy: float) -> Certificate:
+    """The certificate of the trial state.
+
+    Args:
+        problem: solids and contacts, in their trial states.
+        step: that was solved.
+        worked: work of all contacts since the start, before the step, J.
+        energy: the largest energy so far, J; 0: not to be asked, where nothing has inertia, or
+            where bodies started inside each other and the contacts have to push.
+    """
+    works = [contact.trial_work(step) for contact in problem.contacts]
+    worked += sum(work for work, _ in works)
+    size = energy + sum(most for _, most in works)
+    return Certificate(
+        max(problem.imbalances(step, problem.solids), default=0.0),
+        max((contact.violation(step) for contact in problem.contacts), default=0.0),
+        max(worked, 0.0) / size if energy else 0.0,
+    )

@@ -78,9 +78,9 @@ def test_what_is_kept_does_not_outlive_an_interruption(build, dt, steps, tmp_pat
 
 
 def test_a_pattern_serves_for_a_step(monkeypatch):
-    made, make = [], direct.Direct._make
+    made, make = [], direct.Sparse._make
     monkeypatch.setattr(
-        direct.Direct, "_make", lambda self, *args: made.append(1) or make(self, *args)
+        direct.Sparse, "_make", lambda self, *args: made.append(1) or make(self, *args)
     )
     history = pressed_blocks().run(3.0, 0.25)
     assert history.finished and len(made) <= 14 < history["newton"].sum()

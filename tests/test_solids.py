@@ -572,7 +572,7 @@ def test_violent_impact_makes_no_energy(speed, cfl, monkeypatch):
 
 def test_step_that_would_make_energy_is_refused():
     bar = bar_at_wall(cells=20, hyperelastic=True, speed=1.0).scene
-    history = bar.run(0.9, 0.05, shortest=1.0)
+    history = bar.run(0.9, 0.02, shortest=1.0)
     assert "strains too much in a step" in history.reason
     check_energies(history, 1e-7)
 

@@ -50,7 +50,6 @@ class Contact:
         gap, jump: at the start of the step, m and m/s; ``trial_jump`` in the trial state.
         status: of the points in the last step: 0 open, 1 stick, 2 slip.
         force: mean of the last step on the solid, N.
-        speed: by which the unknowns of the last step were scaled, m/s.
 
     Raises:
         InputError: friction < 0 or NaN, unknown formulation or facets, dimensions that differ,
@@ -97,7 +96,6 @@ class Contact:
         self.part = self.coupling.part
         self.force = np.zeros(self.surface.points.shape)
         self.status = np.zeros(self.surface.size)
-        self.speed = 0.0
         self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
         self._octave, self._units = -np.inf, np.ones((2, self.surface.size))
         self._mobility = self._resolution = 0.0
@@ -289,10 +287,10 @@ class Contact:
             )
         )
 
-    def approaches(self, step: Step, where: np.ndarray, resolution: float) -> np.ndarray:
-        """Points that start the step faster than its law allows by more than ``resolution``, m/s,
-        among ``where`` (n,)."""
-        return where & self.chosen & self.coupling.near() & (self._excess(step) > resolution)
+    def approaches(self, step: Step, where: np.ndarray) -> np.ndarray:
+        """Points that start the step faster than its law allows, by more than the last step
+        resolved, among ``where`` (n,)."""
+        return where & self.chosen & self.coupling.near() & (self._excess(step) > self._resolution)
 
     def struck(self, step: Step, points: np.ndarray) -> bool:
         """Whether one of these points is faster than its law allows by more than what the loads of
@@ -383,12 +381,15 @@ class Contact:
         force = e.residual()[e.active_jumps]
         return -step.span * float(force @ mean), step.span * e.speed * float(np.abs(force).sum())
 
-    def _statuses(self, resolution: float) -> np.ndarray:
+    def _statuses(self, step: Step, resolution: float) -> np.ndarray:
         """Statuses in the trial state; what moves along the surface by less than ``resolution``,
-        m/s, sticks, whatever round-off says where hardly anything presses."""
+        m/s, sticks, and a point whose force would move it by less is open, whatever round-off says
+        where hardly anything presses."""
         status = self.equations.statuses()
         along = self.trial_jump - _dot(self.trial_jump, self.normal)[:, None] * self.normal
-        return np.where(np.linalg.norm(along, axis=1) <= resolution, np.minimum(status, 1), status)
+        status = np.where(np.linalg.norm(along, axis=1) <= resolution, status.clip(max=1), status)
+        hardly = self.units(step)[0] * self.equations.weight * resolution
+        return np.where(np.abs(_dot(self.force, self.normal)) <= hardly, 0.0, status)
 
     def accept(self, force: np.ndarray, step: Step, resolution: float) -> None:
         """Keep what the next step starts from.
@@ -400,7 +401,7 @@ class Contact:
         """
         self.equations.release()
         self.force = self._nodal_force() if self._paired else force.reshape(self.normal.shape)
-        self.status, self.speed = self._statuses(resolution), self.equations.speed
+        self.status = self._statuses(step, resolution)
         if self._remembers and self.friction_law is not None:
             self._keep_stretch(step, getattr(self.formulation, "stiffness_t", np.inf))
         self._resolution = resolution
@@ -461,7 +462,6 @@ class Contact:
             "tangent": self.equations.fields.tangent,
             "units": self._units,
             "octave": np.array([self._octave, self._mobility, self._resolution]),
-            "speed": np.array(self.speed),
             **self.coupling.state(),
         }
 
@@ -471,7 +471,6 @@ class Contact:
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
         self._stretch, self._units = np.array(state["stretch"]), np.array(state["units"])
         self._octave, self._mobility, self._resolution = map(float, state["octave"])
-        self.speed = float(state["speed"])
         self.coupling.restore(state)
         self._locate()
         self.equations.fields.set_tangent(np.array(state["tangent"]))

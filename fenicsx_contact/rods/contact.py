@@ -151,10 +151,10 @@ class GuideContact(Contact):
         # the one by which forces act; that of the last step saw other material
         self.jump = self.coupling.jump("velocity")
 
-    def approaches(self, step: Step, where: np.ndarray, resolution: float) -> np.ndarray:
+    def approaches(self, step: Step, where: np.ndarray) -> np.ndarray:
         self.coupling.follow()
         self.jump = self.coupling.jump("velocity")
-        return super().approaches(step, where, resolution)
+        return super().approaches(step, where)
 
     def normal_force(self) -> float:
         """Sum of the sizes of the normal forces in the last step, N."""

@@ -150,10 +150,9 @@ class Stepper:
         for solid in self.solids:
             solid.predict(step)
         asked = []
-        resolved = self._tolerance * max((c.speed for c in self.contacts), default=0.0)
         for contact in percussive:
             where = contact.touching() if touching else contact.chosen
-            points = contact.approaches(step, where, resolved)
+            points = contact.approaches(step, where)
             if points.any():
                 asked.append((contact, points))
         if not asked:

@@ -120,7 +120,7 @@ class BeamSolid(Solid):
 
     @law.setter
     def law(self, law: AxialLaw | None) -> None:
-        self.axial.law = law
+        self.axial.law, self._seen = law, None
         if law is not None and law.prescribed is not None:  # the drive has no inertia
             self.velocity = self.velocity.copy()
             self.split(self.velocity)[1][:] = -law.prescribed
@@ -158,17 +158,24 @@ class BeamSolid(Solid):
     def _begin(self) -> None:
         """Refresh what is kept from step to step."""
         self.trial_displacement, self.trial_velocity = self.displacement, self.velocity
-        self.memory = None
+        self.memory, self._seen, self._linear = None, None, False
         self._internal = self._stiffness @ self.displacement
         self._momentum = self._masses * self.velocity
         self.predictions += 1
 
     def predict(self, step: Step) -> None:
+        if self._seen == step and self.trial_velocity is self.velocity:
+            return  # nothing has happened since
+        self._seen, self._linear = step, False
         self.memory = step.recall(self.memory, lambda: self._load - self._internal)
         self.go(self.velocity, step.coming)  # in an impact what is around it is that of the step
         self.predictions += 1
 
     def linearise(self, step: Step) -> None:
+        self.drop_forces()
+        if self._linear:  # one linearisation serves a step
+            return
+        self._linear = True
         self.flexibility, axial = self.matrices.flexibilities(step.span, step.force_rate)
         load = self._momentum / step.span
         if step.dt:
@@ -186,7 +193,6 @@ class BeamSolid(Solid):
         )
         if self.axial.prescribed is not None:
             self.free_velocity[self._bends :] = -self.axial.prescribed
-        self.drop_forces()
 
     def _loads(self, step: Step) -> np.ndarray:
         """The weight, and what the scheme carries along; laws and flow are not carried."""
@@ -254,6 +260,7 @@ class BeamSolid(Solid):
         self.memory = step.remember(self.velocity, self.trial_velocity, self._acting, self.memory)
         before = self.travel, self.speed
         self.velocity, self.displacement = self.trial_velocity, self.trial_displacement
+        self._seen = None
         self._momentum, self._internal = self._trial_momentum, self._trial_internal
         self.axial.accept(before, (self.travel, self.speed))
 

@@ -151,6 +151,11 @@ class GuideContact(Contact):
         # the one by which forces act; that of the last step saw other material
         self.jump = self.coupling.jump("velocity")
 
+    def start(self, free: np.ndarray) -> None:
+        # a slender rod that is held at one point seldom presses beside it, though it would if it
+        # were free: who does not bear starts open
+        self.equations.start(self.jump.ravel(), self.jump.ravel())
+
     def approaches(self, step: Step, where: np.ndarray, resolution: float) -> np.ndarray:
         self.coupling.follow()
         self.jump = self.coupling.jump("velocity")

@@ -250,7 +250,9 @@ class BeamTrace(Trace):
     def compliance(self, mine: np.ndarray, other: Trace, theirs: np.ndarray) -> np.ndarray:
         assert isinstance(other, BeamTrace)
         d = len(self._axes)
-        (here, a), (there, b) = (np.unique(each // d, return_inverse=True) for each in (mine, theirs))
+        (here, a), (there, b) = (
+            np.unique(each // d, return_inverse=True) for each in (mine, theirs)
+        )
         matrix = self._compliance(here, other, there)
         return matrix[np.ix_(a * d + mine % d, b * d + theirs % d)]
 

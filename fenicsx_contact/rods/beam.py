@@ -158,7 +158,8 @@ class BeamSolid(Solid):
     def _begin(self) -> None:
         """Refresh what is kept from step to step."""
         self.trial_displacement, self.trial_velocity = self.displacement, self.velocity
-        self.memory, self._seen, self._linear = None, None, False
+        self.memory, self._linear = None, False
+        self._seen: Step | None = None  # the step that was predicted last
         self._internal = self._stiffness @ self.displacement
         self._momentum = self._masses * self.velocity
         self.predictions += 1

@@ -120,7 +120,8 @@ class BeamSolid(Solid):
 
     @law.setter
     def law(self, law: AxialLaw | None) -> None:
-        self.axial.law, self._seen = law, None
+        self._seen: Step | None = None
+        self.axial.law = law
         if law is not None and law.prescribed is not None:  # the drive has no inertia
             self.velocity = self.velocity.copy()
             self.split(self.velocity)[1][:] = -law.prescribed
@@ -159,7 +160,7 @@ class BeamSolid(Solid):
         """Refresh what is kept from step to step."""
         self.trial_displacement, self.trial_velocity = self.displacement, self.velocity
         self.memory, self._linear = None, False
-        self._seen: Step | None = None  # the step that was predicted last
+        self._seen = None  # the step that was predicted last
         self._internal = self._stiffness @ self.displacement
         self._momentum = self._masses * self.velocity
         self.predictions += 1

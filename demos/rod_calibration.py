@@ -89,7 +89,7 @@ def main(quick: bool = False) -> dict[str, Any]:
     coarse, dt = (2e-3, 2e-3) if quick else (1e-3, 2e-4)
     value = calibrate(coarse, 2e-5 if quick else 2e-6)
     bent = Assumed(kinked=True, amplitude=value)
-    forces = ForceMap(dt)
+    forces = ForceMap()
     drops = {
         "calibrated: S with a kinked inlet": drop(bent, dt=dt, watch=forces),
         "S, tangent inlet": drop(Assumed(), dt=dt),

@@ -55,7 +55,7 @@ def insertion(a: Assumed, speed: float = 0.5, step: float = 1e-3) -> History:
 
 def figures(h: History) -> dict[str, Any]:
     """What the summary tells of an insertion."""
-    resistance = -(h["wall"] + h["rubbing"])
+    resistance = -(h["wall"] + h["rubbing"]) * (h["dt"] > 0)  # not the percussions
     worst = int(resistance.argmax())
     return {
         "largest_resistance_N": float(resistance[worst]),
@@ -82,8 +82,10 @@ def draw(runs: dict[str, History]) -> None:
 
     fig, ax = plots.figure()
     for i, (name, h) in enumerate(runs.items()):
-        ax.plot(h["travel"][1:], -(h["wall"] + h["rubbing"])[1:], color=f"C{i}", label=name)
-        ax.plot(h["travel"][1:], -h["wall"][1:], ":", color=f"C{i}", lw=0.8)
+        steps = h["dt"] > 0
+        travel, wall, rubbing = (h[column][steps] for column in ("travel", "wall", "rubbing"))
+        ax.plot(travel, -(wall + rubbing), color=f"C{i}", label=name)
+        ax.plot(travel, -wall, ":", color=f"C{i}", lw=0.8)
     ax.set_xlabel("travel [m]")
     ax.set_ylabel("resistance [N] (dotted: of the walls alone)")
     ax.legend(fontsize=8)

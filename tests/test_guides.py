@@ -204,7 +204,7 @@ def pushed(friction, formulation="velocity", dim=2, speed=0.05, steps=160, **pla
 def test_friction_is_mu_times_normal_force_in_sliding(formulation, speed, steps):
     """And the drive supplies what walls and friction resist with, fast or slowly."""
     history, _ = pushed(0.3, formulation, speed=speed, steps=steps)
-    later = slice(20, None)
+    later = np.flatnonzero(history["dt"] > 0)[20:]  # in impacts the forces are percussions
     normal = history["normal"][later]
     assert normal.min() > 50
     np.testing.assert_allclose(history["tangential"][later], 0.3 * normal, rtol=1e-6)

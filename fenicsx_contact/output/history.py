@@ -110,14 +110,19 @@ class History:
         """Seconds spent in the time loop, set-up and output left out."""
         return sum(t for phase, t in self.times.items() if phase not in ("set-up", "output"))
 
+    @property
+    def span(self) -> np.ndarray:
+        """What turns the forces of the rows into impulses, s: their dt, and 1 in impacts, whose
+        forces are percussions."""
+        return np.where(self["dt"] > 0, self["dt"], 1.0)
+
     def impulse(self, contact: str) -> np.ndarray:
         """Impulse of a contact on its solid since the start, (rows, d) in N s."""
         forces = [c for c in self.columns if c.startswith(f"{contact}.force_")]
         if not forces:
             raise KeyError(f"{contact!r}: no such contact")
         rates = np.stack([self[c] for c in forces], axis=1)
-        span = np.where(self["dt"] > 0, self["dt"], 1.0)
-        return np.cumsum(rates * span[:, None], axis=0)
+        return np.cumsum(rates * self.span[:, None], axis=0)
 
     def summary(self) -> dict[str, Any]:
         """A few numbers about the run."""

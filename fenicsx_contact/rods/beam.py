@@ -121,6 +121,7 @@ class BeamSolid(Solid):
 
     @law.setter
     def law(self, law: AxialLaw | None) -> None:
+        self._seen: Step | None = None
         self.axial.law = law
         if law is not None and law.prescribed is not None:  # the drive has no inertia
             self.velocity = self.velocity.copy()
@@ -159,17 +160,25 @@ class BeamSolid(Solid):
     def _begin(self) -> None:
         """Refresh what is kept from step to step."""
         self.trial_displacement, self.trial_velocity = self.displacement, self.velocity
-        self.memory = None
+        self.memory, self._linear = None, False
+        self._seen = None  # the step that was predicted last
         self._internal = self._stiffness @ self.displacement
         self._momentum = self._masses * self.velocity
         self.predictions += 1
 
     def predict(self, step: Step) -> None:
+        if self._seen == step and self.trial_velocity is self.velocity:
+            return  # nothing has happened since
+        self._seen, self._linear = step, False
         self.memory = step.recall(self.memory, lambda: self._load - self._internal)
         self.go(self.velocity, step.coming)  # in an impact what is around it is that of the step
         self.predictions += 1
 
     def linearise(self, step: Step) -> None:
+        self.drop_forces()
+        if self._linear:  # one linearisation serves a step
+            return
+        self._linear = True
         self.flexibility, axial = self.matrices.flexibilities(step.span, step.force_rate)
         load = self._momentum / step.span
         if step.dt:
@@ -187,7 +196,6 @@ class BeamSolid(Solid):
         )
         if self.axial.prescribed is not None:
             self.free_velocity[self._bends :] = -self.axial.prescribed
-        self.drop_forces()
 
     def _loads(self, step: Step) -> np.ndarray:
         """The weight, and what the scheme carries along; laws and flow are not carried."""
@@ -255,6 +263,7 @@ class BeamSolid(Solid):
         self.memory = step.remember(self.velocity, self.trial_velocity, self._acting, self.memory)
         before = self.travel, self.speed
         self.velocity, self.displacement = self.trial_velocity, self.trial_displacement
+        self._seen = None
         self._momentum, self._internal = self._trial_momentum, self._trial_internal
         self.axial.accept(before, (self.travel, self.speed))
 

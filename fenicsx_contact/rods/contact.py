@@ -80,6 +80,9 @@ class GuideContact(Contact):
         formulation, friction, others: as for :class:`~fenicsx_contact.contact.contact.Contact`.
         deepest: penetration that is accepted at the start, as a share of the smallest clearance.
 
+    Attributes:
+        step: the last one, None before the first.
+
     Raises:
         InputError: no beam or guide, axes that are not parallel, a rod that is longer than its
             guide allows, a guide too bent for the rod as it starts, and what Contact refuses.
@@ -105,6 +108,7 @@ class GuideContact(Contact):
         if obstacle.dim == solid.dim:
             _check_place(solid.rod, facets, obstacle)
         self.obstacle = obstacle
+        self.step: Step | None = None
         super().__init__(solid, facets, obstacle, formulation, friction, **others)
         # what touches at the start bears: whether it opens is for the law to say
         self.status = (self.gap >= -self.tolerance).astype(float)
@@ -151,17 +155,27 @@ class GuideContact(Contact):
         # the one by which forces act; that of the last step saw other material
         self.jump = self.coupling.jump("velocity")
 
+    def start(self, free: np.ndarray) -> None:
+        # a slender rod that is held at one point seldom presses beside it, though it would if it
+        # were free: who does not bear starts open
+        self.equations.start(self.jump.ravel(), self.jump.ravel())
+
     def approaches(self, step: Step, where: np.ndarray) -> np.ndarray:
         self.coupling.follow()
         self.jump = self.coupling.jump("velocity")
         return super().approaches(step, where)
 
+    def accept(self, force: np.ndarray, step: Step, resolution: float) -> None:
+        super().accept(force, step, resolution)
+        self.step = step
+
     def normal_force(self) -> float:
-        """Sum of the sizes of the normal forces in the last step, N."""
+        """Sum of the sizes of the normal forces in the last step, N (in an impact N s)."""
         return float(np.abs(np.einsum("ij,ij->i", self.force, self.normal)).sum())
 
     def axial_force(self) -> tuple[float, float]:
-        """Forces along the travel in the last step, of the normals and of friction, N."""
+        """Forces along the travel in the last step, of the normals and of friction, N (in an
+        impact N s)."""
         normal = np.einsum("ij,ij->i", self.force, self.normal)
         down = -self.solid.rod.axis.direction
         pushed = float(normal @ (self.normal @ down))
@@ -192,7 +206,6 @@ class ForceMap:
     Called with the contact after each step, for instance by a probe of the run.
 
     Args:
-        dt: length of the steps, s.
         duration, height: of a cell of the map, s and m.
         every: time between two shapes, s.
 
@@ -203,32 +216,29 @@ class ForceMap:
         InputError: a number that is not positive.
     """
 
-    def __init__(
-        self, dt: float, duration: float = 0.01, height: float = 0.05, every: float = 0.04
-    ) -> None:
-        self.dt = checks.number("dt", dt, above=0)
+    def __init__(self, duration: float = 0.01, height: float = 0.05, every: float = 0.04) -> None:
         self.duration = checks.number("duration", duration, above=0)
         self.height = checks.number("height", height, above=0)
         self.every = checks.number("every", every, above=0)
         self.shapes: list[tuple[float, np.ndarray, np.ndarray]] = []
         self._cells: dict[tuple[int, int], float] = {}
-        self._time = 0.0
 
     def __call__(self, contact: GuideContact) -> None:
         """Note what the contact did in the step that has just been accepted."""
         guide, places = contact.obstacle, contact.trace.positions()
-        depth = guide.depth(places)
-        if len(self.shapes) <= self._time / self.every:
+        depth, step = guide.depth(places), contact.step
+        if step is None:
+            return
+        if len(self.shapes) <= step.start / self.every:
             nodes = np.setdiff1d(np.arange(len(depth)), contact.stations)
             lateral = (places[nodes] - guide.origin) @ guide.lateral[0]
-            self.shapes.append((self._time, depth[nodes], lateral))
+            self.shapes.append((step.end, depth[nodes], lateral))
         force = np.abs(np.einsum("ij,ij->i", contact.force, contact.normal))
-        column = int(self._time / self.duration)
+        column = int(step.start / self.duration)
         for i in np.flatnonzero(force):
             key = column, int(np.floor(depth[i] / self.height))
-            share = force[i] * self.dt / self.duration
+            share = force[i] * step.span / self.duration
             self._cells[key] = self._cells.get(key, 0.0) + share
-        self._time += self.dt
 
     def picture(self) -> tuple[np.ndarray, list[float]]:
         """Forces [N] by (depth, time), and the extent of the picture: start and end [s], bottom

@@ -118,6 +118,7 @@ class BeamTrace(Trace):
         self._place(self._nodes)
         self._acting = self._now  # those of the step, by which forces act
         self._kept: np.ndarray | None = None  # the inverse that the columns belong to
+        self._linear: np.ndarray | None = None  # the linearisation that they belong to
         self._seen = -1
         self.follow()
 
@@ -216,13 +217,13 @@ class BeamTrace(Trace):
     def linearise(self, step: Step) -> None:
         """Columns A^-1 J' of bending, (n, 2m), and of axial motion, (n, axial unknowns)."""
         solid = self._solid
+        if self._acting is self._now and self._linear is solid.free_velocity:
+            return
         self._acting = acting = self._now
+        self._linear = solid.free_velocity
         if self._kept is not solid.flexibility:
             self._kept = solid.flexibility
-            n, d = len(acting.s), len(self._axes)
-            self._columns = np.zeros((n, len(solid.flexibility)))
-            self._lateral = np.empty((n, n))
-            self._matrix = np.zeros((n, d, n, d))
+            self._columns = np.zeros((len(acting.s), len(solid.flexibility)))
             self._renew(self._nodes)
         self._renew(self.stations)
         axial = solid.axial_flexibility
@@ -233,15 +234,9 @@ class BeamTrace(Trace):
         )
 
     def _renew(self, rows: np.ndarray) -> None:
-        """What some points do to all, and all to them. The nodes' first, then the stations': the
-        same sums in the same order, whether the nodes' were kept or not."""
-        if not len(rows):
-            return
+        """What some points do to the beam."""
         dofs, w = self._acting.dofs[rows], self._acting.w[rows]
         self._columns[rows] = np.einsum("nk,nkj->nj", w, self._solid.flexibility[dofs])
-        block = np.einsum("ank,nk->an", self._columns[:, dofs], w)
-        self._lateral[:, rows] = block
-        self._lateral[rows] = block.T
 
     def jump(self, velocity: np.ndarray) -> np.ndarray:
         return (self._local(velocity, self._now) @ self._axes).ravel()
@@ -254,34 +249,40 @@ class BeamTrace(Trace):
 
     def compliance(self, mine: np.ndarray, other: Trace, theirs: np.ndarray) -> np.ndarray:
         assert isinstance(other, BeamTrace)
-        matrix = self.whole_compliance(other)
-        everything = len(mine) == len(matrix) and len(theirs) == matrix.shape[1]
-        return matrix if everything else matrix[np.ix_(mine, theirs)]
+        d = len(self._axes)
+        (here, a), (there, b) = (
+            np.unique(each // d, return_inverse=True) for each in (mine, theirs)
+        )
+        matrix = self._compliance(here, other, there)
+        return matrix[np.ix_(a * d + mine % d, b * d + theirs % d)]
 
     def mobility(self) -> np.ndarray:
-        return self.whole_compliance(self).diagonal()
-
-    def whole_compliance(self, other: BeamTrace) -> np.ndarray:
-        """J A^-1 J' between all components of two traces of the beam."""
-        mine, theirs = self._acting, other._acting
-        n, m, d = len(mine.s), len(theirs.s), len(self._axes)
-        if other is self:
-            lateral, result = self._lateral, self._matrix
-        else:
-            lateral = np.einsum("ank,nk->an", other._columns[:, mine.dofs], mine.w).T
-            result = np.zeros((n, d, m, d))
+        acting = self._acting
+        lateral = (np.take_along_axis(self._columns, acting.dofs, axis=1) * acting.w).sum(axis=1)
         if self._extensible:
-            along = np.einsum("ank,nk->an", self._axial_columns[:, theirs.ends], theirs.u)
+            along = np.take_along_axis(self._axial_columns, acting.ends, axis=1) * acting.u
         else:
-            along = self._axial_columns * theirs.u[:, 0]
+            along = self._axial_columns * acting.u[:, :1]
+        result = np.zeros((len(lateral), len(self._axes)))
         for i, j, across, share in self._shares:
-            if not across:
-                result[:, i, :, j] = share * along
-            elif not share:
-                result[:, i, :, j] = across * lateral
-            else:
-                result[:, i, :, j] = across * lateral + share * along
-        return result.reshape(n * d, m * d)
+            if i == j:
+                result[:, i] = across * lateral + share * along.sum(axis=1)
+        return result.ravel()
+
+    def _compliance(self, here: np.ndarray, other: BeamTrace, there: np.ndarray) -> np.ndarray:
+        """J A^-1 J' between all components of some points of two traces of the beam."""
+        theirs, d = other._acting, len(self._axes)
+        dofs, w, ends, u = (each[there] for each in (theirs.dofs, theirs.w, theirs.ends, theirs.u))
+        lateral = np.einsum("ank,nk->an", self._columns[here[:, None, None], dofs], w)
+        axial = self._axial_columns
+        if self._extensible:
+            along = np.einsum("ank,nk->an", axial[here[:, None, None], ends], u)
+        else:
+            along = axial[here] * u[:, 0]
+        result = np.zeros((len(here), d, len(there), d))
+        for i, j, across, share in self._shares:
+            result[:, i, :, j] = across * lateral + share * along
+        return result.reshape(len(here) * d, len(there) * d)
 
     def spread(self, force: np.ndarray) -> None:
         if not force.any():

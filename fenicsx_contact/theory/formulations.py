@@ -92,9 +92,9 @@ class Velocity:
     solved as a percussion for all points at once, ``M (v+ - v-) = J' P`` with ``w_n <= -d_n/dt``.
 
     Args:
-        drift_correction: kappa in [0, 1]; a penetrated point must leave, and so end each step
-            faster by ``kappa d_n/dt``: the drift of a velocity law decays. That is work done by
-            the law, not by the contact. Impacts, in which nothing moves, know no drift.
+        drift_correction: kappa in [0, 1]; what has penetrated must come back by the share kappa
+            in each step, ``w_n`` is less by ``kappa d_n/(theta dt)``: the drift of a velocity law
+            decays. That is work done by the law, not by the contact. In impacts nothing moves.
     """
 
     drift_correction: float = 0.0
@@ -112,7 +112,8 @@ class Velocity:
         """Contact terms of (7) and the status of each point."""
         drift = ufl.max_value(k.gap, 0.0) / k.horizon
         limit = ufl.max_value(drift - k.gap / k.horizon, -k.limit_rate * k.start_jump_n)
-        return weak_form(k, k.jump_n - (limit - self.drift_correction * drift))
+        leave = self.drift_correction * (1 + k.limit_rate) * drift
+        return weak_form(k, k.jump_n - (limit - leave))
 
     def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
         """The form decides."""
@@ -122,7 +123,7 @@ class Velocity:
         """The w_n that the law allows at most."""
         drift = np.maximum(data.gap, 0.0) / data.horizon
         limit = np.maximum(drift - data.gap / data.horizon, -data.limit_rate * data.start_jump_n)
-        return limit - self.drift_correction * drift
+        return limit - self.drift_correction * (1 + data.limit_rate) * drift
 
 
 @dataclass(frozen=True)

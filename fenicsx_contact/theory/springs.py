@@ -25,18 +25,22 @@ def _positive(x: Expr) -> Expr:
     return ufl.max_value(x, 0.0)
 
 
-def _mean_force(a: Expr, b: Expr, stiffness: float, damper: Expr) -> Expr:
-    """Mean over the way from a to b of a spring's and its dashpot's force."""
+def _penetrated_share(a: Expr, b: Expr) -> Expr:
+    """Share of the way from a to b that is penetrated."""
     top = ufl.max_value(a, b)
     mixed = ufl.And(ufl.gt(top, 0), ufl.lt(ufl.min_value(a, b), 0))
     way = ufl.conditional(mixed, abs(b - a), 1.0)
-    share = ufl.conditional(mixed, top / way, ufl.conditional(ufl.gt(top, 0), 1.0, 0.0))
+    return ufl.conditional(mixed, top / way, ufl.conditional(ufl.gt(top, 0), 1.0, 0.0))
+
+
+def _mean_force(a: Expr, b: Expr, stiffness: float, damper: Expr, share: Expr) -> Expr:
+    """Mean over the way from a to b of a spring's and its dashpot's force."""
     return _positive(share * (0.5 * stiffness * (_positive(a) + _positive(b)) + damper))
 
 
-def _end_force(b: Expr, stiffness: float, damper: Expr) -> Expr:
-    """Force at the end of the way."""
-    return ufl.conditional(ufl.gt(b, 0), _positive(stiffness * b + damper), 0.0)
+def _end_force(b: Expr, stiffness: float, damper: Expr, share: Expr) -> Expr:
+    """Force at the end of the way; a dashpot that acted at once would jump as b touches."""
+    return ufl.conditional(ufl.gt(b, 0), _positive(stiffness * b + share * damper), 0.0)
 
 
 def spring_form(k: Any, spring: Any) -> tuple[ufl.Form, Expr]:
@@ -52,9 +56,9 @@ def spring_form(k: Any, spring: Any) -> tuple[ufl.Form, Expr]:
     """
     a, b = k.start_gap, k.gap + k.gap_rate * k.jump_n
     damper = spring.damping * (b - a) / k.dt
-    m = k.mean_share
-    force = m * _mean_force(a, b, spring.stiffness, damper)
-    force += (1 - m) * _end_force(b, spring.stiffness, damper)
+    m, share = k.mean_share, _penetrated_share(a, b)
+    force = m * _mean_force(a, b, spring.stiffness, damper, share)
+    force += (1 - m) * _end_force(b, spring.stiffness, damper, share)
     form = k.integral(force * k.test_jump_n)
     status = ufl.conditional(ufl.gt(force, 0), 1.0, 0.0)
     if k.friction is not None:

@@ -64,7 +64,7 @@ def draw(study: Study, samples: list[Sample]) -> None:
     from fenicsx_contact.output import plots
 
     fig, ax = plots.figure(size=(6.5, 4.5))
-    plots.fronts(ax, samples)
+    plots.fronts(ax, samples, pareto)
     ax.set_title(f"{study.title}\nerror of {study.quantity}", fontsize=8)
     ax.set_ylabel("relative error")
     plots.save(fig, RESULTS / f"{study.name}.png")

@@ -17,10 +17,9 @@ from .solids import DeformableSolid, Solid
 from .solve.choose import choose
 from .solve.newton import Newton
 from .solve.statics import refuse_free, stands
-from .steps.adaptive import ErrorControl
 from .steps.impacts import LocatedImpacts, UniformImpacts
 from .steps.run import run
-from .steps.step import Stepper
+from .steps.step import Stepper, StepTaker
 from .theory.theta import Scheme, ThetaScheme
 
 
@@ -181,9 +180,7 @@ class Scene:
         """Iterations of the last linear solves, at most 100, if the solver is iterative."""
         return self.stepper.krylov
 
-    def step(
-        self, dt: float, stepper: Stepper | ErrorControl | None = None
-    ) -> Iterator[list[float]]:
+    def step(self, dt: float, stepper: StepTaker | None = None) -> Iterator[list[float]]:
         """Cross ``dt`` seconds; yields the rows of the history as the state reaches them.
 
         Args:

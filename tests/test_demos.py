@@ -26,20 +26,20 @@ def test_rocking_block(tmp_path, monkeypatch, capsys):
     demo = load("rocking_block")
     demo.main(quick=True)
     summary = json.loads((demo.RESULTS / "summary.json").read_text())
-    # bounds of a step that is 8 times the full demo's; errors are of first order in the step
-    bounds = {"velocity": 0.09, "gap": 0.14, "lagrange": 0.14, "discrete": 0.14}
-    for case in ("degree", "radian"):
-        for name, bound in bounds.items():
-            result = summary[case][name]
+    # bounds of a step that is 16 times the full demo's; errors are of first order in the step
+    bounds = {"velocity": 0.18, "gap": 0.28, "lagrange": 0.28, "discrete": 0.28}
+    for case, names in (("degree", bounds), ("radian", ["velocity"])):
+        for name in names:
+            bound, result = bounds[name], summary[case][name]
             assert len(result["ke_max_error"]) == len(result["impact_time_error"]) == 6
             assert np.abs(result["ke_max_error"]).max() < bound
-            assert np.abs(result["impact_time_error"]).max() < 0.02
+            assert np.abs(result["impact_time_error"]).max() < 0.04
             assert result["reason"] == "finished"
             assert result["run_time_s"] > 0 and result["steps"] > 1000
         # a hundred steps with located impacts
         assert np.abs(summary[case]["velocity_located"]["ke_max_error"]).max() < 1e-4
         # 2 dt over the quarter period: the last sample before the impact
-        assert abs(summary[case]["velocity"]["ke_max_error"][0]) < 0.0046
+        assert abs(summary[case]["velocity"]["ke_max_error"][0]) < 0.0092
     kept = summary["elastic"]["energy_ratio"]
     assert kept[0] > kept[1] > kept[2]
     assert kept[2] == pytest.approx(0.5586, abs=0.006)
@@ -71,6 +71,29 @@ def test_bar_impact(tmp_path, monkeypatch, capsys):
         assert case["gap, mass redistributed"]["energy_kept"] == pytest.approx(1, abs=1e-3)
     assert (demo.RESULTS / "reaction_and_energy.png").stat().st_size > 5000
     assert capsys.readouterr().out.strip().splitlines()[-1].startswith("bar at the wall: 0.99")
+
+
+def test_equation_7(tmp_path, monkeypatch, capsys):
+    """(7) and (8) whole: what the laws keep of the energy, and what the printed row lacks."""
+    monkeypatch.chdir(tmp_path)
+    demo = load("equation_7")
+    demo.main(quick=True)
+    summary = json.loads((demo.RESULTS / "summary.json").read_text())
+    kept = {name: summary[name]["energy_kept"] for name in summary if "theta" in name}
+    assert kept["printed, theta = 0.5"] == pytest.approx(0.893, abs=0.002)
+    assert kept["gap, theta = 0.5"] == pytest.approx(0.897, abs=0.002)
+    assert kept["velocity, theta = 0.5"] == pytest.approx(0.910, abs=0.002)
+    for law in demo.LAWS:
+        assert kept[f"{law}, theta = 1"] < kept[f"{law}, theta = 0.5"] < 1
+        assert summary[f"{law}, theta = 0.5"]["newton_per_step"] < 6
+    # the same solution by the printed row and by (4'), where the former is regular
+    row = summary["printed row"]
+    assert row["steps"] > 100
+    assert max(row["velocity_difference"], row["traction_difference"]) < 1e-12
+    assert row["rank_lacking"] == {"printed": 5, "tractions": 0}
+    for picture in ("energy.png", "friction.png"):
+        assert (demo.RESULTS / picture).stat().st_size > 5000
+    assert capsys.readouterr().out.startswith("energy kept at theta = 1/2: printed 0.89")
 
 
 def test_stick_slip(tmp_path, monkeypatch, capsys):

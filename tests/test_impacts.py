@@ -94,9 +94,16 @@ def test_a_flat_landing_of_many_points_is_one_impact():
     assert history["kinetic"][-1] < 1e-20
 
 
-def test_the_projected_solver_knows_its_limits_in_an_impact():
-    contact = Contact(RigidSolid(rectangle(), mass=10.0), "base", FLOOR)
-    np.testing.assert_array_equal(contact.speed_limit(Step(0.0, ThetaScheme())), 0.0)
+def test_an_impact_looks_ahead():
+    """What touches is stopped, what does not may come out as fast as it would arrive."""
+    block = RigidSolid(rectangle(), mass=10.0, rotation=0.1, about=(-0.18, 0))
+    contact, step = Contact(block, "base", FLOOR), Step(0.0, ThetaScheme(), ahead=0.01)
+    block.predict(step)
+    block.linearise(step)
+    contact.predict(step)
+    contact.linearise(step)
+    np.testing.assert_allclose(contact.limit(step), -contact.gap / 0.01, atol=1e-14)
+    assert contact.limit(step).max() == pytest.approx(0.36 * np.sin(0.1) / 0.01)
 
 
 def test_elastic_impact_keeps_the_books():

@@ -26,6 +26,7 @@ from fenicsx_contact.references.swings import swings
 BLOCK = Block(width=0.36, height=0.80, mass=417.6)
 DEGREE, RADIAN = radians(0.01), 0.01
 CORNERS = [(-0.18, 0.0), (0.18, 0.0)]
+long = pytest.mark.long
 
 
 def scene(
@@ -35,6 +36,7 @@ def scene(
     scheme=None,
     mesh=None,
     unit=(1.0, 1.0),
+    located=False,
     **contact,
 ):
     """The paper's block, tilted about its left corner; ``unit``: metres and kilograms in the
@@ -49,7 +51,8 @@ def scene(
         about=(-0.18 * metre, 0),
     )
     floor = HalfSpace((0, 0), (0, 1))
-    return Scene([block], [Contact(block, "base", floor, formulation, friction, **contact)], scheme)
+    touching = Contact(block, "base", floor, formulation, friction, **contact)
+    return Scene([block], [touching], scheme, locate_impacts=located)
 
 
 def run(built, until, dt):
@@ -67,21 +70,43 @@ def errors(history, angle, count=6):
 
 
 @pytest.mark.parametrize(
-    ("angle", "until", "dt"), [(DEGREE, 0.0412, 1.6e-6), (RADIAN, 0.312, 1.3e-5)]
+    ("law", "angle", "until", "dt", "within"),
+    [
+        ("printed", DEGREE, 0.0412, 6.4e-6, 0.04),  # of first order in the step
+        pytest.param("printed", DEGREE, 0.0412, 1.6e-6, 0.01, marks=long),
+        pytest.param("printed", RADIAN, 0.312, 1.3e-5, 0.01, marks=long),
+        pytest.param("velocity", DEGREE, 0.0412, 0.8e-6, 0.01, marks=long),
+        pytest.param("velocity", RADIAN, 0.312, 0.65e-5, 0.01, marks=long),
+    ],
 )
-def test_first_six_maxima_within_one_percent_of_housner(angle, until, dt):
-    history = run(scene(angle), until, dt)
+def test_first_six_maxima_of_housner_by_uniform_steps(law, angle, until, dt, within):
+    history = run(scene(angle, law), until, dt)
     kinetic, time = errors(history, angle)
-    assert np.abs(kinetic).max() < 0.01
-    assert np.abs(time).max() < 0.002
+    assert np.abs(kinetic).max() < within
+    assert np.abs(time).max() < 0.2 * within
     # a few iterations a step, and the books balance
     assert history["newton"].sum() < 1.1 * len(history)
     assert np.abs(history["balance"]).max() < 1e-12 * history["kinetic"].max()
 
 
-def test_energy_ratio_at_each_impact():
+@pytest.mark.parametrize(("angle", "until"), [(DEGREE, 0.0412), (RADIAN, 0.312)])
+@pytest.mark.parametrize("n", [1, 10])
+def test_first_six_maxima_of_housner_by_a_hundred_steps(angle, until, n):
+    """With located impacts, however many points the base has."""
+    history = run(scene(angle, mesh=rectangle(n=(n, 1)), located=True), until, until / 100)
+    kinetic, time = errors(history, angle)
+    assert np.abs(kinetic).max() < 1e-4
+    assert np.abs(time).max() < 1e-4
+    assert np.abs(history["balance"]).max() < 1e-12 * history["kinetic"].max()
+
+
+@pytest.mark.parametrize(
+    ("located", "dt", "within"), [(True, 2e-4, 2e-5), pytest.param(False, 2e-6, 0.005, marks=long)]
+)
+def test_energy_ratio_at_each_impact(located, dt, within):
     """Kinetic energy just after over just before the impact, each extrapolated to the impact."""
-    history = run(scene(), 0.0412, 2e-6)
+    law = VELOCITY if located else "printed"
+    history = run(scene(formulation=law, located=located), 0.0412, dt)
     exact = rocking(BLOCK, DEGREE, impacts=6)
     for before, after in zip(exact.impact_times[:5], exact.impact_times[1:]):
         peak = 0.5 * (before + after)
@@ -89,18 +114,23 @@ def test_energy_ratio_at_each_impact():
         total = history["kinetic"] + history["potential"] - history["potential"].min()
         left = np.interp(before - 0.2 * (peak - before), history.time, total)
         right = np.interp(peak, history.time, total)
-        assert right / left == pytest.approx(BLOCK.energy_ratio, rel=0.005)
+        assert right / left == pytest.approx(BLOCK.energy_ratio, rel=within)
 
 
 @pytest.mark.parametrize("theta", [0.5, 1.0])
-def test_error_falls_at_first_order(theta):
+@pytest.mark.parametrize(
+    "lengths",
+    [(160e-6, 40e-6), pytest.param((32e-6, 8e-6, 2e-6), marks=long)],
+    ids=["two", "three"],
+)
+def test_error_falls_at_first_order(theta, lengths):
     """Mean error of the first impact times and maxima; a few steps close to each length average
     out where in its step an impact falls."""
-    lengths, mean = [32e-6, 8e-6, 2e-6], []
+    mean = []
     for dt in lengths:
         several = [
             errors(run(scene(scheme=ThetaScheme(theta)), 0.0295, dt * f), DEGREE, count=3)
-            for f in (0.93, 1.0, 1.07)
+            for f in np.linspace(0.9, 1.1, 5)
         ]
         mean.append([np.mean(np.abs([e[i] for e in several])) for i in (0, 1)])
     for errors_of in np.transpose(mean):
@@ -108,23 +138,28 @@ def test_error_falls_at_first_order(theta):
 
 
 @pytest.mark.parametrize(
-    ("formulation", "scheme", "bound"),
+    ("formulation", "scheme"),
     [
-        (GAP, ThetaScheme(1.0), 0.02),
-        (Lagrange(CORNERS), ThetaScheme(1.0), 0.02),
-        (Discrete(1e12, damping=6.7e7, points=CORNERS), ThetaScheme(0.5), 0.02),
+        (GAP, ThetaScheme(1.0)),
+        (Lagrange(CORNERS), ThetaScheme(1.0)),
+        (Discrete(1e12, damping=6.7e7, points=CORNERS), ThetaScheme(0.5)),
     ],
     ids=["gap", "lagrange", "discrete"],
 )
-def test_other_formulations_in_the_same_scene(formulation, scheme, bound):
-    kinetic, time = errors(run(scene(formulation=formulation, scheme=scheme), 0.0412, 2e-6), DEGREE)
-    assert np.abs(kinetic).max() < bound
+@pytest.mark.parametrize("dt", [8e-6, pytest.param(2e-6, marks=long)])
+def test_other_formulations_in_the_same_scene(formulation, scheme, dt):
+    """Of first order; two maxima are enough of the coarser step."""
+    count = 6 if dt < 4e-6 else 2
+    until = 0.0412 if count == 6 else 0.0235
+    history = run(scene(formulation=formulation, scheme=scheme), until, dt)
+    kinetic, time = errors(history, DEGREE, count)
+    assert np.abs(kinetic).max() < 0.02
     assert np.abs(time).max() < 0.004
 
 
 def test_point_multipliers_equal_the_gap_law_at_the_corners():
     histories = [
-        run(scene(formulation=f, scheme=ThetaScheme(1.0)), 0.01, 1e-5)
+        run(scene(formulation=f, scheme=ThetaScheme(1.0)), 0.01, 2e-5)
         for f in (GAP, Lagrange(CORNERS), Lagrange())
     ]
     for other in histories[1:]:
@@ -171,11 +206,12 @@ def test_impact_slips_below_the_limit_friction():
         assert (spin < BLOCK.restitution * (1 - 1e-9)) == slips
 
 
-def test_ten_thousand_steps_at_rest():
+@pytest.mark.parametrize("steps", [1000, pytest.param(10_000, marks=long)])
+def test_thousands_of_steps_at_rest(steps):
     built = scene(angle=0.0, mesh=rectangle(n=(4, 1)))
     height = built.solids[0].place[1]
-    history = run(built, 10.0, 1e-3)
-    assert len(history) == 10_001
+    history = run(built, steps * 1e-3, 1e-3)
+    assert len(history) == steps + 1
     assert abs(built.solids[0].place[1] - height) < 1e-9 * 0.8
     assert history["kinetic"].max() < 1e-25
     assert abs(history["impact"][-1]) + abs(history["friction"][-1]) < 1e-12
@@ -185,8 +221,8 @@ def test_ten_thousand_steps_at_rest():
 
 def test_units_do_not_matter():
     """In mm, tonne, s the same motion to 1e-9; energies are in mJ, forces in N."""
-    si = run(scene(), 0.02, 1e-5)
-    mm = run(scene(unit=(1e3, 1e-3)), 0.02, 1e-5)
+    si = run(scene(), 0.02, 4e-5)
+    mm = run(scene(unit=(1e3, 1e-3)), 0.02, 4e-5)
     scale = si["kinetic"].max()
     np.testing.assert_allclose(mm["kinetic"], 1e3 * si["kinetic"], rtol=1e-9, atol=1e-6 * scale)
     np.testing.assert_allclose(mm["tilt"], si["tilt"], rtol=1e-9, atol=1e-9 * DEGREE)
@@ -211,7 +247,7 @@ def renumbered(mesh: NamedMesh) -> NamedMesh:
 
 def test_numbering_of_nodes_does_not_matter():
     mesh = rectangle(n=(5, 2))
-    one, two = (run(scene(mesh=m), 0.01, 1e-5) for m in (mesh, renumbered(mesh)))
+    one, two = (run(scene(mesh=m), 0.01, 2e-5) for m in (mesh, renumbered(mesh)))
     scale = one["kinetic"].max()
     np.testing.assert_allclose(two["kinetic"], one["kinetic"], rtol=1e-9, atol=1e-9 * scale)
     np.testing.assert_allclose(two["tilt"], one["tilt"], atol=1e-9 * DEGREE)
@@ -219,9 +255,9 @@ def test_numbering_of_nodes_does_not_matter():
 
 @pytest.mark.parametrize("which", ["normal_augmentation", "tangential_augmentation"])
 def test_augmentation_acts_on_the_way_not_on_the_result(which):
-    reference = run(scene(), 0.02, 1e-5)
+    reference = run(scene(), 0.01, 4e-5)
     for factor in (1e-6, 1e-3, 1e3, 1e6):
-        other = run(scene(**{which: factor}), 0.02, 1e-5)
+        other = run(scene(**{which: factor}), 0.01, 4e-5)
         scale = reference["kinetic"].max()
         assert np.abs(other["kinetic"] - reference["kinetic"]).max() < 1e-8 * scale
         assert np.abs(other["tilt"] - reference["tilt"]).max() < 1e-8 * DEGREE
@@ -229,17 +265,21 @@ def test_augmentation_acts_on_the_way_not_on_the_result(which):
         assert other["newton"].sum() < 3 * reference["newton"].sum()
 
 
-def test_base_of_many_nodes_gives_the_same_motion():
+@pytest.mark.parametrize(
+    ("lengths", "within"), [((8e-5, 2e-5), 0.04), pytest.param((1e-5, 2.5e-6), 0.01, marks=long)]
+)
+def test_base_of_many_nodes_gives_the_same_motion(lengths, within):
     """Housner's ratio holds however many points the base has; the path differs by O(dt)."""
     distance = []
-    for dt in (1e-5, 2.5e-6):
+    for dt in lengths:
         two, many = (run(scene(mesh=rectangle(n=(n, 1))), 0.0295, dt) for n in (1, 10))
         distance.append(np.abs(errors(two, DEGREE, 3)[0] - errors(many, DEGREE, 3)[0]).max())
     assert distance[1] < 0.5 * distance[0]
-    assert np.abs(errors(many, DEGREE, 3)[0]).max() < 0.01
+    assert np.abs(errors(many, DEGREE, 3)[0]).max() < within
 
 
-def test_elastic_block_approaches_the_rigid_one():
+@pytest.mark.parametrize("dt", [1e-5, pytest.param(2e-6, marks=long)])
+def test_elastic_block_approaches_the_rigid_one(dt):
     """Energy left after the first impact, as a share: towards Housner's as E grows."""
     left = []
     for E in (1e11, 1e13, 1e15):
@@ -253,7 +293,7 @@ def test_elastic_block_approaches_the_rigid_one():
         )
         contact = Contact(solid, "base", HalfSpace((0, 0), (0, 1)), friction=0.9)
         built = Scene([solid], [contact], ThetaScheme(1.0, "end"))
-        history = built.run(0.012, 2e-6)
+        history = built.run(0.012, dt)
         assert history.finished
         total = history["kinetic"] + history["strain"] + history["potential"]
         left.append(total[-1] / total[0])
@@ -264,17 +304,13 @@ def test_elastic_block_approaches_the_rigid_one():
 
 
 def test_restored_scene_goes_on_identically():
-    """Also where a point is held closed for it bore, though finite rotation has lifted it."""
+    """Also where a bearing point is put back on the floor from which finite rotation takes it."""
 
-    def located():
-        built = scene(0.05)
-        return Scene(built.solids, built.contacts, locate_impacts=True)
-
-    whole = run(located(), 0.3, 1e-3).rows()[-100:, 2:]
-    first = located()
+    whole = run(scene(0.05, located=True), 0.3, 1e-3).rows()[-100:, 2:]
+    first = scene(0.05, located=True)
     first.run(0.2, 1e-3)
     contact = first.contacts[0]
-    assert contact.gap[contact.status > 0].min() < -contact.tolerance
-    again = located()
+    assert np.abs(contact.gap[contact.status > 0]).max() < contact.tolerance
+    again = scene(0.05, located=True)
     again.restore(first.state())
     np.testing.assert_array_equal(run(again, 0.3, 1e-3).rows()[-100:, 2:], whole)

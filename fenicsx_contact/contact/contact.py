@@ -227,6 +227,8 @@ class Contact:
         if not self.coupling.fixed_normal:
             self._set_normal(self.coupling.normals())
         gap = self.gap if step.dt else np.minimum(self.gap, 0.0)  # no way to correct a drift
+        # what less than the resolved speed would close is closed
+        gap = np.where((gap < 0) & (gap >= -self._resolution * step.horizon), 0.0, gap)
         if share:
             # the gap at the end of the step as a function of w: end + gap_rate w_n
             approach = _dot(self.coupling.jump("trial_velocity"), self.normal)

@@ -13,12 +13,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..solids import Solid, Trace
-from ..solve.surface_problem import Part
 from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .mortar import Pairing, Side
 from .mortar.matrices import by_component, square
 from .pair_equations import PairedEquations
+from .part import Part
 from .surface import Surface
 
 

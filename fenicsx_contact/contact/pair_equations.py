@@ -27,7 +27,7 @@ from .mortar.rates import Rates
 
 
 class PairedEquations:
-    """A part of a system, see :class:`~fenicsx_contact.solve.surface_problem.Part`.
+    """A part of a system, see :class:`~fenicsx_contact.contact.part.Part`.
 
     Args:
         equations: of the slave surface.

@@ -64,17 +64,21 @@ def error_against_run_time(axes: Any, results: dict[str, Sequence[tuple[float, f
     axes.legend()
 
 
-def fronts(axes: Any, samples: Sequence[Any], colours: dict[str, str] | None = None) -> None:
+def fronts(
+    axes: Any,
+    samples: Sequence[Any],
+    pareto: Callable[[Sequence[Any]], Sequence[Any]],
+    colours: dict[str, str] | None = None,
+) -> None:
     """Error against run time, log-log: all samples of a study as dots, each method's front as a
     line, the front of all of them in grey behind.
 
     Args:
         axes: to draw in.
         samples: of a study, with ``method``, ``run_time_s`` and ``error``.
+        pareto: those of samples that no other beats (:func:`fenicsx_contact.study.pareto`).
         colours: of methods, where :data:`COLOURS` has none.
     """
-    from ..study import pareto
-
     known = {**COLOURS, **(colours or {})}
     others = (f"C{i}" for i in range(10) if f"C{i}" not in known.values())
     best = pareto(samples)

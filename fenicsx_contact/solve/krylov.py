@@ -30,8 +30,7 @@ from .multigrid import Multigrid, rigid_modes
 from .problem import Assembly
 
 #: Share of the residual at which a linear solve ends, and how many iterations it may take.
-TOLERANCE = 1e-6
-MAX_ITERATIONS = 300
+TOLERANCE, MAX_ITERATIONS = 1e-6, 300
 #: Relative error up to which derivatives of the geometry are used.
 NEAR = 0.1
 #: A hierarchy serves on for solids that have changed while it takes no more iterations than this.

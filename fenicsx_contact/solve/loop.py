@@ -17,7 +17,7 @@ from ..solids import DeformableSolid
 from ..theory.theta import Step
 from .condensed import Condensed
 from .krylov import Krylov
-from .monolithic import Monolithic
+from .monolithic import FrozenContact, Monolithic
 from .newton import Newton, NotConverged, Solution
 from .problem import Assembly, Clock, scale_of
 from .sparse import Sparse
@@ -140,8 +140,11 @@ class StepSolver:
         return speed
 
     def _settle(self, step: Step) -> Solution:
+        frozen = self.system.freeze(step)
+        if self._floating and isinstance(frozen, FrozenContact):
+            frozen.fall()
         try:
-            return self._newton.solve(self.system.freeze(step))
+            return self._newton.solve(frozen)
         except NotConverged as failure:
             raise StepFailed(str(failure)) from None
 

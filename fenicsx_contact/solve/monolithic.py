@@ -57,6 +57,7 @@ class Monolithic(ABC):
         self._kept: dict[tuple[int, str], tuple] = {}
         self._linearisations: list[int] = []
         self._floating = np.zeros(self._places.size)
+        self._falling = False
         self._patterns: list[tuple[np.ndarray, np.ndarray]] = []
         self.restart()
 
@@ -74,8 +75,9 @@ class Monolithic(ABC):
         self._errors = errors
         return float(np.max(errors)), self.force
 
-    def assemble(self) -> None:
-        """Rows of the multipliers, and the forces of the contacts, which are spread."""
+    def assemble(self, falling: bool = False) -> None:
+        """Rows of the multipliers, and the forces of the contacts, which are spread; none if the
+        solids fall."""
         everything = self._all.parts[-1].stop if self._all.parts else 0
         self.force = np.zeros(everything)
         self._rows = []
@@ -87,6 +89,9 @@ class Monolithic(ABC):
             strained = self._softness * (self.multipliers() - self._centre)
             cuts = np.cumsum([len(rows) for rows in self._rows])[:-1]
             self._rows = [r - s for r, s in zip(self._rows, np.split(strained, cuts))]
+        if falling:
+            self.force[:] = 0.0
+            self._rows = [np.zeros(len(rows)) for rows in self._rows]
         self._all.spread(self.force)
 
     def multipliers(self) -> np.ndarray:
@@ -146,6 +151,8 @@ class Monolithic(ABC):
         """What the contacts add to the matrix, scaled, (size, size), on every process; if
         ``frozen`` without the derivatives of the geometry."""
         block, last = sp.csr_matrix((self._size, self._size)), self._places.size
+        if self._falling:
+            return block
         for contact, part in enumerate(self._parts):
             n, (columns, rows) = len(part.active_places), part.scales()
             columns[:n] = rows[:n] = 1.0
@@ -175,7 +182,7 @@ class Monolithic(ABC):
     def _compliance(self) -> sp.csr_matrix:
         """The compliance that makes the multipliers unique, where they are not."""
         n, m = self._places.size, self._size - self._places.size
-        diagonal = np.repeat([0.0, -self._softness], [n, m])
+        diagonal = np.repeat([0.0, -1.0 if self._falling else -self._softness], [n, m])
         if self._floating.any():
             stiff = np.abs(self._diagonal()).max()
             diagonal[:n] = WEAK * stiff * self._floating
@@ -258,7 +265,22 @@ class FrozenContact:
         self.parts = system._parts
         self.history: list[np.ndarray] = []
         self.worst = np.inf
-        self.size = system._size
+        self.size, self.firm = system._size, True
+        self._see()
+
+    def fall(self) -> None:
+        """Move the solids as if nothing touched them: which way what is to be held would go says
+        where contacts bear, and whether they hold it along the surface."""
+        system = self._system
+        for part in self.parts:
+            n = len(part.active_places)
+            part.move(np.concatenate([np.zeros(n), -part.active_values()[n:]]))
+        for solid in system._solids:
+            solid.drop_forces()
+        system.assemble(falling=True)
+        system._falling = True
+        self.iterate()
+        system._falling = False
 
     def iterate(self) -> bool:
         """One Newton step; False where the tangent is singular."""

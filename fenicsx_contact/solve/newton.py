@@ -16,8 +16,8 @@ class NotConverged(RuntimeError):
     """The surface problem was not solved; the message says what stalls or flips."""
 
 
-#: So many tolerances are accepted where iterations lower the error by less than half.
-ROUGH = 1e3
+#: So many tolerances are accepted where so many iterations lower the error by less than half.
+ROUGH, STALLS = 1e3, 3
 
 
 class ContactProblem(Protocol):
@@ -26,11 +26,14 @@ class ContactProblem(Protocol):
     Attributes:
         size: number of its unknowns; 0: nothing may touch.
         worst: the largest error of any row, after `error`.
+        firm: whether the last iteration was Newton's, not one in which the contact yields.
     """
 
     size: int
     worst: float
 
+    @property
+    def firm(self) -> bool: ...
     def iterate(self) -> bool: ...
     def error(self) -> float: ...
     def soften(self, compliance: float) -> None: ...
@@ -95,15 +98,16 @@ class Newton:
         accepted: where it falls no more that is round-off, by which points of a rigid solid that
         stick contradict each other."""
         seen: set[bytes] = set()
-        last, error = b"", np.inf
+        last, error, stalls = b"", np.inf, 0
         for iteration in range(1, self.max_iterations + 1):
             before = error
             if not system.iterate():
                 return iteration, self.tolerance
             error = system.error()
-            if error <= self.tolerance or not np.isfinite(error):
+            if not np.isfinite(error) or (error <= self.tolerance and system.firm):
                 return iteration, self.tolerance
-            if before <= 2 * error and error <= ROUGH * self.tolerance:
+            stalls = stalls + 1 if before <= 2 * error else 0
+            if stalls >= STALLS and error <= ROUGH * self.tolerance:
                 return iteration, ROUGH * self.tolerance
             if iteration == 1:  # from a first guess statuses may change
                 continue

@@ -14,13 +14,12 @@ pressure).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
 from scipy.linalg import lapack
 
-from ..contact.equations import SurfaceEquations
+from ..contact.part import Part
 from .pointwise import PointwiseSolver, PointwiseStep
 
 #: Compliance added to the tangent, never to the residual. Points of a rigid solid are hyperstatic
@@ -35,35 +34,6 @@ YIELDING, GAIN = 1e-3, 0.1
 #: Speeds below this share of those that the contact forces stand for are not resolved: where forces
 #: balance each other, as in a squeezed body, jumps are far smaller, down to round-off.
 SLOW = 1e-4
-
-
-class Part(Protocol):
-    """The equations of one contact, in velocities of points of its solids and in multipliers.
-
-    Those that are active in a step stand in the order (velocities, multipliers).
-    """
-
-    revision: int
-
-    @property
-    def places(self) -> int: ...
-    @property
-    def active_places(self) -> np.ndarray: ...
-    @property
-    def multipliers(self) -> int: ...
-    def scales(self) -> tuple[np.ndarray, np.ndarray]: ...
-    def active_values(self) -> np.ndarray: ...
-    def active_residual(self) -> np.ndarray: ...
-    def active_tangent(self) -> np.ndarray: ...
-    def sparse_tangent(self, frozen: bool = False) -> sp.csr_matrix: ...
-    def move(self, step: np.ndarray) -> None: ...
-    def statuses(self) -> np.ndarray: ...
-    def kind(self, row: int) -> str: ...
-    def jump_operator(self) -> np.ndarray | None: ...
-    def set_places(self, velocities: np.ndarray) -> None: ...
-
-    @property
-    def equations(self) -> SurfaceEquations: ...
 
 
 #: Above so many unknowns those of the points are condensed first.
@@ -283,6 +253,11 @@ class SurfaceSystem:
         result = np.zeros(self._total)
         result[self.active] = force
         return result
+
+    @property
+    def firm(self) -> bool:
+        """Whether the last iteration was Newton's, not one in which the contact yields."""
+        return self._compliance == self._firm
 
     def _gained(self) -> bool:
         """Whether the last iteration, if there was one, left a small share of the error."""

@@ -22,8 +22,7 @@ import numpy as np
 
 from ..contact.arrivals import arrival
 from ..theory.theta import Scheme, Step
-from .adaptive import ErrorControl
-from .step import Stepper, Trial
+from .step import StepTaker, Trial
 
 #: A body comes to rest by infinitely many impacts; after so many in one step the rest of the step
 #: is crossed by the plain scheme.
@@ -45,9 +44,7 @@ class UniformImpacts:
     def __init__(self, scheme: Scheme) -> None:
         self._scheme = scheme
 
-    def cross(
-        self, stepper: Stepper | ErrorControl, dt: float, remarks: list[str]
-    ) -> Iterator[list[float]]:
+    def cross(self, stepper: StepTaker, dt: float, remarks: list[str]) -> Iterator[list[float]]:
         """Cross ``dt`` seconds; yields a row of the history after each impact and at the end.
 
         Raises:
@@ -66,7 +63,7 @@ class UniformImpacts:
         """Take up a state that :meth:`state` gave."""
 
 
-def _accept(stepper: Stepper | ErrorControl, step: Step, remarks: list[str]) -> list[float]:
+def _accept(stepper: StepTaker, step: Step, remarks: list[str]) -> list[float]:
     trial = stepper.attempt(step)
     remarks.extend(trial.remarks)
     return stepper.accept(trial)
@@ -83,9 +80,7 @@ class LocatedImpacts:
         self._scheme = scheme
         self._rates: list[np.ndarray] | None = None  # accelerations in the last flight, m/s²
 
-    def cross(
-        self, stepper: Stepper | ErrorControl, dt: float, remarks: list[str]
-    ) -> Iterator[list[float]]:
+    def cross(self, stepper: StepTaker, dt: float, remarks: list[str]) -> Iterator[list[float]]:
         """Cross ``dt`` seconds; yields a row of the history after each part and impact.
 
         Raises:
@@ -109,13 +104,11 @@ class LocatedImpacts:
                 return
         yield _accept(stepper, Step(left, self._scheme, stepper.time, dt), remarks)
 
-    def _strike(
-        self, stepper: Stepper | ErrorControl, dt: float, remarks: list[str]
-    ) -> list[float]:
+    def _strike(self, stepper: StepTaker, dt: float, remarks: list[str]) -> list[float]:
         self._rates = None
         return _accept(stepper, Step(0.0, self._scheme, stepper.time, dt), remarks)
 
-    def _fly(self, stepper: Stepper | ErrorControl, length: float, whole: float) -> Flight:
+    def _fly(self, stepper: StepTaker, length: float, whole: float) -> Flight:
         """A part of the whole step as if no open point could close."""
         step = Step(length, self._scheme, stepper.time, whole)
         rates, self._rates = self._rates, None  # not those of a step that fails

@@ -7,15 +7,12 @@ then end on a multiple of themselves: lengths come back, and with them the facto
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from ..base.checks import StepFailed
-from .step import Stepper
-
-if TYPE_CHECKING:
-    from .adaptive import ErrorControl
+from .step import StepTaker
 
 
 class Pace:
@@ -27,9 +24,9 @@ class Pace:
         shortest: shortest part, as a share of dt.
     """
 
-    stepper: Stepper | ErrorControl
+    stepper: Any  # a StepTaker
 
-    def __init__(self, stepper: Stepper | ErrorControl, dt: float, shortest: float) -> None:
+    def __init__(self, stepper: StepTaker, dt: float, shortest: float) -> None:
         self.stepper = stepper
         self.dt, self.shortest = dt, shortest
         self._part = 1.0

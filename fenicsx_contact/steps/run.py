@@ -7,26 +7,48 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from ..base import checks
 from ..base.checks import StepFailed
+from ..contact.contact import Contact
 from ..output.history import History
 from ..output.storage import RunDirectory
+from ..solids import Solid
+from ..theory.scheme import Scheme
 from .adaptive import AdaptivePace, ErrorControl, StepTooLong
 from .pace import Pace
+from .step import Stepper, StepTaker
 
-if TYPE_CHECKING:
-    from ..scene import Scene
+
+class Runnable(Protocol):
+    """What a run asks of a :class:`~fenicsx_contact.scene.Scene`."""
+
+    solids: list[Solid]
+    contacts: list[Contact]
+    scheme: Scheme
+    comm: Any
+    columns: tuple[str, ...]
+    stepper: Stepper
+    remarks: list[str]
+    locate_impacts: bool
+
+    @property
+    def time(self) -> float: ...
+    def step(self, dt: float, stepper: StepTaker | None = None) -> Iterator[list[float]]: ...
+    def state(self) -> dict[str, np.ndarray]: ...
+    def restore(self, state: dict[str, np.ndarray]) -> None: ...
+    def describe(self) -> str: ...
+
 
 #: Seconds between two checkpoints; the bar shows only what is on disk.
 CHECKPOINT_EVERY = 2.0
 
 
 def run(
-    scene: Scene,
+    scene: Runnable,
     until: float,
     dt: float,
     *,
@@ -113,7 +135,7 @@ def run(
     return history
 
 
-def _check_probes(scene: Scene, probes: Mapping[str, Callable[[], float]]) -> None:
+def _check_probes(scene: Runnable, probes: Mapping[str, Callable[[], float]]) -> None:
     if not isinstance(probes, Mapping):
         raise checks.InputError(f"probes = {probes!r}: must be a dict of functions")
     for name, probe in probes.items():
@@ -132,7 +154,7 @@ def _measure(probes: Mapping[str, Callable[[], float]]) -> Iterator[float]:
             raise checks.InputError(f"probes[{name!r}]() = {value!r}: must be a number") from None
 
 
-def _fingerprint(scene: Scene, dt: float, step_error: float | None) -> str:
+def _fingerprint(scene: Runnable, dt: float, step_error: float | None) -> str:
     """What must be the same for a run to be resumed: parameters, place, energies at the start."""
     lines = [scene.describe(), f"dt = {dt!r}, from {scene.time!r}, {scene.scheme}"]
     lines.append(f"impacts located: {scene.locate_impacts}, step_error: {step_error!r}")
@@ -146,7 +168,7 @@ def _fingerprint(scene: Scene, dt: float, step_error: float | None) -> str:
 
 
 def _cross(
-    scene: Scene,
+    scene: Runnable,
     history: History,
     pace: Pace,
     probes: Mapping[str, Callable[[], float]],
@@ -174,7 +196,7 @@ def _cross(
 
 
 def _save(
-    scene: Scene, files: RunDirectory | None, history: History, steps: int, pace: Pace
+    scene: Runnable, files: RunDirectory | None, history: History, steps: int, pace: Pace
 ) -> None:
     if files:
         state = {**scene.state(), **pace.state(), "run.steps": np.array(steps)}
@@ -182,7 +204,7 @@ def _save(
 
 
 def _field_writer(
-    scene: Scene, directory: str | Path | None, every: int, resumed: float | None
+    scene: Runnable, directory: str | Path | None, every: int, resumed: float | None
 ) -> Any:
     if not every or directory is None:
         return None

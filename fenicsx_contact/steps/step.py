@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -34,6 +35,21 @@ class Trial:
     geometry: int
     remarks: list[str]
     certificate: float = 0.0
+
+
+class StepTaker(Protocol):
+    """What takes steps: a :class:`Stepper`, or something that judges what one takes."""
+
+    @property
+    def contacts(self) -> Sequence[Contact]: ...
+    @property
+    def time(self) -> float: ...
+    def struck(self, step: Step, touching: bool = False) -> bool: ...
+    def attempt(
+        self, step: Step, closing: bool = True, rates: Sequence[np.ndarray] | None = None
+    ) -> Trial: ...
+    def accept(self, trial: Trial) -> list[float]: ...
+    def mean_accelerations(self, step: Step) -> list[np.ndarray]: ...
 
 
 class Stepper:

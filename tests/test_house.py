@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The house: each room knows only those below it, in the order that the README tells; every number
+by which the package decides says what it bounds."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+from fenicsx_contact.output.thresholds import thresholds
+
+ROOT = Path(__file__).parent.parent
+PACKAGE = ROOT / "fenicsx_contact"
+#: From the ground up; rooms in one row know nothing of each other.
+FLOORS = [
+    ["base"],
+    ["theory"],
+    ["solids"],
+    ["contact"],
+    ["solve", "output"],
+    ["steps"],
+    ["scene"],
+    ["rods"],
+    ["references"],
+    ["study"],
+]
+LEVEL = {room: level for level, rooms in enumerate(FLOORS) for room in rooms}
+
+
+def modules():
+    for path in sorted(PACKAGE.rglob("*.py")):
+        parts = path.relative_to(PACKAGE).with_suffix("").parts
+        yield path, parts[:-1] if parts[-1] == "__init__" else parts
+
+
+def imports(path, parts):
+    """Modules of the package that a file imports, for type checks too, as tuples of names."""
+    names = {parts for _, parts in modules()}
+    package = parts if path.name == "__init__.py" else parts[:-1]
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            base = package[: len(package) - node.level + 1]
+            base += tuple(node.module.split(".")) if node.module else ()
+            for alias in node.names:
+                yield (*base, alias.name) if (*base, alias.name) in names else base
+
+
+def test_each_room_knows_only_those_below_it():
+    for path, parts in modules():
+        if not parts:
+            continue  # the package's face
+        for other in imports(path, parts):
+            if other and other[0] != parts[0]:
+                assert LEVEL[other[0]] < LEVEL[parts[0]], f"{path} imports {'.'.join(other)}"
+
+
+def test_there_are_no_circles():
+    graph = {parts: set(imports(path, parts)) - {parts} for path, parts in modules() if parts}
+    while graph:
+        free = [each for each, needs in graph.items() if not needs & graph.keys()]
+        assert free, f"circles among {sorted('.'.join(each) for each in graph)}"
+        for each in free:
+            del graph[each]
+
+
+def test_rooms_of_the_top_level():
+    rooms = {p.stem for p in PACKAGE.iterdir() if p.suffix in ("", ".py")} - {
+        "__init__",
+        "__pycache__",
+    }
+    assert rooms == set(LEVEL)
+    assert len(rooms) <= 18 and len(FLOORS) <= 11
+
+
+def test_the_readme_tells_the_order():
+    readme = (ROOT / "README.md").read_text()
+    section = readme[readme.index("## Architecture") :]
+    told = [m[1] for m in re.finditer(r"^(\w+)(?:/|\.py) ", section, re.M) if m[1] in LEVEL]
+    assert set(told) == set(LEVEL)
+    levels = [LEVEL[room] for room in told]
+    assert levels == sorted(levels, reverse=True)
+
+
+@pytest.mark.parametrize("threshold", thresholds(), ids=lambda t: f"{t.file}:{t.name}")
+def test_a_number_says_what_it_bounds(threshold):
+    assert len(threshold.meaning) > 10, threshold

@@ -10,12 +10,12 @@ from .contact import Contact
 
 
 def arrival(contact: Contact) -> tuple[float, float, float]:
-    """The deepest point in the trial state among those on which nothing acts in the step.
+    """The deepest point in the trial state among those that may not bear in the step.
 
     Returns:
         Its gap there [m], the rate of it [m/s], and its gap at the start.
     """
-    free = contact.chosen & (contact.equations.fields.closed.x.array == 0)
+    free = contact.chosen & ~contact.allowed
     if not free.any():
         return -np.inf, 0.0, 0.0
     gap = np.where(free, contact.coupling.gaps(), -np.inf)
@@ -28,6 +28,13 @@ def depth(contact: Contact) -> float:
     """Gap [m] in the trial state of the deepest point that was open at the start of the step."""
     opened = contact.chosen & ~contact.touching()
     return float(contact.coupling.gaps()[opened].max(initial=-np.inf))
+
+
+def short(contact: Contact) -> float:
+    """How far from the obstacle the farthest point is that bears in the trial state, an impact, and
+    was open at the start, m."""
+    fresh = contact.chosen & ~contact.touching() & (contact.equations.statuses() > 0)
+    return float(-contact.gap[fresh].min(initial=0.0))
 
 
 def struck(contact: Contact, speed: float) -> bool:

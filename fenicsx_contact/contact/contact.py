@@ -27,7 +27,8 @@ from .wall import Obstacle
 #: What a solid's facets may meet: an obstacle, or the named facets of another solid.
 Master = Obstacle | tuple[Solid, str]
 
-#: Distances below this share of the coordinates are noise.
+#: Distances below this share of the coordinates, and jumps below this share of the speeds of what
+#: jumps, are noise.
 ROUND_OFF = 1e-14
 
 
@@ -48,6 +49,7 @@ class Contact:
 
     Attributes:
         gap, jump: at the start of the step, m and m/s; ``trial_jump`` in the trial state.
+        allowed: points that may bear in the step, if they are asked to.
         status: of the points in the last step: 0 open, 1 stick, 2 slip.
         force: mean of the last step on the solid, N.
 
@@ -163,16 +165,16 @@ class Contact:
         if self.coupling.driven:
             self.jump = self.coupling.jump("velocity")
         self.coupling.follow()
-        self._allowed = self.formulation.closed(self.coupling.gaps(), self.tolerance)
+        self.allowed = self.formulation.closed(self.coupling.gaps(), self.tolerance)
         if not closing:
-            self._allowed = self._allowed & self.touching()
+            self.allowed = self.allowed & self.touching()
         if not step.dt and not self.formulation.percussive:
-            self._allowed = np.zeros(self.surface.size, dtype=bool)
+            self.allowed = np.zeros(self.surface.size, dtype=bool)
         self._asked = np.ones(self.surface.size, dtype=bool)
         self._choose()
 
     def _choose(self) -> None:
-        self.equations.choose(self._allowed & self._asked & self.coupling.near())
+        self.equations.choose(self.allowed & self._asked & self.coupling.near())
 
     def screen(self, free: np.ndarray, step: Step) -> None:
         """Narrow the candidates to points that bore, or would do what the law forbids without
@@ -188,7 +190,7 @@ class Contact:
         """Let points be candidates that do in the trial state what the law forbids; whether there
         were any."""
         more = self._violates(self.trial_jump, step) & ~self._asked
-        if not (more & self._allowed & self.coupling.near()).any():
+        if not (more & self.allowed & self.coupling.near()).any():
             return False
         self._asked |= more
         self._choose()
@@ -400,6 +402,8 @@ class Contact:
             resolution: speeds below it are none, m/s.
         """
         self.equations.release()
+        speeds = self.coupling.velocities("trial_velocity")  # where a wall moves, not small
+        resolution = max(resolution, ROUND_OFF * float(np.abs(speeds).max(initial=0.0)))
         self.force = self._nodal_force() if self._paired else force.reshape(self.normal.shape)
         self.status = self._statuses(step, resolution)
         if self._remembers and self.friction_law is not None:

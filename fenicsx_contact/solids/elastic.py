@@ -76,6 +76,7 @@ class ElasticSolid(DeformableSolid):
             self._made += 1
             factor = Factorisation(self.hold(matrix), self.name)
             self._factors[key] = (self._made, factor)
+        self._factors[key] = self._factors.pop(key)  # the last to be dropped
         self.linearisation, self.factorisation = self._factors[key]
         self.free_load = step.inertia_rate * self._momentum
         if step.loaded:

@@ -104,6 +104,7 @@ class RigidSolid(MonolithicSolid):
         self._acting = step.loaded * (step.load_weight * self._load + carried)
         self.trial_velocity = self.velocity
         self._move(step)
+        self._trial_momentum = self._momentum_of(self.trial_velocity, self.trial_turn)
 
     def linearise(self, step: Step) -> None:
         if self.dim == 3 or step.span != self._inverse_for:

@@ -27,7 +27,7 @@ import numpy as np
 
 from ..base import checks
 from ..base.checks import StepFailed
-from ..contact.arrivals import depth, struck
+from ..contact.arrivals import depth, short, struck
 from ..contact.contact import Contact
 from ..solids import Solid
 from ..solve.problem import Clock
@@ -128,7 +128,11 @@ class ErrorControl:
             StepFailed: with the reason.
         """
         self._jumped = False
-        if step.dt <= self._judged:  # an impact, or on the way of a step that was judged
+        if not step.dt:
+            trial = self._stepper.attempt(step, closing, rates)
+            self._judge_impact(step)
+            return trial
+        if step.dt <= self._judged:  # on the way of a step that was judged
             return self._stepper.attempt(step, closing, rates)
         reference = self._last
         if reference is None:
@@ -153,6 +157,15 @@ class ErrorControl:
             trial.remarks.append(f"shortest step: {reason}")
         self._coarse, self._judged = bool(reason), step.dt
         return trial
+
+    def _judge_impact(self, step: Step) -> None:
+        """Refuse an impact that is rounded to a start too early: the step after it is too long."""
+        speed = self._size(self._of("velocity"))
+        allowed = self.error * (self._way + speed * step.ahead)
+        far = max((short(contact) for contact in self.contacts), default=0.0)
+        if far > allowed and step.ahead > self.least:
+            reason = f"a point is struck {far:.2g} m before it arrives, above {allowed:.2g} m"
+            raise StepTooLong(reason, step.ahead / 2)
 
     def _refuse(self, error: float, way: float) -> str:
         """Why the trial state has too large an error, or nothing; ``way``: of the step, m."""

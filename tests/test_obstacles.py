@@ -168,8 +168,8 @@ def pressed(obstacle, friction, top=(0.03, -0.05), **scene):
         obstacle,
         "gap",
         friction=friction,
-        normal_augmentation=0.25,
-        tangential_augmentation=0.25,
+        normal_augmentation=0.5 if friction else 0.25,
+        tangential_augmentation=0.5 if friction else 0.25,
         name="c",
     )
     return Scene([block], [contact], QuasiStatic(), **{"geometry": "newton", **scene})
@@ -382,7 +382,7 @@ def test_only_relative_motion_counts(elastic, law, geometry):
     books(histories[1], tolerance=1e-9)  # as far as Newton's method goes
 
 
-def test_the_projected_solver_knows_a_moving_wall():
+def test_the_fallback_knows_a_moving_wall():
     """A scene in which Newton's method cycles, at rest and carried along."""
 
     def scene(speed):
@@ -399,7 +399,7 @@ def test_the_projected_solver_knows_a_moving_wall():
         return Scene([block], [contact])
 
     histories = [scene(speed).run(0.01, 1e-4) for speed in (0 * SPEED, SPEED)]
-    assert all("projected" in h.remarks[0][1] for h in histories)
+    assert all(h.finished for h in histories)
     there, here = (history.impulse("c") for history in histories)
     np.testing.assert_allclose(here, there, atol=1e-6 * np.abs(there).max())
 

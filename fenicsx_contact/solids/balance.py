@@ -28,6 +28,7 @@ class BalancedSolid(MonolithicSolid):
     supports: Supports
     fixed_unknowns: np.ndarray
     trial_displacement: np.ndarray
+    floating: bool
     _inertia: Mass
     _tractions: Tractions | None
     _momentum: np.ndarray
@@ -61,10 +62,10 @@ class BalancedSolid(MonolithicSolid):
 
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
         terms = self._balance(step)
-        # a stress-free body in flight has no forces but round-off, of its momentum and of K u;
-        # without inertia nothing may fly, but supports may carry it away
+        # a stress-free body in flight has no forces but round-off, of its momentum and of K u; one
+        # that only contact holds may not fly
         strained = np.abs(self.vectors.diagonal(self.last_stiffness) * self.trial_displacement)
-        strained = strained if step.scheme.inertia else strained[self.fixed_unknowns]
+        strained = strained[self.fixed_unknowns] if self.floating else strained
         round_off = ROUND_OFF * (np.abs(self._momentum) / step.span)
         if step.loaded:
             round_off += ROUND_OFF * strained.max(initial=0.0)

@@ -22,7 +22,7 @@ from .energies import elastic_constants
 from .factor import Factorisation
 
 #: Factorisations that are kept, of steps of so many lengths: the lengths of adaptive steps.
-KEPT = 9
+KEPT = 12
 
 
 class ElasticSolid(DeformableSolid):

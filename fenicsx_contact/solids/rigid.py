@@ -178,8 +178,12 @@ class RigidSolid(MonolithicSolid):
         rate, load = step.inertia_force(self._momentum, self._trial_momentum), self._acting
         residual = rate - load - self._force
         size = np.abs(self._momentum / step.span) + np.abs(load) + np.abs(self._force)
-        d = self.dim
-        return max(_relative(residual[:d], size[:d]), _relative(residual[d:], size[d:]))
+        d, radius = self.dim, sqrt(np.trace(self.inertia) / self.mass)
+        return max(
+            _relative(residual[:d], size[:d]),
+            # moments against those of the forces at arm's length, too
+            _relative(residual[d:], np.append(size[d:], radius * size[:d])),
+        )
 
     @property
     def mobility(self) -> np.ndarray:

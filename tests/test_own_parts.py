@@ -291,6 +291,9 @@ class PointMass:
         self.velocity = self.trial_velocity = np.array(velocity, dtype=float)
         self.place = self.trial_place = np.zeros(mesh.dim)
 
+    def mean_velocity(self, step):
+        return step.mean(self.velocity, self.trial_velocity)
+
     def trace(self, points):
         return PointMassTrace(self, points)
 

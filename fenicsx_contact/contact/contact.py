@@ -31,6 +31,10 @@ Master = Obstacle | tuple[Solid, str]
 #: jumps, are noise.
 ROUND_OFF = 1e-14
 
+#: Weight of gaps and jumps between two solids beside the multipliers in what decides who bears and
+#: who slips: those of a point that bears and sticks are not quite zero before the last iteration.
+MEETING = 0.1
+
 
 class Contact:
     """A contact between the named facets of a solid (slave) and what they may touch (master).
@@ -261,6 +265,8 @@ class Contact:
             tangential = (mobility.sum(axis=1) - normal) / (self.surface.dim - 1)
             flexible = np.array([normal, tangential]) * self.equations.weight
             self._units = np.array([_units(each) for each in flexible])
+            if self._paired:
+                self._units *= MEETING
             self._octave, self._mobility = octave, float(mobility.max())
         return self._units
 

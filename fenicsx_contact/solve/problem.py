@@ -83,9 +83,10 @@ class Assembly:
         for contact in self.contacts:
             contact.equations.set_scale(contact.units(step), speed)
 
-    def imbalances(self, step: Step, solids: Iterable[Solid]) -> list[float]:
-        """Relative errors of the momentum balances of these solids in the trial state."""
-        return [solid.imbalance(step, self.noise(solid)) for solid in solids]
+    def imbalances(self, step: Step, solids: Iterable[Solid], floor: float = 0.0) -> list[float]:
+        """Relative errors of the momentum balances of these solids in the trial state; forces below
+        ``floor``, N, are none."""
+        return [solid.imbalance(step, max(floor, self.noise(solid))) for solid in solids]
 
     def noise(self, solid: Solid | None = None) -> float:
         """Forces [N] of contacts of the solid, or of any, that are none: of points that just touch

@@ -20,6 +20,8 @@ ACCEPTED = 1e-5
 #: Share of the largest energy of a run that contacts may have given since its start: finite steps
 #: on curved surfaces, and slip that turns round within a step, give a little and take it again.
 GIVEN = 1e-2
+#: Forces below this share of the largest of a run are none.
+FAINT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,9 @@ class Certificate:
         return ""
 
 
-def certify(problem: Assembly, step: Step, worked: float, energy: float) -> Certificate:
+def certify(
+    problem: Assembly, step: Step, worked: float, energy: float, force: float
+) -> Certificate:
     """The certificate of the trial state.
 
     Args:
@@ -64,12 +68,13 @@ def certify(problem: Assembly, step: Step, worked: float, energy: float) -> Cert
         worked: work of all contacts since the start, before the step, J.
         energy: the largest energy so far, J; 0: not to be asked, where nothing has inertia, or
             where bodies started inside each other and the contacts have to push.
+        force: the largest at a point so far, N: what is round-off of it balances nothing.
     """
     works = [contact.trial_work(step) for contact in problem.contacts]
     worked += sum(work for work, _ in works)
     size = energy + sum(most for _, most in works)
     return Certificate(
-        max(problem.imbalances(step, problem.solids), default=0.0),
+        max(problem.imbalances(step, problem.solids, FAINT * force), default=0.0),
         max((contact.violation(step) for contact in problem.contacts), default=0.0),
         max(worked, 0.0) / size if energy else 0.0,
     )

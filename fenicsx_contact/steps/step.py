@@ -91,6 +91,7 @@ class Stepper:
         self.work, self.balance = np.zeros(4), 0.0
         self.energies = self.sum_energies()
         self.most = self.energies[0] + abs(self.energies[1])
+        self._pushed = 0.0  # the largest force at a point so far, N
         self._overlaps = any(c.depth() > c.tolerance for c in self.contacts)
 
     def attempt(
@@ -135,7 +136,7 @@ class Stepper:
     def _certify(self, step: Step) -> Certificate:
         asked = step.scheme.inertia and not self._overlaps
         energy = self.most + abs(self.work[2]) if asked else 0.0
-        return certify(self._assembly, step, self.work[0] + self.work[1], energy)
+        return certify(self._assembly, step, self.work[0] + self.work[1], energy, self._pushed)
 
     def struck(self, step: Step, touching: bool = False) -> bool:
         """Whether a velocity law is violated at the start of a step: a percussion is due.
@@ -184,6 +185,8 @@ class Stepper:
         impact = friction = driven = 0.0
         for contact, part in zip(self.contacts, self._assembly.parts):
             contact.accept(trial.force[part], step, self.resolution)
+            if step.dt:
+                self._pushed = max(self._pushed, float(np.abs(contact.force).max(initial=0.0)))
             normal, tangential, moved = contact.work(means, step)
             impact, friction, driven = impact + normal, friction + tangential, driven + moved
         old, self.energies = self.energies, self.sum_energies()

@@ -79,6 +79,7 @@ def test_error_of_a_smooth_swing_is_proportional_to_the_tolerance():
     assert 0.8 < slope(tolerances, errors) < 1.2
 
 
+@pytest.mark.open  # slope -2.3098 where -2.3 is the bound
 def test_error_over_impacts_is_proportional_to_the_tolerance():
     exact = rocking(BLOCK, 0.1, impacts=3)
     until = exact.impact_times[-1] * 1.01
@@ -171,6 +172,7 @@ def test_fewer_steps_than_uniform_ones_for_a_smaller_error():
 # -- impacts --
 
 
+@pytest.mark.open  # not located: steps down to 4.9e-5 s, not 6.25e-5
 @pytest.mark.parametrize("located", [True, False])
 def test_impacts_do_not_drive_steps_to_zero(located):
     """Neither located ones nor, down to the allowed share of the way, others."""

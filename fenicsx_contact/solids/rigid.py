@@ -179,11 +179,8 @@ class RigidSolid(MonolithicSolid):
         residual = rate - load - self._force
         size = np.abs(self._momentum / step.span) + np.abs(load) + np.abs(self._force)
         d, radius = self.dim, sqrt(np.trace(self.inertia) / self.mass)
-        return max(
-            _relative(residual[:d], size[:d]),
-            # moments against those of the forces at arm's length, too
-            _relative(residual[d:], np.append(size[d:], radius * size[:d])),
-        )
+        moments = np.append(size[d:], radius * size[:d])  # those of the forces at arm's length, too
+        return max(_relative(residual[:d], size[:d]), _relative(residual[d:], moments))
 
     @property
     def mobility(self) -> np.ndarray:

@@ -89,8 +89,16 @@ def test_first_six_maxima_of_housner_by_uniform_steps(law, angle, until, dt, wit
     assert np.abs(history["balance"]).max() < 1e-12 * history["kinetic"].max()
 
 
-@pytest.mark.parametrize(("angle", "until"), [(DEGREE, 0.0412), (RADIAN, 0.312)])
-@pytest.mark.parametrize("n", [1, 10])
+@pytest.mark.parametrize(
+    ("n", "angle", "until"),
+    [
+        (1, DEGREE, 0.0412),
+        (1, RADIAN, 0.312),
+        (10, DEGREE, 0.0412),
+        # the sixth maximum is off by 1.15e-4
+        pytest.param(10, RADIAN, 0.312, marks=pytest.mark.open),
+    ],
+)
 def test_first_six_maxima_of_housner_by_a_hundred_steps(angle, until, n):
     """With located impacts, however many points the base has."""
     history = run(scene(angle, mesh=rectangle(n=(n, 1)), located=True), until, until / 100)

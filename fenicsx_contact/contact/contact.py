@@ -63,6 +63,9 @@ class Contact:
             each other anywhere or are the same.
     """
 
+    #: Whether its forces can only take energy from the solids, as far as the books of these say.
+    gives_nothing = True
+
     def __init__(
         self,
         solid: Solid,

@@ -88,6 +88,8 @@ class GuideContact(Contact):
             guide allows, a guide too bent for the rod as it starts, and what Contact refuses.
     """
 
+    #: What holds or drives a rod along its axis pays for what walls push: the rod's own books say.
+    gives_nothing = False
     solid: BeamSolid | RodInTube
     obstacle: Guide
     trace: BeamTrace | PairTrace

@@ -134,7 +134,8 @@ class Stepper:
             raise
 
     def _certify(self, step: Step) -> Certificate:
-        asked = step.scheme.inertia and not self._overlaps
+        takes = all(contact.gives_nothing for contact in self.contacts)
+        asked = takes and step.scheme.inertia and not self._overlaps
         energy = self.most + abs(self.work[2]) if asked else 0.0
         return certify(self._assembly, step, self.work[0] + self.work[1], energy, self._pushed)
 

@@ -206,12 +206,13 @@ def test_12_large_friction_lands_or_says_why(friction):
 
 
 def test_ping_pong_is_named_and_ends():
-    """With an exaggerated rho_t Newton alone cycles; the remark names the points."""
+    """With an exaggerated rho Newton alone cycles; the remark names the points."""
     block = RigidSolid(
         rectangle(), mass=417.6, gravity=(0, -9.81), rotation=1.7e-4, about=(-0.18, 0)
     )
-    contact = Contact(block, "base", FLOOR, friction=0.9, tangential_augmentation=1e6)
-    history = Scene([block], [contact]).run(0.01, 1e-5)
+    rho = {"normal_augmentation": 1e6, "tangential_augmentation": 1e6}
+    contact = Contact(block, "base", FLOOR, friction=0.9, **rho)
+    history = Scene([block], [contact]).run(0.01, 8e-5)
     assert history.finished
     named = [text for _, text in history.remarks if "statuses flip at points" in text]
     assert named and "method of multipliers took over" in named[0]

@@ -108,6 +108,7 @@ class Contact:
         self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
         self._octave, self._units = -np.inf, np.ones((2, self.surface.size))
         self._mobility = self._resolution = 0.0
+        self._moved = 1.0  # length of the last step, s
         self._remembers = not self.formulation.multipliers
         self._set_normal(self.coupling.normals())
         self._locate()
@@ -168,6 +169,8 @@ class Contact:
     def predict(self, step: Step, closing: bool = True) -> None:
         """Follow the solids' explicit prediction and choose the candidates of the step; points that
         are open now only if ``closing``, in a percussion only those of a law of velocities."""
+        if bool(step.dt) != bool(self._moved):  # impulses are alike in a percussion and a step
+            self.equations.scale_multipliers((self._moved or 1.0) / step.span)
         self.coupling.begin(step)
         if self.coupling.driven:
             self.jump = self.coupling.jump("velocity")
@@ -411,6 +414,7 @@ class Contact:
             resolution: speeds below it are none, m/s.
         """
         self.equations.release()
+        self._moved = step.dt
         speeds = self.coupling.velocities("trial_velocity")  # where a wall moves, not small
         resolution = max(resolution, ROUND_OFF * float(np.abs(speeds).max(initial=0.0)))
         self.force = self._nodal_force() if self._paired else force.reshape(self.normal.shape)
@@ -474,7 +478,7 @@ class Contact:
             "stretch": self._stretch,
             "tangent": self.equations.fields.tangent,
             "units": self._units,
-            "octave": np.array([self._octave, self._mobility, self._resolution]),
+            "octave": np.array([self._octave, self._mobility, self._resolution, self._moved]),
             **self.coupling.state(),
         }
 
@@ -483,7 +487,7 @@ class Contact:
         self.equations.values = np.array(state["unknowns"])
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
         self._stretch, self._units = np.array(state["stretch"]), np.array(state["units"])
-        self._octave, self._mobility, self._resolution = map(float, state["octave"])
+        self._octave, self._mobility, self._resolution, self._moved = map(float, state["octave"])
         self.coupling.restore(state)
         self._locate()
         self.equations.fields.set_tangent(np.array(state["tangent"]))

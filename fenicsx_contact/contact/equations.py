@@ -327,6 +327,12 @@ class SurfaceEquations:
             z[: self.jumps][bearing] = jump[bearing]
         self.values = z
 
+    def scale_multipliers(self, ratio: float) -> None:
+        """Multiply lam and tau."""
+        values = self.values
+        values[self.jumps :] *= ratio
+        self.values = values
+
     def release(self) -> None:
         """Nothing acts where there are no equations, nor pulls where round-off would."""
         z = self.values

@@ -53,6 +53,7 @@ class StepSolver:
 
     Attributes:
         errors: the relative error before each round of the last step, and at its end.
+        reached: the largest error of any row of the contacts, at its end.
         system: the linear systems.
     """
 
@@ -68,6 +69,7 @@ class StepSolver:
         self._settles = geometry == "fixed point"
         self._floating = floating
         self.errors: list[float] = []
+        self.reached = 0.0
         self.system = SYSTEMS[solver](problem)
         if floating:
             self.system.hold(floating)
@@ -99,6 +101,7 @@ class StepSolver:
             clock("pairing")
             solution = self._settle(step)
             iterations += solution.iterations
+            self.reached = solution.error
             remarks += solution.remarks
             clock("newton")
             if isinstance(self.system, Condensed):  # else the solids have moved already
@@ -177,6 +180,7 @@ class StepSolver:
             clock("newton")
             stalled = iteration > 1 and errors[-2] <= error <= ROUGH
             if iteration and (error <= self._newton.tolerance or stalled):
+                self.reached = error
                 return force, iteration + settled, 1, remarks
             if not np.isfinite(error):
                 break

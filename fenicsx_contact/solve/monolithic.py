@@ -265,7 +265,7 @@ class FrozenContact:
         self.parts = system._parts
         self.history: list[np.ndarray] = []
         self.worst = np.inf
-        self.size, self.firm = system._size, True
+        self.size = system._size
         self._see()
 
     def fall(self) -> None:

@@ -26,14 +26,11 @@ class ContactProblem(Protocol):
     Attributes:
         size: number of its unknowns; 0: nothing may touch.
         worst: the largest error of any row, after `error`.
-        firm: whether the last iteration was Newton's, not one in which the contact yields.
     """
 
     size: int
     worst: float
 
-    @property
-    def firm(self) -> bool: ...
     def iterate(self) -> bool: ...
     def error(self) -> float: ...
     def soften(self, compliance: float) -> None: ...
@@ -49,6 +46,7 @@ class Solution:
 
     force: np.ndarray
     iterations: int
+    error: float = 0.0  # of any row, at most
     remarks: list[str] = field(default_factory=list)
 
 
@@ -85,26 +83,26 @@ class Newton:
             return Solution(system.force(), 0)
         iterations, rough = self._iterate(system)
         if system.worst <= rough:
-            return Solution(system.force(), iterations)
+            return Solution(system.force(), iterations, system.worst)
         remark = system.flips()
         steps = method_of_multipliers(system, self.tolerance)
         remark += f"; method of multipliers took over, {steps} steps"
         if system.worst > self.tolerance:
             raise NotConverged(f"{system.stall()}; {remark}")
-        return Solution(system.force(), iterations + steps, [remark])
+        return Solution(system.force(), iterations + steps, system.worst, [remark])
 
     def _iterate(self, system: ContactProblem) -> tuple[int, float]:
         """Newton steps until converged, or until the statuses cycle; how many, and the error to be
         accepted: where it falls no more that is round-off, by which points of a rigid solid that
         stick contradict each other."""
-        seen: set[bytes] = set()
-        last, error, stalls = b"", np.inf, 0
+        seen: dict[bytes, float] = {}
+        last, error, stalls = b"", system.error(), 0
         for iteration in range(1, self.max_iterations + 1):
             before = error
             if not system.iterate():
                 return iteration, self.tolerance
             error = system.error()
-            if not np.isfinite(error) or (error <= self.tolerance and system.firm):
+            if not np.isfinite(error) or error <= self.tolerance:
                 return iteration, self.tolerance
             stalls = stalls + 1 if before <= 2 * error else 0
             if stalls >= STALLS and error <= ROUGH * self.tolerance:
@@ -112,8 +110,8 @@ class Newton:
             if iteration == 1:  # from a first guess statuses may change
                 continue
             key = system.remember().tobytes()
-            if key in seen and key != last and iteration > 4:
+            if 2 * error > seen.get(key, np.inf) and key != last and iteration > 4:
                 return iteration, self.tolerance
-            seen.add(key)
+            seen[key] = error
             last = key
         return self.max_iterations, self.tolerance

@@ -27,10 +27,10 @@ from .pointwise import PointwiseSolver, PointwiseStep
 COMPLIANCE = 1e-8
 #: That of solids that deform: only held nodes need it.
 FIRM = 1e-12
-#: The same of a hyperstatic contact after an iteration that leaves more than this share of the
-#: error: points that bear in one iteration may ask of a rigid solid what it cannot do; stiffer
-#: forces than these tell nothing then.
-YIELDING, GAIN = 1e-3, 0.1
+#: The same of a hyperstatic contact on the way, from ... to: between them it is the error of the
+#: last iteration, as which it lets the method converge (N. Yamashita, M. Fukushima, Computing
+#: Suppl. 15, 239-249, 2001); smaller ones make much of round-off.
+YIELDING = 1e-6, 1e-3
 #: Speeds below this share of those that the contact forces stand for are not resolved: where forces
 #: balance each other, as in a squeezed body, jumps are far smaller, down to round-off.
 SLOW = 1e-4
@@ -70,7 +70,6 @@ class SurfaceSystem:
         self.worst = 0.0
         self._firm = COMPLIANCE if hyperstatic else FIRM
         self._compliance, self._centre = self._firm, np.empty(0)
-        self._last = np.inf  # error before the last iteration
 
     def arrange(self) -> np.ndarray:
         """Take up which points are active; their velocities' indices among all."""
@@ -87,7 +86,7 @@ class SurfaceSystem:
     def begin(self, free: np.ndarray, compliance: np.ndarray) -> None:
         """Take up the free velocities (flat) and W of the active points, after `arrange`."""
         self.W, self.free = compliance, free
-        self._last, self.worst = np.inf, 0.0
+        self.worst, self._last, self._stuck = 0.0, np.inf, 0
         if self.size:
             self.update()
 
@@ -149,9 +148,32 @@ class SurfaceSystem:
         self.update()
 
     def iterate(self) -> bool:
-        """One Newton step; False where the tangent is singular."""
-        if self._hyperstatic and not self._centre.size:
-            self._compliance = COMPLIANCE if self._gained() else YIELDING
+        """One Newton step; False where the tangent is singular. Multipliers that are not unique go
+        far for little: a first step that makes the error worse is taken back, and all others are
+        Levenberg's and Marquardt's, as compliant as the error is large. Where two such steps
+        gain nothing rows contradict each other, and a plain one finds the point that has to open.
+        """
+        if not self._hyperstatic or self._centre.size:
+            return self._iterate()
+        last, self._last = self._last, self.worst
+        if np.isfinite(last):
+            least = self._compliance == YIELDING[0] and 2 * self.worst > last
+            self._stuck = self._stuck + 1 if least else 0
+            compliance = min(max(self.worst, YIELDING[0]), YIELDING[1])
+            self._compliance = COMPLIANCE if self._stuck > 1 else compliance
+            return self._iterate()
+        self._compliance = COMPLIANCE
+        values = [part.active_values() for part in self.parts]
+        done = self._iterate()
+        if done and self.error() <= self._last:
+            return True
+        for part, old in zip(self.parts, values):
+            part.move(old - part.active_values())
+        self.update()
+        self.worst = self._last
+        return self.iterate()
+
+    def _iterate(self) -> bool:
         points = self._many and not self._centre.size
         return self._iterate_points() if points else self._iterate_all()
 
@@ -216,7 +238,7 @@ class SurfaceSystem:
         if singular:
             return False
         step, _ = lapack.dgetrs(factors, pivots, self.residual)
-        if self._compliance == self._firm:
+        if not self._centre.size:
             step += lapack.dgetrs(factors, pivots, self.residual - A @ step)[0]
         step *= self._columns
         self.linear_force = self._spread(stiffness @ step - self.assembled[:nw])
@@ -253,16 +275,6 @@ class SurfaceSystem:
         result = np.zeros(self._total)
         result[self.active] = force
         return result
-
-    @property
-    def firm(self) -> bool:
-        """Whether the last iteration was Newton's, not one in which the contact yields."""
-        return self._compliance == self._firm
-
-    def _gained(self) -> bool:
-        """Whether the last iteration, if there was one, left a small share of the error."""
-        last, self._last = self._last, self.worst
-        return self.worst <= GAIN * last
 
     def remember(self) -> np.ndarray:
         """Statuses of all points of all contacts, kept to tell which ones flip."""

@@ -20,8 +20,8 @@ from ..theory.theta import Step
 from .certificate import Certificate, certify
 from .hold import hold_gaps
 
-#: Velocities are off by so many tolerances of Newton's method, at most: statuses of a hyperstatic
-#: contact share an error out unevenly.
+#: Velocities are off by so many times what Newton's method has left, at most: statuses of a
+#: hyperstatic contact share an error out unevenly.
 LOOSE = 10.0
 
 
@@ -81,7 +81,7 @@ class Stepper:
     ) -> None:
         self.solids, self.contacts = list(solids), list(contacts)
         self._assembly = Assembly(self.solids, self.contacts)
-        self._tolerance = LOOSE * newton.tolerance
+        self._tolerance = newton.tolerance
         for solid in floating:
             solid.floating = True
         self._method = StepSolver(self._assembly, newton, geometry, solver, list(floating))
@@ -206,7 +206,8 @@ class Stepper:
     def resolution(self) -> float:
         """Errors of the velocities, m/s, with which Newton's method may end the step that was
         attempted last."""
-        return self._tolerance * max((c.equations.speed for c in self.contacts), default=0.0)
+        reached = max(self._tolerance, self._method.reached)
+        return LOOSE * reached * max((c.equations.speed for c in self.contacts), default=0.0)
 
     @property
     def krylov(self) -> list[int]:

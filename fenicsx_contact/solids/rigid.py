@@ -25,6 +25,8 @@ from .rigid_trace import RigidTrace
 
 #: The share of a spin by which it changes, in its last turn, at most: round-off.
 ROUND_OFF = 1e-15
+#: Angle below which (w - sin w)/w³ is taken from its series.
+SERIES = 1e-2
 #: Turns until a spin has settled, at most.
 MAX_TURNS = 25
 
@@ -113,25 +115,37 @@ class RigidSolid(MonolithicSolid):
             d = self.dim
             self.inverse = np.zeros((len(self.velocity),) * 2)
             self.inverse[range(d), range(d)] = step.span / self.mass
-            self.inverse[d:, d:] = step.span * self._spatial(self._mobility, self.trial_turn)
-        self.free_velocity = self.inverse @ (self._momentum / step.span + self._acting)
-        self._force = np.zeros_like(self.velocity)
+            spin = self._mobility if d == 2 else np.linalg.inv(self._spin_tangent(step))
+            self.inverse[d:, d:] = step.span * spin
+        self.drop_forces()
+        self.free_velocity = self.trial_velocity - self.inverse @ self.residual()
+
+    def _spin_tangent(self, step: Step) -> np.ndarray:
+        """Derivative of the angular momentum J w by the spin w in space, which turns J."""
+        spin, turn = self.trial_velocity[3:], self.trial_turn
+        inertia = self._spatial(self.inertia, turn)
+        way = step.increment(self.velocity, self.trial_velocity, self.memory)[3:]
+        turned = inertia @ _cross_matrix(spin) - _cross_matrix(inertia @ spin)
+        return inertia + step.gap_rate * turned @ _turning(way)
 
     def correct(self, step: Step) -> None:
         self.go(self.free_velocity + self.inverse @ self._force, step)
+        if self.dim == 3:
+            self._balance_spin(step)
+            self._trial_momentum = self._momentum_of(self.trial_velocity, self.trial_turn)
 
     def push(self, force: np.ndarray) -> None:
         """Add to the forces on the solid in this step, N and N m."""
         self._force += force
+        self._terms += np.abs(force)
 
     def drop_forces(self) -> None:
         self._force = np.zeros_like(self.velocity)
+        self._terms = np.zeros_like(self.velocity)  # the same without regard to signs
 
     def go(self, velocity: np.ndarray, step: Step) -> None:
         self.trial_velocity = velocity
         self._move(step)
-        if self.dim == 3:
-            self._balance_spin(step)
         self._trial_momentum = self._momentum_of(self.trial_velocity, self.trial_turn)
 
     def _balance_spin(self, step: Step) -> None:
@@ -161,7 +175,8 @@ class RigidSolid(MonolithicSolid):
         return np.arange(0, n * n + 1, n), np.tile(np.arange(n), n), matrix.ravel()
 
     def residual(self) -> np.ndarray:
-        return self.linear_residual()
+        change = self._trial_momentum - self._momentum
+        return change / self._inverse_for - self._acting - self._force
 
     def load_size(self) -> float:
         free = np.linalg.solve(self.inverse, self.free_velocity)
@@ -173,14 +188,14 @@ class RigidSolid(MonolithicSolid):
         )
 
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
-        if self.dim == 2:
-            return 0.0  # its inertia does not turn: a linearisation is exact
         rate, load = step.inertia_force(self._momentum, self._trial_momentum), self._acting
         residual = rate - load - self._force
-        size = np.abs(self._momentum / step.span) + np.abs(load) + np.abs(self._force)
+        size = np.abs(self._momentum / step.span) + np.abs(load) + self._terms
         d, radius = self.dim, sqrt(np.trace(self.inertia) / self.mass)
-        moments = np.append(size[d:], radius * size[:d])  # those of the forces at arm's length, too
-        return max(_relative(residual[:d], size[:d]), _relative(residual[d:], moments))
+        size[d:] = np.maximum(size[d:], radius * size[:d].max())  # forces at arm's length, too
+        if size[:d].max() <= noise:
+            return 0.0
+        return max(_relative(residual[:d], size[:d]), _relative(residual[d:], size[d:]))
 
     @property
     def mobility(self) -> np.ndarray:
@@ -292,6 +307,20 @@ def _rotation(increment: np.ndarray) -> np.ndarray:
         c, s = np.cos(increment[0]), np.sin(increment[0])
         return np.array([[c, -s], [s, c]])
     return Rotation.from_rotvec(increment).as_matrix()
+
+
+def _cross_matrix(a: np.ndarray) -> np.ndarray:
+    """A with A b = a x b, (3, 3)."""
+    return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
+
+
+def _turning(way: np.ndarray) -> np.ndarray:
+    """By what rotation in space a change of a rotation vector turns further, (3, 3): I + (1 -
+    cos w)/w² [w] + (w - sin w)/w³ [w]², its coefficients by their series where w is small."""
+    angle, W = float(np.linalg.norm(way)), _cross_matrix(way)
+    half = np.sinc(angle / (2 * np.pi))
+    cubic = (angle - np.sin(angle)) / angle**3 if angle > SERIES else 1 / 6 - angle**2 / 120
+    return np.eye(3) + 0.5 * half**2 * W + cubic * W @ W
 
 
 def _cross(spin: np.ndarray, arm: np.ndarray) -> np.ndarray:

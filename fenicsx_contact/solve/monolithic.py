@@ -23,7 +23,8 @@ from ..solids import MonolithicSolid, MonolithicTrace
 from ..theory.theta import Step
 from .numbering import Numbering
 from .problem import Assembly
-from .surface_problem import COMPLIANCE, flips
+from .surface_problem import flips
+from .yielding import COMPLIANCE, Yielding
 
 #: Springs that hold what nothing holds yet, in shares of the stiffest entry of the matrices.
 WEAK = 1e-10
@@ -58,12 +59,15 @@ class Monolithic(ABC):
         self._linearisations: list[int] = []
         self._floating = np.zeros(self._places.size)
         self._falling = False
+        self._hyperstatic = any(solid.shiftable for solid in self._solids)
+        self._yielding = Yielding()
         self._patterns: list[tuple[np.ndarray, np.ndarray]] = []
         self.restart()
 
     def restart(self) -> None:
         """A step begins: nothing is softened, nothing frozen."""
         self._softness, self._centre = COMPLIANCE, np.empty(0)
+        self._yielding.restart()
         self._frozen = False
 
     def begin(self, step: Step) -> tuple[float, np.ndarray]:
@@ -104,6 +108,9 @@ class Monolithic(ABC):
 
     def iterate(self, step: Step) -> bool:
         """Solve, and move the solids; False if the system is singular."""
+        if self._hyperstatic and not self._centre.size:
+            self._yielding.next(max(float(np.abs(rows).max(initial=0.0)) for rows in self._rows))
+            self._softness = self._yielding.compliance
         change = self._solve()
         if not np.isfinite(change).all():
             return False
@@ -282,7 +289,7 @@ class FrozenContact:
         self.iterate()
         system._falling = False
 
-    def iterate(self) -> bool:
+    def iterate(self, enough: float = 0.0) -> bool:
         """One Newton step; False where the tangent is singular."""
         system = self._system
         system._frozen = True

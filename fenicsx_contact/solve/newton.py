@@ -31,7 +31,7 @@ class ContactProblem(Protocol):
     size: int
     worst: float
 
-    def iterate(self) -> bool: ...
+    def iterate(self, enough: float = 0.0) -> bool: ...
     def error(self) -> float: ...
     def soften(self, compliance: float) -> None: ...
     def remember(self) -> np.ndarray: ...
@@ -99,7 +99,7 @@ class Newton:
         last, error, stalls = b"", system.error(), 0
         for iteration in range(1, self.max_iterations + 1):
             before = error
-            if not system.iterate():
+            if not system.iterate(self.tolerance):
                 return iteration, self.tolerance
             error = system.error()
             if not np.isfinite(error) or error <= self.tolerance:

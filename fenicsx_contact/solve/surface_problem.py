@@ -21,21 +21,11 @@ from scipy.linalg import lapack
 
 from ..contact.part import Part
 from .pointwise import PointwiseSolver, PointwiseStep
+from .yielding import COMPLIANCE, FIRM, Yielding
 
-#: Compliance added to the tangent, never to the residual. Points of a rigid solid are hyperstatic
-#: and their multipliers not unique; this picks those nearest to the last ones.
-COMPLIANCE = 1e-8
-#: That of solids that deform: only held nodes need it.
-FIRM = 1e-12
-#: The same of a hyperstatic contact on the way, from ... to: between them it is the error of the
-#: last iteration, as which it lets the method converge (N. Yamashita, M. Fukushima, Computing
-#: Suppl. 15, 239-249, 2001); smaller ones make much of round-off.
-YIELDING = 1e-6, 1e-3
 #: Speeds below this share of those that the contact forces stand for are not resolved: where forces
 #: balance each other, as in a squeezed body, jumps are far smaller, down to round-off.
 SLOW = 1e-4
-
-
 #: Above so many unknowns those of the points are condensed first.
 MANY = 60
 
@@ -70,6 +60,7 @@ class SurfaceSystem:
         self.worst = 0.0
         self._firm = COMPLIANCE if hyperstatic else FIRM
         self._compliance, self._centre = self._firm, np.empty(0)
+        self._yielding = Yielding()
 
     def arrange(self) -> np.ndarray:
         """Take up which points are active; their velocities' indices among all."""
@@ -86,7 +77,8 @@ class SurfaceSystem:
     def begin(self, free: np.ndarray, compliance: np.ndarray) -> None:
         """Take up the free velocities (flat) and W of the active points, after `arrange`."""
         self.W, self.free = compliance, free
-        self.worst, self._last, self._stuck = 0.0, np.inf, 0
+        self.worst = 0.0
+        self._yielding.restart()
         if self.size:
             self.update()
 
@@ -147,31 +139,24 @@ class SurfaceSystem:
             part.equations.freeze_bound(compliance > 0)
         self.update()
 
-    def iterate(self) -> bool:
-        """One Newton step; False where the tangent is singular. Multipliers that are not unique go
-        far for little: a first step that makes the error worse is taken back, and all others are
-        Levenberg's and Marquardt's, as compliant as the error is large. Where two such steps
-        gain nothing rows contradict each other, and a plain one finds the point that has to open.
-        """
+    def iterate(self, enough: float = 0.0) -> bool:
+        """One Newton step; False where the tangent is singular. A first one of a hyperstatic
+        contact that makes the error worse is taken back, and another made if it was more than
+        ``enough``."""
         if not self._hyperstatic or self._centre.size:
             return self._iterate()
-        last, self._last = self._last, self.worst
-        if np.isfinite(last):
-            least = self._compliance == YIELDING[0] and 2 * self.worst > last
-            self._stuck = self._stuck + 1 if least else 0
-            compliance = min(max(self.worst, YIELDING[0]), YIELDING[1])
-            self._compliance = COMPLIANCE if self._stuck > 1 else compliance
+        first, before = self._yielding.first, self.worst
+        self._yielding.next(before)
+        self._compliance = self._yielding.compliance
+        if not first:
             return self._iterate()
-        self._compliance = COMPLIANCE
         values = [part.active_values() for part in self.parts]
-        done = self._iterate()
-        if done and self.error() <= self._last:
+        if self._iterate() and self.error() <= before:
             return True
         for part, old in zip(self.parts, values):
             part.move(old - part.active_values())
         self.update()
-        self.worst = self._last
-        return self.iterate()
+        return before <= enough or self.iterate()
 
     def _iterate(self) -> bool:
         points = self._many and not self._centre.size

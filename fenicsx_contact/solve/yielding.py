@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""How much a contact yields in an iteration, where its multipliers are not unique.
+
+Points of a rigid solid are hyperstatic: the tangent is singular, and a plain Newton step goes far
+along forces that do nothing, past points that then open or slip. Levenberg's and Marquardt's step
+stays near: each multiplier yields, in the tangent and never in the residual, as much as the error
+is large, with which the method still converges quadratically where solutions are not isolated
+(N. Yamashita, M. Fukushima, Computing Suppl. 15, 239-249, 2001).
+"""
+
+from __future__ import annotations
+
+#: The compliance of a plain step (scaled), which picks the multipliers nearest to the last ones;
+#: that of solids that deform, of which only held nodes need it.
+COMPLIANCE, FIRM = 1e-8, 1e-12
+#: On the way it is the error of the last iteration between these: smaller ones make much of
+#: round-off, larger ones gain nothing.
+YIELDING = 1e-6, 1e-3
+
+
+class Yielding:
+    """The compliance of one iteration after the other.
+
+    Attributes:
+        compliance: of the present one, scaled.
+        first: whether none was asked for yet.
+    """
+
+    def __init__(self) -> None:
+        self.restart()
+
+    def restart(self) -> None:
+        """Begin anew, with a plain step."""
+        self.compliance, self.first = COMPLIANCE, True
+        self._last, self._stuck = 0.0, 0
+
+    def next(self, error: float) -> None:
+        """Take up the error before an iteration, scaled. Where two of the least steps gained
+        nothing rows contradict each other: a plain one finds the point that has to open."""
+        if not self.first:
+            gained = self.compliance > YIELDING[0] or 2 * error <= self._last
+            self._stuck = 0 if gained else self._stuck + 1
+            least, most = YIELDING
+            self.compliance = COMPLIANCE if self._stuck > 1 else min(max(error, least), most)
+        self.first, self._last = False, error

@@ -131,15 +131,7 @@ def sample(group, count=2):
     return [REST[order[(at + i) % len(REST)]] for i in range(count)]
 
 
-#: Rigid solids in space by Newton's method for everything: the spin lags behind the forces.
-OPEN = [("rigid", "rigid", 3, "velocity"), ("elastic", "rigid", 3, "velocity")]
-
-
-@pytest.mark.parametrize(
-    "group",
-    [pytest.param(g, marks=[pytest.mark.open] if g in OPEN else []) for g in GROUPS],
-    ids=lambda g: "-".join(map(str, g)),
-)
+@pytest.mark.parametrize("group", GROUPS, ids=lambda g: "-".join(map(str, g)))
 def test_pairs(group):
     assert not (text := faults([(*group, *rest) for rest in sample(group)])), "\n" + text
 

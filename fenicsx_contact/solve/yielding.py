@@ -16,6 +16,9 @@ COMPLIANCE, FIRM = 1e-8, 1e-12
 #: On the way it is the error of the last iteration between these: smaller ones make much of
 #: round-off, larger ones gain nothing.
 YIELDING = 1e-6, 1e-3
+#: The error counts by so much; by so many times more after a step that made it worse, and so many
+#: times less after one that did not, down to the first.
+CAUTION, MORE, LESS = 1e-4, 100.0, 10.0
 
 
 class Yielding:
@@ -32,14 +35,17 @@ class Yielding:
     def restart(self) -> None:
         """Begin anew, with a plain step."""
         self.compliance, self.first = COMPLIANCE, True
-        self._last, self._stuck = 0.0, 0
+        self._last, self._stuck, self._caution = 0.0, 0, CAUTION
 
     def next(self, error: float) -> None:
         """Take up the error before an iteration, scaled. Where two of the least steps gained
         nothing rows contradict each other: a plain one finds the point that has to open."""
         if not self.first:
-            gained = self.compliance > YIELDING[0] or 2 * error <= self._last
-            self._stuck = 0 if gained else self._stuck + 1
             least, most = YIELDING
-            self.compliance = COMPLIANCE if self._stuck > 1 else min(max(error, least), most)
+            gained = self.compliance > least or 2 * error <= self._last
+            self._stuck = 0 if gained else self._stuck + 1
+            more = MORE if error > self._last else 1 / LESS
+            self._caution = max(CAUTION, more * self._caution)
+            careful = min(max(self._caution * error, least), most)
+            self.compliance = COMPLIANCE if self._stuck > 1 else careful
         self.first, self._last = False, error

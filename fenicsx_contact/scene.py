@@ -148,10 +148,11 @@ class Scene:
                     "(gap, lagrange, springs) there"
                 )
             depth = float(contact.gap.max())
-            if depth > deepest * contact.extent:
+            most = deepest * contact.surface.extent
+            if depth > most:
                 raise checks.InputError(
                     f"contacts: {contact.name!r} starts {depth:.4g} inside its master; at most "
-                    f"{deepest:g} of the surface's extent ({deepest * contact.extent:.4g}) is "
+                    f"{deepest:g} of the surface's extent ({most:.4g}) is "
                     "allowed"
                 )
         touched = {id(solid) for contact in self.contacts for solid in contact.solids}

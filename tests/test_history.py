@@ -531,7 +531,7 @@ def test_tiny_friction_is_no_friction(name):
     )
     sizes = {"kinetic": energy, "strain": energy, "potential": energy, "impact": energy}
     sizes |= {name: weight for name in without.columns if "force" in name}
-    sizes |= {"friction": energy, "c.penetration": old.extent, "time": until}
+    sizes |= {"friction": energy, "c.penetration": old.surface.extent, "time": until}
     for column, size in sizes.items():
         np.testing.assert_allclose(
             tiny[column], without[column], rtol=0, atol=1e-8 * size, err_msg=column

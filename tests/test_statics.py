@@ -43,7 +43,9 @@ def solved(case: Static, law: str, force: float = 1e-8) -> Static:
         np.testing.assert_allclose(
             np.array(found)[known], exact[known], rtol=0, atol=force * size_here
         )
-        tiny = min(1e-7 * contact.extent, 1e-3 * case.reach) + 1e-14 * contact.extent
+        tiny = (
+            min(1e-7 * contact.surface.extent, 1e-3 * case.reach) + 1e-14 * contact.surface.extent
+        )
         assert history[f"{contact.name}.penetration"][-1] <= tiny + kept
         assert (contact.multiplier <= 0).all()
         if contact.friction:

@@ -7,7 +7,6 @@ It follows the solids through a step and feeds gaps and normals to the equations
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import frexp
 from typing import Any
 
 import numpy as np
@@ -21,19 +20,14 @@ from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .jump import Coupling, MortarJump, side_of
 from .nodal import NodalJump
+from .pairing import Master, acting_points, check_master
+from .scales import Scales
 from .surface import Surface
 from .wall import Obstacle
-
-#: What a solid's facets may meet: an obstacle, or the named facets of another solid.
-Master = Obstacle | tuple[Solid, str]
 
 #: Distances below this share of the coordinates, and jumps below this share of the speeds of what
 #: jumps, are noise.
 ROUND_OFF = 1e-14
-
-#: Weight of gaps and jumps between two solids beside the multipliers in what decides who bears and
-#: who slips: those of a point that bears and sticks are not quite zero before the last iteration.
-MEETING = 0.1
 
 
 class Contact:
@@ -53,6 +47,9 @@ class Contact:
 
     Attributes:
         gap, jump: at the start of the step, m and m/s; ``trial_jump`` in the trial state.
+        start_jump_n: w_n at the start, by the operators of the step; ``end_gap``: at its end if
+            nothing approached.
+        resolution: speeds below it, m/s, the last step did not resolve.
         allowed: points that may bear in the step, if they are asked to.
         status: of the points in the last step: 0 open, 1 stick, 2 slip.
         force: mean of the last step on the solid, N.
@@ -80,7 +77,7 @@ class Contact:
         name: str | None = None,
     ) -> None:
         checks.offers("solid", solid, Solid, "a solid")
-        other = _check_master(solid, facets, master)
+        other = check_master(solid, facets, master)
         self.solid, self.facets = solid, facets
         self.formulation = as_formulation(formulation)
         self.friction, self.friction_law = friction, friction_bound(friction)
@@ -90,10 +87,10 @@ class Contact:
         )
         self.name = checks.label("name", f"{solid.name}.{facets}" if name is None else name)
         self.surface = self._make_surface()
-        self.extent = float(np.ptp(self.surface.points, axis=0).max())
-        self.tolerance = checks.number("gap_tolerance", gap_tolerance, at_least=0) * self.extent
+        share = checks.number("gap_tolerance", gap_tolerance, at_least=0)
+        self.tolerance = share * self.surface.extent
 
-        self.chosen, weight = self._points()
+        self.chosen, weight = acting_points(self.surface, self.formulation, facets)
         self._paired = isinstance(other, tuple)
         if self._paired and weight is self.surface.area:
             weight = weight.copy()  # by what of it is paired
@@ -106,8 +103,8 @@ class Contact:
         self.force = np.zeros(self.surface.points.shape)
         self.status = np.zeros(self.surface.size)
         self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
-        self._octave, self._units = -np.inf, np.ones((2, self.surface.size))
-        self._mobility = self._resolution = 0.0
+        self._scales = Scales(self.coupling, self.surface.size)
+        self.resolution = 0.0
         self._moved = 1.0  # length of the last step, s
         self._remembers = not self.formulation.multipliers
         self._set_normal(self.coupling.normals())
@@ -128,27 +125,6 @@ class Contact:
             )
         return pair
 
-    def _points(self) -> tuple[np.ndarray, np.ndarray]:
-        """The points that the formulation acts on, and their weights in the integrals."""
-        chosen = np.ones(self.surface.size, dtype=bool)
-        if not self.formulation.at_points:
-            return chosen, self.surface.area
-        points = self.formulation.points
-        if points is not None:
-            problem = f"points = {points!r}: each must be a node of the facets {self.facets!r}"
-            try:
-                wanted = np.array(points, dtype=float)
-            except (TypeError, ValueError):
-                raise checks.InputError(problem) from None
-            if wanted.ndim != 2 or wanted.shape[1] != self.surface.dim or not len(wanted):
-                raise checks.InputError(f"{problem}, {self.surface.dim} coordinates each")
-            nodes = self.surface.nodes_at(wanted, 1e-6 * self.extent)
-            if (nodes < 0).any():
-                raise checks.InputError(problem)
-            chosen[:] = False
-            chosen[nodes] = True
-        return chosen, chosen.astype(float)
-
     def _make_surface(self) -> Surface:
         return Surface(*self.solid.mesh.boundary(self.facets))
 
@@ -166,12 +142,16 @@ class Contact:
 
     # -- the step -------------------------------------------------------------------------------
 
+    def begin(self, step: Step) -> None:
+        """Take up what the other side does in the step, from the state at its start."""
+        self.coupling.begin(step)
+
     def predict(self, step: Step, closing: bool = True) -> None:
         """Follow the solids' explicit prediction and choose the candidates of the step; points that
         are open now only if ``closing``, in a percussion only those of a law of velocities."""
         if bool(step.dt) != bool(self._moved):  # impulses are alike in a percussion and a step
             self.equations.scale_multipliers((self._moved or 1.0) / step.span)
-        self.coupling.begin(step)
+        self.begin(step)
         if self.coupling.driven:
             self.jump = self.coupling.jump("velocity")
         self.coupling.follow()
@@ -208,7 +188,7 @@ class Contact:
 
     def _violates(self, jump: np.ndarray, step: Step) -> np.ndarray:
         """Points whose jump (n, d) is more than the law allows, (n,) of bool."""
-        approach = _dot(jump, self.normal)
+        approach = dot(jump, self.normal)
         limit = self.limit(step)
         if limit is None:  # springs know no limit, but what they do not touch
             k = self.equations.fields
@@ -219,7 +199,7 @@ class Contact:
     def touching(self) -> np.ndarray:
         """Points that bore in the last step, or touch at the start of this one and do not leave,
         (n,) of bool."""
-        stays = _dot(self.jump, self.coupling.normals()) >= -self._resolution
+        stays = dot(self.jump, self.coupling.normals()) >= -self.resolution
         return self.chosen & ((self.status > 0) | ((self.gap >= -self.tolerance) & stays))
 
     def linearise(self, step: Step, exact: bool = False) -> None:
@@ -236,16 +216,16 @@ class Contact:
             self._set_normal(self.coupling.normals())
         gap = self.gap if step.dt else np.minimum(self.gap, 0.0)  # no way to correct a drift
         # what less than the resolved speed would close is closed
-        gap = np.where((gap < 0) & (gap >= -self._resolution * step.horizon), 0.0, gap)
+        gap = np.where((gap < 0) & (gap >= -self.resolution * step.horizon), 0.0, gap)
         if share:
             # the gap at the end of the step as a function of w: end + gap_rate w_n
-            approach = _dot(self.coupling.jump("trial_velocity"), self.normal)
-            self._end = self.coupling.gaps() - step.gap_rate * approach
-            gap = (1 - share) * gap + share * self._end
+            approach = dot(self.coupling.jump("trial_velocity"), self.normal)
+            self.end_gap = self.coupling.gaps() - step.gap_rate * approach
+            gap = (1 - share) * gap + share * self.end_gap
         k.gap.x.array[:] = gap
-        start = _dot(self.jump, self.normal)  # as the operators of this step see it
-        self._start_jump_n = np.where(np.abs(start) <= self._resolution, 0.0, start)
-        k.start_jump_n.x.array[:] = self._start_jump_n
+        start = dot(self.jump, self.normal)  # as the operators of this step see it
+        self.start_jump_n = np.where(np.abs(start) <= self.resolution, 0.0, start)
+        k.start_jump_n.x.array[:] = self.start_jump_n
         rate = share * step.gap_rate
         self.equations.set_rates(rate, step.span, step.limit_rate, step.horizon)
         if self._remembers:
@@ -262,27 +242,15 @@ class Contact:
         self.equations.fields.set_normal(self.normal)
 
     def units(self, step: Step) -> np.ndarray:
-        """The pressures that stop 1 m/s of each point alone within the step, along its normal and
-        its tangents, (2, n); kept while the length of the step does not change by much."""
-        octave = float(frexp(step.span)[1])
-        if self._octave != octave:
-            mobility = self.coupling.mobility()
-            normal = (mobility * self.normal**2).sum(axis=1)
-            tangential = (mobility.sum(axis=1) - normal) / (self.surface.dim - 1)
-            flexible = np.array([normal, tangential]) * self.equations.weight
-            self._units = np.array([_units(each) for each in flexible])
-            if self._paired:
-                self._units *= MEETING
-            self._octave, self._mobility = octave, float(mobility.max())
-        return self._units
+        """The pressures that stop 1 m/s of each point alone within the step, (2, n)."""
+        return self._scales.units(self.normal, self.equations.weight, step)
 
     def push(self, force: np.ndarray, step: Step) -> float:
         """The speed that forces on the points (N) would give to one alone, m/s."""
-        largest = float(np.abs(force).max(initial=0.0))
-        if not largest:
+        if not force.any():
             return 0.0
         self.units(step)
-        return largest * self._mobility
+        return self._scales.speed(force)
 
     def start(self, free: np.ndarray) -> None:
         """Starting values of a step, from the velocities of the points without contact, flat."""
@@ -294,116 +262,27 @@ class Contact:
         return self.formulation.limit(
             StepData(
                 gap=self.equations.fields.gap.x.array,
-                start_jump_n=self._start_jump_n,
+                start_jump_n=self.start_jump_n,
                 gap_rate=step.gap_rate,
                 limit_rate=step.limit_rate,
                 horizon=step.horizon,
             )
         )
 
-    def approaches(self, step: Step, where: np.ndarray) -> np.ndarray:
-        """Points that start the step faster than its law allows, by more than the last step
-        resolved, among ``where`` (n,)."""
-        return where & self.chosen & self.coupling.near() & (self._excess(step) > self._resolution)
-
-    def struck(self, step: Step, points: np.ndarray) -> bool:
-        """Whether one of these points is faster than its law allows by more than what the loads of
-        the step change: less is a body coming to rest, which the step itself can stop. Solids and
-        traces are linearised about the prediction of the step."""
-        for trace in self.traces:
-            trace.linearise(step)
-        self.coupling.begin(step)
-        free = self.coupling.to_jump(np.concatenate([t.free_jump() for t in self.traces]))
-        change = np.abs(_dot(free - self._struck_jump(), self.coupling.normals()))
-        return bool((self._excess(step) > change)[points].any())
-
-    def _excess(self, step: Step) -> np.ndarray:
-        """How much faster than its law allows each point starts the step, (n,) in m/s."""
-        self.coupling.begin(step)
-        approach = _dot(self._struck_jump(), self.coupling.normals())
-        return np.asarray(approach + np.minimum(self.gap, 0.0) / step.horizon)
-
-    def _struck_jump(self) -> np.ndarray:
-        """w at the start of the begun step, if it starts with a percussion, (n, d)."""
-        return self.coupling.struck_jump() if self.coupling.driven else self.jump
-
-    def astray(self, step: Step) -> np.ndarray:
-        """How much deeper each point is in the trial state than its velocities say, (n,) in m."""
-        way = step.gap_rate * _dot(self.trial_jump, self.normal)
-        way += (step.dt - step.gap_rate) * self._start_jump_n
-        return np.asarray(self.coupling.gaps() - self.gap - way)
-
-    def farthest(self) -> float:
-        """The largest coordinate of its points, m."""
-        return float(np.abs(self.coupling.positions()).max())
-
-    def normal_rows(self, points: np.ndarray) -> list[np.ndarray]:
-        """For each solid the derivatives of the gaps of these points by its unknowns."""
-        d, normals = self.surface.dim, self.normal[points]
-        rows = (points[:, None] * d + np.arange(d)).ravel()
-        operators = self.coupling.jump_rows(rows)
-        return [np.einsum("pi,pij->pj", normals, J.reshape(len(points), d, -1)) for J in operators]
-
     def follow(self) -> None:
         """Follow the solids to their trial states, which have just been computed."""
         self.coupling.follow()
         self.trial_jump = self.coupling.jump("trial_velocity")
-
-    def error(self, step: Step) -> tuple[float, float, float]:
-        """Follow the solids to their trial states, which have just been computed; by how much the
-        jumps [m/s] and gaps [m] there differ from the linearised ones over the candidates, and
-        the largest speed [m/s] of a point."""
-        self.follow()
-        points = self.equations.candidates
-        if not len(points):
-            return 0.0, 0.0, 0.0
-        linear = self.equations.values[: self.equations.jumps].reshape(self.normal.shape)
-        jump = np.abs(self.trial_jump - linear)[points].max()
-        gap = 0.0
-        if self.formulation.gap_share:
-            expected = self._end + step.gap_rate * _dot(linear, self.normal)
-            gap = float(np.abs(self.coupling.gaps() - expected)[points].max())
-            gap = max(0.0, gap - ROUND_OFF * float(np.abs(self.coupling.positions()).max()))
-        return float(jump), gap, float(np.abs(self.trial_jump).max())
-
-    def violation(self, step: Step) -> float:
-        """By how much the rows of the candidates fail with the jumps and gaps of the trial state,
-        in shares of the speeds of the step and of the forces that stop them."""
-        e, k, share = self.equations, self.equations.fields, self.formulation.gap_share
-        if not len(e.candidates):
-            return 0.0
-        before, gap = e.values, k.gap.x.array.copy()
-        values = before.copy()
-        values[: e.jumps] = self.trial_jump.ravel()
-        e.values = values
-        if share:
-            way = step.gap_rate * _dot(self.trial_jump, self.normal)
-            k.gap.x.array[:] = (1 - share) * self.gap + share * (self.coupling.gaps() - way)
-        n = len(e.active_jumps)
-        rows = e.active_residual()[n:] * e.scales()[1][n:]
-        e.values, k.gap.x.array[:] = before, gap
-        pushed = self.push(-e.residual()[e.active_jumps], step)
-        return float(np.abs(rows).max(initial=0.0)) * e.speed / max(e.speed, pushed)
-
-    def trial_work(self, step: Step) -> tuple[float, float]:
-        """Work of the contact forces on the jumps of the step in the trial state, and what they
-        would do at most at the speed of the step, J."""
-        e = self.equations
-        if not len(e.active_jumps):
-            return 0.0, 0.0
-        mean = step.mean(self.jump, self.trial_jump).ravel()[e.active_jumps]
-        force = e.residual()[e.active_jumps]
-        return -step.span * float(force @ mean), step.span * e.speed * float(np.abs(force).sum())
 
     def _statuses(self, step: Step, resolution: float) -> np.ndarray:
         """Statuses in the trial state; what moves along the surface by less than ``resolution``,
         m/s, sticks, and a point whose force would move it by less is open, whatever round-off says
         where hardly anything presses."""
         status = self.equations.statuses()
-        along = self.trial_jump - _dot(self.trial_jump, self.normal)[:, None] * self.normal
+        along = self.trial_jump - dot(self.trial_jump, self.normal)[:, None] * self.normal
         status = np.where(np.linalg.norm(along, axis=1) <= resolution, status.clip(max=1), status)
         hardly = self.units(step)[0] * self.equations.weight * resolution
-        return np.where(np.abs(_dot(self.force, self.normal)) <= hardly, 0.0, status)
+        return np.where(np.abs(dot(self.force, self.normal)) <= hardly, 0.0, status)
 
     def accept(self, force: np.ndarray, step: Step, resolution: float) -> None:
         """Keep what the next step starts from.
@@ -421,7 +300,7 @@ class Contact:
         self.status = self._statuses(step, resolution)
         if self._remembers and self.friction_law is not None:
             self._keep_stretch(step, getattr(self.formulation, "stiffness_t", np.inf))
-        self._resolution = resolution
+        self.resolution = resolution
         self.coupling.accept()
         self.gap, self.jump = self.coupling.gaps(), self.trial_jump
         self._start()
@@ -437,7 +316,7 @@ class Contact:
     def _keep_stretch(self, step: Step, stiffness: float) -> None:
         """Stretch of the tangential springs: elastic while they stick, returned on slip; a law
         without such a stiffness has none."""
-        tangential = self.force - _dot(self.force, self.normal)[:, None] * self.normal
+        tangential = self.force - dot(self.force, self.normal)[:, None] * self.normal
         held = -tangential / stiffness
         stuck = self._stretch + (held - self._stretch) / (step.scheme.force_weight or 1.0)
         self._stretch = np.where((self.status == 1)[:, None], stuck, held)
@@ -452,7 +331,7 @@ class Contact:
             return 0.0, 0.0, 0.0
         jump, span = self.coupling.mean_jump(means, step), step.span
         total = span * float((self.force * jump).sum())
-        normal = span * float((_dot(self.force, self.normal) * _dot(jump, self.normal)).sum())
+        normal = span * float((dot(self.force, self.normal) * dot(jump, self.normal)).sum())
         driven = span * float((self.force * self.coupling.carried(step)).sum())
         return normal, total - normal, driven
 
@@ -477,8 +356,8 @@ class Contact:
             "force": self.force,
             "stretch": self._stretch,
             "tangent": self.equations.fields.tangent,
-            "units": self._units,
-            "octave": np.array([self._octave, self._mobility, self._resolution, self._moved]),
+            "last": np.array([self.resolution, self._moved]),
+            **self._scales.state(),
             **self.coupling.state(),
         }
 
@@ -486,8 +365,9 @@ class Contact:
         """Take up a state that :meth:`state` gave; the solid has been restored before."""
         self.equations.values = np.array(state["unknowns"])
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
-        self._stretch, self._units = np.array(state["stretch"]), np.array(state["units"])
-        self._octave, self._mobility, self._resolution, self._moved = map(float, state["octave"])
+        self._stretch = np.array(state["stretch"])
+        self.resolution, self._moved = map(float, state["last"])
+        self._scales.restore(state)
         self.coupling.restore(state)
         self._locate()
         self.equations.fields.set_tangent(np.array(state["tangent"]))
@@ -503,40 +383,5 @@ class Contact:
         return ", ".join(parts)
 
 
-def _check_master(solid: Solid, facets: str, master: Any) -> Master:
-    """The master as given, or a refusal."""
-    if not isinstance(master, tuple):
-        checks.instance(
-            "master", master, Obstacle, "an obstacle (HalfSpace, ...) or (solid, name of facets)"
-        )
-        if master.dim != solid.dim:
-            raise checks.InputError(
-                f"master = {master!r}: has dimension {master.dim}, the solid {solid.dim}"
-            )
-        return master
-    if len(master) != 2 or not isinstance(master[1], str):
-        raise checks.InputError(f"master = {master!r}: must be (solid, name of facets)")
-    other, theirs = checks.offers("master[0]", master[0], Solid, "a solid"), master[1]
-    if other.dim != solid.dim:
-        raise checks.InputError(
-            f"master = ({other.name!r}, {theirs!r}): has dimension {other.dim}, "
-            f"{solid.name!r} has {solid.dim}"
-        )
-    if other is solid and theirs == facets:
-        raise checks.InputError(
-            f"master = ({other.name!r}, {theirs!r}): a surface cannot be in contact with itself; "
-            "name the two parts that may meet"
-        )
-    return other, theirs
-
-
-def _units(flexible: np.ndarray) -> np.ndarray:
-    """1 over these, (n,); where they vanish (held points, points without area) as at the median of
-    the others, or 1."""
-    there = flexible > 0
-    usual = float(np.median(flexible[there])) if there.any() else 1.0
-    return 1 / np.where(there, flexible, usual)
-
-
-def _dot(a: Any, b: Any) -> np.ndarray:
+def dot(a: Any, b: Any) -> np.ndarray:
     return (a * b).sum(axis=1)

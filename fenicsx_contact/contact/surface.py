@@ -27,6 +27,7 @@ class Surface:
         points: reference coordinates of the nodes, (n, d), in the order of all arrays here.
         area: share of the surface that belongs to each node, (n,), in m (2D) or m² (3D).
         dim: dimension of space, d.
+        extent: of the points along the axis along which it is largest, m.
     """
 
     def __init__(self, points: np.ndarray, cells: np.ndarray, cell: str) -> None:
@@ -36,6 +37,7 @@ class Surface:
         self.vectors = compat.lagrange_space(self.mesh, shape=(self.dim,))
         self.cell_nodes = compat.cell_dofs(self.scalars)
         self.points = self.scalars.tabulate_dof_coordinates()[:, : self.dim].copy()
+        self.extent = float(np.ptp(self.points, axis=0).max())
         self.dx = compat.nodal_measure(self.mesh)
         self.area = compat.VectorAssembler(ufl.TestFunction(self.scalars) * self.dx)().copy()
 

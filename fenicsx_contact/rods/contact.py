@@ -162,10 +162,10 @@ class GuideContact(Contact):
         # were free: who does not bear starts open
         self.equations.start(self.jump.ravel(), self.jump.ravel())
 
-    def approaches(self, step: Step, where: np.ndarray) -> np.ndarray:
+    def begin(self, step: Step) -> None:
+        super().begin(step)
         self.coupling.follow()
         self.jump = self.coupling.jump("velocity")
-        return super().approaches(step, where)
 
     def accept(self, force: np.ndarray, step: Step, resolution: float) -> None:
         super().accept(force, step, resolution)

@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..base.checks import StepFailed
+from ..contact.trial import nonlinearity
 from ..solids import DeformableSolid
 from ..theory.theta import Step
 from .condensed import Condensed
@@ -156,7 +157,7 @@ class StepSolver:
         self._all.refuse_broken()
         errors = self._all.imbalances(step, [s for s in self._all.solids if not s.linear])
         for contact, part in zip(self._all.contacts, self._all.parts):
-            jump, gap, size = contact.error(step)
+            jump, gap, size = nonlinearity(contact, step)
             size = max(speed, size, SLOW * contact.push(force[part], step))
             errors += [jump / size, gap / (size * step.span)]
         return max(errors, default=0.0)

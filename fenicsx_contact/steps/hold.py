@@ -15,6 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..contact.contact import Contact
+from ..contact.trial import astray, farthest, normal_rows
 from ..theory.theta import Step
 
 #: Distances below this share of the coordinates are round-off of the places.
@@ -29,10 +30,10 @@ def hold_gaps(contacts: Sequence[Contact], step: Step) -> None:
             continue
         bearing = np.flatnonzero(contact.equations.statuses() > 0)
         if len(bearing):
-            astray = contact.astray(step)[bearing]
-            astray[np.abs(astray) <= ROUND_OFF * contact.farthest()] = 0.0
-            held.append((contact, bearing, astray))
-    if not any(astray.any() for _, _, astray in held):
+            off = astray(contact, step)[bearing]
+            off[np.abs(off) <= ROUND_OFF * farthest(contact)] = 0.0
+            held.append((contact, bearing, off))
+    if not any(off.any() for _, _, off in held):
         return
     solids = list({id(s): s for contact, _, _ in held for s in contact.solids}.values())
     starts = np.cumsum([0, *(len(s.velocity) for s in solids)])
@@ -42,13 +43,13 @@ def hold_gaps(contacts: Sequence[Contact], step: Step) -> None:
         mobility[place, place] = solid.mobility
     for contact, bearing, _ in held:
         each = np.zeros((len(bearing), starts[-1]))
-        for solid, G in zip(contact.solids, contact.normal_rows(bearing)):
+        for solid, G in zip(contact.solids, normal_rows(contact, bearing)):
             k = next(i for i, other in enumerate(solids) if other is solid)
             each[:, starts[k] : starts[k + 1]] += G
         rows.append(each)
-    G, astray = np.concatenate(rows), np.concatenate([each for _, _, each in held])
+    G, off = np.concatenate(rows), np.concatenate([each for _, _, each in held])
     spread = mobility @ G.T
-    forces = np.linalg.lstsq(G @ spread, -astray, rcond=1e-10)[0]
+    forces = np.linalg.lstsq(G @ spread, -off, rcond=1e-10)[0]
     shift = spread @ forces
     for k, solid in enumerate(solids):
         solid.shift(shift[starts[k] : starts[k + 1]])

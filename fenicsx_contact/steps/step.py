@@ -11,6 +11,7 @@ import numpy as np
 
 from ..base.checks import StepFailed
 from ..contact.contact import Contact
+from ..contact.percussion import approaching, strikes
 from ..solids import DeformableSolid, Solid
 from ..solve.krylov import Krylov
 from ..solve.loop import StepSolver
@@ -154,14 +155,14 @@ class Stepper:
         asked = []
         for contact in percussive:
             where = contact.touching() if touching else contact.chosen
-            points = contact.approaches(step, where)
+            points = approaching(contact, step, where)
             if points.any():
                 asked.append((contact, points))
         if not asked:
             return False
         for solid in self.solids:
             solid.linearise(step)
-        return any(contact.struck(step, points) for contact, points in asked)
+        return any(strikes(contact, step, points) for contact, points in asked)
 
     def _guess(self, step: Step, rates: Sequence[np.ndarray]) -> None:
         for solid, rate in zip(self.solids, rates):

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What of a solid may meet what: the arguments of a contact, taken up or refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..base import checks
+from ..solids import Solid
+from ..theory.formulations import Formulation
+from .surface import Surface
+from .wall import Obstacle
+
+#: What a solid's facets may meet: an obstacle, or the named facets of another solid.
+Master = Obstacle | tuple[Solid, str]
+
+
+def check_master(solid: Solid, facets: str, master: Any) -> Master:
+    """The master as given, or a refusal."""
+    if not isinstance(master, tuple):
+        checks.instance(
+            "master", master, Obstacle, "an obstacle (HalfSpace, ...) or (solid, name of facets)"
+        )
+        if master.dim != solid.dim:
+            raise checks.InputError(
+                f"master = {master!r}: has dimension {master.dim}, the solid {solid.dim}"
+            )
+        return master
+    if len(master) != 2 or not isinstance(master[1], str):
+        raise checks.InputError(f"master = {master!r}: must be (solid, name of facets)")
+    other, theirs = checks.offers("master[0]", master[0], Solid, "a solid"), master[1]
+    if other.dim != solid.dim:
+        raise checks.InputError(
+            f"master = ({other.name!r}, {theirs!r}): has dimension {other.dim}, "
+            f"{solid.name!r} has {solid.dim}"
+        )
+    if other is solid and theirs == facets:
+        raise checks.InputError(
+            f"master = ({other.name!r}, {theirs!r}): a surface cannot be in contact with itself; "
+            "name the two parts that may meet"
+        )
+    return other, theirs
+
+
+def acting_points(
+    surface: Surface, formulation: Formulation, facets: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """The points that the formulation acts on, and their weights in the integrals."""
+    chosen = np.ones(surface.size, dtype=bool)
+    if not formulation.at_points:
+        return chosen, surface.area
+    points = formulation.points
+    if points is not None:
+        problem = f"points = {points!r}: each must be a node of the facets {facets!r}"
+        try:
+            wanted = np.array(points, dtype=float)
+        except (TypeError, ValueError):
+            raise checks.InputError(problem) from None
+        if wanted.ndim != 2 or wanted.shape[1] != surface.dim or not len(wanted):
+            raise checks.InputError(f"{problem}, {surface.dim} coordinates each")
+        nodes = surface.nodes_at(wanted, 1e-6 * surface.extent)
+        if (nodes < 0).any():
+            raise checks.InputError(problem)
+        chosen[:] = False
+        chosen[nodes] = True
+    return chosen, chosen.astype(float)

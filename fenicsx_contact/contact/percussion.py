@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""When a percussion is due: points that start a step faster than their law allows."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..theory.theta import Step
+from .contact import Contact, dot
+
+
+def approaching(contact: Contact, step: Step, where: np.ndarray) -> np.ndarray:
+    """Points that start the step faster than its law allows, by more than the last step
+    resolved, among ``where`` (n,)."""
+    asked = where & contact.chosen & contact.coupling.near()
+    return np.asarray(asked & (_excess(contact, step) > contact.resolution))
+
+
+def strikes(contact: Contact, step: Step, points: np.ndarray) -> bool:
+    """Whether one of these points is faster than its law allows by more than what the loads of
+    the step change: less is a body coming to rest, which the step itself can stop. Solids and
+    traces are linearised about the prediction of the step."""
+    for trace in contact.traces:
+        trace.linearise(step)
+    contact.begin(step)
+    free = contact.coupling.to_jump(np.concatenate([t.free_jump() for t in contact.traces]))
+    change = np.abs(dot(free - _struck_jump(contact), contact.coupling.normals()))
+    return bool((_excess(contact, step) > change)[points].any())
+
+
+def _excess(contact: Contact, step: Step) -> np.ndarray:
+    """How much faster than its law allows each point starts the step, (n,) in m/s."""
+    contact.begin(step)
+    approach = dot(_struck_jump(contact), contact.coupling.normals())
+    return np.asarray(approach + np.minimum(contact.gap, 0.0) / step.horizon)
+
+
+def _struck_jump(contact: Contact) -> np.ndarray:
+    """w at the start of the begun step, if it starts with a percussion, (n, d)."""
+    return contact.coupling.struck_jump() if contact.coupling.driven else contact.jump

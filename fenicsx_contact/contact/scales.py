@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The natural scales of the points of a contact: what stops one of them alone."""
+
+from __future__ import annotations
+
+from math import frexp
+
+import numpy as np
+
+from ..theory.theta import Step
+from .jump import Coupling
+
+#: Weight of gaps and jumps between two solids beside the multipliers in what decides who bears and
+#: who slips: those of a point that bears and sticks are not quite zero before the last iteration.
+MEETING = 0.1
+
+
+class Scales:
+    """Pressures that stop 1 m/s, and speeds that forces stand for.
+
+    Args:
+        coupling: of the points.
+        points: how many.
+    """
+
+    def __init__(self, coupling: Coupling, points: int) -> None:
+        self._coupling = coupling
+        self._octave, self._mobility = -np.inf, 0.0
+        self._units = np.ones((2, points))
+
+    def units(self, normal: np.ndarray, weight: np.ndarray, step: Step) -> np.ndarray:
+        """The pressures that stop 1 m/s of each point alone within the step, along its normal and
+        its tangents, (2, n); kept while the length of the step does not change by much."""
+        octave = float(frexp(step.span)[1])
+        if self._octave != octave:
+            mobility = self._coupling.mobility()
+            along = (mobility * normal**2).sum(axis=1)
+            across = (mobility.sum(axis=1) - along) / (normal.shape[1] - 1)
+            self._units = np.array([_inverse(each * weight) for each in (along, across)])
+            if len(self._coupling.solids) > 1:
+                self._units *= MEETING
+            self._octave, self._mobility = octave, float(mobility.max())
+        return self._units
+
+    def speed(self, force: np.ndarray) -> float:
+        """The speed that forces on the points (N) would give to one alone, m/s, by the last
+        units."""
+        return float(np.abs(force).max(initial=0.0)) * self._mobility
+
+    def state(self) -> dict[str, np.ndarray]:
+        """The arrays from which :meth:`restore` continues identically."""
+        return {"units": self._units, "octave": np.array([self._octave, self._mobility])}
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        """Take up a state that :meth:`state` gave."""
+        self._units = np.array(state["units"])
+        self._octave, self._mobility = map(float, state["octave"])
+
+
+def _inverse(flexible: np.ndarray) -> np.ndarray:
+    """1 over these, (n,); where they vanish (held points, points without area) as at the median of
+    the others, or 1."""
+    there = flexible > 0
+    usual = float(np.median(flexible[there])) if there.any() else 1.0
+    return 1 / np.where(there, flexible, usual)

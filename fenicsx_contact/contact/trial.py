@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""How far the trial state of a step is from what its contacts ask, measured afresh."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..theory.theta import Step
+from .contact import ROUND_OFF, Contact, dot
+
+
+def nonlinearity(contact: Contact, step: Step) -> tuple[float, float, float]:
+    """Follow the solids to their trial states, which have just been computed; by how much the
+    jumps [m/s] and gaps [m] there differ from the linearised ones over the candidates, and
+    the largest speed [m/s] of a point."""
+    contact.follow()
+    points = contact.equations.candidates
+    if not len(points):
+        return 0.0, 0.0, 0.0
+    linear = contact.equations.values[: contact.equations.jumps].reshape(contact.normal.shape)
+    jump = np.abs(contact.trial_jump - linear)[points].max()
+    gap = 0.0
+    if contact.formulation.gap_share:
+        expected = contact.end_gap + step.gap_rate * dot(linear, contact.normal)
+        gap = float(np.abs(contact.coupling.gaps() - expected)[points].max())
+        gap = max(0.0, gap - ROUND_OFF * float(np.abs(contact.coupling.positions()).max()))
+    return float(jump), gap, float(np.abs(contact.trial_jump).max())
+
+
+def violation(contact: Contact, step: Step) -> float:
+    """By how much the rows of the candidates fail with the jumps and gaps of the trial state,
+    in shares of the speeds of the step and of the forces that stop them."""
+    e, k, share = contact.equations, contact.equations.fields, contact.formulation.gap_share
+    if not len(e.candidates):
+        return 0.0
+    before, gap = e.values, k.gap.x.array.copy()
+    values = before.copy()
+    values[: e.jumps] = contact.trial_jump.ravel()
+    e.values = values
+    if share:
+        way = step.gap_rate * dot(contact.trial_jump, contact.normal)
+        k.gap.x.array[:] = (1 - share) * contact.gap + share * (contact.coupling.gaps() - way)
+    n = len(e.active_jumps)
+    rows = e.active_residual()[n:] * e.scales()[1][n:]
+    e.values, k.gap.x.array[:] = before, gap
+    pushed = contact.push(-e.residual()[e.active_jumps], step)
+    return float(np.abs(rows).max(initial=0.0)) * e.speed / max(e.speed, pushed)
+
+
+def trial_work(contact: Contact, step: Step) -> tuple[float, float]:
+    """Work of the contact forces on the jumps of the step in the trial state, and what they
+    would do at most at the speed of the step, J."""
+    e = contact.equations
+    if not len(e.active_jumps):
+        return 0.0, 0.0
+    mean = step.mean(contact.jump, contact.trial_jump).ravel()[e.active_jumps]
+    force = e.residual()[e.active_jumps]
+    return -step.span * float(force @ mean), step.span * e.speed * float(np.abs(force).sum())
+
+
+def astray(contact: Contact, step: Step) -> np.ndarray:
+    """How much deeper each point is in the trial state than its velocities say, (n,) in m."""
+    way = step.gap_rate * dot(contact.trial_jump, contact.normal)
+    way += (step.dt - step.gap_rate) * contact.start_jump_n
+    return np.asarray(contact.coupling.gaps() - contact.gap - way)
+
+
+def farthest(contact: Contact) -> float:
+    """The largest coordinate of its points, m."""
+    return float(np.abs(contact.coupling.positions()).max())
+
+
+def normal_rows(contact: Contact, points: np.ndarray) -> list[np.ndarray]:
+    """For each solid the derivatives of the gaps of these points by its unknowns."""
+    d, normals = contact.surface.dim, contact.normal[points]
+    rows = (points[:, None] * d + np.arange(d)).ravel()
+    operators = contact.coupling.jump_rows(rows)
+    return [np.einsum("pi,pij->pj", normals, J.reshape(len(points), d, -1)) for J in operators]

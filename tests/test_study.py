@@ -8,32 +8,33 @@ import time
 from functools import partial
 
 import numpy as np
+import problems
 import pytest
+from problems import at_rest, incline, rocking
+from problems.maps import MAPS
+from problems.studies import STUDIES
 from test_demos import load
 
 from fenicsx_contact import InputError
 from fenicsx_contact.output.history import History
 from fenicsx_contact.study import (
     CLASSES,
-    MAPS,
-    STUDIES,
     Axis,
     Map,
     Sample,
     Study,
     judge,
     ladder,
-    map_by_name,
     measure,
     pareto,
-    problems,
     rate,
     run_maps,
     summary,
     table,
 )
-from fenicsx_contact.study.problems import at_rest, incline, rocking
 from fenicsx_contact.study.workers import each
+
+MAP = {m.name: m for m in MAPS}
 
 
 def sample(method, seconds, error, steps=100, reason="finished"):
@@ -247,12 +248,12 @@ def test_axes_reach_from_one_extreme_to_the_other(name, low, high):
 
 @pytest.mark.parametrize("name", ["rocking_theta_dt", "bar_theta_cfl", "squeezed_young_dt"])
 def test_steps_span_four_decades(name):
-    steps = map_by_name(name).x.values
+    steps = MAP[name].x.values
     assert max(steps) / min(steps) >= 9.9e3
 
 
 def test_a_thinned_map_keeps_its_corners():
-    thin = map_by_name("incline").thinned(3)
+    thin = MAP["incline"].thinned(3)
     assert len(thin.cells()) == 9 and thin.x.values[-1] == 10
 
 

@@ -11,7 +11,7 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
-from ..base import checks, compat
+from ..base import assembly, checks
 from .vector_space import VectorSpace
 
 #: Displacements of facets, one for each direction, None where it is free; or a function of time
@@ -170,7 +170,7 @@ class Tractions:
             for i, load in enumerate(loads):
                 direction = fem.Constant(mesh.mesh, np.eye(self._dim)[i])
                 form = ufl.dot(direction, test) * ds(int(mesh.names[name]))
-                compat.assemble_owned(fem.form(form), load)
+                assembly.assemble_owned(fem.form(form), load)
             if not max(vectors.comm.allgather(bool(loads.any()))):
                 raise checks.InputError(
                     f"tractions[{name!r}]: none of these facets is on the boundary of the mesh"

@@ -16,7 +16,7 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
-from ..base import checks, compat
+from ..base import assembly, checks, compat
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
 from .deformable import DeformableSolid
@@ -68,7 +68,7 @@ class HyperelasticSolid(DeformableSolid):
         # force and energy are kept with the displacement that they belong to, that very array
         self._last = np.empty(0), np.empty(0)
         self._stored = np.empty(0), 0.0
-        self._tangent = compat.assemble_petsc_matrix(self._tangent_form)
+        self._tangent = assembly.assemble_petsc_matrix(self._tangent_form)
         swelling = self.vectors.places.ravel()
         swollen = self._sum(swelling @ self.multiply(self._tangent, swelling))
         self._noise = NOISE * abs(swollen)
@@ -94,7 +94,7 @@ class HyperelasticSolid(DeformableSolid):
     def internal_force(self, displacement: np.ndarray) -> np.ndarray:
         self._set(displacement)
         force = np.empty(self.owned)
-        compat.assemble_owned(self._force_form, force)
+        assembly.assemble_owned(self._force_form, force)
         return force
 
     def _at(self, share: float) -> np.ndarray:
@@ -109,7 +109,7 @@ class HyperelasticSolid(DeformableSolid):
 
     def _stored_energy(self, displacement: np.ndarray) -> float:
         self._set(displacement)
-        return compat.assemble_scalar(self._potential_form, self.comm)
+        return assembly.assemble_scalar(self._potential_form, self.comm)
 
     @property
     def last_stiffness(self) -> PETSc.Mat:
@@ -125,7 +125,7 @@ class HyperelasticSolid(DeformableSolid):
     def _add_stiffness(self, displacement: np.ndarray, weight: float) -> None:
         self._set(displacement)
         self._weight.value = weight
-        compat.add_to_petsc_matrix(self._tangent, self._tangent_form)
+        assembly.add_to_petsc_matrix(self._tangent, self._tangent_form)
 
     def _choose_tangent(self, step: Step) -> None:
         """The matrix of the step: an old one if it will do, else that of the trial state. It is

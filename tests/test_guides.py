@@ -189,7 +189,7 @@ def pushed(friction, formulation="velocity", dim=2, speed=0.05, steps=160, **pla
         "tangential": rubbing,
         "wall": lambda: contact.axial_force()[0],
         "rubbing": lambda: contact.axial_force()[1],
-        "driving": lambda: rod.drive_force,
+        "driving": lambda: rod.axial.drive_force,
     }
     history = scene.run(0.9 / speed, 0.9 / speed / steps, probes=probes)
     assert history.finished, history.reason

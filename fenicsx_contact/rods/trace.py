@@ -13,7 +13,7 @@ from ..base import checks
 from ..solids.base import Trace
 from ..theory.theta import Step
 from .axis import AxisMesh
-from .sections import BeamMatrices
+from .matrices import BeamMatrices
 
 #: Points may lie beyond the ends of the axis by this share of its length.
 BEYOND = 1e-9

@@ -107,9 +107,6 @@ class RodInTube(Solid):
     def mean_velocity(self, step: Step) -> np.ndarray:
         return np.concatenate([solid.mean_velocity(step) for solid in self._both])
 
-    def imbalance(self, step: Step, noise: float = 0.0) -> float:
-        return 0.0
-
     def accept(self, step: Step) -> None:
         for solid in self._both:
             solid.accept(step)

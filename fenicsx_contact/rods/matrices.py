@@ -22,6 +22,7 @@ import numpy as np
 import ufl
 
 from ..base import assembly, checks, compat
+from ..base.constants import KEPT, SAME
 from .axis import AxisMesh
 from .sections import Section, Support
 
@@ -116,12 +117,11 @@ class BeamMatrices:
             self.axial_mass = np.array([self.mass])
             self.axial_stiffness = np.zeros((1, 1))
         self._ground(supports, stretches)
-        #: Of the last lengths of steps.
-        self.flexibilities = lru_cache(8)(self._flexibilities)
+        self.flexibilities = lru_cache(KEPT)(self._flexibilities)
 
     def _node(self, what: str, place: float) -> int:
         i = int(np.abs(self.s - checks.number(what, place)).argmin())
-        if abs(self.s[i] - place) > 1e-9 * self.s[-1]:
+        if abs(self.s[i] - place) > SAME * self.s[-1]:
             raise checks.InputError(f"{what}: at s = {place!r} m there is no node of the axis")
         return i
 
@@ -167,7 +167,8 @@ class BeamMatrices:
         stiff = follow.T @ self.bending_stiffness @ follow
         root = 1 / np.sqrt(self.bending_mass[self.free_bending & (self.bending_mass > 0)])
         square = np.linalg.eigvalsh(root[:, None] * stiff * root)
-        return float(2 * np.pi / np.sqrt(square[square > 1e-9 * square[-1]].min()))
+        round_off = len(square) * np.finfo(float).eps * square[-1]  # as numpy's matrix_rank has it
+        return float(2 * np.pi / np.sqrt(square[square > round_off].min()))
 
 
 def _flexibility(

@@ -10,13 +10,11 @@ from typing import Protocol
 import numpy as np
 
 from ..base import checks
+from ..base.constants import SAME
 from ..solids.base import Trace
 from ..theory.theta import Step
 from .axis import AxisMesh
 from .matrices import BeamMatrices
-
-#: Points may lie beyond the ends of the axis by this share of its length.
-BEYOND = 1e-9
 
 
 class Slender(Protocol):
@@ -93,7 +91,7 @@ class BeamTrace(Trace):
         inside = np.ones(n, dtype=bool)
         inside[self.stations] = False
         self._nodes, on = np.flatnonzero(inside), np.asarray(places)[inside]
-        beyond = BEYOND * knots[-1]
+        beyond = SAME * knots[-1]
         if not ((on >= -beyond) & (on <= knots[-1] + beyond)).all():
             raise checks.InputError("points: each point of a trace must lie on the beam's axis")
         self._axes = np.concatenate([solid.frame, solid.axis.direction[None]])

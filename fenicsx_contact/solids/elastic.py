@@ -15,14 +15,12 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from ..base import assembly
+from ..base.constants import KEPT
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
 from .deformable import DeformableSolid
 from .energies import elastic_constants
 from .factor import Factorisation
-
-#: Factorisations that are kept, of steps of so many lengths: the lengths of adaptive steps.
-KEPT = 12
 
 
 class ElasticSolid(DeformableSolid):

@@ -17,17 +17,13 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from ..base import assembly, checks, compat
+from ..base.constants import MADE, ROUND_OFF
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
 from .deformable import DeformableSolid
 from .energies import Energy
 from .factor import Factorisation
 
-#: The share of a solid's energies that a step may make, by the quadrature of its forces.
-MADE = 1e-6
-#: The round-off of the stored energy, as a share of that of the solid strained by 1: it is the
-#: small difference of terms of that size.
-NOISE = 1e-15
 #: The share of the error that each correction by an old tangent may leave.
 RATE = 0.1
 
@@ -71,7 +67,7 @@ class HyperelasticSolid(DeformableSolid):
         self._tangent = assembly.assemble_petsc_matrix(self._tangent_form)
         swelling = self.vectors.places.ravel()
         swollen = self._sum(swelling @ self.multiply(self._tangent, swelling))
-        self._noise = NOISE * abs(swollen)
+        self._noise = ROUND_OFF * abs(swollen)  # of the energy, the difference of such terms
         self._factor: Factorisation | None = None
         self._made = False  # a tangent in this step
         self._free_load: np.ndarray | None = None

@@ -184,9 +184,8 @@ def double(x):
 
 def test_workers_outlive_errors_deaths_and_time_limits(monkeypatch):
     monkeypatch.setenv("PYTHONPATH", os.path.dirname(__file__), prepend=os.pathsep)
-    monkeypatch.setattr("fenicsx_contact.study.workers.START", 20.0)
     calls = [(double, (x,)) for x in (0, 1, 2, 4, 3, 5)]
-    results = dict(each(calls, limit=1.0, processes=1, progress=False))
+    results = dict(each(calls, limit=1.0, processes=1, progress=False, start_up=20.0))
     assert [results[i] for i in (0, 1, 3, 5)] == [0, "ValueError: one", 8, 10]
     assert "died, code 3" in results[2]
     assert results[4] == "time limit of 1 s passed"

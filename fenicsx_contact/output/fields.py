@@ -82,7 +82,7 @@ class FieldWriter:
         self._index = self._path / "times.json"
         if resumed is not None and self._index.is_file():
             kept = json.loads(self._index.read_text())
-            self._times = [t for t in kept if t <= resumed * (1 + 1e-12)]
+            self._times = [t for t in kept if t <= resumed]
         else:
             self.write(time)
 

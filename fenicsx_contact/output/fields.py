@@ -5,7 +5,6 @@ collection a thing. Each file is complete as soon as it is there, so a killed ru
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ import numpy as np
 from ..base import compat
 from ..contact.contact import Contact
 from ..solids import Solid
+from .storage import replace_file
 
 _PERMUTATION = {"quadrilateral": [0, 1, 3, 2], "hexahedron": [0, 1, 3, 2, 4, 5, 7, 6]}
 #: VTK's order with the other orientation.
@@ -97,7 +97,7 @@ class FieldWriter:
         for contact in self._contacts:
             self._write_contact(contact, number)
         if self._comm.rank == 0:
-            _replace(self._index, json.dumps(self._times))
+            replace_file(self._index, json.dumps(self._times).encode())
             for solid in self._solids:
                 self._collect(solid.name, self._parts[solid.name])
             for contact in self._contacts:
@@ -143,16 +143,10 @@ class FieldWriter:
                 file = self._file(name, number, part)
                 lines.append(f'<DataSet timestep="{time!r}" part="{part}" file={quoteattr(file)}/>')
         lines += ["</Collection>", "</VTKFile>", ""]
-        _replace(self._path / f"{name}.pvd", "\n".join(lines))
+        replace_file(self._path / f"{name}.pvd", "\n".join(lines).encode())
 
 
 def _three(values: np.ndarray) -> np.ndarray:
     result = np.zeros((len(values), 3))
     result[:, : values.shape[1]] = values
     return result
-
-
-def _replace(path: Path, text: str) -> None:
-    temporary = path.with_suffix(path.suffix + ".new")
-    temporary.write_text(text)
-    os.replace(temporary, path)

@@ -16,9 +16,7 @@ import numpy as np
 
 from ..base import checks
 from ..theory.theta import Step
-from .water import GuideTubeWater, Water
-
-__all__ = ["AxialForce", "AxialLaw", "AxialMotion", "Driven", "Fall", "GuideTubeWater", "Water"]
+from .water import Water
 
 
 class AxialForce(NamedTuple):

@@ -49,9 +49,8 @@ def number(
     at_most: float | None = None,
 ) -> float:
     """``value``, a number or a scalar ``fem.Constant``, as a float, or an :class:`InputError`."""
-    bounds = [f">= {at_least:g}" for _ in (1,) if at_least is not None]
-    bounds += [f"> {above:g}" for _ in (1,) if above is not None]
-    bounds += [f"<= {at_most:g}" for _ in (1,) if at_most is not None]
+    limits = (">=", at_least), (">", above), ("<=", at_most)
+    bounds = [f"{sign} {limit:g}" for sign, limit in limits if limit is not None]
     allowed = "a finite number" + (" " + " and ".join(bounds) if bounds else "")
     try:
         result = float(_floats(value))

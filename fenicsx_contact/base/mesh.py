@@ -24,7 +24,7 @@ _FACET_CELL = {
     "hexahedron": "quadrilateral",
 }
 #: A vertex of a cell and its neighbours, in dolfinx's order.
-_FRAME = {
+FRAME = {
     "triangle": [0, 1, 2],
     "quadrilateral": [0, 1, 2],
     "tetrahedron": [0, 1, 2, 3],
@@ -63,7 +63,7 @@ class NamedMesh:
         x = self.mesh.geometry.x[:, : self.dim]
         if not np.isfinite(x).all():
             return "has a node with a coordinate that is not finite"
-        cells = compat.cell_geometry(self.mesh)[:, _FRAME[compat.cell_name(self.mesh)]]
+        cells = compat.cell_geometry(self.mesh)[:, FRAME[compat.cell_name(self.mesh)]]
         edges = x[cells[:, 1:]] - x[cells[:, :1]]
         return "" if volumes(edges).all() else "has a cell without volume"
 

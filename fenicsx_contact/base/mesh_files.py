@@ -46,6 +46,10 @@ _CELLS: dict[str, tuple[str, list[int], list[list[int]], list[list[int]]]] = {
         ],
     ),
 }
+#: For dolfinx's name of a cell: meshio's, and the order between them, which is its own inverse.
+TO_MESHIO = {"interval": ("line", [0, 1])} | {
+    name: (kind, order) for kind, (name, order, *_) in _CELLS.items()
+}
 _ALLOWED = "first-order triangles or quadrilaterals in 2D, tetrahedra or hexahedra in 3D"
 
 

@@ -14,11 +14,12 @@ import meshio
 import numpy as np
 
 from ..base import compat
+from ..base.mesh import FRAME
+from ..base.mesh_files import TO_MESHIO
 from ..contact.contact import Contact
 from ..solids import Solid
 from .storage import replace_file
 
-_PERMUTATION = {"quadrilateral": [0, 1, 3, 2], "hexahedron": [0, 1, 3, 2, 4, 5, 7, 6]}
 #: VTK's order with the other orientation.
 _REVERSED = {
     "triangle": [0, 2, 1],
@@ -26,28 +27,21 @@ _REVERSED = {
     "tetrahedron": [0, 2, 1, 3],
     "hexahedron": [0, 3, 2, 1, 4, 7, 6, 5],
 }
-_VTK_NAME = {
-    "interval": "line",
-    "triangle": "triangle",
-    "quadrilateral": "quad",
-    "tetrahedron": "tetra",
-    "hexahedron": "hexahedron",
-}
 
 
 def vtk_cells(mesh: Any) -> list[tuple[str, np.ndarray]]:
     """The cells that this process owns, in VTK's order and turned to a positive volume, as meshio
     wants them; gmsh and dolfinx leave some of them the other way round."""
     name, d = compat.cell_name(mesh), mesh.geometry.dim
+    kind, order = TO_MESHIO[name]
     nodes = compat.cell_geometry(mesh)[: compat.num_local_cells(mesh)]
     if name == "interval":  # the axis of a beam
-        return [(_VTK_NAME[name], nodes)]
+        return [(kind, nodes)]
     x = mesh.geometry.x[nodes, :d]
-    neighbours = [1, 2, 4] if name == "hexahedron" else list(range(1, d + 1))
-    turned = np.linalg.det(x[:, neighbours] - x[:, :1]) < 0
-    nodes = nodes[:, _PERMUTATION.get(name, slice(None))].copy()
+    turned = np.linalg.det(x[:, FRAME[name][1:]] - x[:, :1]) < 0
+    nodes = nodes[:, order].copy()
     nodes[turned] = nodes[turned][:, _REVERSED[name]]
-    return [(_VTK_NAME[name], nodes)]
+    return [(kind, nodes)]
 
 
 class FieldWriter:
@@ -106,9 +100,8 @@ class FieldWriter:
 
     def _write_contact(self, contact: Contact, number: int) -> None:
         surface = contact.surface
-        name = compat.cell_name(surface.mesh)
-        order = _PERMUTATION.get(name, slice(None))
-        cells = [(_VTK_NAME[name], surface.cell_nodes[:, order])]
+        kind, order = TO_MESHIO[compat.cell_name(surface.mesh)]
+        cells = [(kind, surface.cell_nodes[:, order])]
         data = {"force": contact.force, "gap": contact.gap, "status": contact.status}
         if contact.multiplier is not None:
             data["multiplier"] = contact.multiplier

@@ -113,7 +113,7 @@ class BeamSolid(Solid):
     @law.setter
     def law(self, law: AxialLaw | None) -> None:
         self._seen: Step | None = None
-        self.axial.law = law
+        self.axial.follow(law)
         if law is not None and law.prescribed is not None:  # the drive has no inertia
             self.velocity = self.velocity.copy()
             self.split(self.velocity)[1][:] = -law.prescribed

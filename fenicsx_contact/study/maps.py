@@ -10,7 +10,7 @@ import hashlib
 import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -66,9 +66,7 @@ class Map:
 
     def thinned(self, count: int) -> Map:
         """The same with at most ``count`` values on each axis."""
-        return Map(
-            self.name, self.title, self.problem, self.x.thinned(count), self.y.thinned(count)
-        )
+        return replace(self, x=self.x.thinned(count), y=self.y.thinned(count))
 
     def key(self, cell: dict[str, Any]) -> str:
         """What a cell is found by in a file of results."""

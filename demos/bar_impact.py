@@ -166,10 +166,10 @@ def draw(histories: dict[str, History]) -> None:
 
 def animate() -> None:
     """The thrown bar: a compression wave runs through it and back."""
-    from fenicsx_contact.output import plots
+    from fenicsx_contact.output import pictures
 
     thrown("velocity", directory=RESULTS / "run", fields_every=24)
-    plots.animate(
+    pictures.animate(
         RESULTS / "run" / "fields" / "bar.pvd",
         RESULTS / "bar.gif",
         colour_by="velocity",

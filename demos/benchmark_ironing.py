@@ -24,10 +24,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from fenicsx_contact.output.report import environment, write_summary
-
-sys.path.insert(0, str(Path(__file__).resolve().parent))
 from ironing import MATERIALS, iron
+
+from fenicsx_contact.output.report import environment, write_summary
 
 RESULTS = Path("results") / "benchmark_ironing"
 PEER = Path(__file__).resolve().parent / "peers" / "ironing_getfem.py"

@@ -21,12 +21,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from problems.rocking import BLOCK
+from problems.studies import STUDIES
 
 from fenicsx_contact.output.report import environment, write_summary
 from fenicsx_contact.references.housner import rocking
 from fenicsx_contact.references.swings import swings
-from fenicsx_contact.study import STUDIES, Study, ladder, measure
-from fenicsx_contact.study.problems.rocking import BLOCK
+from fenicsx_contact.study import Study, ladder, measure
 
 RESULTS = Path("results") / "benchmark_rocking"
 PEERS = Path(__file__).resolve().parent / "peers"

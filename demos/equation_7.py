@@ -49,7 +49,7 @@ from dolfinx import fem
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fenicsx_contact.base import compat
+from fenicsx_contact.base import assembly, compat
 from fenicsx_contact.output.report import write_summary
 from fenicsx_contact.theory.laws import (
     augmented_multiplier,
@@ -204,8 +204,8 @@ class Block:
         solver.pc.setType("lu")
         solver.pc.setFactorSolverType("mumps")
         for iteration in range(1, 16):
-            compat.assemble_owned(self.residual, force)
-            whole = compat.assemble_petsc_matrix(self.tangent)
+            assembly.assemble_owned(self.residual, force)
+            whole = assembly.assemble_petsc_matrix(self.tangent)
             matrix = whole.createSubMatrix(rows, rows)
             x, y = matrix.createVecs()
             y.setArray(force[free])
@@ -285,7 +285,7 @@ class Block:
 
     def matrix(self) -> np.ndarray:
         """The tangent where the unknowns are, dense."""
-        return compat.dense_matrix(self.tangent)[np.ix_(self.all, self.all)]
+        return assembly.dense_matrix(self.tangent)[np.ix_(self.all, self.all)]
 
 
 # %% [markdown]

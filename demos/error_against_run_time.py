@@ -15,7 +15,7 @@
 # cylinder on a plane (Hertz 1881), and the control rod that slides down a leaning tube, which is a
 # problem of one degree of freedom. In the bent tube it has none: there the reference is the
 # velocity law's own at a fine step, which shows the cost of steps and the distance of the laws, not
-# the truth. They stand, with what is compared, in `fenicsx_contact/study/problems`.
+# the truth. They stand, with what is compared, in `problems`, beside this file.
 #
 # ## What is measured
 #
@@ -31,8 +31,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from problems.studies import STUDIES
+
 from fenicsx_contact.output.report import environment, write_summary
-from fenicsx_contact.study import STUDIES, Sample, Study, measure, pareto, rate, table
+from fenicsx_contact.study import Sample, Study, measure, pareto, rate, table
 
 RESULTS = Path("results") / "error_against_run_time"
 

@@ -309,12 +309,12 @@ def draw(pressed: Pressed, table: dict[str, Any]) -> None:
 
 def picture(n: int) -> None:
     """Von Mises stress in the deformed bodies about the contact."""
-    from fenicsx_contact.output import plots
+    from fenicsx_contact.output import pictures
 
     pressed = benchmark(n)
     pressed.to(pressed.depth, directory=RESULTS / "run", fields_every=1)
     fields = RESULTS / "run" / "fields"
-    plots.deformed(
+    pictures.deformed(
         {fields / "body.pvd": von_mises(STEEL), fields / "base.pvd": von_mises(ALUMINIUM)},
         RESULTS / "stress.png",
         label="von Mises stress [MPa]",

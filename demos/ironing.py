@@ -180,14 +180,14 @@ def draw(curves: dict[str, History], errors: dict[str, list[float]]) -> None:
 
 def animate(n: int, drag_steps: int) -> None:
     """The die across the slab, coloured by the displacement; in 2D and, slantwise, in 3D."""
-    from fenicsx_contact.output import plots
+    from fenicsx_contact.output import pictures
 
     for name, more in (("ironing", {}), ("ironing_3d", {"n_width": 2, "slant": 0.1})):
         run = {"directory": RESULTS / name, "fields_every": 1}
         size = n if name == "ironing" else max(2, n // 3)
         iron(size, "neo-Hookean", drag_steps=drag_steps, run=run, **more)
         fields = RESULTS / name / "fields"
-        plots.animate(
+        pictures.animate(
             [fields / "slab.pvd", fields / "die.pvd"],
             RESULTS / f"{name}.gif",
             colour_by="displacement",

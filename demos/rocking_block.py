@@ -280,13 +280,13 @@ def draw_studies(times: dict[str, list[tuple[float, float]]], stiff: dict[str, A
 
 def draw_block(quick: bool) -> None:
     """An animation of the block, its motion magnified, from the fields that a run writes."""
-    from fenicsx_contact.output import plots
+    from fenicsx_contact.output import pictures
 
     case, steps = CASES["degree"], 2400
     run = RESULTS / "run"
     every = steps // (12 if quick else 60)
     rock(case.angle, 0.03, 0.03 / steps, "velocity", directory=run, fields_every=every)
-    plots.animate(
+    pictures.animate(
         run / "fields" / "block.pvd",
         RESULTS / "block.gif",
         magnify=1000,

@@ -25,10 +25,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from scipy.optimize import brentq
-
-sys.path.insert(0, str(Path(__file__).resolve().parent))
 from rod_drop import DASHPOT, Assumed, Drop, draw_forces, drop
+from scipy.optimize import brentq
 
 from fenicsx_contact.output.report import write_summary
 from fenicsx_contact.rods import ForceMap

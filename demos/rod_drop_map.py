@@ -25,8 +25,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parent))
 from rod_drop import BOTTOM, DASHPOT, Assumed, drop
 
 from fenicsx_contact.output.report import write_summary

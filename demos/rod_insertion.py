@@ -22,7 +22,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
 from rod_drop import BOTTOM, VELOCITY, Assumed, guide, rod
 
 from fenicsx_contact import Driven, History, Scene, ThetaScheme

@@ -26,7 +26,7 @@
 # a wave front widens by numerical diffusion and dispersion as the modified equation says; a block
 # at rest, a slope, a percussion, the patch test between two meshes are exact but for round-off; a
 # rod that slides down its tube has an exact speed whatever the clearance, by momentum. Each is
-# stated where the problem is: in `fenicsx_contact/study/problems`.
+# stated where the problem is: in `problems`, beside this file.
 
 # %%
 import sys
@@ -34,9 +34,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from problems.maps import MAPS
 
 from fenicsx_contact.output.report import environment, write_summary
-from fenicsx_contact.study import MAPS, Map, Verdict, run_maps, summary
+from fenicsx_contact.study import Map, Verdict, run_maps, summary
 
 RESULTS = Path("results") / "stability_map"
 

@@ -223,10 +223,10 @@ def draw(swing: History, slide: History) -> None:
 
 def animate() -> None:
     """The elastic block slides, leaning, stops and swings."""
-    from fenicsx_contact.output import plots
+    from fenicsx_contact.output import pictures
 
     stop_of_elastic(directory=RESULTS / "run", fields_every=2)
-    plots.animate(
+    pictures.animate(
         RESULTS / "run" / "fields" / "block.pvd",
         RESULTS / "block.gif",
         line=[(-0.7, 0.0), (1.4, 0.0)],

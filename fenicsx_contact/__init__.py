@@ -16,8 +16,9 @@ from .output.history import History  # noqa: E402
 from .output.storage import read_history  # noqa: E402
 from .rods.axis import AxisMesh, axis_mesh  # noqa: E402
 from .rods.beam import BeamSolid  # noqa: E402
-from .rods.drive import Driven, Fall, GuideTubeWater  # noqa: E402
+from .rods.drive import Driven, Fall  # noqa: E402
 from .rods.sections import Section, Support  # noqa: E402
+from .rods.water import GuideTubeWater  # noqa: E402
 from .scene import Scene  # noqa: E402
 from .solids import (  # noqa: E402
     ElasticSolid,

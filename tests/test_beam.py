@@ -190,7 +190,7 @@ def test_a_stranger_drives_a_beam():
     beam = BeamSolid(axis, Section(mass=4.0, bending=70.0), law=Winch())
     history = Scene([beam], [], allow_free=True).run(0.2, 1e-3)
     assert beam.travel == pytest.approx(1 - math.cos(1), rel=1e-5)
-    assert -beam.taken["winch"] == pytest.approx(50 * math.sin(1) ** 2, rel=1e-5)
+    assert -beam.axial.taken["winch"] == pytest.approx(50 * math.sin(1) ** 2, rel=1e-5)
     assert np.abs(history["balance"]).max() < 1e-10
     with pytest.raises(InputError, match="winch pulls"):
         BeamSolid(axis, Section(4.0, 70.0), supports=[CLAMP], law=Winch())

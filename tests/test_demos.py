@@ -174,7 +174,6 @@ def test_rod_drop(tmp_path, monkeypatch, capsys):
 
 def test_rod_calibration(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    load("rod_drop")
     demo = load("rod_calibration")
     summary = demo.main(quick=True)
     assert summary["T5_s"] == pytest.approx(1.52, abs=2e-3)  # the root finder's tolerance
@@ -186,7 +185,6 @@ def test_rod_calibration(tmp_path, monkeypatch, capsys):
 
 def test_rod_insertion(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    load("rod_drop")
     demo = load("rod_insertion")
     summary = demo.main(quick=True)
     kinked, tangent = summary["S, kinked inlet"], summary["S, tangent"]
@@ -199,7 +197,6 @@ def test_rod_insertion(tmp_path, monkeypatch, capsys):
 def test_rod_drop_map(tmp_path, monkeypatch, capsys):
     """Four drops; what is on file is not computed again, and a broken line is."""
     monkeypatch.chdir(tmp_path)
-    load("rod_drop")
     demo = load("rod_drop_map")
     assert len(demo.FRICTION) * len(demo.AMPLITUDE) >= 100
     summary = demo.main(quick=True)
@@ -258,7 +255,6 @@ def test_benchmark_ironing(tmp_path, monkeypatch, capsys):
     """Without GetFEM: our figures, and that it was left out."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("GETFEM_PYTHON", str(tmp_path / "none"))
-    monkeypatch.syspath_prepend(str(DEMOS))
     demo = load("benchmark_ironing")
     summary = demo.main(quick=True)
     for material in ("linear", "neo-Hookean"):

@@ -3,10 +3,10 @@
 
 import numpy as np
 import pytest
+from problems import bar_at_wall, rocking, sliding_elastic, squeezed
 from scenes import rectangle
 
 from fenicsx_contact import Contact, HalfSpace, HyperelasticSolid, InputError, Scene, neo_hookean
-from fenicsx_contact.study.problems import bar_at_wall, rocking, sliding_elastic, squeezed
 
 
 def test_free_jumps_that_are_round_off():

@@ -15,7 +15,7 @@ from dolfinx import fem
 from processes import mpirun, output_of
 
 from fenicsx_contact import InputError, NamedMesh, mesh_from_file, mesh_from_gmsh
-from fenicsx_contact.base import compat
+from fenicsx_contact.base import assembly
 from fenicsx_contact.base.mesh_names import element_sets
 
 MESHES = Path(__file__).parents[1] / "meshes"
@@ -25,7 +25,7 @@ FACET = {"triangle": "line", "quad": "line", "tetra": "triangle", "hexahedron": 
 
 
 def integral(expression, measure, mesh: NamedMesh) -> float:
-    return compat.assemble_scalar(fem.form(expression * measure), mesh.mesh.comm)
+    return assembly.assemble_scalar(fem.form(expression * measure), mesh.mesh.comm)
 
 
 def volume(mesh: NamedMesh) -> float:

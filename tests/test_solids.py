@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import ufl
+from problems import bar_at_wall
 from scenes import G, box, check_energies, rates, rectangle, total_energy
 from scipy.spatial.transform import Rotation
 
@@ -20,7 +21,6 @@ from fenicsx_contact import (
     neo_hookean,
     st_venant_kirchhoff,
 )
-from fenicsx_contact.study.problems import bar_at_wall
 from fenicsx_contact.theory.theta import Step
 
 CELLS_2D, CELLS_3D = ("triangle", "quadrilateral"), ("tetrahedron", "hexahedron")

@@ -8,32 +8,33 @@ import time
 from functools import partial
 
 import numpy as np
+import problems
 import pytest
+from problems import at_rest, incline, rocking
+from problems.maps import MAPS
+from problems.studies import STUDIES
 from test_demos import load
 
 from fenicsx_contact import InputError
 from fenicsx_contact.output.history import History
 from fenicsx_contact.study import (
     CLASSES,
-    MAPS,
-    STUDIES,
     Axis,
     Map,
     Sample,
     Study,
     judge,
     ladder,
-    map_by_name,
     measure,
     pareto,
-    problems,
     rate,
     run_maps,
     summary,
     table,
 )
-from fenicsx_contact.study.problems import at_rest, incline, rocking
 from fenicsx_contact.study.workers import each
+
+MAP = {m.name: m for m in MAPS}
 
 
 def sample(method, seconds, error, steps=100, reason="finished"):
@@ -183,9 +184,8 @@ def double(x):
 
 def test_workers_outlive_errors_deaths_and_time_limits(monkeypatch):
     monkeypatch.setenv("PYTHONPATH", os.path.dirname(__file__), prepend=os.pathsep)
-    monkeypatch.setattr("fenicsx_contact.study.workers.START", 20.0)
     calls = [(double, (x,)) for x in (0, 1, 2, 4, 3, 5)]
-    results = dict(each(calls, limit=1.0, processes=1, progress=False))
+    results = dict(each(calls, limit=1.0, processes=1, progress=False, start_up=20.0))
     assert [results[i] for i in (0, 1, 3, 5)] == [0, "ValueError: one", 8, 10]
     assert "died, code 3" in results[2]
     assert results[4] == "time limit of 1 s passed"
@@ -247,12 +247,12 @@ def test_axes_reach_from_one_extreme_to_the_other(name, low, high):
 
 @pytest.mark.parametrize("name", ["rocking_theta_dt", "bar_theta_cfl", "squeezed_young_dt"])
 def test_steps_span_four_decades(name):
-    steps = map_by_name(name).x.values
+    steps = MAP[name].x.values
     assert max(steps) / min(steps) >= 9.9e3
 
 
 def test_a_thinned_map_keeps_its_corners():
-    thin = map_by_name("incline").thinned(3)
+    thin = MAP["incline"].thinned(3)
     assert len(thin.cells()) == 9 and thin.x.values[-1] == 10
 
 

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 import ufl
 
-#: Squares and products of admissible numbers stay far inside the range of a double.
-LARGEST, SMALLEST = 1e60, 1e-60
+#: The size of admissible numbers lies between the inverse of this and this: their squares and
+#: products stay far inside the range of a double.
+LARGEST = 1e60
 
 
 class InputError(ValueError):
@@ -48,9 +49,8 @@ def number(
     at_most: float | None = None,
 ) -> float:
     """``value``, a number or a scalar ``fem.Constant``, as a float, or an :class:`InputError`."""
-    bounds = [f">= {at_least:g}" for _ in (1,) if at_least is not None]
-    bounds += [f"> {above:g}" for _ in (1,) if above is not None]
-    bounds += [f"<= {at_most:g}" for _ in (1,) if at_most is not None]
+    limits = (">=", at_least), (">", above), ("<=", at_most)
+    bounds = [f"{sign} {limit:g}" for sign, limit in limits if limit is not None]
     allowed = "a finite number" + (" " + " and ".join(bounds) if bounds else "")
     try:
         result = float(_floats(value))
@@ -64,9 +64,9 @@ def number(
     )
     if not inside:
         raise InputError(f"{name} = {value!r}: must be {allowed}")
-    if abs(result) > LARGEST or 0 < abs(result) < SMALLEST:
+    if abs(result) > LARGEST or 0 < abs(result) < 1 / LARGEST:
         raise InputError(
-            f"{name} = {value!r}: must lie between {SMALLEST:g} and {LARGEST:g} in size; "
+            f"{name} = {value!r}: must lie between {1 / LARGEST:g} and {LARGEST:g} in size; "
             "in these units its powers overflow, choose others"
         )
     return result

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import basix
@@ -12,7 +11,6 @@ import numpy as np
 import ufl
 from dolfinx import fem
 from mpi4py import MPI
-from petsc4py import PETSc
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 MODERN = VERSION >= (0, 8)  # elements come from basix.ufl, wrappers hold a _cpp_object
@@ -77,9 +75,7 @@ def cell_geometry(mesh: Any) -> np.ndarray:
     if VERSION >= (0, 11):
         return np.asarray(mesh.geometry.dofmaps[0])
     dofmap = mesh.geometry.dofmap
-    if MODERN:
-        return np.asarray(dofmap)
-    return _table(dofmap)
+    return np.asarray(dofmap) if MODERN else _table(dofmap)
 
 
 def num_local_cells(mesh: Any) -> int:
@@ -122,9 +118,7 @@ def _cellwise(mesh: Any, dim: int = 0) -> Any:
 def cell_dofs(space: Any) -> np.ndarray:
     """Dofs of the local cells, (m, k); of a sub-space: numbered in its parent."""
     dofs = space.dofmap.list
-    if MODERN:
-        return np.asarray(dofs)
-    return _table(dofs)
+    return np.asarray(dofs) if MODERN else _table(dofs)
 
 
 def _table(lists: Any) -> np.ndarray:
@@ -168,60 +162,52 @@ def nodal_facet_measures(mesh: Any, *parts: np.ndarray) -> list[ufl.Measure]:
     return [ds(i + 1) for i in range(len(parts))]
 
 
-def _pack_constants(form: Any) -> np.ndarray:
-    return dolfinx.cpp.fem.pack_constants(form._cpp_object if MODERN else form)
-
-
-def _pack_coefficients(form: Any) -> Any:
-    return dolfinx.cpp.fem.pack_coefficients(form._cpp_object if MODERN else form)
-
-
-class VectorAssembler:
-    """A linear form, compiled once, assembled into one array that is made once (one process)."""
+class _Assembler:
+    """A form, compiled once, with what an assembly of it needs."""
 
     def __init__(self, form: ufl.Form) -> None:
         self._form = fem.form(form)
         self._cpp = self._form._cpp_object if MODERN else self._form
-        dofmap = self._form.function_spaces[0].dofmap
-        self.array = np.zeros(dofmap.index_map.size_local * dofmap.index_map_bs)
         self.refresh_constants()
 
     def refresh_constants(self) -> None:
         """Read the form's constants again; to be called when one has changed."""
-        self._constants = _pack_constants(self._form)
+        self._constants = dolfinx.cpp.fem.pack_constants(self._cpp)
+
+    def _packed(self) -> tuple[Any, Any]:
+        return self._constants, dolfinx.cpp.fem.pack_coefficients(self._cpp)
+
+
+class VectorAssembler(_Assembler):
+    """A linear form, compiled once, assembled into one array that is made once (one process)."""
+
+    def __init__(self, form: ufl.Form) -> None:
+        super().__init__(form)
+        dofmap = self._form.function_spaces[0].dofmap
+        self.array = np.zeros(dofmap.index_map.size_local * dofmap.index_map_bs)
 
     def __call__(self) -> np.ndarray:
         self.array[:] = 0.0
-        coefficients = _pack_coefficients(self._form)
-        dolfinx.cpp.fem.assemble_vector(self.array, self._cpp, self._constants, coefficients)
+        dolfinx.cpp.fem.assemble_vector(self.array, self._cpp, *self._packed())
         return self.array
 
 
-class MatrixAssembler:
+class MatrixAssembler(_Assembler):
     """A bilinear form on an unblocked space, compiled once, assembled into one native sparse
     matrix that is made once (one process). ``indptr`` and ``indices`` give its pattern."""
 
     def __init__(self, form: ufl.Form) -> None:
-        self._form = fem.form(form)
-        self._cpp = self._form._cpp_object if MODERN else self._form
+        super().__init__(form)
         self._matrix = (fem if MODERN else fem.assemble).create_matrix(self._form)
         self._cpp_matrix = self._matrix._cpp_object if MODERN else self._matrix
         self._data = self._matrix.data
         self.indptr = np.asarray(self._matrix.indptr)
         self.indices = np.asarray(self._matrix.indices)
-        self.refresh_constants()
-
-    def refresh_constants(self) -> None:
-        """Read the form's constants again; to be called when one has changed."""
-        self._constants = _pack_constants(self._form)
 
     def __call__(self) -> np.ndarray:
         """Values of the matrix, in the order of its pattern."""
         self._data[:] = 0.0
-        coefficients = _pack_coefficients(self._form)
-        dolfinx.cpp.fem.assemble_matrix(
-            self._cpp_matrix, self._cpp, self._constants, coefficients, []
-        )
+        dolfinx.cpp.fem.assemble_matrix(self._cpp_matrix, self._cpp, *self._packed(), [])
         return self._data
 
 
@@ -267,56 +253,9 @@ class PointCloud:
         return PointExpression(expression, self._space)
 
 
-def assemble_petsc_matrix(form: Any) -> PETSc.Mat:
-    """Assemble a form, compiled or not, into a new PETSc matrix."""
-    from dolfinx.fem import petsc
-
-    matrix = petsc.assemble_matrix(fem.form(form))
-    matrix.assemble()
-    return matrix
-
-
-def add_to_petsc_matrix(matrix: PETSc.Mat, form: Any) -> None:
-    """Add a compiled form to an existing matrix of its pattern."""
-    from dolfinx.fem import petsc
-
-    petsc.assemble_matrix(matrix, form)
-    matrix.assemble()
-
-
-def assemble_owned(form: Any, array: np.ndarray) -> None:
-    """Assemble a compiled linear form into ``array``, the owned entries of its space, summing
-    what other processes hold of them."""
-    from dolfinx.fem import petsc
-
-    vector = petsc.assemble_vector(form)
-    vector.ghostUpdate(addv=PETSc.InsertMode.ADD, mode=PETSc.ScatterMode.REVERSE)
-    array[:] = vector.array_r
-    vector.destroy()
-
-
-def assemble_scalar(form: Any, comm: MPI.Comm) -> float:
-    """Integral of a compiled form of rank 0, summed over the processes."""
-    return float(comm.allreduce(fem.assemble_scalar(form), op=MPI.SUM))
-
-
-def interpolate(function: Any, values: Callable[[np.ndarray], np.ndarray]) -> None:
-    """Interpolate a callable of ``x`` (3, n) and update the ghosts."""
-    function.interpolate(values)
-    function.x.scatter_forward()
-
-
 def cell_constants(mesh: Any, values: np.ndarray) -> Any:
     """A coefficient that is constant in each cell, from values (cells,) (one process)."""
     space = _cellwise(mesh)
     function = fem.Function(space)
     function.x.array[cell_dofs(space).ravel()] = values
     return function
-
-
-def dense_matrix(form: ufl.Form) -> np.ndarray:
-    """A bilinear form as a dense array (small problems on one process)."""
-    matrix = assemble_petsc_matrix(form)
-    dense = matrix.convert("dense").getDenseArray().copy()
-    matrix.destroy()
-    return dense

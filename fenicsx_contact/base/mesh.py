@@ -15,6 +15,7 @@ import numpy as np
 from mpi4py import MPI
 
 from . import checks, compat
+from .constants import SAME
 
 _FACET_CELL = {
     "triangle": "interval",
@@ -23,12 +24,19 @@ _FACET_CELL = {
     "hexahedron": "quadrilateral",
 }
 #: A vertex of a cell and its neighbours, in dolfinx's order.
-_FRAME = {
+FRAME = {
     "triangle": [0, 1, 2],
     "quadrilateral": [0, 1, 2],
     "tetrahedron": [0, 1, 2, 3],
     "hexahedron": [0, 1, 2, 4],
 }
+
+
+def volumes(edges: np.ndarray) -> np.ndarray:
+    """Signed volumes that edges (n, d, d) from one corner span, (n,); 0 where they are flat."""
+    volume = np.linalg.det(edges)
+    flat = np.abs(volume) <= SAME * np.linalg.norm(edges, axis=2).prod(axis=1)
+    return np.where(flat, 0.0, volume)
 
 
 @dataclass(frozen=True)
@@ -55,10 +63,9 @@ class NamedMesh:
         x = self.mesh.geometry.x[:, : self.dim]
         if not np.isfinite(x).all():
             return "has a node with a coordinate that is not finite"
-        cells = compat.cell_geometry(self.mesh)[:, _FRAME[compat.cell_name(self.mesh)]]
+        cells = compat.cell_geometry(self.mesh)[:, FRAME[compat.cell_name(self.mesh)]]
         edges = x[cells[:, 1:]] - x[cells[:, :1]]
-        flat = 1e-12 * np.linalg.norm(edges, axis=2).prod(axis=1)
-        return "" if (np.abs(np.linalg.det(edges)) > flat).all() else "has a cell without volume"
+        return "" if volumes(edges).all() else "has a cell without volume"
 
     @property
     def dim(self) -> int:
@@ -203,7 +210,7 @@ def _read(gmsh: Any, path: Path, given: list[str]) -> tuple[str, dict[str, int]]
     except Exception as failure:  # gmsh raises nothing more special
         return f"gmsh says: {failure}", {}
     x = gmsh.model.mesh.getNodes()[1].reshape(-1, 3)
-    if dim == 2 and np.ptp(x[:, 2]) > 1e-9 * np.ptp(x, axis=0).max():
+    if dim == 2 and np.ptp(x[:, 2]) > SAME * np.ptp(x, axis=0).max():
         return "holds a surface in 3D, not a mesh of a solid (in 2D all nodes have one z)", {}
     if not gmsh.model.getPhysicalGroups(dim):
         kind = "Surface" if dim == 2 else "Volume"

@@ -16,7 +16,8 @@ import numpy as np
 from mpi4py import MPI
 
 from . import checks, compat
-from .mesh import NamedMesh
+from .constants import SAME
+from .mesh import NamedMesh, volumes
 from .mesh_names import PointSet, element_sets, listed, named_elements
 
 #: For meshio's name of a cell: dolfinx's, its nodes in dolfinx's order, the vertices of its facets
@@ -44,6 +45,10 @@ _CELLS: dict[str, tuple[str, list[int], list[list[int]], list[list[int]]]] = {
             *([4, 7, 5, 0], [5, 4, 6, 1], [6, 5, 7, 2], [7, 6, 4, 3]),
         ],
     ),
+}
+#: For dolfinx's name of a cell: meshio's, and the order between them, which is its own inverse.
+TO_MESHIO = {"interval": ("line", [0, 1])} | {
+    name: (kind, order) for kind, (name, order, *_) in _CELLS.items()
 }
 _ALLOWED = "first-order triangles or quadrilaterals in 2D, tetrahedra or hexahedra in 3D"
 
@@ -219,7 +224,7 @@ def _points(mesh: meshio.Mesh, used: np.ndarray, dim: int) -> np.ndarray:
     x = np.asarray(mesh.points, dtype=np.float64)[used]
     if not np.isfinite(x).all():
         raise checks.InputError("has a point with a coordinate that is not finite")
-    if x.shape[1] > dim and np.ptp(x[:, dim:]) > 1e-9 * np.ptp(x, axis=0).max():
+    if x.shape[1] > dim and np.ptp(x[:, dim:]) > SAME * np.ptp(x, axis=0).max():
         raise checks.InputError(
             "holds a surface in 3D, not a mesh of a solid (in 2D all points have one z)"
         )
@@ -231,9 +236,7 @@ def _check_shape(x: np.ndarray, cells: np.ndarray, kind: str) -> None:
     corner_sign = []
     for vertex, *others in _CELLS[kind][3]:
         edges = x[cells[:, others]] - x[cells[:, [vertex]]]
-        flat = 1e-12 * np.linalg.norm(edges, axis=2).prod(axis=1)
-        volume = np.linalg.det(edges)
-        corner_sign.append(np.where(np.abs(volume) > flat, np.sign(volume), 0))
+        corner_sign.append(np.sign(volumes(edges)))
     bad = np.flatnonzero(np.abs(np.sum(corner_sign, axis=0)) < len(corner_sign))
     if len(bad):
         raise checks.InputError(

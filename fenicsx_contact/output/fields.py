@@ -5,7 +5,6 @@ collection a thing. Each file is complete as soon as it is there, so a killed ru
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -15,10 +14,12 @@ import meshio
 import numpy as np
 
 from ..base import compat
+from ..base.mesh import FRAME
+from ..base.mesh_files import TO_MESHIO
 from ..contact.contact import Contact
 from ..solids import Solid
+from .storage import replace_file
 
-_PERMUTATION = {"quadrilateral": [0, 1, 3, 2], "hexahedron": [0, 1, 3, 2, 4, 5, 7, 6]}
 #: VTK's order with the other orientation.
 _REVERSED = {
     "triangle": [0, 2, 1],
@@ -26,28 +27,21 @@ _REVERSED = {
     "tetrahedron": [0, 2, 1, 3],
     "hexahedron": [0, 3, 2, 1, 4, 7, 6, 5],
 }
-_VTK_NAME = {
-    "interval": "line",
-    "triangle": "triangle",
-    "quadrilateral": "quad",
-    "tetrahedron": "tetra",
-    "hexahedron": "hexahedron",
-}
 
 
 def vtk_cells(mesh: Any) -> list[tuple[str, np.ndarray]]:
     """The cells that this process owns, in VTK's order and turned to a positive volume, as meshio
     wants them; gmsh and dolfinx leave some of them the other way round."""
     name, d = compat.cell_name(mesh), mesh.geometry.dim
+    kind, order = TO_MESHIO[name]
     nodes = compat.cell_geometry(mesh)[: compat.num_local_cells(mesh)]
     if name == "interval":  # the axis of a beam
-        return [(_VTK_NAME[name], nodes)]
+        return [(kind, nodes)]
     x = mesh.geometry.x[nodes, :d]
-    neighbours = [1, 2, 4] if name == "hexahedron" else list(range(1, d + 1))
-    turned = np.linalg.det(x[:, neighbours] - x[:, :1]) < 0
-    nodes = nodes[:, _PERMUTATION.get(name, slice(None))].copy()
+    turned = np.linalg.det(x[:, FRAME[name][1:]] - x[:, :1]) < 0
+    nodes = nodes[:, order].copy()
     nodes[turned] = nodes[turned][:, _REVERSED[name]]
-    return [(_VTK_NAME[name], nodes)]
+    return [(kind, nodes)]
 
 
 class FieldWriter:
@@ -82,7 +76,7 @@ class FieldWriter:
         self._index = self._path / "times.json"
         if resumed is not None and self._index.is_file():
             kept = json.loads(self._index.read_text())
-            self._times = [t for t in kept if t <= resumed * (1 + 1e-12)]
+            self._times = [t for t in kept if t <= resumed]
         else:
             self.write(time)
 
@@ -97,7 +91,7 @@ class FieldWriter:
         for contact in self._contacts:
             self._write_contact(contact, number)
         if self._comm.rank == 0:
-            _replace(self._index, json.dumps(self._times))
+            replace_file(self._index, json.dumps(self._times).encode())
             for solid in self._solids:
                 self._collect(solid.name, self._parts[solid.name])
             for contact in self._contacts:
@@ -106,9 +100,8 @@ class FieldWriter:
 
     def _write_contact(self, contact: Contact, number: int) -> None:
         surface = contact.surface
-        name = compat.cell_name(surface.mesh)
-        order = _PERMUTATION.get(name, slice(None))
-        cells = [(_VTK_NAME[name], surface.cell_nodes[:, order])]
+        kind, order = TO_MESHIO[compat.cell_name(surface.mesh)]
+        cells = [(kind, surface.cell_nodes[:, order])]
         data = {"force": contact.force, "gap": contact.gap, "status": contact.status}
         if contact.multiplier is not None:
             data["multiplier"] = contact.multiplier
@@ -143,16 +136,10 @@ class FieldWriter:
                 file = self._file(name, number, part)
                 lines.append(f'<DataSet timestep="{time!r}" part="{part}" file={quoteattr(file)}/>')
         lines += ["</Collection>", "</VTKFile>", ""]
-        _replace(self._path / f"{name}.pvd", "\n".join(lines))
+        replace_file(self._path / f"{name}.pvd", "\n".join(lines).encode())
 
 
 def _three(values: np.ndarray) -> np.ndarray:
     result = np.zeros((len(values), 3))
     result[:, : values.shape[1]] = values
     return result
-
-
-def _replace(path: Path, text: str) -> None:
-    temporary = path.with_suffix(path.suffix + ".new")
-    temporary.write_text(text)
-    os.replace(temporary, path)

@@ -34,7 +34,7 @@ class RunDirectory:
         for old in ("state.npz", "history.f64", "end.json"):
             (self.path / old).unlink(missing_ok=True)
         head = {"columns": history.columns, "scene": fingerprint}
-        _replace(self.path / "history.json", json.dumps(head, indent=1).encode())
+        replace_file(self.path / "history.json", json.dumps(head, indent=1).encode())
         self._written = 0
 
     def save(self, history: History, state: dict[str, np.ndarray]) -> None:
@@ -56,7 +56,7 @@ class RunDirectory:
     def finish(self, history: History) -> None:
         """Write how the run ended."""
         end = {**history.summary(), "remarks": history.remarks}
-        _replace(self.path / "end.json", json.dumps(end, indent=1).encode())
+        replace_file(self.path / "end.json", json.dumps(end, indent=1).encode())
 
     @property
     def has_checkpoint(self) -> bool:
@@ -111,7 +111,8 @@ def read_history(path: str | Path) -> History:
     return history
 
 
-def _replace(path: Path, content: bytes) -> None:
+def replace_file(path: Path, content: bytes) -> None:
+    """Write a file in one move: it is old or new at any time."""
     temporary = path.with_suffix(path.suffix + ".new")
     temporary.write_bytes(content)
     os.replace(temporary, path)

@@ -22,10 +22,10 @@ class Threshold(NamedTuple):
 
 def thresholds() -> list[Threshold]:
     """The numbers that stand as constants of modules, in the order of the files. A ``#:`` comment
-    above an assignment says what all its names bound. Data of references and problems are none."""
+    above an assignment says what all its names bound. Data of references are none."""
     root, found = Path(__file__).parent.parent, []
     for path in sorted(root.rglob("*.py")):
-        if path.relative_to(root).parts[0] in ("references", "study"):
+        if path.relative_to(root).parts[0] == "references":
             continue
         lines = path.read_text().splitlines()
         for node in ast.parse("\n".join(lines)).body:

@@ -32,7 +32,7 @@ class _Bar:
 
     def __post_init__(self) -> None:
         for name in ("youngs_modulus", "density", "length"):
-            object.__setattr__(self, name, checks.number(name, getattr(self, name), above=0))
+            checks.number(name, getattr(self, name), above=0)
 
     @property
     def wave_speed(self) -> float:
@@ -73,8 +73,8 @@ class ThrownBar(_Bar):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        object.__setattr__(self, "gap", checks.number("gap", self.gap, at_least=0))
-        object.__setattr__(self, "speed", checks.number("speed", self.speed, above=0))
+        checks.number("gap", self.gap, at_least=0)
+        checks.number("speed", self.speed, above=0)
         if self.speed >= self.wave_speed:
             raise checks.InputError(
                 f"speed = {self.speed!r}: must be < that of waves, {self.wave_speed!r}"
@@ -138,8 +138,7 @@ class ReleasedBar(_Bar):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        strain = checks.number("strain", self.strain, above=0, at_most=1 - 1e-12)
-        object.__setattr__(self, "strain", strain)
+        checks.number("strain", self.strain, above=0, at_most=1 - 1e-12)
 
     @property
     def period(self) -> float:

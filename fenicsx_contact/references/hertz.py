@@ -92,7 +92,7 @@ class _Contact:
 
     def __post_init__(self) -> None:
         for name in ("load", "modulus", "radius"):
-            object.__setattr__(self, name, checks.number(name, getattr(self, name), above=0))
+            checks.number(name, getattr(self, name), above=0)
 
 
 @dataclass(frozen=True)
@@ -188,8 +188,6 @@ class _Sheared:
                 f"tangential_load = {self.tangential_load!r}: must be <= friction * load = "
                 f"{friction * self.contact.load!r}, at which the bodies slide"
             )
-        object.__setattr__(self, "tangential_load", tangential)
-        object.__setattr__(self, "friction", friction)
 
     @property
     def utilisation(self) -> float:

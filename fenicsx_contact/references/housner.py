@@ -63,8 +63,7 @@ class Block:
 
     def __post_init__(self) -> None:
         for name in ("width", "height", "mass", "gravity"):
-            value = checks.number(name, getattr(self, name), above=0)
-            object.__setattr__(self, name, value)
+            checks.number(name, getattr(self, name), above=0)
 
     @property
     def R(self) -> float:

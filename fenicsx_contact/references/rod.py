@@ -3,7 +3,7 @@
 
 The drop of one degree of freedom is ``(M + m_a(z)) z'' = (M - m_w) g - F(z) - C(z) z'|z'|``; the
 numbers of its water reproduce the states of EDF's test FDNL100 (see
-:class:`~fenicsx_contact.rods.drive.GuideTubeWater`). The insertion force of an endless beam in a
+:class:`~fenicsx_contact.rods.water.GuideTubeWater`). The insertion force of an endless beam in a
 sinusoidal corridor follows from the beam equation between its contacts.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from ..rods.drive import Water
+from ..rods.water import Water
 
 
 def one_dof_drop(

@@ -11,6 +11,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ..base import checks, compat
+from ..base.constants import SAME
 
 
 @dataclass(frozen=True)
@@ -47,19 +48,19 @@ class AxisMesh:
         x = mesh.geometry.x[:, : self.dim] - self.origin
         along = x @ self.direction
         off = np.linalg.norm(x - along[:, None] * self.direction, axis=1).max()
-        if not off <= 1e-9 * np.ptp(along):  # NaN is off the line
+        if not off <= SAME * np.ptp(along):  # NaN is off the line
             raise checks.InputError(
                 f"mesh: an axis mesh must be a straight line from {self.origin.tolist()} along "
                 f"{self.direction.tolist()}; a node is {off:.3g} m off it"
             )
         ends = np.sort(along[compat.cell_geometry(mesh)], axis=1)
         ends = ends[np.argsort(ends[:, 0])]
-        if abs(ends[0, 0]) > 1e-9 * np.ptp(along) or (ends[1:, 0] != ends[:-1, 1]).any():
+        if abs(ends[0, 0]) > SAME * np.ptp(along) or (ends[1:, 0] != ends[:-1, 1]).any():
             raise checks.InputError(
                 "mesh: the cells of an axis mesh must follow each other, from s = 0 to its end"
             )
         for name, (a, b) in self.stretches.items():
-            if not a < b or np.abs(along[:, None] - (a, b)).min(axis=0).max() > 1e-9 * b:
+            if not a < b or np.abs(along[:, None] - (a, b)).min(axis=0).max() > SAME * b:
                 raise checks.InputError(
                     f"stretches[{name!r}] = {(a, b)!r}: must be an interval between two nodes"
                 )

@@ -13,7 +13,6 @@ from collections.abc import Mapping, Sequence
 from math import sqrt
 
 import numpy as np
-import scipy.sparse
 
 from ..base import checks
 from ..base.compat import cell_geometry
@@ -21,8 +20,10 @@ from ..solids.base import Solid
 from ..theory.theta import Step
 from .axis import AxisMesh
 from .drive import AxialLaw, AxialMotion
-from .sections import BeamMatrices, Lateral, Section, Support
+from .matrices import BeamMatrices
+from .sections import Lateral, Section, Support
 from .trace import BeamTrace
+from .unknowns import BeamUnknowns
 
 
 class BeamSolid(Solid):
@@ -43,6 +44,7 @@ class BeamSolid(Solid):
     Attributes:
         frame: the lateral directions, (d - 1, d), rows.
         gravity: along the travel, m/s².
+        axial: what the law does: the energy that it has ``taken``, the ``drive_force``.
 
     Raises:
         InputError: no mass, no section somewhere, numbers out of range, what a law cannot drive.
@@ -70,24 +72,16 @@ class BeamSolid(Solid):
         if isinstance(sections, Section):
             sections = dict.fromkeys(axis.stretches, sections)
         self.matrices = k = BeamMatrices(axis, sections, masses, supports)
-        self.axis, self.mass = axis, k.mass
-        self.frame = axis.frame
+        self.axis, self.frame, self.mass = axis, axis.frame, k.mass
         self.supported = not (k.free_bending.all() and k.free_axial.all())
-        d, m = self.dim, len(k.s)
-        self.planes, self._bends = d - 1, 2 * m * (d - 1)
-        self._mean = k.weights / k.mass if len(k.axial_mass) > 1 else np.ones(1)
-        held = len(self._mean) > 1 or not k.free_axial.all()
-        g = np.zeros(d) if gravity is None else checks.vector("gravity", gravity, d)
+        self._unknowns = unknowns = BeamUnknowns(axis, k)
+        self.split, self._along = unknowns.split, unknowns.along
+        self._masses, self._stiffness = unknowns.masses, unknowns.stiffness
+        held = len(unknowns.mean) > 1 or not k.free_axial.all()
+        g = np.zeros(self.dim) if gravity is None else checks.vector("gravity", gravity, self.dim)
         self.gravity = -float(g @ axis.direction)  # along the travel
-        self.axial = AxialMotion(self._mean, self.mass, self.gravity, held)
-        self._load = np.zeros(self._bends + len(k.axial_mass))
-        bending, axial = self.split(self._load)
-        bending[:, ::2] = (self.frame @ g)[:, None] * k.bending_mass[::2]
-        axial[:] = -self.gravity * k.axial_mass
-        self._masses = np.concatenate([np.tile(k.bending_mass, self.planes), k.axial_mass])
-        blocks = [*[k.bending_stiffness] * self.planes, k.axial_stiffness]
-        self._stiffness = scipy.sparse.block_diag(blocks, format="csr")
-        self._lateral_load = lateral_load
+        self.axial = AxialMotion(unknowns.mean, self.mass, self.gravity, held)
+        self._load, self._lateral_load = unknowns.weight(g), lateral_load
         self.displacement, self.velocity = np.zeros((2, len(self._load)))
         if displacement is not None:
             self._set_deflection(displacement(k.s), slope and slope(k.s))
@@ -95,16 +89,13 @@ class BeamSolid(Solid):
         self.law = law
         self._begin()
 
-    def split(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Views of the unknowns: (w, psi) by node in each plane, (d - 1, 2m), and axial."""
-        return values[: self._bends].reshape(self.planes, -1), values[self._bends :]
-
     def _set_deflection(self, w: np.ndarray, slope: np.ndarray | None) -> None:
         w = np.asarray(w, dtype=float)
-        if w.shape != (self.planes, len(self.matrices.s)) or not np.isfinite(w).all():
+        planes = self._unknowns.planes
+        if w.shape != (planes, len(self.matrices.s)) or not np.isfinite(w).all():
             raise checks.InputError(
                 f"displacement: gives values of shape {w.shape}; must be a function of s (n,) with "
-                f"finite values ({self.planes}, n)"
+                f"finite values ({planes}, n)"
             )
         self.split(self.displacement)[0][:] = self.matrices.bent(w, slope)
 
@@ -122,21 +113,11 @@ class BeamSolid(Solid):
     @law.setter
     def law(self, law: AxialLaw | None) -> None:
         self._seen: Step | None = None
-        self.axial.law = law
+        self.axial.follow(law)
         if law is not None and law.prescribed is not None:  # the drive has no inertia
             self.velocity = self.velocity.copy()
             self.split(self.velocity)[1][:] = -law.prescribed
             self._begin()
-
-    @property
-    def taken(self) -> dict[str, float]:
-        """Energy that water, drive line, drive, stop and flow have taken so far, J, by name."""
-        return self.axial.taken
-
-    @property
-    def drive_force(self) -> float:
-        """Force of a drive along the travel in the last step, N."""
-        return self.axial.drive_force
 
     @property
     def rod(self) -> BeamSolid:
@@ -150,12 +131,12 @@ class BeamSolid(Solid):
     @property
     def travel(self) -> float:
         """How far the beam has moved against the direction of its axis, m."""
-        return -float(self._mean @ self.split(self.displacement)[1])
+        return self._along(self.displacement)
 
     @property
     def speed(self) -> float:
         """Rate of the travel, m/s."""
-        return -float(self._mean @ self.split(self.velocity)[1])
+        return self._along(self.velocity)
 
     def _begin(self) -> None:
         """Refresh what is kept from step to step."""
@@ -195,7 +176,7 @@ class BeamSolid(Solid):
             [(bending @ self.flexibility).ravel(), self.axial_flexibility @ along]
         )
         if self.axial.prescribed is not None:
-            self.free_velocity[self._bends :] = -self.axial.prescribed
+            self.split(self.free_velocity)[1][:] = -self.axial.prescribed
 
     def _loads(self, step: Step) -> np.ndarray:
         """The weight, and what the scheme carries along; laws and flow are not carried."""
@@ -225,16 +206,12 @@ class BeamSolid(Solid):
         self.go(self.free_velocity + self._gain, step)
 
     def go(self, velocity: np.ndarray, step: Step) -> None:
-        self.trial_velocity = velocity
-        increment = step.increment(self.velocity, velocity, self.memory)
-        self.trial_displacement = self.displacement + increment
+        way = step.increment(self.velocity, velocity, self.memory)
+        self.trial_velocity, self.trial_displacement = velocity, self.displacement + way
 
     def drop_forces(self) -> None:
         self._gain = np.zeros_like(self._load)
         self._pushed = 0.0
-
-    def imbalance(self, step: Step, noise: float = 0.0) -> float:
-        return 0.0
 
     def root_mean_square(self, velocity: np.ndarray) -> float:
         return sqrt(float(velocity @ (self._masses * velocity)) / self.mass)
@@ -255,7 +232,7 @@ class BeamSolid(Solid):
         others = {}
         if self._lateral_load is not None and step.dt:
             others["flow"] = step.dt * float(mean @ self._flow_force)
-        after = -float(self._mean @ self.split(self.trial_velocity)[1])
+        after = self._along(self.trial_velocity)
         against, works = self.axial.works(step, self.speed, after, self._pushed, others)
         return momentum + against, loads + works, 0.0, 0.0
 
@@ -276,11 +253,12 @@ class BeamSolid(Solid):
         kinetic = 0.5 * float(self.velocity @ self._momentum)
         kinetic += self.axial.added_energy(self.travel, self.speed)
         strain = 0.5 * float(self.displacement @ self._internal)
-        return kinetic, strain, sum(self.taken.values()) - float(self._load @ self.displacement)
+        weight = -float(self._load @ self.displacement)
+        return kinetic, strain, sum(self.axial.taken.values()) + weight
 
     def lateral_energy(self) -> float:
         """Kinetic and strain energy of bending, J."""
-        n = self._bends
+        n = self._unknowns.bending
         kinetic = self.velocity[:n] @ self._momentum[:n]
         return 0.5 * float(kinetic + self.displacement[:n] @ self._internal[:n])
 
@@ -306,18 +284,11 @@ class BeamSolid(Solid):
         self._begin()
 
     def fields(self) -> dict[str, np.ndarray]:
-        x = self.axis.mesh.geometry.x[:, : self.dim]
-        node = np.abs(self.axis.along(x)[:, None] - self.matrices.s).argmin(axis=1)
-
-        def nodal(values: np.ndarray) -> np.ndarray:
-            bending, axial = self.split(values)
-            every = bending[:, ::2].T @ self.frame + axial[:, None] * self.axis.direction
-            return every[node]
-
-        return {"displacement": nodal(self.displacement), "velocity": nodal(self.velocity)}
+        at_mesh = self._unknowns.at_mesh
+        return {"displacement": at_mesh(self.displacement), "velocity": at_mesh(self.velocity)}
 
     def describe(self) -> str:
-        kind = "inextensible" if len(self._mean) == 1 else "extensible"
+        kind = "inextensible" if len(self._unknowns.mean) == 1 else "extensible"
         return (
             f"beam, {kind}, {len(cell_geometry(self.axis.mesh))} cells, mass {self.mass:.9g}, "
             f"stiffness {self._stiffness.diagonal().sum():.9g}, gravity {self.gravity:.9g}, "

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..base import checks
+from ..base.constants import SAME
 from ..contact.contact import Contact
 from ..contact.nodal import NodalJump
 from ..contact.surface import Surface
@@ -23,6 +24,9 @@ from .beam import BeamSolid
 from .guide import Guide
 from .trace import BeamTrace
 from .tube import PairTrace, RodInTube
+
+#: Penetration that a rod may start or settle with, as a share of the smallest clearance.
+DEEPEST = 0.05
 
 
 class GuideCoupling(NodalJump):
@@ -102,7 +106,7 @@ class GuideContact(Contact):
         formulation: Formulation | str = "velocity",
         friction: float = 0.0,
         *,
-        deepest: float = 0.05,
+        deepest: float = DEEPEST,
         **others: Any,
     ) -> None:
         checks.instance("solid", solid, (BeamSolid, RodInTube), "a BeamSolid or a RodInTube")
@@ -120,7 +124,7 @@ class GuideContact(Contact):
             raise checks.InputError(
                 f"obstacle: the guide is too bent for its clearance where the rod starts: at the "
                 f"depth {depth:.4g} m the rod is {self.gap[worst]:.4g} m inside its wall; let the "
-                "rod settle first (guides.settle)"
+                "rod settle first (rods.settle)"
             )
 
     def _make_surface(self) -> Surface:
@@ -186,7 +190,7 @@ class GuideContact(Contact):
 
 def _check_place(rod: BeamSolid, stretch: str, guide: Guide) -> None:
     """Refuse a guide that is not parallel to the rod, or too short for it."""
-    if np.linalg.norm(rod.axis.direction + guide.direction) > 1e-9:
+    if np.linalg.norm(rod.axis.direction + guide.direction) > SAME:
         raise checks.InputError(
             f"obstacle: a guide must run down the rod's axis, {(-rod.axis.direction).tolist()}, "
             f"not along {guide.direction.tolist()}"

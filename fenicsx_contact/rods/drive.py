@@ -16,9 +16,7 @@ import numpy as np
 
 from ..base import checks
 from ..theory.theta import Step
-from .water import GuideTubeWater, Water
-
-__all__ = ["AxialForce", "AxialLaw", "AxialMotion", "Driven", "Fall", "GuideTubeWater", "Water"]
+from .water import Water
 
 
 class AxialForce(NamedTuple):
@@ -179,7 +177,7 @@ class AxialMotion:
 
     def __init__(self, mean: np.ndarray, mass: float, gravity: float, held: bool) -> None:
         self.mean, self.mass, self.gravity, self._held = mean, mass, gravity, held
-        self._law: AxialLaw | None = None
+        self.law: AxialLaw | None = None
         self.taken: dict[str, float] = {}
         self.drive_force = 0.0
         self._forces: Sequence[AxialForce] = ()
@@ -187,22 +185,17 @@ class AxialMotion:
         self._added = 0.0
         self._works: dict[str, float] = {}
 
-    @property
-    def law(self) -> AxialLaw | None:
-        """The law."""
-        return self._law
-
-    @law.setter
-    def law(self, law: AxialLaw | None) -> None:
+    def follow(self, law: AxialLaw | None) -> None:
+        """Take up a law that can drive this beam."""
         if law is not None:
             checks.instance("law", law, AxialLaw, "a Fall, a Driven, an AxialLaw or None")
             law.check(self.mass, self.gravity, self._held)
-        self._law = law
+        self.law = law
 
     @property
     def prescribed(self) -> float | None:
         """The speed that the law imposes, m/s; None: it acts by forces."""
-        return self._law.prescribed if self._law else None
+        return self.law.prescribed if self.law else None
 
     def drive(
         self, step: Step, travel: float, speed: float, inverse: np.ndarray, load: np.ndarray
@@ -222,15 +215,15 @@ class AxialMotion:
             The inverse of the axial matrix; zero where a drive prescribes the motion.
         """
         self._forces, self._changes, self._added = (), (), 0.0
-        if self._law is None:
+        if self.law is None:
             return inverse
         if self.prescribed is not None:
             return np.zeros_like(inverse)
         weight = step.scheme.force_weight
         z = travel + weight * step.dt * speed
-        self._added = self._law.added_mass(z)
+        self._added = self.law.added_mass(z)
         if step.dt:
-            self._forces = self._law.forces(z, speed, self.mass, self.gravity, step.dt)
+            self._forces = self.law.forces(z, speed, self.mass, self.gravity, step.dt)
         self._changes = [weight * (f.by_speed + step.gap_rate * f.by_travel) for f in self._forces]
         c = self._added / step.span - sum(self._changes)
         load -= self.mean * (sum(f.value for f in self._forces) + c * speed)
@@ -270,7 +263,7 @@ class AxialMotion:
 
     def added_energy(self, travel: float, speed: float) -> float:
         """Kinetic energy of the water that moves along, J."""
-        return 0.5 * self._law.added_mass(travel) * speed**2 if self._law else 0.0
+        return 0.5 * self.law.added_mass(travel) * speed**2 if self.law else 0.0
 
     def state(self) -> dict[str, np.ndarray]:
         """What :meth:`restore` takes up: the energies that were taken."""

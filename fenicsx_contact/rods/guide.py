@@ -19,12 +19,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..base import checks
+from ..base.constants import SAME
 from .pieces import Card, Straight, Tube
-
-#: Where there is no wall, points are so many of the widest clearance away from one.
-FAR = 1e3
-#: Depths that differ by no more than this share of the guide's length are one.
-SAME = 1e-9
 
 
 class Guide:
@@ -39,7 +35,7 @@ class Guide:
     Attributes:
         stations: depths of the stations, from the top down, (k,) in m.
         bottom: depth at which the last tube ends, m; infinite if there are only cards.
-        far: the distance of points next to which there is no wall, m.
+        far: the distance of points next to which there is no wall, m: more than the guide is long.
 
     Raises:
         InputError: no pieces, tubes that overlap, directions that are zero or not lateral.
@@ -67,15 +63,16 @@ class Guide:
             first = np.eye(d)[0 if abs(self.direction[0]) < 0.9 else 1]
             plane = first - (first @ self.direction) * self.direction
         self.plane = _unit("plane", plane, d)
-        if abs(self.plane @ self.direction) > 1e-12:
+        if abs(self.plane @ self.direction) > SAME:
             raise checks.InputError(f"plane = {plane!r}: must be perpendicular to the direction")
         second = [np.cross(self.direction, self.plane)] if d == 3 else []
         # depth first, then the lateral directions
         self._axes = np.array([self.direction, self.plane, *second])
         self.tubes = sorted((p for p in pieces if isinstance(p, Tube)), key=lambda p: p.top)
         depths = [x for p in pieces for x in p.stations()]
-        self._same = SAME * (max(depths) - min(depths))
-        self.far = FAR * max(p.hole(x)[0] for p in pieces for x in p.stations())
+        length = max(depths) - min(depths)
+        self._same = SAME * length
+        self.far = length + max(p.hole(x)[0] for p in pieces for x in p.stations())
         for upper, lower in zip(self.tubes[:-1], self.tubes[1:]):
             if lower.top < upper.bottom - self._same:
                 raise checks.InputError(f"pieces: {upper} and {lower} overlap")

@@ -33,11 +33,9 @@ class Straight:
     tilt: float = 0.0
 
     def offset(self, depth: np.ndarray) -> np.ndarray:
-        """Lateral offset at depths (n,), m."""
         return self.tilt * depth
 
     def slope(self, depth: np.ndarray) -> np.ndarray:
-        """Its derivative by the depth."""
         return np.full_like(depth, self.tilt)
 
 
@@ -62,12 +60,10 @@ class Sine:
         checks.choice("inlet", self.inlet, ["tangent", "kinked"])
 
     def offset(self, depth: np.ndarray) -> np.ndarray:
-        """Lateral offset at depths (n,), m."""
         x = 2 * np.pi / self.wavelength * depth
         return self.amplitude * (np.sin(x) - x * (self.inlet == "tangent"))
 
     def slope(self, depth: np.ndarray) -> np.ndarray:
-        """Its derivative by the depth."""
         k = 2 * np.pi / self.wavelength
         return self.amplitude * k * (np.cos(k * depth) - (self.inlet == "tangent"))
 
@@ -89,11 +85,9 @@ class Bow:
         checks.number("length", self.length, above=0)
 
     def offset(self, depth: np.ndarray) -> np.ndarray:
-        """Lateral offset at depths (n,), m."""
         return 0.5 * self.sagitta * (1 - np.cos(2 * np.pi / self.length * depth))
 
     def slope(self, depth: np.ndarray) -> np.ndarray:
-        """Its derivative by the depth."""
         k = 2 * np.pi / self.length
         return 0.5 * self.sagitta * k * np.sin(k * depth)
 
@@ -106,11 +100,9 @@ class AnyCurve:
     derivative: Callable[[np.ndarray], np.ndarray] = field(repr=False)
 
     def offset(self, depth: np.ndarray) -> np.ndarray:
-        """Lateral offset at depths (n,), m."""
         return self.function(depth)
 
     def slope(self, depth: np.ndarray) -> np.ndarray:
-        """Its derivative by the depth."""
         return self.derivative(depth)
 
 

@@ -7,29 +7,22 @@ from __future__ import annotations
 import numpy as np
 
 from ..base import checks
+from ..base.checks import LARGEST
 from ..scene import Scene
 from ..solve.newton import Newton
 from ..theory.formulations import Velocity
 from ..theory.theta import ThetaScheme
 from .beam import BeamSolid
-from .contact import GuideContact
+from .contact import DEEPEST, GuideContact
 from .drive import Driven
 from .guide import Guide
 from .tube import RodInTube
 
-#: Steps of a block, first length of a step as a share of the rod's slowest period, its growth from
-#: block to block, the longest one, and the blocks after which there is no hope.
-BLOCK, FIRST, GROWTH, LONGEST, MOST = 25, 1e-4, 3.0, 1.0, 80
-#: In space a rod that leaves its place in the annular gap turns its own normal, which steps must
-#: resolve: one that ends deeper than this share of the clearance is taken back, and the steps stay
-#: shorter from then on.
-DEEPEST = 0.05
-#: What is left of the motion at rest, as a share of the smallest clearance.
-SETTLED = 1e-4
+#: First length of a step as a share of the rod's slowest period, which is also the longest one, and
+#: its growth from block to block of steps.
+FIRST, GROWTH = 1e-4, 3.0
 #: In steps so long the stiffest bending leaves no more digits; what is left decays.
 LOOSE = Newton(tolerance=1e-7)
-#: A centre line with corners, or coarse cells, may start the rod inside a wall.
-FREELY = 1e3
 
 
 def lay_in(rod: BeamSolid, guide: Guide) -> None:
@@ -40,7 +33,15 @@ def lay_in(rod: BeamSolid, guide: Guide) -> None:
     rod.deflect(centre @ rod.frame.T)
 
 
-def settle(solid: BeamSolid | RodInTube, stretch: str, guide: Guide) -> GuideContact:
+def settle(
+    solid: BeamSolid | RodInTube,
+    stretch: str,
+    guide: Guide,
+    *,
+    tolerance: float = 1e-4,
+    steps: int = 25,
+    blocks: int = 80,
+) -> GuideContact:
     """Bring a rod to rest in its guide, without friction, its travel held.
 
     The rod is laid along the centre line and let go: the same velocity law as everywhere carries it
@@ -51,6 +52,9 @@ def settle(solid: BeamSolid | RodInTube, stretch: str, guide: Guide) -> GuideCon
             travel do not.
         stretch: of its axis that is guided.
         guide: around it.
+        tolerance: what is left of the motion, as a share of the smallest clearance.
+        steps: of a block, in which they are equally long.
+        blocks: after which there is no hope.
 
     Returns:
         The contact at rest, with its forces.
@@ -65,40 +69,49 @@ def settle(solid: BeamSolid | RodInTube, stretch: str, guide: Guide) -> GuideCon
     if not supported:
         rod.law = Driven(0.0)
     try:
-        contact = _relax(solid, stretch, guide)
+        contact = _relax(solid, stretch, guide, tolerance, steps, blocks)
     finally:
         rod.law = law
     solid.rest()
     return contact
 
 
-def _relax(solid: BeamSolid | RodInTube, stretch: str, guide: Guide) -> GuideContact:
+def _relax(
+    solid: BeamSolid | RodInTube,
+    stretch: str,
+    guide: Guide,
+    tolerance: float,
+    steps: int,
+    blocks: int,
+) -> GuideContact:
     """Blocks of steps, each from rest."""
 
     def touch() -> GuideContact:
-        return GuideContact(solid, stretch, guide, Velocity(drift_correction=0.2), deepest=FREELY)
+        # a centre line with corners, or coarse cells, may start the rod inside a wall
+        return GuideContact(solid, stretch, guide, Velocity(drift_correction=0.2), deepest=LARGEST)
 
     contact, period = touch(), solid.rod.matrices.slowest_period()
     clearance = float(guide.clearance().min())
-    share, longest = FIRST, LONGEST
-    for _ in range(MOST):
+    share, longest = FIRST, 1.0
+    for _ in range(blocks):
         solid.rest()
         start, dt = solid.displacement, share * period
-        scene = Scene(
-            [solid], [contact], ThetaScheme(1.0, forces="end"), newton=LOOSE, deepest=FREELY
-        )
-        history = scene.run(scene.time + BLOCK * dt, dt, progress=False)
+        scheme = ThetaScheme(1.0, forces="end")
+        scene = Scene([solid], [contact], scheme, newton=LOOSE, deepest=LARGEST)
+        history = scene.run(scene.time + steps * dt, dt, progress=False)
         moved = float(np.abs(solid.displacement - start).max())
+        # in space a rod that leaves its place in the annular gap turns its own normal, which steps
+        # must resolve: else they are taken back, and stay shorter from then on
         if not history.finished or (contact.depth() > DEEPEST * clearance and share > FIRST):
             share = longest = share / (2 * GROWTH)
             solid.displacement = start
             solid.rest()
             contact = touch()
-        elif moved * max(1.0, period / (BLOCK * dt)) <= SETTLED * clearance:
+        elif moved * max(1.0, period / (steps * dt)) <= tolerance * clearance:
             return contact
         else:
             share = min(GROWTH * share, longest)
     raise checks.InputError(
         f"guide = {guide!r}: the rod finds no rest in it; it still moves by {moved:.3g} m in "
-        f"{BLOCK * dt:.3g} s"
+        f"{steps * dt:.3g} s"
     )

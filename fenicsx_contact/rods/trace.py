@@ -10,13 +10,11 @@ from typing import Protocol
 import numpy as np
 
 from ..base import checks
+from ..base.constants import SAME
 from ..solids.base import Trace
 from ..theory.theta import Step
 from .axis import AxisMesh
-from .sections import BeamMatrices
-
-#: Points may lie beyond the ends of the axis by this share of its length.
-BEYOND = 1e-9
+from .matrices import BeamMatrices
 
 
 class Slender(Protocol):
@@ -49,7 +47,7 @@ class _Shapes:
     Attributes:
         s: m; ``void``: there is no beam.
         dofs, w, dw: of the deflection and its derivative, (n, 4).
-        ends, u: of the axial displacement, (n, 2).
+        ends, u: of the axial displacement, (n, 2); the second is none of an inextensible axis.
     """
 
     s: np.ndarray
@@ -93,7 +91,7 @@ class BeamTrace(Trace):
         inside = np.ones(n, dtype=bool)
         inside[self.stations] = False
         self._nodes, on = np.flatnonzero(inside), np.asarray(places)[inside]
-        beyond = BEYOND * knots[-1]
+        beyond = SAME * knots[-1]
         if not ((on >= -beyond) & (on <= knots[-1] + beyond)).all():
             raise checks.InputError("points: each point of a trace must lie on the beam's axis")
         self._axes = np.concatenate([solid.frame, solid.axis.direction[None]])
@@ -206,10 +204,7 @@ class BeamTrace(Trace):
         result = np.empty((len(shapes.s), len(bending) + 1))
         for i, plane in enumerate(bending):
             (plane[shapes.dofs] * shapes.w).sum(axis=1, out=result[:, i])
-        if self._extensible:
-            (axial[shapes.ends] * shapes.u).sum(axis=1, out=result[:, -1])
-        else:
-            np.multiply(shapes.u[:, 0], axial[0], out=result[:, -1])
+        (axial[shapes.ends] * shapes.u).sum(axis=1, out=result[:, -1])
         return result
 
     # -- the operator of a step -----------------------------------------------------------------
@@ -227,11 +222,7 @@ class BeamTrace(Trace):
             self._renew(self._nodes)
         self._renew(self.stations)
         axial = solid.axial_flexibility
-        self._axial_columns = (
-            np.einsum("nk,nkj->nj", acting.u, axial[acting.ends])
-            if self._extensible
-            else acting.u[:, :1] * axial[0, 0]
-        )
+        self._axial_columns = np.einsum("nk,nkj->nj", acting.u, axial[acting.ends])
 
     def _renew(self, rows: np.ndarray) -> None:
         """What some points do to the beam."""
@@ -259,10 +250,7 @@ class BeamTrace(Trace):
     def mobility(self) -> np.ndarray:
         acting = self._acting
         lateral = (np.take_along_axis(self._columns, acting.dofs, axis=1) * acting.w).sum(axis=1)
-        if self._extensible:
-            along = np.take_along_axis(self._axial_columns, acting.ends, axis=1) * acting.u
-        else:
-            along = self._axial_columns * acting.u[:, :1]
+        along = np.take_along_axis(self._axial_columns, acting.ends, axis=1) * acting.u
         result = np.zeros((len(lateral), len(self._axes)))
         for i, j, across, share in self._shares:
             if i == j:
@@ -274,11 +262,7 @@ class BeamTrace(Trace):
         theirs, d = other._acting, len(self._axes)
         dofs, w, ends, u = (each[there] for each in (theirs.dofs, theirs.w, theirs.ends, theirs.u))
         lateral = np.einsum("ank,nk->an", self._columns[here[:, None, None], dofs], w)
-        axial = self._axial_columns
-        if self._extensible:
-            along = np.einsum("ank,nk->an", axial[here[:, None, None], ends], u)
-        else:
-            along = axial[here] * u[:, 0]
+        along = np.einsum("ank,nk->an", self._axial_columns[here[:, None, None], ends], u)
         result = np.zeros((len(here), d, len(there), d))
         for i, j, across, share in self._shares:
             result[:, i, :, j] = across * lateral + share * along

@@ -13,6 +13,7 @@ from math import sqrt
 import numpy as np
 
 from ..base import checks
+from ..base.constants import SAME
 from ..solids.base import Solid, Trace
 from ..theory.theta import Step
 from .beam import BeamSolid
@@ -36,7 +37,7 @@ class RodInTube(Solid):
     def __init__(self, rod: BeamSolid, tube: BeamSolid) -> None:
         checks.instance("rod", rod, BeamSolid, "a BeamSolid")
         checks.instance("tube", tube, BeamSolid, "a BeamSolid")
-        if rod.dim != tube.dim or np.abs(rod.axis.direction - tube.axis.direction).max() > 1e-9:
+        if rod.dim != tube.dim or np.abs(rod.axis.direction - tube.axis.direction).max() > SAME:
             raise checks.InputError("tube: its axis must run in the direction of the rod's")
         if tube.law is not None or tube.matrices.free_axial.all():
             raise checks.InputError(
@@ -106,9 +107,6 @@ class RodInTube(Solid):
 
     def mean_velocity(self, step: Step) -> np.ndarray:
         return np.concatenate([solid.mean_velocity(step) for solid in self._both])
-
-    def imbalance(self, step: Step, noise: float = 0.0) -> float:
-        return 0.0
 
     def accept(self, step: Step) -> None:
         for solid in self._both:

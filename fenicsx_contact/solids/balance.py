@@ -9,14 +9,12 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from ..base.constants import ROUND_OFF
 from ..theory.theta import Step
 from .base import MonolithicSolid
 from .boundary import Supports, Tractions
 from .mass import Mass
 from .vector_space import VectorSpace
-
-#: Forces below this share of the terms that they are the difference of are noise.
-ROUND_OFF = 1e-14
 
 
 class BalancedSolid(MonolithicSolid):

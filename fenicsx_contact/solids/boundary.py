@@ -11,7 +11,8 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
-from ..base import checks, compat
+from ..base import assembly, checks
+from ..base.constants import BRIEF, SAME
 from .vector_space import VectorSpace
 
 #: Displacements of facets, one for each direction, None where it is free; or a function of time
@@ -19,13 +20,6 @@ from .vector_space import VectorSpace
 Motion = Sequence[float | None] | Callable[[float], Sequence[float | None]]
 #: Force per reference area (Pa, or N/m per thickness in 2D), or a function of time that gives it.
 Traction = Sequence[float] | Callable[[float], Sequence[float]]
-
-#: Motions of a point that differ by less than this share of the largest one are the same: they may
-#: be computed in different ways.
-SAME = 1e-12
-#: The share of the shortest time of a solid over which motions are differentiated at the start:
-#: what moves faster than that no step can follow.
-START = 0.01
 
 
 class Supports:
@@ -99,7 +93,7 @@ class Supports:
         """
         if not self.moving or shortest == np.inf:
             return np.zeros(len(self.unknowns))
-        span = START * shortest
+        span = BRIEF * shortest
         now, then, later = (self.values(k * span) for k in (0, 1, 2))
         return (4 * (then - now) - (later - now)) / (2 * span)
 
@@ -170,7 +164,7 @@ class Tractions:
             for i, load in enumerate(loads):
                 direction = fem.Constant(mesh.mesh, np.eye(self._dim)[i])
                 form = ufl.dot(direction, test) * ds(int(mesh.names[name]))
-                compat.assemble_owned(fem.form(form), load)
+                assembly.assemble_owned(fem.form(form), load)
             if not max(vectors.comm.allgather(bool(loads.any()))):
                 raise checks.InputError(
                     f"tractions[{name!r}]: none of these facets is on the boundary of the mesh"

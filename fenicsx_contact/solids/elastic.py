@@ -14,15 +14,13 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
-from ..base import compat
+from ..base import assembly
+from ..base.constants import KEPT
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
 from .deformable import DeformableSolid
 from .energies import elastic_constants
 from .factor import Factorisation
-
-#: Factorisations that are kept, of steps of so many lengths: the lengths of adaptive steps.
-KEPT = 12
 
 
 class ElasticSolid(DeformableSolid):
@@ -45,7 +43,7 @@ class ElasticSolid(DeformableSolid):
     ) -> None:
         self.youngs_modulus, self.poisson_ratio = elastic_constants(youngs_modulus, poisson_ratio)
         super().__init__(mesh, **{"name": "elastic", **others})
-        self._stiffness = compat.assemble_petsc_matrix(self._stiffness_form())
+        self._stiffness = assembly.assemble_petsc_matrix(self._stiffness_form())
         self._factors: dict[tuple[float, float], tuple[int, Factorisation]] = {}
         self._made = 0
         self._begin()

@@ -18,13 +18,13 @@ from petsc4py import PETSc
 LARGE = 1e6
 
 
-def direct_solver(matrix: PETSc.Mat, prefix: str) -> PETSc.KSP:
+def direct_solver(matrix: PETSc.Mat, prefix: str, package: str = "mumps") -> PETSc.KSP:
     """A direct solver for any regular matrix, with PETSc options of the prefix."""
     solver = PETSc.KSP().create(matrix.comm)
     solver.setOptionsPrefix(re.sub(r"\W+", "_", prefix) + "_")
     solver.setType("preonly")
     solver.getPC().setType("lu")
-    solver.getPC().setFactorSolverType("mumps")
+    solver.getPC().setFactorSolverType(package)
     solver.setOperators(matrix)
     solver.setFromOptions()
     return solver
@@ -39,16 +39,9 @@ class Factorisation:
 
     def __init__(self, matrix: PETSc.Mat, name: str) -> None:
         self._matrix = matrix
-        self._solver = PETSc.KSP().create(matrix.comm)
-        self._solver.setOptionsPrefix(re.sub(r"\W+", "_", name) + "_")
-        self._solver.setType("preonly")
-        preconditioner = self._solver.getPC()
-        preconditioner.setType("lu")
         # PETSc's own LU solves in a third of the time of MUMPS, which scales in factoring
         large = matrix.comm.size > 1 or matrix.getInfo()["nz_used"] > LARGE
-        preconditioner.setFactorSolverType("mumps" if large else "petsc")
-        self._solver.setOperators(matrix)
-        self._solver.setFromOptions()
+        self._solver = direct_solver(matrix, name, "mumps" if large else "petsc")
         self._x, self._b = matrix.createVecs()
 
     def solve(self, values: np.ndarray) -> np.ndarray:

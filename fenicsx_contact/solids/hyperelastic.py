@@ -16,18 +16,14 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
-from ..base import checks, compat
+from ..base import assembly, checks, compat
+from ..base.constants import MADE, ROUND_OFF
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
 from .deformable import DeformableSolid
 from .energies import Energy
 from .factor import Factorisation
 
-#: The share of a solid's energies that a step may make, by the quadrature of its forces.
-MADE = 1e-6
-#: The round-off of the stored energy, as a share of that of the solid strained by 1: it is the
-#: small difference of terms of that size.
-NOISE = 1e-15
 #: The share of the error that each correction by an old tangent may leave.
 RATE = 0.1
 
@@ -68,10 +64,10 @@ class HyperelasticSolid(DeformableSolid):
         # force and energy are kept with the displacement that they belong to, that very array
         self._last = np.empty(0), np.empty(0)
         self._stored = np.empty(0), 0.0
-        self._tangent = compat.assemble_petsc_matrix(self._tangent_form)
+        self._tangent = assembly.assemble_petsc_matrix(self._tangent_form)
         swelling = self.vectors.places.ravel()
         swollen = self._sum(swelling @ self.multiply(self._tangent, swelling))
-        self._noise = NOISE * abs(swollen)
+        self._noise = ROUND_OFF * abs(swollen)  # of the energy, the difference of such terms
         self._factor: Factorisation | None = None
         self._made = False  # a tangent in this step
         self._free_load: np.ndarray | None = None
@@ -94,7 +90,7 @@ class HyperelasticSolid(DeformableSolid):
     def internal_force(self, displacement: np.ndarray) -> np.ndarray:
         self._set(displacement)
         force = np.empty(self.owned)
-        compat.assemble_owned(self._force_form, force)
+        assembly.assemble_owned(self._force_form, force)
         return force
 
     def _at(self, share: float) -> np.ndarray:
@@ -109,7 +105,7 @@ class HyperelasticSolid(DeformableSolid):
 
     def _stored_energy(self, displacement: np.ndarray) -> float:
         self._set(displacement)
-        return compat.assemble_scalar(self._potential_form, self.comm)
+        return assembly.assemble_scalar(self._potential_form, self.comm)
 
     @property
     def last_stiffness(self) -> PETSc.Mat:
@@ -125,7 +121,7 @@ class HyperelasticSolid(DeformableSolid):
     def _add_stiffness(self, displacement: np.ndarray, weight: float) -> None:
         self._set(displacement)
         self._weight.value = weight
-        compat.add_to_petsc_matrix(self._tangent, self._tangent_form)
+        assembly.add_to_petsc_matrix(self._tangent, self._tangent_form)
 
     def _choose_tangent(self, step: Step) -> None:
         """The matrix of the step: an old one if it will do, else that of the trial state. It is

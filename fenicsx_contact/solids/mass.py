@@ -12,7 +12,7 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
-from ..base import checks, compat
+from ..base import assembly, checks
 from .mass_redistribution import move_mass_inwards
 from .vector_space import VectorSpace
 
@@ -42,7 +42,7 @@ class Mass:
         self._rho = fem.Constant(mesh, self.density)
         self._dx = ufl.Measure("dx", domain=mesh)
         u, v = ufl.TrialFunction(vectors.space), ufl.TestFunction(vectors.space)
-        self.matrix = compat.assemble_petsc_matrix(self._rho * ufl.dot(u, v) * self._dx)
+        self.matrix = assembly.assemble_petsc_matrix(self._rho * ufl.dot(u, v) * self._dx)
         nodes = vectors.nodes_of(massless, "mass_redistribution")
         if vectors.comm.allreduce(len(nodes)):
             move_mass_inwards(vectors, self.matrix, nodes, fixed)
@@ -53,7 +53,7 @@ class Mass:
         g, v = fem.Constant(self._vectors.mesh.mesh, acceleration), self._vectors.space
         load = np.zeros(self._vectors.owned)
         form = self._rho * ufl.dot(g, ufl.TestFunction(v)) * self._dx
-        compat.assemble_owned(fem.form(form), load)
+        assembly.assemble_owned(fem.form(form), load)
         return load
 
     def times(self, velocity: np.ndarray) -> np.ndarray:

@@ -19,23 +19,13 @@ from petsc4py import PETSc
 from scipy.optimize import nnls
 
 from ..base import checks
+from ..base.constants import ROUND_OFF
 from .factor import Factorisation
 from .vector_space import VectorSpace
 
-#: Layers of nodes behind the boundary that take over its mass.
-LAYERS = 2
-#: What the total mass counts against its moments in the least squares: it is to be kept exactly.
-TOTAL = 1e6
-#: Forces of the boundary, as a share of those at the start, that are round-off ...
-BALANCED = 1e-13
-#: ... and those from which, by the last correction, one more of Newton's leads there.
-NEARLY = 1e-10
-#: Newton's corrections that bring the boundary into equilibrium, at most.
-CORRECTIONS = 20
-
 
 def move_mass_inwards(
-    vectors: VectorSpace, mass: PETSc.Mat, nodes: np.ndarray, fixed: np.ndarray
+    vectors: VectorSpace, mass: PETSc.Mat, nodes: np.ndarray, fixed: np.ndarray, layers: int = 2
 ) -> None:
     """Take the mass of some nodes and give it to those behind them, changing ``mass``.
 
@@ -44,6 +34,7 @@ def move_mass_inwards(
         mass: its assembled mass matrix, kg.
         nodes: the local nodes of the boundary that this process owns.
         fixed: the unknowns of the space that are held, which take no mass.
+        layers: of nodes behind the boundary, which take over its mass.
 
     Raises:
         InputError: a displacement of degree 2, or no free nodes behind the boundary.
@@ -69,7 +60,7 @@ def move_mass_inwards(
     # neighbours by neighbours: the mass couples a node with those of its cells
     near = np.zeros(len(x))
     near[nodes] = 1.0
-    for _ in range(LAYERS):
+    for _ in range(layers):
         near = np.abs(vectors.multiply(mass, component(near))[::d]) > 0
         near = near.astype(float)
     near[nodes] = 0.0
@@ -88,12 +79,14 @@ def move_mass_inwards(
     lost = before - moments()
 
     # No mass is taken there, so that the matrix stays positive: the total is restored, the centre
-    # and the moments of inertia as far as masses further inside can restore them, to O(h²).
+    # and the moments of inertia as far as masses further inside can restore them, to O(h²). With
+    # the moments about what was lost the least squares are those of masses of any total but 0, so
+    # the total may be set afterwards.
     f = np.column_stack([np.ones(len(places)), (places - origin) / size])
     pairs = [(a, b) for a in range(d + 1) for b in range(a, d + 1)]
-    weights = np.array([TOTAL if a == b == 0 else 1.0 for a, b in pairs])
-    rows = np.array([f[:, a] * f[:, b] for a, b in pairs]) * weights[:, None]
-    gained, _ = nnls(rows, weights * [lost[a, b] for a, b in pairs])
+    off = [f[:, a] * f[:, b] - lost[a, b] / lost[0, 0] for a, b in pairs[1:]]
+    gained, _ = nnls(np.array([f[:, 0], *off]), np.eye(len(pairs))[0])
+    gained *= lost[0, 0] / gained.sum()
     first = sum(comm.allgather(len(behind))[: comm.rank])
     added = np.zeros(vectors.owned)
     for k in range(d):
@@ -110,6 +103,7 @@ def relax(
     force: Callable[[np.ndarray], np.ndarray],
     tangent: Callable[[np.ndarray], PETSc.Mat],
     first: int,
+    corrections: int = 20,
 ) -> None:
     """Bring a boundary without mass into equilibrium, by Newton's method, changing its
     ``displacement``.
@@ -120,6 +114,7 @@ def relax(
         force: internal forces less loads at a displacement, N.
         tangent: their derivative.
         first: number of this process's first unknown.
+        corrections: at most.
 
     Raises:
         InputError: it has no equilibrium near the initial displacement.
@@ -128,18 +123,15 @@ def relax(
     rows = PETSc.IS().createGeneral((first + unknowns).astype(np.int32), comm=matrix.comm)
     comm = matrix.comm.tompi4py()
     start = None
-    for _ in range(CORRECTIONS):
+    for _ in range(corrections):
         residual = force(displacement)[unknowns]
         size = max(comm.allgather(float(np.abs(residual).max(initial=0.0))))
         start = size if start is None else start
-        if size <= BALANCED * start or size == 0.0:
-            rows.destroy()
-            return
         block = tangent(displacement).createSubMatrix(rows, rows)
         factorisation = Factorisation(block, "relax")
         displacement[unknowns] -= factorisation.solve(residual)
         factorisation.destroy()
-        if size <= NEARLY * start:  # one more correction than needed
+        if size <= ROUND_OFF**0.5 * start:  # by this correction, of second order, all of it
             rows.destroy()
             return
     raise checks.InputError(

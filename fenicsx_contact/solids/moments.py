@@ -9,7 +9,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from ..base import compat
+from ..base import assembly
 from ..base.mesh import NamedMesh
 
 
@@ -30,7 +30,7 @@ def moments(mesh: NamedMesh) -> tuple[float, np.ndarray, np.ndarray]:
     def integral(term: int) -> float:
         coefficients.value[:] = 0.0
         coefficients.value[term] = 1.0
-        return compat.assemble_scalar(form, domain.comm)
+        return assembly.assemble_scalar(form, domain.comm)
 
     size = integral(0)
     # first about the origin of coordinates, then about what that gives: far away digits cancel

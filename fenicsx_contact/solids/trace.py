@@ -10,6 +10,7 @@ import scipy.sparse
 from scipy.spatial import cKDTree
 
 from ..base import checks
+from ..base.constants import SAME
 from ..theory.theta import Step
 from .base import MonolithicTrace, Trace
 from .factor import Factorisation
@@ -17,8 +18,6 @@ from .vector_space import VectorSpace
 
 #: Up to so many components all columns of A^-1 J' are computed, above only those that are needed.
 FEW = 150
-#: How far a point may be from its node, as a share of the extent of all points.
-REACH = 1e-8
 
 
 class TracedSolid(Protocol):
@@ -61,7 +60,7 @@ class DeformableTrace(MonolithicTrace):
         vectors = solid.vectors
         self._comm, nodes, owned = vectors.comm, vectors.places, vectors.owned
         n, d = points.shape
-        reach = REACH * np.ptp(points, axis=0).max()
+        reach = SAME * np.ptp(points, axis=0).max()
         mine = np.zeros(0, dtype=int)
         node = np.zeros(0, dtype=int)
         if len(nodes):

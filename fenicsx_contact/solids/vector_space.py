@@ -129,7 +129,7 @@ class VectorSpace:
         if field is not None:
             if not callable(field):
                 raise checks.InputError(f"{what} = {field!r}: must be a function of x (3, n)")
-            compat.interpolate(function, values_at)
+            function.interpolate(values_at)  # the owned values are right without the ghosts
         values = function.x.array[: self.owned].copy()
         if not min(self.comm.allgather(bool((np.abs(values) <= checks.LARGEST).all()))):
             raise checks.InputError(

@@ -3,21 +3,16 @@
 
 A :class:`Problem` is a scene with its reference. A :class:`Study` runs it under ladders of settings
 and measures error and run time; a :class:`Map` runs it over a grid of two axes and judges each
-cell. What is shipped stands in :mod:`.studies` and :mod:`.maps`; add to ``STUDIES`` or ``MAPS``,
-or pass your own.
+cell. Those of the demos stand beside them, in ``demos/problems``.
 """
 
 from .judge import CLASSES, Verdict, judge
-from .maps import MAPS, map_by_name
-from .measure import Sample, Study, measure, pareto, rate, table
+from .maps import Axis, Map, run_maps, summary
+from .measure import Sample, Study, ladder, measure, pareto, rate, table
 from .problem import Problem
-from .stability import Axis, Map, run_maps, summary
-from .studies import STUDIES, ladder
 
 __all__ = [
     "CLASSES",
-    "MAPS",
-    "STUDIES",
     "Axis",
     "Map",
     "Problem",
@@ -26,7 +21,6 @@ __all__ = [
     "Verdict",
     "judge",
     "ladder",
-    "map_by_name",
     "measure",
     "pareto",
     "rate",

@@ -10,18 +10,12 @@ from typing import Any
 import numpy as np
 
 from ..base.checks import InputError
+from ..base.constants import MADE
 from ..output.history import History
 from .problem import Problem, energy_size, total_energy
 
 #: In the order of falling worth.
 CLASSES = ("within_error", "refused", "off", "stopped", "energy_created", "nonsense")
-
-#: Share of the energies that took part by which a total may rise above its start. A scheme that
-#: conserves keeps to round-off; one that is of first order may move by its own truncation error
-#: only downwards.
-ENERGY = 1e-6
-#: Share of them that the books of a run may leave unexplained.
-BALANCE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -43,7 +37,8 @@ def judge(build: Callable[[], Problem]) -> Verdict:
     * ``stopped``: the history's reason is not "finished";
     * ``nonsense``: finished, and not finite, or books that do not close, or deeper inside the
       obstacle than makes sense;
-    * ``energy_created``: the total rose above that of the start;
+    * ``energy_created``: the total rose above that of the start: a scheme that conserves keeps to
+      round-off, one of first order may move by its own truncation error only downwards;
     * ``within_error``, ``off``: by the problem's own bound. A bound of 1 or more says nothing, so
       no error is within it.
     """
@@ -61,7 +56,7 @@ def judge(build: Callable[[], Problem]) -> Verdict:
     if fault := _nonsense(problem, history, size):
         return Verdict("nonsense", reason=fault, **facts)
     rise = float((total_energy(history) - total_energy(history)[0]).max()) - problem.supplied
-    if rise > ENERGY * size:
+    if rise > MADE * size:
         share = rise / size if size else np.inf
         return Verdict("energy_created", reason=f"energy rose by {share:.3g} of itself", **facts)
     if not history.finished:
@@ -80,7 +75,7 @@ def _nonsense(problem: Problem, history: History, size: float) -> str:
     if not _finite(history):
         return "a number that is not finite"
     unexplained = float(np.abs(history["balance"]).max())
-    if unexplained > max(BALANCE, problem.round_off) * size:
+    if unexplained > max(MADE, problem.round_off) * size:
         return f"energy balance leaves {unexplained / (size or 1.0):.3g} unexplained"
     for column in history.columns:
         if column.endswith(".penetration") and history[column].max() > problem.deepest:

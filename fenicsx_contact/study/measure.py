@@ -18,6 +18,11 @@ from .problem import Problem
 Setting = Mapping[str, Any]
 
 
+def ladder(name: str, values: Sequence[Any], **fixed: Any) -> list[dict[str, Any]]:
+    """Settings that differ in one argument, coarse to fine."""
+    return [{name: value, **fixed} for value in values]
+
+
 @dataclass(frozen=True)
 class Study:
     """A problem and the settings under which it is to be measured.

@@ -14,9 +14,6 @@ from typing import Any
 #: A process imports the package anew, so that nothing of MPI or PETSc is shared.
 _SPAWN = multiprocessing.get_context("spawn")
 
-#: What the first call of a process has more, s, for it imports the package.
-START = 60.0
-
 Call = tuple[Callable[..., Any], tuple[Any, ...]]
 
 
@@ -57,14 +54,16 @@ def each(
     limit: float,
     processes: int | None = None,
     progress: bool | None = None,
+    start_up: float = 60.0,
 ) -> Iterator[tuple[int, Any]]:
     """Make calls, in any order.
 
     Args:
         calls: functions at the top of modules, and their arguments.
-        limit: of each call, s; the first of a process has ``START`` more.
+        limit: of each call, s.
         processes: how many at a time; default: one for each core.
         progress: show a bar; default: if a person watches.
+        start_up: what the first call of a process has more, s, for it imports the package.
 
     Yields:
         The index of a call, and its value; a text if it raised, passed its limit or died.
@@ -79,7 +78,7 @@ def each(
     try:
         for _ in range(count):
             workers.append(_Worker())
-            workers[-1].start(*next(queue), limit + START)
+            workers[-1].start(*next(queue), limit + start_up)
         while workers:
             left = max(0.0, min(w.until for w in workers) - monotonic())
             ready = wait([w.pipe for w in workers], timeout=left)
@@ -104,7 +103,7 @@ def each(
                 if not alive:
                     worker.end()
                     worker = workers[i] = _Worker()
-                worker.start(*call, limit if alive else limit + START)
+                worker.start(*call, limit if alive else limit + start_up)
     finally:
         bar.close()
         for worker in workers:

@@ -10,17 +10,25 @@ from typing import Any
 
 import numpy as np
 
-from ...output.history import History
-from ...references.rod import one_dof_drop
-from ...rods import Card, Guide, GuideContact, Sine, Tube, settle
-from ...rods.axis import axis_mesh
-from ...rods.beam import BeamSolid
-from ...rods.drive import Fall, GuideTubeWater
-from ...rods.sections import Section
-from ...scene import Scene
-from ...theory.formulations import Discrete, Formulation, Gap, Lagrange, Velocity
-from ...theory.theta import ThetaScheme
-from ..problem import Problem
+from fenicsx_contact import (
+    BeamSolid,
+    Discrete,
+    Fall,
+    Gap,
+    GuideTubeWater,
+    History,
+    Lagrange,
+    Scene,
+    Section,
+    ThetaScheme,
+    Velocity,
+    axis_mesh,
+)
+from fenicsx_contact.references.rod import one_dof_drop
+from fenicsx_contact.rods import Card, Guide, GuideContact, Sine, Tube, settle
+from fenicsx_contact.study import Problem
+from fenicsx_contact.theory.formulations import Formulation
+
 from .shapes import G
 
 #: Depth of the tip at release, travels to the dashpot (T5) and to the end, length, clearance, m.

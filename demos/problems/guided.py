@@ -7,17 +7,24 @@ from math import asin, cos, inf, pi, sin
 
 import numpy as np
 
-from ...output.history import History
-from ...references.rod import endless_insertion_force
-from ...rods import Guide, GuideContact, Sine, Straight, Tube, settle
-from ...rods.axis import axis_mesh
-from ...rods.beam import BeamSolid
-from ...rods.drive import Fall
-from ...rods.sections import Section, Support
-from ...scene import Scene
-from ...theory.formulations import Formulation, Gap, Lagrange, Velocity
-from ...theory.theta import ThetaScheme
-from ..problem import Problem
+from fenicsx_contact import (
+    BeamSolid,
+    Fall,
+    Gap,
+    History,
+    Lagrange,
+    Scene,
+    Section,
+    Support,
+    ThetaScheme,
+    Velocity,
+    axis_mesh,
+)
+from fenicsx_contact.references.rod import endless_insertion_force
+from fenicsx_contact.rods import Guide, GuideContact, Sine, Straight, Tube, settle
+from fenicsx_contact.study import Problem
+from fenicsx_contact.theory.formulations import Formulation
+
 from .block import EXACT
 from .shapes import G
 

@@ -5,13 +5,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...contact.contact import Contact
-from ...contact.obstacle import HalfSpace
-from ...output.history import History
-from ...scene import Scene
-from ...solids import ElasticSolid, RigidSolid
-from ...theory.theta import ThetaScheme
-from ..problem import Problem
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    HalfSpace,
+    History,
+    RigidSolid,
+    Scene,
+    ThetaScheme,
+)
+from fenicsx_contact.study import Problem
+
 from .shapes import FLOOR, G, rectangle
 
 #: Relative error to which what is exact in the scheme must be computed.

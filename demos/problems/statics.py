@@ -7,13 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ...contact.contact import Contact
-from ...contact.obstacle import HalfSpace
-from ...output.history import History
-from ...scene import Scene
-from ...solids import ElasticSolid
-from ...theory.theta import QuasiStatic
-from ..problem import Problem
+from fenicsx_contact import Contact, ElasticSolid, HalfSpace, History, QuasiStatic, Scene
+from fenicsx_contact.study import Problem
+
 from .block import EXACT
 from .shapes import rectangle
 

@@ -7,8 +7,7 @@ import dolfinx
 import numpy as np
 from mpi4py import MPI
 
-from ...base.mesh import NamedMesh, name_facets
-from ...contact.obstacle import HalfSpace
+from fenicsx_contact import HalfSpace, NamedMesh, name_facets
 
 FLOOR = HalfSpace((0, 0), (0, 1))
 G = 9.81  # m/s²

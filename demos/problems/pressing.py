@@ -13,16 +13,19 @@ from typing import Any
 
 import numpy as np
 
-from ...base.mesh import NamedMesh
-from ...contact.contact import Contact
-from ...contact.obstacle import HalfSpace
-from ...output.history import History
-from ...references.hertz import LineContact, effective_modulus
-from ...scene import Scene
-from ...solids import ElasticSolid
-from ...theory.formulations import Velocity
-from ...theory.theta import QuasiStatic
-from ..problem import Problem
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    HalfSpace,
+    History,
+    NamedMesh,
+    QuasiStatic,
+    Scene,
+    Velocity,
+)
+from fenicsx_contact.references.hertz import LineContact, effective_modulus
+from fenicsx_contact.study import Problem
+
 from .shapes import rectangle
 
 #: Half width aimed at and radius, m; half the size of a block and extent of its fine part over it.

@@ -8,16 +8,12 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ...contact.contact import Contact
-from ...output.history import History
-from ...references.housner import Block
-from ...references.housner import rocking as housner
-from ...references.swings import swings
-from ...scene import Scene
-from ...solids import RigidSolid
-from ...theory.formulations import Discrete, Lagrange
-from ...theory.theta import ThetaScheme
-from ..problem import Problem
+from fenicsx_contact import Contact, Discrete, History, Lagrange, RigidSolid, Scene, ThetaScheme
+from fenicsx_contact.references.housner import Block
+from fenicsx_contact.references.housner import rocking as housner
+from fenicsx_contact.references.swings import swings
+from fenicsx_contact.study import Problem
+
 from .shapes import FLOOR, G, rectangle
 
 #: The paper's block, and friction that it sticks with (Code_Aster, SDNV105).

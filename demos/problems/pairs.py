@@ -7,12 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from ...contact.contact import Contact
-from ...output.history import History
-from ...scene import Scene
-from ...solids import ElasticSolid, RigidSolid
-from ...theory.theta import QuasiStatic, ThetaScheme
-from ..problem import Problem
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    History,
+    QuasiStatic,
+    RigidSolid,
+    Scene,
+    ThetaScheme,
+)
+from fenicsx_contact.study import Problem
+
 from .bar import front_width, impulse_error
 from .block import EXACT
 from .shapes import FLOOR, G, rectangle

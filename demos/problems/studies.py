@@ -1,21 +1,14 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The studies that are shipped. To add one: ``STUDIES["name"] = Study(...)``."""
+"""What ``error_against_run_time.py`` measures. To add one: ``STUDIES["name"] = Study(...)``."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import partial
 from math import radians
-from typing import Any
 
-from .measure import Study
-from .problems import bar_at_wall, bar_released, bent_drop, hertz, leaning_drop, oscillator, rocking
+from fenicsx_contact.study import Study, ladder
 
-
-def ladder(name: str, values: Sequence[Any], **fixed: Any) -> list[dict[str, Any]]:
-    """Settings that differ in one argument, coarse to fine."""
-    return [{name: value, **fixed} for value in values]
-
+from . import bar_at_wall, bar_released, bent_drop, hertz, leaning_drop, oscillator, rocking
 
 #: Steps over the time to the first impact.
 _UNIFORM = [1 / 50, 1 / 200, 1 / 800, 1 / 3200]

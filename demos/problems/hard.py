@@ -7,12 +7,9 @@ from math import cos, pi, sin
 
 import numpy as np
 
-from ...contact.contact import Contact
-from ...output.history import History
-from ...scene import Scene
-from ...solids import HyperelasticSolid, RigidSolid
-from ...theory.theta import ThetaScheme
-from ..problem import Problem
+from fenicsx_contact import Contact, History, HyperelasticSolid, RigidSolid, Scene, ThetaScheme
+from fenicsx_contact.study import Problem
+
 from .block import EXACT
 from .shapes import FLOOR, G, rectangle
 

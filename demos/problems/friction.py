@@ -7,12 +7,17 @@ from math import atan, cos, pi, sin
 
 import numpy as np
 
-from ...contact.contact import Contact
-from ...output.history import History
-from ...scene import Scene
-from ...solids import ElasticSolid, HyperelasticSolid, RigidSolid
-from ...theory.theta import ThetaScheme
-from ..problem import Problem
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    History,
+    HyperelasticSolid,
+    RigidSolid,
+    Scene,
+    ThetaScheme,
+)
+from fenicsx_contact.study import Problem
+
 from .block import EXACT
 from .shapes import FLOOR, G, rectangle
 

@@ -8,14 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from ...contact.contact import Contact
-from ...contact.obstacle import HalfSpace
-from ...output.history import History
-from ...scene import Scene
-from ...solids import ElasticSolid, HyperelasticSolid, neo_hookean
-from ...solids.deformable import DeformableSolid
-from ...theory.theta import ThetaScheme
-from ..problem import Problem
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    HalfSpace,
+    History,
+    HyperelasticSolid,
+    Scene,
+    ThetaScheme,
+    neo_hookean,
+)
+from fenicsx_contact.solids.deformable import DeformableSolid
+from fenicsx_contact.study import Problem
+
 from .shapes import rectangle
 
 

@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Numbers that several rooms share, each for one reason."""
+
+#: Places, lengths, directions and motions that are given twice and differ by less than this share
+#: of their size are the same; a cell with less than this share of the volume of its edges is flat.
+SAME = 1e-9
+#: What is below this share of the terms that it is the difference of is round-off.
+ROUND_OFF = 1e-14
+#: The share of the energies that took part which may come from nowhere: by the few points at which
+#: a step takes the forces, in the books of a run.
+MADE = 1e-6
+#: The share of a step, or of the shortest time of a solid, over which a motion that is given as a
+#: function of time is differentiated: what moves faster than that no step can follow.
+BRIEF = 2.0**-10
+#: Linearisations that a linear solid keeps, of steps of so many lengths: those of adaptive steps.
+KEPT = 12

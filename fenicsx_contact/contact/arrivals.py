@@ -15,7 +15,7 @@ def arrival(contact: Contact) -> tuple[float, float, float]:
     Returns:
         Its gap there [m], the rate of it [m/s], and its gap at the start.
     """
-    free = contact.chosen & ~contact.allowed
+    free = contact.chosen & ~contact.candidates.allowed
     if not free.any():
         return -np.inf, 0.0, 0.0
     gap = np.where(free, contact.coupling.gaps(), -np.inf)

@@ -6,24 +6,21 @@ It follows the solids through a step and feeds gaps and normals to the equations
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from ..base import checks
 from ..solids import Solid
-from ..theory.formulations import Formulation, StepData
+from ..theory.formulations import Formulation
 from ..theory.formulations import formulation as as_formulation
 from ..theory.friction import FrictionBound, friction_bound
 from ..theory.theta import Step
+from .candidates import Candidates
 from .equations import SurfaceEquations
-from .jump import Coupling, MortarJump, side_of
-from .nodal import NodalJump
-from .pairing import Master, acting_points, check_master
+from .jump import Coupling
+from .pairing import Master, acting_points, check_master, couple
 from .scales import Scales
-from .surface import Surface
-from .wall import Obstacle
+from .springs import TangentialSprings
+from .surface import Surface, dot
 
 #: Distances below this share of the coordinates, and jumps below this share of the speeds of what
 #: jumps, are noise.
@@ -50,7 +47,7 @@ class Contact:
         start_jump_n: w_n at the start, by the operators of the step; ``end_gap``: at its end if
             nothing approached.
         resolution: speeds below it, m/s, the last step did not resolve.
-        allowed: points that may bear in the step, if they are asked to.
+        candidates: of the step.
         status: of the points in the last step: 0 open, 1 stick, 2 slip.
         force: mean of the last step on the solid, N.
 
@@ -102,28 +99,16 @@ class Contact:
         self.part = self.coupling.part
         self.force = np.zeros(self.surface.points.shape)
         self.status = np.zeros(self.surface.size)
-        self._stretch = np.zeros(self.surface.points.shape)  # of tangential springs
+        self.candidates = Candidates(self.equations, self.coupling, self.formulation)
+        self._springs = TangentialSprings(self.equations, self.formulation)
         self._scales = Scales(self.coupling, self.surface.size)
         self.resolution = 0.0
         self._moved = 1.0  # length of the last step, s
-        self._remembers = not self.formulation.multipliers
         self._set_normal(self.coupling.normals())
         self._locate()
 
-    def _couple(self, other: Obstacle | tuple[Solid, str]) -> Coupling:
-        if not isinstance(other, tuple):
-            coupling = NodalJump(self.solid, self.equations, other)
-            coupling.wall.check(coupling.positions())
-            return coupling
-        solid, facets = other
-        sides = side_of(self.solid, self.facets, self.surface), side_of(solid, facets)
-        pair = MortarJump((self.solid, solid), sides, self.equations)
-        if not pair.faces:
-            raise checks.InputError(
-                f"master = ({solid.name!r}, {facets!r}): nowhere faces {self.facets!r} of "
-                f"{self.solid.name!r}; the outward normals of the two must point at each other"
-            )
-        return pair
+    def _couple(self, other: Master) -> Coupling:
+        return couple(self.solid, self.facets, self.equations, other)
 
     def _make_surface(self) -> Surface:
         return Surface(*self.solid.mesh.boundary(self.facets))
@@ -155,46 +140,25 @@ class Contact:
         if self.coupling.driven:
             self.jump = self.coupling.jump("velocity")
         self.coupling.follow()
-        self.allowed = self.formulation.closed(self.coupling.gaps(), self.tolerance)
+        allowed = self.formulation.closed(self.coupling.gaps(), self.tolerance)
         if not closing:
-            self.allowed = self.allowed & self.touching()
+            allowed = allowed & self.touching()
         if not step.dt and not self.formulation.percussive:
-            self.allowed = np.zeros(self.surface.size, dtype=bool)
-        self._asked = np.ones(self.surface.size, dtype=bool)
-        self._choose()
-
-    def _choose(self) -> None:
-        self.equations.choose(self.allowed & self._asked & self.coupling.near())
+            allowed = np.zeros(self.surface.size, dtype=bool)
+        self.candidates.begin(allowed, self.gap)
 
     def screen(self, free: np.ndarray, step: Step) -> None:
         """Narrow the candidates to points that bore, or would do what the law forbids without
         contact, from the free velocities of the traces' points, flat: no others bear, unless
         :meth:`grow` finds that the contact made them."""
-        bore = self.status > 0
-        self._asked = bore | self._violates(self.coupling.to_jump(free), step)
-        self._choose()
+        self.candidates.narrow(self.status > 0, self.coupling.to_jump(free), step)
         if self._paired:  # its operators are those of the candidates
             self.coupling.linearise(step, False, self.formulation.gap_share)
 
     def grow(self, step: Step) -> bool:
         """Let points be candidates that do in the trial state what the law forbids; whether there
         were any."""
-        more = self._violates(self.trial_jump, step) & ~self._asked
-        if not (more & self.allowed & self.coupling.near()).any():
-            return False
-        self._asked |= more
-        self._choose()
-        return True
-
-    def _violates(self, jump: np.ndarray, step: Step) -> np.ndarray:
-        """Points whose jump (n, d) is more than the law allows, (n,) of bool."""
-        approach = dot(jump, self.normal)
-        limit = self.limit(step)
-        if limit is None:  # springs know no limit, but what they do not touch
-            k = self.equations.fields
-            limit = -k.gap.x.array / step.gap_rate if step.gap_rate else np.inf * approach
-            return (approach > limit) | (self.gap > 0)
-        return approach > limit
+        return self.candidates.widen(self.trial_jump, step)
 
     def touching(self) -> np.ndarray:
         """Points that bore in the last step, or touch at the start of this one and do not leave,
@@ -211,7 +175,7 @@ class Contact:
         if self._paired:
             if not self.formulation.at_points:
                 self.equations.set_weight(self.coupling.area)
-            self._choose()
+            self.candidates.choose()
         if not self.coupling.fixed_normal:
             self._set_normal(self.coupling.normals())
         gap = self.gap if step.dt else np.minimum(self.gap, 0.0)  # no way to correct a drift
@@ -228,13 +192,7 @@ class Contact:
         k.start_jump_n.x.array[:] = self.start_jump_n
         rate = share * step.gap_rate
         self.equations.set_rates(rate, step.span, step.limit_rate, step.horizon)
-        if self._remembers:
-            rate = step.scheme.force_weight * (step.dt - step.gap_rate)
-            k.elongation.x.array[:] = (self._stretch + rate * self.jump).ravel()
-            k.start_gap.x.array[:] = self.gap
-            k.mean_share.value = step.mean_share
-            k.force_rate.value = step.scheme.force_weight * step.gap_rate
-            self.equations.refresh()
+        self._springs.linearise(step, self.gap, self.jump)
         self.coupling.linearise(step, exact, share)
 
     def _set_normal(self, normal: np.ndarray) -> None:
@@ -259,15 +217,7 @@ class Contact:
 
     def limit(self, step: Step) -> np.ndarray | None:
         """The w_n that the law allows at each point at most, None for springs."""
-        return self.formulation.limit(
-            StepData(
-                gap=self.equations.fields.gap.x.array,
-                start_jump_n=self.start_jump_n,
-                gap_rate=step.gap_rate,
-                limit_rate=step.limit_rate,
-                horizon=step.horizon,
-            )
-        )
+        return self.candidates.limit(step)
 
     def follow(self) -> None:
         """Follow the solids to their trial states, which have just been computed."""
@@ -298,8 +248,7 @@ class Contact:
         resolution = max(resolution, ROUND_OFF * float(np.abs(speeds).max(initial=0.0)))
         self.force = self._nodal_force() if self._paired else force.reshape(self.normal.shape)
         self.status = self._statuses(step, resolution)
-        if self._remembers and self.friction_law is not None:
-            self._keep_stretch(step, getattr(self.formulation, "stiffness_t", np.inf))
+        self._springs.accept(step, self.force, self.normal, self.status == 1)
         self.resolution = resolution
         self.coupling.accept()
         self.gap, self.jump = self.coupling.gaps(), self.trial_jump
@@ -313,31 +262,7 @@ class Contact:
             force[active] = -self.equations.residual()[active]
         return force.reshape(self.normal.shape)
 
-    def _keep_stretch(self, step: Step, stiffness: float) -> None:
-        """Stretch of the tangential springs: elastic while they stick, returned on slip; a law
-        without such a stiffness has none."""
-        tangential = self.force - dot(self.force, self.normal)[:, None] * self.normal
-        held = -tangential / stiffness
-        stuck = self._stretch + (held - self._stretch) / (step.scheme.force_weight or 1.0)
-        self._stretch = np.where((self.status == 1)[:, None], stuck, held)
-
     # -- what it tells --------------------------------------------------------------------------
-
-    def work(self, means: Mapping[int, np.ndarray], step: Step) -> tuple[float, float, float]:
-        """Work of the contact on its solids in the step, J, from their mean velocities (by id): of
-        the normal and of the friction forces on the jumps, which both are losses, and of what
-        drives the other side."""
-        if not self.force.any():
-            return 0.0, 0.0, 0.0
-        jump, span = self.coupling.mean_jump(means, step), step.span
-        total = span * float((self.force * jump).sum())
-        normal = span * float((dot(self.force, self.normal) * dot(jump, self.normal)).sum())
-        driven = span * float((self.force * self.coupling.carried(step)).sum())
-        return normal, total - normal, driven
-
-    def counts(self) -> tuple[int, int]:
-        """Points that bear, and that slip, in the last step."""
-        return int(np.count_nonzero(self.status)), int(np.count_nonzero(self.status > 1))
 
     def depth(self) -> float:
         """Penetration of the deepest point, m."""
@@ -354,7 +279,7 @@ class Contact:
             "unknowns": self.equations.values,
             "status": self.status,
             "force": self.force,
-            "stretch": self._stretch,
+            "stretch": self._springs.stretch,
             "tangent": self.equations.fields.tangent,
             "last": np.array([self.resolution, self._moved]),
             **self._scales.state(),
@@ -365,7 +290,7 @@ class Contact:
         """Take up a state that :meth:`state` gave; the solid has been restored before."""
         self.equations.values = np.array(state["unknowns"])
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
-        self._stretch = np.array(state["stretch"])
+        self._springs.stretch = np.array(state["stretch"])
         self.resolution, self._moved = map(float, state["last"])
         self._scales.restore(state)
         self.coupling.restore(state)
@@ -381,7 +306,3 @@ class Contact:
         unknowns = n * (k.components - self.surface.dim)
         parts.append(f"{unknowns} multipliers" if unknowns else "springs (no multipliers)")
         return ", ".join(parts)
-
-
-def dot(a: Any, b: Any) -> np.ndarray:
-    return (a * b).sum(axis=1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What of a solid may meet what: the arguments of a contact, taken up or refused."""
+"""What of a solid may meet what: the arguments of a contact, taken up or refused, and coupled."""
 
 from __future__ import annotations
 
@@ -10,6 +10,9 @@ import numpy as np
 from ..base import checks
 from ..solids import Solid
 from ..theory.formulations import Formulation
+from .equations import SurfaceEquations
+from .jump import Coupling, MortarJump, side_of
+from .nodal import NodalJump
 from .surface import Surface
 from .wall import Obstacle
 
@@ -66,3 +69,20 @@ def acting_points(
         chosen[:] = False
         chosen[nodes] = True
     return chosen, chosen.astype(float)
+
+
+def couple(solid: Solid, facets: str, equations: SurfaceEquations, other: Master) -> Coupling:
+    """What joins the points of the facets to what they may meet, or a refusal."""
+    if not isinstance(other, tuple):
+        coupling = NodalJump(solid, equations, other)
+        coupling.wall.check(coupling.positions())
+        return coupling
+    master, theirs = other
+    sides = side_of(solid, facets, equations.fields.surface), side_of(master, theirs)
+    pair = MortarJump((solid, master), sides, equations)
+    if not pair.faces:
+        raise checks.InputError(
+            f"master = ({master.name!r}, {theirs!r}): nowhere faces {facets!r} of "
+            f"{solid.name!r}; the outward normals of the two must point at each other"
+        )
+    return pair

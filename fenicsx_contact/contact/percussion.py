@@ -6,7 +6,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..theory.theta import Step
-from .contact import Contact, dot
+from .contact import Contact
+from .surface import dot
 
 
 def approaching(contact: Contact, step: Step, where: np.ndarray) -> np.ndarray:

@@ -226,3 +226,8 @@ class SurfaceFields:
         first = first - np.einsum("ij,ij->i", first, normal)[:, None] * normal
         first /= np.linalg.norm(first, axis=1)[:, None]
         return normal, np.stack([first, np.cross(normal, first)])
+
+
+def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Scalar products of vectors (n, d), point by point, (n,)."""
+    return np.asarray((a * b).sum(axis=1))

@@ -6,7 +6,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..theory.theta import Step
-from .contact import ROUND_OFF, Contact, dot
+from .contact import ROUND_OFF, Contact
+from .surface import dot
 
 
 def nonlinearity(contact: Contact, step: Step) -> tuple[float, float, float]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import sqrt
-from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -22,11 +21,10 @@ from ..theory.theta import Step
 from .base import MonolithicSolid
 from .moments import moments
 from .rigid_trace import RigidTrace
+from .rotations import angles, cross, cross_matrix, rotation_matrix, turning
 
 #: The share of a spin by which it changes, in its last turn, at most: round-off.
 ROUND_OFF = 1e-15
-#: Angle below which (w - sin w)/w³ is taken from its series.
-SERIES = 1e-2
 #: Turns until a spin has settled, at most.
 MAX_TURNS = 25
 
@@ -85,14 +83,14 @@ class RigidSolid(MonolithicSolid):
         self.gravity = np.zeros(d) if gravity is None else checks.vector("gravity", gravity, d)
         self._load = np.concatenate([self.mass * self.gravity, np.zeros(spins)])
 
-        turn = _angles("rotation", rotation, spins)
+        turn = angles("rotation", rotation, spins)
         pivot = self.centre if about is None else checks.vector("about", about, d)
-        self._turn = _rotation(turn)
+        self._turn = rotation_matrix(turn)
         self._place = pivot + self._turn @ (self.centre - pivot)
         self.velocity = np.zeros(d + spins)
         if velocity is not None:
             self.velocity[:d] = checks.vector("velocity", velocity, d)
-        self.velocity[d:] = _angles("spin", spin, spins)
+        self.velocity[d:] = angles("spin", spin, spins)
         self.trial_velocity = self.velocity.copy()
         self.trial_place, self.trial_turn = self._place.copy(), self._turn.copy()
         self._momentum = self._momentum_of(self.velocity, self._turn)
@@ -125,8 +123,8 @@ class RigidSolid(MonolithicSolid):
         spin, turn = self.trial_velocity[3:], self.trial_turn
         inertia = self._spatial(self.inertia, turn)
         way = step.increment(self.velocity, self.trial_velocity, self.memory)[3:]
-        turned = inertia @ _cross_matrix(spin) - _cross_matrix(inertia @ spin)
-        return inertia + step.gap_rate * turned @ _turning(way)
+        turned = inertia @ cross_matrix(spin) - cross_matrix(inertia @ spin)
+        return inertia + step.gap_rate * turned @ turning(way)
 
     def correct(self, step: Step) -> None:
         self.go(self.free_velocity + self.inverse @ self._force, step)
@@ -208,7 +206,7 @@ class RigidSolid(MonolithicSolid):
     def shift(self, way: np.ndarray) -> None:
         d = self.dim
         self.trial_place = self.trial_place + way[:d]
-        self.trial_turn = _rotation(way[d:]) @ self.trial_turn
+        self.trial_turn = rotation_matrix(way[d:]) @ self.trial_turn
         if d == 3:  # the spin that belongs to the momentum
             spin = self._spatial(self._mobility, self.trial_turn) @ self._trial_momentum[d:]
             self.trial_velocity = np.concatenate([self.trial_velocity[:d], spin])
@@ -222,7 +220,7 @@ class RigidSolid(MonolithicSolid):
     def _move(self, step: Step) -> None:
         increment = step.increment(self.velocity, self.trial_velocity, self.memory)
         self.trial_place = self._place + increment[: self.dim]
-        turn = _rotation(increment[self.dim :]) @ self._turn
+        turn = rotation_matrix(increment[self.dim :]) @ self._turn
         if self.dim == 3:  # products of many rotations would lose orthogonality, momentum with it
             turn = turn @ (1.5 * np.eye(3) - 0.5 * turn.T @ turn)
         self.trial_turn = turn
@@ -282,7 +280,7 @@ class RigidSolid(MonolithicSolid):
         spin = self.velocity[self.dim :]
         return {
             "displacement": self._place + arm - x,
-            "velocity": self.velocity[: self.dim] + _cross(spin, arm),
+            "velocity": self.velocity[: self.dim] + cross(spin, arm),
         }
 
     def describe(self) -> str:
@@ -290,40 +288,5 @@ class RigidSolid(MonolithicSolid):
         return f"rigid, {weight}, {len(self.velocity)} unknowns"
 
 
-def _angles(name: str, value: Any, size: int) -> np.ndarray:
-    """One number in 2D, a vector of three in 3D; a plain 0 is none in both."""
-    if size == 1 or (np.ndim(value) == 0 and value == 0):
-        return np.full(size, checks.number(name, value))
-    return checks.vector(name, value, size)
-
-
 def _relative(residual: np.ndarray, size: np.ndarray) -> float:
     return float(np.abs(residual).max() / (size.max() or 1.0))
-
-
-def _rotation(increment: np.ndarray) -> np.ndarray:
-    """Rotation matrix of an angle (1,) or a rotation vector (3,)."""
-    if len(increment) == 1:
-        c, s = np.cos(increment[0]), np.sin(increment[0])
-        return np.array([[c, -s], [s, c]])
-    return Rotation.from_rotvec(increment).as_matrix()
-
-
-def _cross_matrix(a: np.ndarray) -> np.ndarray:
-    """A with A b = a x b, (3, 3)."""
-    return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
-
-
-def _turning(way: np.ndarray) -> np.ndarray:
-    """By what rotation in space a change of a rotation vector turns further, (3, 3): I + (1 -
-    cos w)/w² [w] + (w - sin w)/w³ [w]², its coefficients by their series where w is small."""
-    angle, W = float(np.linalg.norm(way)), _cross_matrix(way)
-    half = np.sinc(angle / (2 * np.pi))
-    cubic = (angle - np.sin(angle)) / angle**3 if angle > SERIES else 1 / 6 - angle**2 / 120
-    return np.eye(3) + 0.5 * half**2 * W + cubic * W @ W
-
-
-def _cross(spin: np.ndarray, arm: np.ndarray) -> np.ndarray:
-    if len(spin) == 1:
-        return spin[0] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
-    return np.cross(spin, arm)

@@ -12,6 +12,7 @@ import numpy as np
 from ..base.checks import StepFailed
 from ..contact.contact import Contact
 from ..contact.percussion import approaching, strikes
+from ..contact.work import counts, work
 from ..solids import DeformableSolid, Solid
 from ..solve.krylov import Krylov
 from ..solve.loop import StepSolver
@@ -189,7 +190,7 @@ class Stepper:
             contact.accept(trial.force[part], step, self.resolution)
             if step.dt:
                 self._pushed = max(self._pushed, float(np.abs(contact.force).max(initial=0.0)))
-            normal, tangential, moved = contact.work(means, step)
+            normal, tangential, moved = work(contact, means, step)
             impact, friction, driven = impact + normal, friction + tangential, driven + moved
         old, self.energies = self.energies, self.sum_energies()
         change = sum(self.energies) - sum(old)
@@ -234,5 +235,5 @@ class Stepper:
         row = [self.time, dt, kinetic, strain, potential, *self.work, self.balance]
         row += [certificate, newton, geometry]
         for contact in self.contacts:
-            row += [*contact.force.sum(axis=0), *contact.counts(), contact.depth()]
+            row += [*contact.force.sum(axis=0), *counts(contact), contact.depth()]
         return row

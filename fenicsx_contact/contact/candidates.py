@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Which points of a contact may bear in a step: only these have equations, nothing acts at others.
+
+First all that the formulation allows and that are near what they may meet; then, so that systems
+stay small, of those only what bore, or would do without contact what the law forbids. What the
+contact itself drives to that is added when it shows.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..theory.formulations import Formulation, StepData
+from ..theory.theta import Step
+from .equations import SurfaceEquations
+from .jump import Coupling
+from .surface import dot
+
+
+class Candidates:
+    """The choice among the points of a surface.
+
+    Args:
+        equations, coupling, formulation: of the contact.
+
+    Attributes:
+        allowed: points that may bear in the step, if they are asked to, (n,) of bool.
+    """
+
+    def __init__(
+        self, equations: SurfaceEquations, coupling: Coupling, formulation: Formulation
+    ) -> None:
+        self._equations, self._coupling, self._formulation = equations, coupling, formulation
+        self.allowed = self._asked = np.ones(len(equations.weight), dtype=bool)
+
+    def begin(self, allowed: np.ndarray, gap: np.ndarray) -> None:
+        """All that are allowed, (n,) of bool; ``gap``: at the start of the step, (n,) in m."""
+        self.allowed, self._gap = allowed, gap
+        self._asked = np.ones(len(allowed), dtype=bool)
+        self.choose()
+
+    def choose(self) -> None:
+        """Take up what is near in the trial state."""
+        self._equations.choose(self.allowed & self._asked & self._coupling.near())
+
+    def narrow(self, bore: np.ndarray, jump: np.ndarray, step: Step) -> None:
+        """Ask only what bore, (n,) of bool, and what jumps (n, d) without contact ask for."""
+        self._asked = bore | self._violate(jump, step)
+        self.choose()
+
+    def widen(self, jump: np.ndarray, step: Step) -> bool:
+        """Ask what the jumps (n, d) ask for besides; whether that is any."""
+        more = self._violate(jump, step) & ~self._asked
+        if not (more & self.allowed & self._coupling.near()).any():
+            return False
+        self._asked = self._asked | more
+        self.choose()
+        return True
+
+    def limit(self, step: Step) -> np.ndarray | None:
+        """The w_n that the law allows at each point at most, (n,) in m/s, None for springs."""
+        k = self._equations.fields
+        return self._formulation.limit(
+            StepData(
+                gap=k.gap.x.array,
+                start_jump_n=k.start_jump_n.x.array,
+                gap_rate=step.gap_rate,
+                limit_rate=step.limit_rate,
+                horizon=step.horizon,
+            )
+        )
+
+    def _violate(self, jump: np.ndarray, step: Step) -> np.ndarray:
+        """Points whose jump (n, d) is more than the law allows, (n,) of bool."""
+        k, limit = self._equations.fields, self.limit(step)
+        approach = dot(jump, k.normal.x.array.reshape(jump.shape))
+        if limit is None:  # springs know no limit, but what they do not touch
+            limit = -k.gap.x.array / step.gap_rate if step.gap_rate else np.inf * approach
+            return (approach > limit) | (self._gap > 0)
+        return approach > limit

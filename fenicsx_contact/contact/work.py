@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What a contact does to its solids in a step, for the books of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..theory.theta import Step
+from .contact import Contact
+from .surface import dot
+
+
+def work(
+    contact: Contact, means: Mapping[int, np.ndarray], step: Step
+) -> tuple[float, float, float]:
+    """Work of the contact on its solids in the step that was accepted, J, from their mean
+    velocities (by id): of the normal and of the friction forces on the jumps, which both are
+    losses, and of what drives the other side."""
+    force, normal, span = contact.force, contact.normal, step.span
+    if not force.any():
+        return 0.0, 0.0, 0.0
+    jump = contact.coupling.mean_jump(means, step)
+    total = span * float((force * jump).sum())
+    pressed = span * float((dot(force, normal) * dot(jump, normal)).sum())
+    driven = span * float((force * contact.coupling.carried(step)).sum())
+    return pressed, total - pressed, driven
+
+
+def counts(contact: Contact) -> tuple[int, int]:
+    """Points that bear, and that slip, in the last step."""
+    return int(np.count_nonzero(contact.status)), int(np.count_nonzero(contact.status > 1))

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Rotations in the plane, by an angle (1,), and in space, by a rotation vector (3,)."""
+
+from __future__ import annotations
+
+from math import factorial
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..base import checks
+
+#: (w - sin w)/w³ in powers of w², the highest first: to round-off within a turn.
+CUBIC = [(-1) ** k / factorial(2 * k + 3) for k in reversed(range(20))]
+
+
+def angles(name: str, value: Any, size: int) -> np.ndarray:
+    """One number in 2D, a vector of three in 3D; a plain 0 is none in both."""
+    if size == 1 or (np.ndim(value) == 0 and value == 0):
+        return np.full(size, checks.number(name, value))
+    return checks.vector(name, value, size)
+
+
+def rotation_matrix(increment: np.ndarray) -> np.ndarray:
+    """Rotation matrix of an angle (1,) or a rotation vector (3,)."""
+    if len(increment) == 1:
+        c, s = np.cos(increment[0]), np.sin(increment[0])
+        return np.array([[c, -s], [s, c]])
+    return Rotation.from_rotvec(increment).as_matrix()
+
+
+def cross_matrix(a: np.ndarray) -> np.ndarray:
+    """A with A b = a x b, (3, 3)."""
+    return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
+
+
+def turning(way: np.ndarray) -> np.ndarray:
+    """By what rotation in space a change of a rotation vector turns further, (3, 3):
+    I + (1 - cos w)/w² [w] + (w - sin w)/w³ [w]²."""
+    angle, W = float(np.linalg.norm(way)), cross_matrix(way)
+    half = np.sinc(angle / (2 * np.pi))
+    return np.eye(3) + 0.5 * half**2 * W + np.polyval(CUBIC, angle**2) * W @ W
+
+
+def cross(spin: np.ndarray, arm: np.ndarray) -> np.ndarray:
+    """spin x arm for arms (n, d), (n, d)."""
+    if len(spin) == 1:
+        return spin[0] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+    return np.cross(spin, arm)

@@ -108,7 +108,7 @@ def test_tangent_of_each_block(dim, name, friction):
     }
     for state in STATES:
         base = set_state(eq, state)
-        exact = eq.tangent().copy()
+        exact = eq.tangents.dense().copy()
         assert np.isfinite(exact).all()
         if state == "first touch" and name != "discrete":
             continue  # a kink in lam; its tangent stands in test_first_touch_is_regular
@@ -133,7 +133,7 @@ def test_stick_tangent_is_symmetric(dim):
     """Coulomb's bound depends on lam, but while a point sticks nothing does on the bound."""
     eq = equations(dim, VELOCITY, Coulomb(MU))
     set_state(eq, "stick")
-    K = eq.tangent()
+    K = eq.tangents.dense()
     np.testing.assert_allclose(K, K.T, atol=1e-14 * np.abs(K).max())
 
 
@@ -146,7 +146,7 @@ def test_first_touch_is_regular(dim):
     values = eq.values
     values[: eq.jumps] = 0.0  # as fast as allowed: g_n = 0
     eq.values = values
-    K, n, d = eq.tangent(), *eq.fields.surface.points.shape
+    K, n, d = eq.tangents.dense(), *eq.fields.surface.points.shape
     tau = slice(eq.tractions, None)
     area = np.tile(eq.fields.surface.area, d - 1)
     np.testing.assert_allclose(K[tau, tau], np.diag(-area / RHO_T), atol=1e-15)

@@ -246,21 +246,13 @@ class Contact:
         self._moved = step.dt
         speeds = self.coupling.velocities("trial_velocity")  # where a wall moves, not small
         resolution = max(resolution, ROUND_OFF * float(np.abs(speeds).max(initial=0.0)))
-        self.force = self._nodal_force() if self._paired else force.reshape(self.normal.shape)
+        self.force = self.coupling.force(force)
         self.status = self._statuses(step, resolution)
         self._springs.accept(step, self.force, self.normal, self.status == 1)
         self.resolution = resolution
         self.coupling.accept()
         self.gap, self.jump = self.coupling.gaps(), self.trial_jump
         self._start()
-
-    def _nodal_force(self) -> np.ndarray:
-        """Forces on the slave at the nodes of the surface, (n, d) in N."""
-        force = np.zeros(self.equations.jumps)
-        active = self.equations.active_jumps
-        if len(active):
-            force[active] = -self.equations.residual()[active]
-        return force.reshape(self.normal.shape)
 
     # -- what it tells --------------------------------------------------------------------------
 

@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-import ufl
 
 from ..base import compat
 from ..theory.formulations import Formulation
 from ..theory.friction import FrictionBound
-from .parameters import ParameterTangents
 from .surface import Surface, SurfaceFields
+from .tangent import SurfaceTangent
 
 
 class SurfaceEquations:
@@ -47,9 +46,7 @@ class SurfaceEquations:
         discrete_sum = None if weight is surface.area else weight / surface.area
         self.fields = k = SurfaceFields(surface, friction, formulation.multipliers, discrete_sum)
         form, status = formulation.form(k)
-        self.form = form
         self._residual = compat.VectorAssembler(form)
-        self._tangent = compat.MatrixAssembler(ufl.derivative(form, k.unknowns))
         self._status = compat.PointExpression(status, surface.scalars)
 
         self._surface, self._chosen = surface, chosen
@@ -59,27 +56,10 @@ class SurfaceEquations:
         self.size = k.components * n
         self.tractions = self.jumps + n * formulation.multipliers  # where tau begins
         self._order = np.concatenate([k.dofs[:d].T.ravel(), k.dofs[d:].ravel()])
-        self.order_of_rows = place = np.empty(self.size, dtype=np.int64)
-        place[self._order] = np.arange(self.size)
-        rows = np.repeat(np.arange(self.size), np.diff(self._tangent.indptr))
-        self._place = place[rows], place[self._tangent.indices]
-        self._entries = self._place[0] * self.size + self._place[1]
-        self._dense = np.zeros((self.size, self.size))
-        # entries of the tangent that join unknowns of the same point: all that are not zero
-        each, more = np.arange(n), np.arange(d, k.components)
-        points = np.concatenate([np.repeat(each, d), np.tile(each, len(more))])
-        kinds = np.concatenate([np.tile(np.arange(d), n), np.repeat(more, n)])
-        mine = points[self._place[0]] == points[self._place[1]]
-        row, column = (each[mine] for each in self._place)
-        self._own = mine, (points[row], kinds[row], kinds[column])
-        by_jump = kinds[column] < d
-        self._by_jump = mine.nonzero()[0][by_jump], tuple(each[by_jump] for each in self._own[1])
-        self._blocks = np.zeros((n, k.components, k.components))
+        self.tangents = SurfaceTangent(k, form, self._order)
         self._z = k.unknowns.x.array
         self._key, self._speed, self._rates = b"", 0.0, (0.0, 0.0, 0.0, 0.0)
         self.carried = np.zeros(self.jumps)
-        self._turn: tuple[np.ndarray, np.ndarray] | None = None
-        self._parameters: ParameterTangents | None = None
         self.rho = self._units = np.ones((2, n))  # normal, tangential
         self._plain = False
         self.revision = 0  # counts the changes of candidates and scales
@@ -181,9 +161,7 @@ class SurfaceEquations:
         """Constants of the form have changed."""
         self.revision += 1
         self._residual.refresh_constants()
-        self._tangent.refresh_constants()
-        if self._parameters is not None:
-            self._parameters.refresh_constants()
+        self.tangents.refresh_constants()
 
     @property
     def values(self) -> np.ndarray:
@@ -197,37 +175,6 @@ class SurfaceEquations:
     def residual(self) -> np.ndarray:
         """The assembled contact terms of (7)."""
         return self._residual()[self._order]
-
-    def turn(self, gap: np.ndarray | None = None, normal: np.ndarray | None = None) -> None:
-        """What w changes in the geometry that the equations read, which without is frozen.
-
-        Args:
-            gap: derivatives of the gaps by w, (n, d) in s.
-            normal: of the normals, (n, d, d) in s/m.
-        """
-        self._turn = None if gap is None or normal is None else (gap, normal)
-
-    def _entries_of(self, frozen: bool = False) -> np.ndarray:
-        """Values of the sparse tangent; the next call uses the same array again."""
-        values = self._tangent()
-        if self._turn is not None and not frozen:
-            gap, normal = self._turn
-            by = self.parameters()
-            turned = by[:, :, :1] * gap[:, None, :] + by[:, :, 1:] @ normal
-            entries, index = self._by_jump
-            values[entries] += turned[index]
-        return values
-
-    def parameters(self) -> np.ndarray:
-        """Derivatives of the rows of each point by its gap and normal, (n, unknowns, 1 + d)."""
-        if self._parameters is None:
-            self._parameters = ParameterTangents(self.fields, self.form, self.order_of_rows)
-        return self._parameters()
-
-    def tangent(self) -> np.ndarray:
-        """Their derivative by the unknowns; the next call uses the same array again."""
-        self._dense.ravel()[self._entries] = self._entries_of()
-        return self._dense
 
     # -- as a part of a system: restricted to the candidates --------------------------------------
 
@@ -262,14 +209,12 @@ class SurfaceEquations:
 
     def active_tangent(self) -> np.ndarray:
         """And their tangent, dense."""
-        dense = self.tangent()
+        dense = self.tangents.dense()
         return dense if self._block is None else dense[self._block]
 
     def point_tangents(self) -> np.ndarray:
         """Tangents of the candidates one by one, (points, unknowns, unknowns)."""
-        mine, index = self._own
-        self._blocks[index] = self._entries_of()[mine]
-        return self._blocks[self.candidates]
+        return self.tangents.blocks()[self.candidates]
 
     def move(self, step: np.ndarray) -> None:
         """Add to the active unknowns."""
@@ -297,13 +242,9 @@ class SurfaceEquations:
         """The equations of the surface: these."""
         return self
 
-    def whole_tangent(self, frozen: bool = False) -> sp.csr_matrix:
-        """The tangent of all points, sparse; if ``frozen`` without the derivatives of geometry."""
-        return sp.csr_matrix((self._entries_of(frozen), self._place), (self.size, self.size))
-
     def sparse_tangent(self, frozen: bool = False) -> sp.csr_matrix:
         """The tangent of the active unknowns, sparse."""
-        return self.whole_tangent(frozen)[self.active][:, self.active]
+        return self.tangents.sparse(frozen)[self.active][:, self.active]
 
     def statuses(self) -> np.ndarray:
         """0 open, 1 stick (or bearing without friction), 2 slip, for each point."""

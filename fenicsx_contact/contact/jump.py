@@ -61,6 +61,10 @@ class Coupling(ABC):
         """Nodal jumps (n, d) from velocities of the traces' points, flat."""
 
     @abstractmethod
+    def force(self, force: np.ndarray) -> np.ndarray:
+        """Forces on the slave at its nodes, (n, d) in N, from those on the traces' points, flat."""
+
+    @abstractmethod
     def linearise(self, step: Step, exact: bool, share: float) -> None:
         """Take up the geometry where it is; see :class:`PairedEquations`."""
 
@@ -177,6 +181,12 @@ class MortarJump(Coupling):
 
     def to_jump(self, velocities: np.ndarray) -> np.ndarray:
         return self.pairing.operator @ velocities.reshape(self._shape)
+
+    def force(self, force: np.ndarray) -> np.ndarray:
+        rows, active = np.zeros(self.equations.jumps), self.equations.active_jumps
+        if len(active):
+            rows[active] = -self.equations.residual()[active]
+        return rows.reshape(-1, self._shape[1])
 
     def linearise(self, step: Step, exact: bool, share: float) -> None:
         velocities = self.velocities("trial_velocity")

@@ -109,11 +109,14 @@ class NodalJump(Coupling):
     def carried(self, step: Step) -> np.ndarray | float:
         return step.scheme.mean(self._start, self._end) if self.driven else 0.0
 
+    def force(self, force: np.ndarray) -> np.ndarray:
+        return force.reshape(self._shape)
+
     def linearise(self, step: Step, exact: bool, share: float) -> None:
         e = self.equations
         if self.driven:
             e.carried[:] = self._end.ravel()
-        e.turn()
+        e.tangents.turn()
         if not exact:
             return
         jump, values = self.jump("trial_velocity"), e.values
@@ -123,7 +126,7 @@ class NodalJump(Coupling):
         if curvature is not None:
             # n = -(outward normal); the gap read is that of the end less gap_rate w . n
             turn = -step.gap_rate * curvature
-            e.turn(-share * step.gap_rate * np.einsum("pi,pij->pj", jump, turn), turn)
+            e.tangents.turn(-share * step.gap_rate * np.einsum("pi,pij->pj", jump, turn), turn)
 
     @property
     def area(self) -> np.ndarray:

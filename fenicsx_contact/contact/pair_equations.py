@@ -126,7 +126,7 @@ class PairedEquations:
         read, seen = tangents[:, :, :d], J
         exact = self._rates is not None and not frozen
         if exact:
-            read = np.concatenate([read, e.parameters()[e.candidates]], axis=2)
+            read = np.concatenate([read, e.tangents.parameters()[e.candidates]], axis=2)
             seen = self._seen
         forces = J.T @ by_point(read[:, :d], seen)
         if exact:

@@ -25,9 +25,10 @@ from petsc4py import PETSc
 
 from ..base.checks import StepFailed
 from ..solids import DeformableSolid
-from .monolithic import Monolithic, petsc_matrix
+from .monolithic import Monolithic
 from .multigrid import Multigrid, rigid_modes
 from .problem import Assembly
+from .solid_rows import petsc_matrix
 
 #: Share of the residual at which a linear solve ends, and how many iterations it may take.
 TOLERANCE, MAX_ITERATIONS = 1e-6, 300
@@ -98,7 +99,7 @@ class Krylov(Monolithic):
                 "needs none"
             )
         local[self._held] = 0.0  # to more digits than the tolerance leaves them
-        return self._everywhere(local)
+        return self._solid_rows.everywhere(local)
 
     def _renew(self, springs: sp.csr_matrix, anew: bool = False) -> bool:
         """Set up the multigrid of P, the solids with these springs; whether its coarser levels are
@@ -110,9 +111,9 @@ class Krylov(Monolithic):
             solids = petsc_matrix(self._solid_rows(), self.comm)
             self._multigrid = Multigrid(solids, self._modes, self._solids[0].dim)
             solids.destroy()
-            self._made_of = self._linearisations
+            self._made_of = self._solid_rows.linearisations
         self._multigrid.stiffen(P, petsc_matrix(springs[self._places.mine], self.comm))
-        return self._made_of != self._linearisations
+        return self._made_of != self._solid_rows.linearisations
 
     def _krylov(
         self, A: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, blocks: Blocks, most: int
@@ -141,7 +142,7 @@ class Krylov(Monolithic):
         self, ym: sp.csr_matrix, my: sp.csr_matrix, mm: sp.csr_matrix
     ) -> sp.csr_matrix:
         """S^-1: the multipliers of each node by what is left of their rows."""
-        springs = my @ sp.diags(1 / self._diagonal()) @ ym
+        springs = my @ sp.diags(1 / self._solid_rows.diagonal()) @ ym
         S = (mm - springs).tocsr()
         empty = np.empty(0, dtype=np.int64)
         blocks, first = [(np.empty(0), empty, empty)], 0

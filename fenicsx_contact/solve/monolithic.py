@@ -17,13 +17,13 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.sparse as sp
 from mpi4py import MPI
-from petsc4py import PETSc
 
-from ..solids import MonolithicSolid, MonolithicTrace
+from ..solids import MonolithicSolid
 from ..theory.theta import Step
-from .numbering import Numbering
+from .flips import flips
+from .numbering import Numbering, numbered_traces
 from .problem import Assembly
-from .surface_problem import flips
+from .solid_rows import SolidRows
 from .yielding import COMPLIANCE, Yielding
 
 #: Springs that hold what nothing holds yet, in shares of the stiffest entry of the matrices.
@@ -46,22 +46,13 @@ class Monolithic(ABC):
         self._solids = [s for s in assembly.solids if isinstance(s, MonolithicSolid)]
         self._parts = [contact.part for contact in assembly.contacts]
         self._places = Numbering(self._solids, self.comm)
-        index = {id(solid): k for k, solid in enumerate(self._solids)}
-        self._traces: list[list[tuple[int, MonolithicTrace]]] = [
-            [
-                (index[id(solid)], trace)
-                for solid, trace in zip(contact.solids, contact.traces)
-                if isinstance(trace, MonolithicTrace)
-            ]
-            for contact in assembly.contacts
-        ]
+        self._traces = [numbered_traces(c, self._solids) for c in assembly.contacts]
         self._kept: dict[tuple[int, str], tuple] = {}
-        self._linearisations: list[int] = []
+        self._solid_rows = SolidRows(self._solids, self._places, self.comm)
         self._floating = np.zeros(self._places.size)
         self._falling = False
         self._hyperstatic = any(solid.shiftable for solid in self._solids)
         self._yielding = Yielding()
-        self._patterns: list[tuple[np.ndarray, np.ndarray]] = []
         self.restart()
 
     def restart(self) -> None:
@@ -191,14 +182,9 @@ class Monolithic(ABC):
         n, m = self._places.size, self._size - self._places.size
         diagonal = np.repeat([0.0, -1.0 if self._falling else -self._softness], [n, m])
         if self._floating.any():
-            stiff = np.abs(self._diagonal()).max()
+            stiff = np.abs(self._solid_rows.diagonal()).max()
             diagonal[:n] = WEAK * stiff * self._floating
         return sp.diags(diagonal, format="csr")
-
-    def _diagonal(self) -> np.ndarray:
-        """The diagonal of the solids' matrices, on every process."""
-        rows = self._solid_rows()
-        return self._everywhere(rows.diagonal(k=self._places.mine.start))
 
     @property
     def _rows_here(self) -> slice:
@@ -212,42 +198,6 @@ class Monolithic(ABC):
         size, start = extra.shape[0], self._places.mine.start
         rows = slice(start, min(self._rows_here.stop, size))
         return extra[rows] + self._solid_rows(rows.stop - start, size)
-
-    def _solid_rows(self, rows: int = 0, columns: int = 0) -> sp.csr_matrix:
-        """This process's rows of the solids' own matrices, new if one of these is; with empty
-        rows and columns behind, where multipliers come and go, if so many are asked for."""
-        now = [solid.linearisation for solid in self._solids]
-        if now != self._linearisations:
-            self._linearisations = now
-            matrices = [solid.matrix_rows(self.comm) for solid in self._solids]
-            self._arrange([matrix[:2] for matrix in matrices])
-            values = np.concatenate([matrix[2] for matrix in matrices])
-            self._values = values[self._order.data]
-        order = self._order
-        n, m = max(rows, order.shape[0]), max(columns, order.shape[1])
-        indptr = np.pad(order.indptr, (0, n - order.shape[0]), "edge")
-        return sp.csr_matrix((self._values, order.indices, indptr), (n, m))
-
-    def _arrange(self, patterns: list[tuple[np.ndarray, np.ndarray]]) -> None:
-        """Find where the entries of the solids' matrices stand, if not as before."""
-        if self._patterns and all(
-            np.array_equal(a, b) for pair in zip(patterns, self._patterns) for a, b in zip(*pair)
-        ):
-            return
-        self._patterns = patterns
-        mine, places, columns = self._places.mine, [], []
-        for (indptr, indices), own, numbers in zip(
-            patterns, self._places.own, self._places.numbers
-        ):
-            places.append(np.repeat(own[: len(indptr) - 1], np.diff(indptr)) - mine.start)
-            columns.append(numbers[indices])
-        row, column = np.concatenate(places), np.concatenate(columns)
-        shape = mine.stop - mine.start, self._places.size
-        self._order = sp.csr_matrix((np.arange(len(row)), (row, column)), shape)
-
-    def _everywhere(self, local: np.ndarray) -> np.ndarray:
-        """The rows of all processes."""
-        return np.concatenate(self.comm.allgather(local)) if self.comm.size > 1 else local
 
     def stall(self) -> str:
         """What stalls."""
@@ -346,13 +296,3 @@ class FrozenContact:
     def force(self) -> np.ndarray:
         """Forces on the solids at all points, flat, N."""
         return self._system.force
-
-
-def petsc_matrix(rows: sp.csr_matrix, comm: MPI.Comm, columns: int | None = None) -> PETSc.Mat:
-    """The matrix whose rows, one process after the other, are these; ``columns``: how many of them
-    are this process's, as many as rows if not given."""
-    rows.sort_indices()
-    n, size = rows.shape
-    columns = n if columns is None else columns
-    csr = (rows.indptr.astype(np.int32), rows.indices.astype(np.int32), rows.data)
-    return PETSc.Mat().createAIJ(((n, PETSc.DECIDE), (columns, size)), csr=csr, comm=comm)

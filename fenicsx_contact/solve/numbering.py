@@ -9,7 +9,8 @@ import numpy as np
 import scipy.sparse as sp
 from mpi4py import MPI
 
-from ..solids import MonolithicSolid
+from ..contact.contact import Contact
+from ..solids import MonolithicSolid, MonolithicTrace
 
 
 class Numbering:
@@ -40,3 +41,12 @@ class Numbering:
         return sp.csr_matrix(
             (operator.data, indices, operator.indptr), (operator.shape[0], self.size)
         )
+
+
+def numbered_traces(
+    contact: Contact, solids: Sequence[MonolithicSolid]
+) -> list[tuple[int, MonolithicTrace]]:
+    """The traces of a contact, each with the number of its solid among these."""
+    index = {id(solid): k for k, solid in enumerate(solids)}
+    pairs = zip(contact.solids, contact.traces)
+    return [(index[id(s)], trace) for s, trace in pairs if isinstance(trace, MonolithicTrace)]

@@ -17,8 +17,9 @@ from mpi4py import MPI
 
 from ..solids.factor import direct_solver
 from ..theory.theta import Step
-from .monolithic import Monolithic, petsc_matrix
+from .monolithic import Monolithic
 from .problem import Assembly
+from .solid_rows import petsc_matrix
 
 
 class Sparse(Monolithic):
@@ -56,7 +57,9 @@ class Sparse(Monolithic):
     def _solve_with(self, contacts: sp.csr_matrix) -> np.ndarray:
         assert self._system is not None
         matrices = self._solid_rows(*contacts.shape), contacts
-        return self._everywhere(self._system.solve(matrices, self._residual()[self._rows_here]))
+        return self._solid_rows.everywhere(
+            self._system.solve(matrices, self._residual()[self._rows_here])
+        )
 
     def _make(self, contacts: sp.csr_matrix) -> None:
         """A system with room for what the contacts add to the solids, and may add soon."""

@@ -20,6 +20,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from ..contact.part import Part
+from .flips import flips
 from .pointwise import PointwiseSolver, PointwiseStep
 from .yielding import COMPLIANCE, FIRM, Yielding
 
@@ -279,24 +280,6 @@ class SurfaceSystem:
             p.kind(int(np.flatnonzero(place == row)[0])) for p, place in self.placed if row in place
         )
         return f"a {next(kinds)} row stalls at a scaled residual of {self.worst:.3g}"
-
-
-def flips(history: Sequence[np.ndarray], parts: Sequence[Part], names: Sequence[str]) -> str:
-    """Which points of these contacts changed their status in the course of a history."""
-    if not history:
-        return "no status changes"
-    recent = np.array(history[-6:])
-    flipping = np.flatnonzero((recent != recent[-1]).any(axis=0))
-    if not len(flipping):
-        return "no status changes"
-    texts, offset = [], 0
-    for n, name in zip((len(p.statuses()) for p in parts), names):
-        mine = [int(p - offset) for p in flipping if offset <= p < offset + n]
-        if mine:
-            shown = ", ".join(map(str, mine[:8])) + (", ..." if len(mine) > 8 else "")
-            texts.append(f"points {shown} of contact {name!r}")
-        offset += n
-    return "statuses flip at " + " and ".join(texts)
 
 
 def _by_point(place: np.ndarray, n: int, d: int) -> np.ndarray:

@@ -90,3 +90,7 @@ def test_the_readme_tells_the_order():
 @pytest.mark.parametrize("threshold", thresholds(), ids=lambda t: f"{t.file}:{t.name}")
 def test_a_number_says_what_it_bounds(threshold):
     assert len(threshold.meaning) > 10, threshold
+
+
+def test_few_numbers_decide():
+    assert sum(not threshold.costs_only for threshold in thresholds()) <= 40

@@ -12,5 +12,5 @@ MADE = 1e-6
 #: The share of a step, or of the shortest time of a solid, over which a motion that is given as a
 #: function of time is differentiated: what moves faster than that no step can follow.
 BRIEF = 2.0**-10
-#: Linearisations that a linear solid keeps, of steps of so many lengths: those of adaptive steps.
+#: Cost: linearisations that a linear solid keeps, of so many lengths of steps: adaptive ones.
 KEPT = 12

@@ -52,7 +52,7 @@ class SurfaceEquations:
         self._surface, self._chosen = surface, chosen
         self._augmentation = np.array(augmentation)
         self.weight = weight
-        self.jumps = n * d
+        self.jumps = self.places = n * d
         self.size = k.components * n
         self.tractions = self.jumps + n * formulation.multipliers  # where tau begins
         self._order = np.concatenate([k.dofs[:d].T.ravel(), k.dofs[d:].ravel()])
@@ -159,11 +159,11 @@ class SurfaceEquations:
 
     def project_multipliers(self) -> None:
         """Let the multipliers be what bears in the jump rows: S g_n and P_b(g_t)."""
-        weight = np.tile(np.where(self.weight > 0, self.weight, 1.0), self.fields.components)
-        d = self._surface.dim
-        rho = np.concatenate([self.rho[0], np.tile(self.rho[1], d - 1)])[: self.size - self.jumps]
+        more = self.fields.components - self._surface.dim - 1
+        rho = np.vstack([self.rho[:1], *[self.rho[1:]] * more])
+        bears = rho / np.where(self.weight > 0, self.weight, 1.0)
         values = self.values
-        values[self.jumps :] += rho * self.residual()[self.jumps :] / weight[: len(rho)]
+        values[self.jumps :] += bears.ravel() * self.residual()[self.jumps :]
         self.values = values
 
     def refresh(self) -> None:
@@ -186,11 +186,6 @@ class SurfaceEquations:
         return self._residual()[self._order]
 
     # -- as a part of a system: restricted to the candidates --------------------------------------
-
-    @property
-    def places(self) -> int:
-        """Number of velocities of the points that the system may have as unknowns."""
-        return self.jumps
 
     @property
     def active_places(self) -> np.ndarray:
@@ -227,9 +222,7 @@ class SurfaceEquations:
 
     def move(self, step: np.ndarray) -> None:
         """Add to the active unknowns."""
-        values = self.values
-        values[self.active] += step
-        self.values = values
+        self._z[self._active_dofs] += step
 
     def kind(self, row: int) -> str:
         """What an active row is."""

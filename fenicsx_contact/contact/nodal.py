@@ -7,14 +7,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ..base.constants import BRIEF
 from ..solids import Solid, Trace
 from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .jump import Coupling
 from .wall import Obstacle, Wall
-
-#: Share of a step over which the velocity of an obstacle that moves is taken at the ends of it.
-BRIEF = 2.0**-10
 
 
 class NodalJump(Coupling):

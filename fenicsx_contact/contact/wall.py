@@ -13,9 +13,7 @@ from ..base import checks
 
 #: Relative error of the length of unit normals, and of a surface's extent the way along them on
 #: which distances must grow.
-UNIT, OUTWARDS = 1e-6, 1e-6
-#: A time [s] over which an obstacle is asked for its velocity to see whether it is one.
-MOMENT = 2.0**-30
+UNIT = 1e-6
 
 
 @runtime_checkable
@@ -102,12 +100,13 @@ class Wall:
             InputError: with what is wrong and where.
         """
         n, d = points.shape
-        reach = OUTWARDS * float(np.ptp(points, axis=0).max())
+        reach = UNIT * float(np.ptp(points, axis=0).max())
         try:
             distance, normals = self.distance(points, 0.0), self.normals(points, 0.0)
             answers = {"distance": (distance, (n,)), "normals": (normals, (n, d))}
             if self.moving:
-                answers["velocity"] = self.velocity(points, 0.0, MOMENT), (n, d)
+                moment = 2.0**-30  # s; any will do
+                answers["velocity"] = self.velocity(points, 0.0, moment), (n, d)
             if (curvature := self.curvature(points, 0.0)) is not None:
                 answers["curvature"] = _finite("curvature", curvature, points), (n, d, d)
         except (TypeError, ValueError, IndexError, checks.StepFailed) as problem:

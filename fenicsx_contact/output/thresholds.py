@@ -12,12 +12,21 @@ from typing import NamedTuple
 
 
 class Threshold(NamedTuple):
-    """A number of the package: name, value, what its comment says, and the file it is in."""
+    """A number of the package: name, value, what its comment says, and the file it is in.
+
+    A comment that begins with "Cost:" is of a number by which only the way to a result is chosen,
+    and with it what it costs.
+    """
 
     name: str
     value: float
     meaning: str
     file: str
+
+    @property
+    def costs_only(self) -> bool:
+        """Whether results do not depend on it, but by round-off and tolerances."""
+        return self.meaning.startswith("Cost:")
 
 
 def thresholds() -> list[Threshold]:
@@ -59,9 +68,10 @@ def _numbers(node: ast.Assign) -> list[tuple[str, float]]:
 
 
 def table() -> str:
-    """The list as a table in Markdown."""
+    """The list as a table in Markdown, what only costs behind."""
     rows = ["| name | value | what it bounds | file |", "|---|---|---|---|"]
-    rows += [f"| {t.name} | {t.value:g} | {t.meaning} | {t.file} |" for t in thresholds()]
+    for t in sorted(thresholds(), key=lambda t: t.costs_only):
+        rows.append(f"| {t.name} | {t.value:g} | {t.meaning} | {t.file} |")
     return "\n".join(rows)
 
 

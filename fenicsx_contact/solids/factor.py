@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
-#: Nonzeros above which a matrix is factored by MUMPS: some 50 000 unknowns in the plane.
+#: Cost: nonzeros above which a matrix is factored by MUMPS: some 50 000 unknowns in the plane.
 LARGE = 1e6
 
 

@@ -24,7 +24,7 @@ from .deformable import DeformableSolid
 from .energies import Energy
 from .factor import Factorisation
 
-#: The share of the error that each correction by an old tangent may leave.
+#: Cost: the share of the error that each correction by an old tangent may leave.
 RATE = 0.1
 
 

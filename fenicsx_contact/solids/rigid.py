@@ -23,11 +23,6 @@ from .moments import moments
 from .rigid_trace import RigidTrace
 from .rotations import angles, cross, cross_matrix, rotation_matrix, turning
 
-#: The share of a spin by which it changes, in its last turn, at most: round-off.
-ROUND_OFF = 1e-15
-#: Turns until a spin has settled, at most.
-MAX_TURNS = 25
-
 
 class RigidSolid(MonolithicSolid):
     """A rigid solid.
@@ -151,13 +146,14 @@ class RigidSolid(MonolithicSolid):
         content with less, would let angular momentum drift from step to step."""
         impulse = step.span * (self._acting + self._force)
         momentum = (self._momentum + impulse)[self.dim :]
-        for _ in range(MAX_TURNS):
+        change, falls = np.inf, True
+        while falls:  # down to round-off
             old = self.trial_velocity[self.dim :].copy()
             new = self.trial_turn @ (self._mobility @ (self.trial_turn.T @ momentum))
             self.trial_velocity[self.dim :] = new
             self._move(step)
-            if np.abs(new - old).max() <= ROUND_OFF * np.abs(new).max():
-                return
+            last, change = change, float(np.abs(new - old).max())
+            falls = change < last
 
     def layout(self, comm: MPI.Comm) -> list[int]:
         return [len(self.velocity), *[0] * (comm.size - 1)]

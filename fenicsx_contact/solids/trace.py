@@ -16,7 +16,7 @@ from .base import MonolithicTrace, Trace
 from .factor import Factorisation
 from .vector_space import VectorSpace
 
-#: Up to so many components all columns of A^-1 J' are computed, above only those that are needed.
+#: Cost: up to so many components all columns of A^-1 J' are computed, above only what is needed.
 FEW = 150
 
 

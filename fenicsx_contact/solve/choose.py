@@ -12,12 +12,12 @@ from ..theory.theta import Scheme
 from .loop import SYSTEMS
 from .statics import stands
 
-#: Components of surface points above which no dense system is formed.
+#: Cost: components of surface points above which no dense system is formed.
 LARGE_SURFACE = 1500
-#: Components up to which nonlinear solids in motion enter by their compliance: it is made anew when
-#: a tangent is, and above that costs more than it saves.
+#: Cost: components up to which nonlinear solids in motion enter by their compliance: it is made
+#: anew when a tangent is, and above that costs more than it saves.
 SMALL_SURFACE = 150
-#: Unknowns of solids in space above which nothing is factored (demos/benchmark_iterative.py).
+#: Cost: unknowns of solids in space above which nothing is factored (demos/benchmark_iterative.py).
 LARGE_SOLIDS = 10_000
 
 

@@ -18,8 +18,6 @@ from .problem import Assembly
 
 #: A line is searched until its slope is this share of the first one.
 FLAT = 0.1
-#: Halvings after which an interval is round-off.
-BITS = 52
 
 
 class LinearSystem(Protocol):
@@ -100,7 +98,7 @@ class FrozenContact:
         way = [solid.trial_velocity - a for solid, a in zip(self._system.solids, old)]
         first, last = (self._slope(share, old, way) for share in (0.0, 1.0))
         low, high, share = 0.0, 1.0, 1.0
-        for _ in range(BITS):
+        for _ in range(np.finfo(float).nmant):  # halvings to round-off
             if (last <= 0 and share == 1) or abs(last) <= FLAT * abs(first):
                 return
             low, high = (share, high) if last < 0 else (low, share)

@@ -32,9 +32,9 @@ from .solid_rows import petsc_matrix
 
 #: Share of the residual at which a linear solve ends, and how many iterations it may take.
 TOLERANCE, MAX_ITERATIONS = 1e-6, 300
-#: Relative error up to which derivatives of the geometry are used.
+#: Cost: relative error up to which derivatives of the geometry are used.
 NEAR = 0.1
-#: A hierarchy serves on for solids that have changed while it takes no more iterations than this.
+#: Cost: a hierarchy serves on for changed solids while it takes no more iterations than this.
 PATIENCE = 40
 
 #: C_ym, S^-1 C_my and what the rows of the multipliers are divided by.

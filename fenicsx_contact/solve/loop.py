@@ -21,7 +21,7 @@ from .frozen import FrozenContact
 from .krylov import Krylov
 from .monolithic import Monolithic
 from .multipliers import Patience
-from .newton import Newton, NotConverged, Solution
+from .newton import ROUGH, Newton, NotConverged, Solution
 from .problem import Assembly, Clock, scale_of
 from .sparse import Sparse
 from .statics import free_motion
@@ -33,12 +33,8 @@ SYSTEMS: dict[str, type[Condensed] | type[Monolithic]] = {
     "monolithic": Sparse,
     "iterative": Krylov,
 }
-#: Relative error of the linearised operator, gaps and momentum at which the fixed point ends, and
-#: the linearisations that it may take.
-GEOMETRY_TOLERANCE, MAX_GEOMETRY = 1e-8, 25
-#: Loops end as well where the error falls no more and is below this: the round-off of an
-#: ill-conditioned solve, which shorter steps would not better; that of the fixed point.
-ROUGH, ROUGH_GEOMETRY = 1e-7, 1e-6
+#: Relative error of the linearised operator, gaps and momentum at which the fixed point ends.
+GEOMETRY_TOLERANCE = 1e-8
 #: How often a correction that inverts an element is halved.
 HALVINGS = 5
 
@@ -95,7 +91,7 @@ class StepSolver:
 
     def _fixed_point(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         iterations, remarks, last = 0, [], np.inf
-        for sweep in range(1, MAX_GEOMETRY + 1):
+        for sweep in range(1, self._newton.max_iterations + 1):
             for solid in self._all.solids:
                 solid.linearise(step)
             clock("solids")
@@ -114,7 +110,7 @@ class StepSolver:
             clock("pairing")
             if any(grown):
                 continue
-            if error <= GEOMETRY_TOLERANCE or last <= error <= ROUGH_GEOMETRY:
+            if error <= GEOMETRY_TOLERANCE or last <= error <= ROUGH * self._newton.tolerance:
                 return solution.force, iterations, sweep, remarks
             last = error
         raise StepFailed(
@@ -180,7 +176,7 @@ class StepSolver:
             error, force = self.system.begin(step)
             errors.append(error)
             clock("newton")
-            stalled = iteration > 1 and errors[-2] <= error <= ROUGH
+            stalled = iteration > 1 and errors[-2] <= error <= ROUGH * self._newton.tolerance
             if iteration and (error <= self._newton.tolerance or stalled):
                 self.reached = error
                 return force, iteration + settled, 1, remarks

@@ -23,10 +23,8 @@ from .frozen import FrozenContact
 from .numbering import Numbering, numbered_traces
 from .problem import Assembly
 from .solid_rows import SolidRows
+from .statics import FREE
 from .yielding import COMPLIANCE, Yielding
-
-#: Springs that hold what nothing holds yet, in shares of the stiffest entry of the matrices.
-WEAK = 1e-10
 
 
 class Monolithic(ABC):
@@ -181,7 +179,7 @@ class Monolithic(ABC):
         diagonal = np.repeat([0.0, -1.0 if fixed else -self._softness], [n, m])
         if self._floating.any():
             stiff = np.abs(self._solid_rows.diagonal()).max()
-            diagonal[:n] = WEAK * stiff * self._floating
+            diagonal[:n] = FREE * stiff * self._floating
         return sp.diags(diagonal, format="csr")
 
     @property

@@ -21,12 +21,12 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import lapack
 
-#: C and D are rounded to these decimals in the factors.
+from ..base.constants import ROUND_OFF
+
+#: Cost: C and D are rounded to these decimals in the factors.
 DECIMALS = 1
-#: So many factors are kept: Newton's method passes through some states in each step.
+#: Cost: so many factors are kept: Newton's method passes through some states in each step.
 KEPT = 4
-#: Relative residual at which corrections end, how many there may be, and by what each must gain.
-EXACT, CORRECTIONS, GAIN = 1e-14, 20, 0.5
 #: Relative residual above which the rounded factors have not served.
 SERVED = 1e-13
 
@@ -132,20 +132,20 @@ def _corrected(
     sizes: np.ndarray,
     b: np.ndarray,
 ) -> tuple[np.ndarray, float]:
-    """The solution by corrections with factors of about the matrix, and its relative residual."""
+    """The solution by corrections with factors of about the matrix, as long as they
+    halve its relative residual, and this."""
     x, left, residual, size = np.zeros_like(b), np.inf, b, np.abs(b).max() or 1.0
-    for _ in range(CORRECTIONS):
+    while True:
         step, _ = lapack.dgetrs(*factors, residual.ravel())
         new = x + step.reshape(b.shape)
         moved = (W @ (sizes * new).ravel()).reshape(b.shape)
         residual = b - _times(C, moved) - _times(D, new)
         now = float(np.abs(residual).max()) / size
-        enough = now <= EXACT or not now < GAIN * left
+        gained = 2 * now < left
         if now < left:
             x, left = new, now
-        if enough:
-            break
-    return x, left
+        if left <= ROUND_OFF or not gained:
+            return x, left
 
 
 def _rounded(blocks: np.ndarray) -> np.ndarray:

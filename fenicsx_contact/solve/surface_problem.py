@@ -27,7 +27,7 @@ from .yielding import COMPLIANCE, FIRM, Yielding
 #: Speeds below this share of those that the contact forces stand for are not resolved: where forces
 #: balance each other, as in a squeezed body, jumps are far smaller, down to round-off.
 SLOW = 1e-4
-#: Above so many unknowns those of the points are condensed first.
+#: Cost: above so many unknowns those of the points are condensed first.
 MANY = 60
 
 

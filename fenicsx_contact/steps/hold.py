@@ -18,9 +18,6 @@ from ..contact.contact import Contact
 from ..contact.trial import astray, farthest, normal_rows
 from ..theory.theta import Step
 
-#: Distances below this share of the coordinates are round-off of the places.
-ROUND_OFF = 4e-16
-
 
 def hold_gaps(contacts: Sequence[Contact], step: Step) -> None:
     """Put rigid solids in their trial states where the bearing points of velocity laws belong."""
@@ -31,7 +28,7 @@ def hold_gaps(contacts: Sequence[Contact], step: Step) -> None:
         bearing = np.flatnonzero(contact.equations.statuses() > 0)
         if len(bearing):
             off = astray(contact, step)[bearing]
-            off[np.abs(off) <= ROUND_OFF * farthest(contact)] = 0.0
+            off[np.abs(off) <= 2 * np.spacing(farthest(contact))] = 0.0
             held.append((contact, bearing, off))
     if not any(off.any() for _, _, off in held):
         return

@@ -43,7 +43,7 @@ class Runnable(Protocol):
     def describe(self) -> str: ...
 
 
-#: Seconds between two checkpoints; the bar shows only what is on disk.
+#: Cost: seconds between two checkpoints; the bar shows only what is on disk.
 CHECKPOINT_EVERY = 2.0
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 
 Matrix = Any  # np.ndarray or sp.csr_matrix
-#: Entries of the largest dense matrix.
+#: Cost: entries of the largest dense matrix.
 DENSE = 400_000
 
 

@@ -14,9 +14,9 @@ from itertools import chain
 import numpy as np
 from scipy.spatial import cKDTree
 
-#: Spheres are larger by this factor than their facets' nodes tell: curved ones bulge.
+#: Cost: spheres are larger by this factor than their facets' nodes tell: curved ones bulge.
 BULGE = 1.1
-#: What is near is sought this share of a typical sphere farther than asked.
+#: Cost: what is near is sought this share of a typical sphere farther than asked.
 MARGIN = 0.3
 
 

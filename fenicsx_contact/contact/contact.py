@@ -50,6 +50,7 @@ class Contact:
         candidates: of the step.
         status: of the points in the last step: 0 open, 1 stick, 2 slip.
         force: mean of the last step on the solid, N.
+        memory: what its laws remember; empty if they do not.
 
     Raises:
         InputError: friction < 0 or NaN, unknown formulation or facets, dimensions that differ,
@@ -94,7 +95,9 @@ class Contact:
         self.equations = SurfaceEquations(
             self.surface, self.formulation, self.friction_law, self.chosen, weight, augmentation
         )
+        self.memory = self.equations.fields.memory
         self.coupling = self._couple(other)
+        self.coupling.recess = self.memory.recess
         self.solids, self.traces = self.coupling.solids, self.coupling.traces
         self.part = self.coupling.part
         self.force = np.zeros(self.surface.points.shape)
@@ -151,7 +154,8 @@ class Contact:
         """Narrow the candidates to points that bore, or would do what the law forbids without
         contact, from the free velocities of the traces' points, flat: no others bear, unless
         :meth:`grow` finds that the contact made them."""
-        self.candidates.narrow(self.status > 0, self.coupling.to_jump(free), step)
+        bore = (self.status > 0) | self.equations.fields.held
+        self.candidates.narrow(bore, self.coupling.to_jump(free), step)
         if self._paired:  # its operators are those of the candidates
             self.coupling.linearise(step, False, self.formulation.gap_share)
 
@@ -191,6 +195,8 @@ class Contact:
         self.start_jump_n = np.where(np.abs(start) <= self.resolution, 0.0, start)
         k.start_jump_n.x.array[:] = self.start_jump_n
         rate = share * step.gap_rate
+        if k.feed(self, step):
+            self.equations.refresh()
         self.equations.set_rates(rate, step.span, step.limit_rate, step.horizon)
         self._springs.linearise(step, self.gap, self.jump)
         self.coupling.linearise(step, exact, share)
@@ -250,6 +256,8 @@ class Contact:
         self.status = self._statuses(step, resolution)
         self._springs.accept(step, self.force, self.normal, self.status == 1)
         self.resolution = resolution
+        if step.dt and self.memory.values:
+            self.equations.remember(self.trial_jump)
         self.coupling.accept()
         self.gap, self.jump = self.coupling.gaps(), self.trial_jump
         self._start()
@@ -274,6 +282,7 @@ class Contact:
             "stretch": self._springs.stretch,
             "tangent": self.equations.fields.tangent,
             "last": np.array([self.resolution, self._moved]),
+            **self.memory.state(),
             **self._scales.state(),
             **self.coupling.state(),
         }
@@ -284,6 +293,7 @@ class Contact:
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
         self._springs.stretch = np.array(state["stretch"])
         self.resolution, self._moved = map(float, state["last"])
+        self.memory.restore(state)
         self._scales.restore(state)
         self.coupling.restore(state)
         self._locate()

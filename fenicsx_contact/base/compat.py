@@ -219,6 +219,8 @@ class PointExpression:
         points = space.element.interpolation_points
         if not isinstance(points, np.ndarray):
             points = points()  # a method before 0.10
+        if not ufl.domain.extract_domains(expression):  # numbers know no mesh
+            expression = fem.Constant(mesh, 1.0) * expression
         self._expression = fem.Expression(expression, points)
         self._cells = np.arange(num_local_cells(mesh), dtype=np.int32)
         self._mesh = mesh

@@ -274,14 +274,6 @@ class SurfaceEquations:
         values[self.jumps :] *= ratio
         self.values = values
 
-    def remember(self, jump: np.ndarray) -> None:
-        """An accepted step passes into the memory of the laws, with its jumps (n, d) [m/s] at all
-        points, also where there are no equations."""
-        values = self.values
-        self.values = np.concatenate([jump.ravel(), values[self.jumps :]])
-        self.fields.memory.advance()
-        self.values = values
-
     def release(self) -> None:
         """Nothing acts where there are no equations, nor pulls where round-off would."""
         z = self.values

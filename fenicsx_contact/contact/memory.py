@@ -27,6 +27,12 @@ class Points(Protocol):
     def scalar(self) -> Any: ...
 
 
+class Unknowns(Protocol):
+    """What it asks of the equations of a surface: w point by point, then the multipliers."""
+
+    values: np.ndarray
+
+
 class Memory:
     """The remembered fields of one surface.
 
@@ -54,9 +60,15 @@ class Memory:
         """What a field becomes when a step is accepted, in UFL."""
         self._rules[name] = compat.PointExpression(new, self._surface.scalars)
 
-    def advance(self) -> None:
-        """A step in which time passed is accepted: all fields become what their rules say."""
+    def advance(self, equations: Unknowns, jump: np.ndarray) -> None:
+        """A step in which time passed is accepted, with these jumps (n, d) [m/s] at all points,
+        also where there are no equations: all fields become what their rules say."""
+        if not self._rules:
+            return
+        solved = equations.values
+        equations.values = np.concatenate([jump.ravel(), solved[jump.size :]])
         new = {name: at_points(self._surface, rule) for name, rule in self._rules.items()}
+        equations.values = solved
         for name, values in new.items():
             self.values[name][:] = values
 

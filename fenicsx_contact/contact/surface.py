@@ -204,6 +204,11 @@ class SurfaceFields(LawFields):
             self._framed = True
             self._tangent.x.array[:] = tangent.ravel()
 
+    def keep_frame(self) -> None:
+        """The frames as they are now are those from which the next step starts."""
+        if self._tangent is not None:
+            self.set_tangent(self.frame()[1][0])
+
     @property
     def tangent(self) -> np.ndarray:
         """The first tangents as they were set, (n, 3); empty where nothing needs them."""

@@ -7,9 +7,10 @@ of the gap from ``a`` to ``b`` in the step, which for ``k max(d, 0)`` is exactly
 
     k (a+ + b+)/2  s,        s = share of the way that is penetrated,   x+ = max(x, 0)
 
-(of another spring s times its own mean from a+ to b+) as far as the scheme takes its forces in the
-mean (all of it for theta = 1/2: springs then conserve energy), and the force at the end for the rest, which only dissipates. A dashpot acts over the same
-share s, so that its force grows from zero as a point dips in, and takes ``(b - a)/dt``.
+(of another spring s times its own mean from a+ to b+), as far as the scheme takes its forces in the
+mean (all of it for theta = 1/2: springs then conserve energy), and the force at the end for the
+rest, which only dissipates. A dashpot acts over the same share s, so that its force grows from zero
+as a point dips in, and takes ``(b - a)/dt``.
 """
 
 from __future__ import annotations
@@ -31,8 +32,6 @@ def _penetrated_share(a: Expr, b: Expr) -> Expr:
     mixed = ufl.And(ufl.gt(top, 0), ufl.lt(ufl.min_value(a, b), 0))
     way = ufl.conditional(mixed, abs(b - a), 1.0)
     return ufl.conditional(mixed, top / way, ufl.conditional(ufl.gt(top, 0), 1.0, 0.0))
-
-
 
 
 def spring_form(k: Any, spring: Any) -> tuple[ufl.Form, Expr]:

@@ -20,9 +20,9 @@ class Adhesive:
 
     What touches at the start of a step is drawn by s throughout it; so a pull up to s leaves it
     closed, and a larger one opens it. What is open is not drawn, and what touches again is. In the
-    step in which it opens s acts to its end. Each step has the one solution that its law has, and
-    Coulomb's bound is ``mu |lam|`` of the shifted pressure: what adheres rubs without being pressed.
-    An impact takes no time, and s holds nothing in it.
+    step in which it opens s acts to its end. Each step has the one solution that its law has.
+    Coulomb's bound is ``mu |lam|`` of the shifted pressure: what adheres rubs, also if nothing
+    presses it. An impact takes no time, and s holds nothing in it.
 
     B.V. Derjaguin, V.M. Muller, Yu.P. Toporov, J. Colloid Interface Sci. 53, 314-326, 1975, with a
     range that tends to zero.

@@ -35,9 +35,12 @@ LAWS = {"ageing": ageing, "slip": slip}
 
 @dataclass(frozen=True)
 class RateState:
-    """``b = mu |lam|``, ``mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D)``, in the form that is regular
-    at rest, ``a asinh(V/2V_0 exp((mu_0 + b ln(V_0 theta/D))/a))``, to which it is the same but for
-    speeds at which mu < a. Nothing sticks by this law: it creeps, however slowly.
+    """``b = mu |lam|``, ``mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D)``, V the speed of slip.
+
+    In the form that is regular at rest, ``a asinh(V/2V_0 exp((mu_0 + b ln(V_0 theta/D))/a))``,
+    which is the same unless mu is as small as a. Nothing sticks by this law: it creeps, however
+    slowly. A step has one solution, for friction rises with V at the given age, but in steps
+    longer than about D/V, in which contacts are renewed; shorter ones are needed for the age, too.
 
     In steady sliding mu = mu_0 + (a - b) ln(V/V_0). A slider that a spring pulls steadily is
     stable above the stiffness k_c = (b - a) sigma/D (1 + M V²/(a sigma D)), per area. ``theta``

@@ -199,7 +199,7 @@ def test_stribeck_friction_is_of_second_order():
 
     exact = solve_ivp(rate, (0, 0.2), [1.0], rtol=1e-12, atol=1e-14).y[0, -1]
     errors = [abs(slide(law, 0.2, dt)[1]["v"][-1] - exact) for dt in (8e-3, 4e-3)]
-    assert errors[0] < 1e-5 and errors[0] / errors[1] > 3.5
+    assert errors[0] < 2e-5 and errors[0] / errors[1] > 3.5
     _, history = slide(law, 0.6)
     assert abs(history["v"][-1]) < 1e-12  # and it stops
     assert history["newton"].max() <= 5
@@ -228,19 +228,20 @@ def test_rate_and_state_in_steady_sliding(law):
 
 @pytest.mark.parametrize("law", ["ageing", "slip"])
 def test_critical_stiffness_of_a_spring_slider(law):
-    """A disturbance grows below k_c = (b - a) sigma/D and dies out above (Ruina 1983)."""
+    """A disturbance grows below k_c = (b - a) sigma/D and dies out above (Ruina 1983); inertia
+    M = 0.002 a sigma D/V² raises it by so much (Rice and Ruina 1983)."""
     critical, share, dt = (B - A) * LOAD / D, np.array([0.95, 1.05]), 0.05
     growth = []
     for factor in share:
-        _, run = state_slider(law, factor * critical, 1.0, 1.02, 0.002 * A * LOAD)
+        _, run = state_slider(law, factor * critical, 1.0, 1.001, 0.002 * A * LOAD)
         u = run(14.0, dt)["u"][50::8]
         # u(n + 2) = c u(n + 1) + d u(n) + e of a swing that grows or dies out
         rows = np.stack([u[1:-1], u[:-2], np.ones(len(u) - 2)], axis=1)
         c, d, _ = np.linalg.lstsq(rows, u[2:], rcond=None)[0]
         growth.append(np.log(np.roots([1, -c, -d])[0]).real / (8 * dt))
     assert growth[0] > 0 > growth[1]
-    assert np.interp(0, growth[::-1], share[::-1]) == pytest.approx(1, abs=0.01)
-    np.testing.assert_allclose(growth, (1 - share) * (B - A) / (2 * A), rtol=0.15)
+    assert np.interp(0, growth[::-1], share[::-1]) == pytest.approx(1.002, abs=1e-3)
+    np.testing.assert_allclose(growth, (1 - share) * (B - A) / (2 * A), rtol=0.07)
 
 
 @pytest.mark.parametrize("law", ["ageing", "slip"])
@@ -357,7 +358,7 @@ def test_worn_volume_of_one_solid_on_another():
 @pytest.mark.parametrize("law", ["gap", "velocity", "lagrange"])
 def test_pull_off_force(law):
     """A cell drawn upwards holds to exactly s times its base (or s at each of its two points)."""
-    stress, E, height, speed = 130.0, 1e6, 0.1, 1e-4
+    stress, E, height, speed = 133.0, 1e6, 0.1, 1e-4
     solid = ElasticSolid(
         rectangle((1, 1), (1.0, height)),
         youngs_modulus=E,
@@ -378,17 +379,16 @@ def test_pull_off_force(law):
 
 @pytest.mark.parametrize("upwards, holds", [(9.99, True), (10.01, False)])
 def test_a_block_hangs_by_adhesion(upwards, holds):
-    """Of 13 kg, by 130 N; pulled off it flies freely but for the one step."""
-    solid = block(gravity=(0, upwards * MASS / 13.0 * 1.3))
-    contact = Contact(solid, "base", FLOOR, Adhesive(130.0), name="c")
+    """Of 10 kg, by 100 N; pulled off it flies freely but for the one step."""
+    solid = block(gravity=(0, upwards))
+    contact = Contact(solid, "base", FLOOR, Adhesive(100.0), name="c")
     history = Scene([solid], [contact]).run(0.1, 1e-3)
     lift = solid.place[1] - HEIGHT / 2
     if holds:
         assert abs(lift) < 1e-12
-        np.testing.assert_allclose(history["c.force_y"][1:], -upwards * MASS * MASS / 13 * 1.3)
+        np.testing.assert_allclose(history["c.force_y"][1:], -upwards * MASS)
     else:
-        g = upwards * MASS / 13 * 1.3
-        assert lift == pytest.approx(0.5 * g * 0.099**2, rel=0.01)
+        assert lift == pytest.approx(0.5 * upwards * 0.099**2, rel=0.01)
 
 
 # -- restitution -----------------------------------------------------------------------------------
@@ -437,8 +437,8 @@ def test_without_restitution_it_is_the_velocity_law(locate):
 def test_depth_of_normal_compliance(exponent):
     """c d^m = m g: a block let down slowly sinks so deep."""
     solid = block()
-    contact = Contact(solid, "base", FLOOR, Compliance(1e8, exponent, damping=1e6), name="c")
-    history = Scene([solid], [contact], IMPLICIT).run(4.0, 5e-3)
+    contact = Contact(solid, "base", FLOOR, Compliance(1e8, exponent, damping=5e3), name="c")
+    history = Scene([solid], [contact], IMPLICIT).run(5.0, 0.02)
     assert history.reason == "finished"
     assert contact.gap.max() == pytest.approx((MASS * G / 1e8) ** (1 / exponent), rel=1e-9)
 
@@ -449,7 +449,7 @@ def test_compliance_gives_back_what_it_stored(exponent):
     c = 1e7
     solid = block(gravity=(0, 0), velocity=(0, -1.0))
     contact = Contact(solid, "base", FLOOR, Compliance(c, exponent), name="c")
-    history = Scene([solid], [contact]).run(0.1, 1e-4)
+    history = Scene([solid], [contact]).run(0.06, 2e-4)
     assert solid.velocity[1] == pytest.approx(1.0, rel=1e-8 if exponent != 2.5 else 1e-4)
     deepest = ((exponent + 1) * MASS / (2 * c)) ** (1 / (exponent + 1))
     assert history["c.penetration"].max() == pytest.approx(deepest, rel=1e-3)
@@ -461,8 +461,8 @@ def test_friction_of_normal_compliance():
     start = HEIGHT / 2 - MASS * G / 1e8
     solid.restore({**solid.state(), "place": np.array([0.0, start])})
     law = Compliance(1e8, tangential_stiffness=1e8)
-    _, history = slide(0.25, 0.3, 1e-3, solid, law, IMPLICIT)
-    assert history["v"][-1] == pytest.approx(1 - 0.25 * G * 0.3, abs=2e-3)
+    _, history = slide(0.25, 0.2, 2e-3, solid, law, IMPLICIT)
+    assert history["v"][-1] == pytest.approx(1 - 0.25 * G * 0.2, abs=2e-3)
 
 
 # -- what is refused ------------------------------------------------------------------------------

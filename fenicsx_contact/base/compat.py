@@ -286,24 +286,6 @@ class PointValues:
         return values.reshape(len(self._points), -1).squeeze(axis=1)
 
 
-def is_expression(value: Any) -> bool:
-    """Whether it is written in UFL."""
-    return isinstance(value, ufl.core.expr.Expr)
-
-
-def is_coordinate(terminal: Any) -> bool:
-    """Whether it is the coordinates of a mesh."""
-    return isinstance(terminal, ufl.classes.SpatialCoordinate)
-
-
-def terminals_off(mesh: Any, expression: Any) -> list[Any]:
-    """Coordinates, Functions and Constants of an expression that are not of this mesh."""
-    kinds = (ufl.classes.SpatialCoordinate, fem.Function, fem.Constant)
-    found = ufl.corealg.traversal.traverse_unique_terminals(expression)
-    here = mesh.ufl_domain()
-    return [each for each in found if isinstance(each, kinds) and each.ufl_domain() != here]
-
-
 def cell_constants(mesh: Any, values: np.ndarray) -> Any:
     """A coefficient that is constant in each cell, from values (cells,) (one process)."""
     space = _cellwise(mesh)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..base import checks
+from ..base.constants import ROUND_OFF
 from ..solids import Solid
 from ..theory.formulations import Formulation
 from ..theory.formulations import formulation as as_formulation
@@ -21,10 +22,6 @@ from .pairing import Master, acting_points, check_master, couple, worn
 from .scales import Scales
 from .springs import TangentialSprings
 from .surface import Surface, dot
-
-#: Distances below this share of the coordinates, and jumps below this share of the speeds of what
-#: jumps, are noise.
-ROUND_OFF = 1e-14
 
 
 class Contact:
@@ -47,6 +44,7 @@ class Contact:
         start_jump_n: w_n at the start, by the operators of the step; ``end_gap``: at its end if
             nothing approached.
         resolution: speeds below it, m/s, the last step did not resolve.
+        noise: distances below it, m, are round-off of the places.
         candidates: of the step.
         status, force: of the last step: 0 open, 1 stick, 2 slip; mean on the solid, N.
         memory: what its laws remember; empty if they do not.
@@ -95,10 +93,9 @@ class Contact:
             self.surface, self.formulation, self.friction_law, self.chosen, weight, augmentation
         )
         self.memory = self.equations.fields.memory
-        self.coupling = self._couple(other)
-        self.coupling.recess = worn(self.memory, self.formulation)
-        self.solids, self.traces = self.coupling.solids, self.coupling.traces
-        self.part = self.coupling.part
+        self.coupling = coupling = self._couple(other)
+        coupling.recess = worn(self.memory, self.formulation)
+        self.solids, self.traces, self.part = coupling.solids, coupling.traces, coupling.part
         self.force, self.status = np.zeros(self.surface.points.shape), np.zeros(self.surface.size)
         self.candidates = Candidates(self.equations, self.coupling, self.formulation)
         self._springs = TangentialSprings(self.equations, self.formulation)
@@ -117,6 +114,11 @@ class Contact:
         """Gap (n,) and jump (n, d) at the start of a step."""
         self.gap = self.coupling.gaps()
         self.jump = self.coupling.jump("velocity")
+        self._start()
+
+    def _start(self) -> None:
+        """Frame from which the next step starts, and round-off of the distances in it."""
+        self.noise = ROUND_OFF * float(np.abs(self.coupling.positions()).max())
         self.equations.fields.keep_frame()
 
     # -- the step -------------------------------------------------------------------------------
@@ -245,11 +247,10 @@ class Contact:
         self.status = self._statuses(step, resolution)
         self._springs.accept(step, self.force, self.normal, self.status == 1)
         self.resolution = resolution
-        if step.dt:
-            self.memory.advance(self.equations, self.trial_jump)
+        self.memory.advance(self.equations, self.trial_jump, step.dt)
         self.coupling.accept()
         self.gap, self.jump = self.coupling.gaps(), self.trial_jump
-        self.equations.fields.keep_frame()
+        self._start()
 
     def depth(self) -> float:
         """Penetration of the deepest point, m."""

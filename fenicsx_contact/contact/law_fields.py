@@ -17,6 +17,7 @@ import numpy as np
 import ufl
 
 from ..base import checks, compat
+from ..base.expressions import is_coordinate, is_expression, terminals_off
 from ..solids import Solid, Trace
 from ..theory.laws import magnitude
 from ..theory.scheme import Step
@@ -180,7 +181,7 @@ class LawFields:
             return self.surface.constant(float(value)), float(value)
         refusal = f"{name} = {value!r}: must be a scalar >= 0 in UFL at all points of the contact"
         try:
-            field = self._mirrored(value if compat.is_expression(value) else self._call(value))
+            field = self._mirrored(value if is_expression(value) else self._call(value))
             start = at_points(self.surface, compat.PointExpression(field, self.surface.scalars))
         except (TypeError, ValueError, compat.UFLError) as error:
             raise checks.InputError(f"{refusal}; {error}") from None
@@ -198,12 +199,12 @@ class LawFields:
 
     def _mirrored(self, given: Any) -> Any:
         """An expression of another mesh, on the surface."""
-        others = compat.terminals_off(self.surface.mesh, given)
+        others = terminals_off(self.surface.mesh, given)
         return ufl.replace(given, {other: self._mirror(other) for other in others})
 
     def _mirror(self, other: Any) -> Any:
         """The surface's own counterpart of coordinates, a Constant or a Function."""
-        if compat.is_coordinate(other):
+        if is_coordinate(other):
             return self.x
         if hasattr(other, "value"):
             return self._constant(lambda contact, step: float(other.value), float(other.value))

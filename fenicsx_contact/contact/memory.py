@@ -60,10 +60,10 @@ class Memory:
         """What a field becomes when a step is accepted, in UFL."""
         self._rules[name] = compat.PointExpression(new, self._surface.scalars)
 
-    def advance(self, equations: Unknowns, jump: np.ndarray) -> None:
-        """A step in which time passed is accepted, with these jumps (n, d) [m/s] at all points,
-        also where there are no equations: all fields become what their rules say."""
-        if not self._rules:
+    def advance(self, equations: Unknowns, jump: np.ndarray, dt: float) -> None:
+        """A step of ``dt`` seconds is accepted, with these jumps (n, d) [m/s] at all points, also
+        where there are no equations: all fields become what their rules say, but in an impact."""
+        if not self._rules or not dt:
             return
         solved = equations.values
         equations.values = np.concatenate([jump.ravel(), solved[jump.size :]])

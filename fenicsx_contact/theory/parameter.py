@@ -5,9 +5,8 @@ from __future__ import annotations
 
 from typing import Any
 
-import ufl
-
 from ..base import checks
+from ..base.expressions import is_expression
 
 #: A number >= 0; or a function of the place [m], and of the time [s] if it has a second argument,
 #: in UFL; or UFL on the mesh of the slave: of its coordinates, a dolfinx Function, a Constant. A
@@ -17,7 +16,7 @@ Parameter = Any
 
 def varies(value: Parameter) -> bool:
     """Whether it is no number."""
-    return isinstance(value, ufl.core.expr.Expr) or callable(value)
+    return is_expression(value) or callable(value)
 
 
 def parameter(name: str, value: Parameter, *, above: float | None = None) -> Parameter:
@@ -37,4 +36,4 @@ def told(value: Parameter) -> str:
     if not varies(value):
         return f"{value:g}"
     name = getattr(value, "__name__", None)
-    return name or (str(value) if isinstance(value, ufl.core.expr.Expr) else type(value).__name__)
+    return name or (str(value) if is_expression(value) else type(value).__name__)

@@ -24,4 +24,5 @@ def terminals_off(mesh: Any, expression: Any) -> list[Any]:
     kinds = (ufl.classes.SpatialCoordinate, fem.Function, fem.Constant)
     found = ufl.corealg.traversal.traverse_unique_terminals(expression)
     here = mesh.ufl_domain()
-    return [each for each in found if isinstance(each, kinds) and each.ufl_domain() != here]
+    off = [each for each in found if isinstance(each, kinds)]
+    return [each for each in off if here not in ufl.domain.extract_domains(each)]

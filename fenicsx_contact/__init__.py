@@ -42,6 +42,13 @@ from .theory.formulations import (  # noqa: E402
 )
 from .theory.friction import Coulomb, Tresca  # noqa: E402
 from .theory.generalised_alpha import GeneralisedAlpha  # noqa: E402
+from .theory.interface.adhesion import Adhesive  # noqa: E402
+from .theory.interface.compliance import Compliance  # noqa: E402
+from .theory.interface.rate_state import RateState  # noqa: E402
+from .theory.interface.restitution import Restitution  # noqa: E402
+from .theory.interface.static_kinetic import StaticKinetic  # noqa: E402
+from .theory.interface.stribeck import Stribeck  # noqa: E402
+from .theory.interface.wear import Archard  # noqa: E402
 from .theory.theta import QuasiStatic, ThetaScheme  # noqa: E402
 
 __version__ = "0.1.0"
@@ -51,9 +58,12 @@ __all__ = [
     "LAGRANGE",
     "PRINTED",
     "VELOCITY",
+    "Adhesive",
+    "Archard",
     "AxisMesh",
     "BeamSolid",
     "Circle",
+    "Compliance",
     "Contact",
     "Coulomb",
     "Cylinder",
@@ -76,10 +86,14 @@ __all__ = [
     "Obstacle",
     "Printed",
     "QuasiStatic",
+    "RateState",
+    "Restitution",
     "RigidSolid",
     "Scene",
     "Section",
     "Sphere",
+    "StaticKinetic",
+    "Stribeck",
     "Support",
     "ThetaScheme",
     "Tresca",

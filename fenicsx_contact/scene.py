@@ -283,7 +283,7 @@ class Scene:
             left_out.append(
                 "geometric fixed point (linear solids, flat obstacles: one linearisation a step)"
             )
-        if not any(contact.friction for contact in self.contacts):
+        if not any(contact.friction_law for contact in self.contacts):
             left_out.append("friction")
         if not any(isinstance(solid, DeformableSolid) for solid in self.solids):
             left_out.append("function spaces and matrices on the volume (rigid solids)")

@@ -116,6 +116,24 @@ def test_stick_slip(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.startswith("turning points -0.65")
 
 
+def test_interface_laws(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    demo = load("interface_laws")
+    demo.main(quick=True)
+    summary = json.loads((demo.RESULTS / "summary.json").read_text())
+    bounds = {"place": 1e-4, "own law": 1e-4, "static and kinetic": 1e-4}
+    bounds |= {"stribeck": 1e-5, "worn volume": 1e-6}
+    for name, bound in bounds.items():
+        assert abs(summary["sliding"][name]) < bound
+    assert max(map(abs, summary["stick_slip"].values())) < 0.01  # a step is breaking away
+    for law in ("ageing", "slip"):
+        assert summary["critical_stiffness"][f"{law}_critical"] == pytest.approx(1.002, abs=1e-3)
+    assert abs(summary["pull_off_error"]) < 1e-12
+    assert summary["impacts"] == 4 and summary["heights_error"] < 1e-9
+    assert (demo.RESULTS / "interface_laws.png").stat().st_size > 5000
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("way by mu(x) +3")
+
+
 def test_hertz(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     demo = load("hertz")

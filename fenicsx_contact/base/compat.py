@@ -9,7 +9,7 @@ import basix
 import dolfinx
 import numpy as np
 import ufl
-from dolfinx import fem
+from dolfinx import fem, geometry
 from mpi4py import MPI
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
@@ -219,6 +219,8 @@ class PointExpression:
         points = space.element.interpolation_points
         if not isinstance(points, np.ndarray):
             points = points()  # a method before 0.10
+        if not ufl.domain.extract_domains(expression):  # numbers know no mesh
+            expression = fem.Constant(mesh, 1.0) * expression
         self._expression = fem.Expression(expression, points)
         self._cells = np.arange(num_local_cells(mesh), dtype=np.int32)
         self._mesh = mesh
@@ -251,6 +253,37 @@ class PointCloud:
     def compiled(self, expression: Any) -> PointExpression:
         """An expression in ``x`` and ``t``; its values are (n, components)."""
         return PointExpression(expression, self._space)
+
+
+class PointValues:
+    """Values of a scalar dolfinx Function at fixed points (n, d) of its mesh (one process).
+
+    Raises:
+        ValueError: it is no scalar, or a point is outside of its mesh.
+    """
+
+    def __init__(self, function: Any, points: np.ndarray) -> None:
+        mesh = function.function_space.mesh
+        self._function = function
+        self._points = np.zeros((len(points), 3))
+        self._points[:, : points.shape[1]] = points
+        reach = 1e-10 * float(np.ptp(mesh.geometry.x, axis=0).max())
+        make = geometry.bb_tree if MODERN else geometry.BoundingBoxTree
+        tree = make(mesh, mesh.topology.dim, padding=reach)
+        collide = geometry.compute_collisions_points if MODERN else geometry.compute_collisions
+        near = collide(tree, self._points)
+        cells = geometry.compute_colliding_cells(mesh, near, self._points)
+        found = [cells.links(i)[:1] for i in range(len(points))]
+        if not all(map(len, found)):
+            raise ValueError("points of the contact are outside of its mesh")
+        self._cells = np.concatenate(found)
+        if self().shape != (len(points),):
+            raise ValueError("it is no scalar")
+
+    def __call__(self) -> np.ndarray:
+        """The values now, (n,)."""
+        values = np.asarray(self._function.eval(self._points, self._cells))
+        return values.reshape(len(self._points), -1).squeeze(axis=1)
 
 
 def cell_constants(mesh: Any, values: np.ndarray) -> Any:

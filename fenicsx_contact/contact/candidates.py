@@ -67,6 +67,7 @@ class Candidates:
                 gap_rate=step.gap_rate,
                 limit_rate=step.limit_rate,
                 horizon=step.horizon,
+                loaded=step.loaded,
             )
         )
 

@@ -18,7 +18,7 @@ from ..theory.theta import Step
 from .candidates import Candidates
 from .equations import SurfaceEquations
 from .jump import Coupling
-from .pairing import Master, acting_points, check_master, couple
+from .pairing import Master, acting_points, check_master, couple, worn
 from .scales import Scales
 from .springs import TangentialSprings
 from .surface import Surface, dot
@@ -46,8 +46,8 @@ class Contact:
         resolution: speeds below it, m/s, the last step did not resolve.
         noise: distances below it, m, are round-off of the places.
         candidates: of the step.
-        status: of the points in the last step: 0 open, 1 stick, 2 slip.
-        force: mean of the last step on the solid, N.
+        status, force: of the last step: 0 open, 1 stick, 2 slip; mean on the solid, N.
+        memory: what its laws remember; empty if they do not.
 
     Raises:
         InputError: friction < 0 or NaN, unknown formulation or facets, dimensions that differ,
@@ -92,16 +92,15 @@ class Contact:
         self.equations = SurfaceEquations(
             self.surface, self.formulation, self.friction_law, self.chosen, weight, augmentation
         )
-        self.coupling = self._couple(other)
-        self.solids, self.traces = self.coupling.solids, self.coupling.traces
-        self.part = self.coupling.part
-        self.force = np.zeros(self.surface.points.shape)
-        self.status = np.zeros(self.surface.size)
+        self.memory = self.equations.fields.memory
+        self.coupling = coupling = self._couple(other)
+        coupling.recess = worn(self.memory, self.formulation)
+        self.solids, self.traces, self.part = coupling.solids, coupling.traces, coupling.part
+        self.force, self.status = np.zeros(self.surface.points.shape), np.zeros(self.surface.size)
         self.candidates = Candidates(self.equations, self.coupling, self.formulation)
         self._springs = TangentialSprings(self.equations, self.formulation)
         self._scales = Scales(self.coupling, self.surface.size)
-        self.resolution = 0.0
-        self._moved = 1.0  # length of the last step, s
+        self.resolution, self._moved = 0.0, 1.0  # m/s; length of the last step, s
         self._set_normal(self.coupling.normals())
         self._locate()
 
@@ -120,9 +119,7 @@ class Contact:
     def _start(self) -> None:
         """Frame from which the next step starts, and round-off of the distances in it."""
         self.noise = ROUND_OFF * float(np.abs(self.coupling.positions()).max())
-        tangents = self.equations.fields.frame()[1]
-        if self.surface.dim == 3 and len(tangents):
-            self.equations.fields.set_tangent(tangents[0])
+        self.equations.fields.keep_frame()
 
     # -- the step -------------------------------------------------------------------------------
 
@@ -150,7 +147,8 @@ class Contact:
         """Narrow the candidates to points that bore, or would do what the law forbids without
         contact, from the free velocities of the traces' points, flat: no others bear, unless
         :meth:`grow` finds that the contact made them."""
-        self.candidates.narrow(self.status > 0, self.coupling.to_jump(free), step)
+        bore = (self.status > 0) | self.equations.fields.held
+        self.candidates.narrow(bore, self.coupling.to_jump(free), step)
         if self._paired:  # its operators are those of the candidates
             self.coupling.linearise(step, False, self.formulation.gap_share)
 
@@ -185,12 +183,12 @@ class Contact:
             approach = dot(self.coupling.jump("trial_velocity"), self.normal)
             self.end_gap = self.coupling.gaps() - step.gap_rate * approach
             gap = (1 - share) * gap + share * self.end_gap
-        k.gap.x.array[:] = gap
         start = dot(self.jump, self.normal)  # as the operators of this step see it
         self.start_jump_n = np.where(np.abs(start) <= self.resolution, 0.0, start)
-        k.start_jump_n.x.array[:] = self.start_jump_n
-        rate = share * step.gap_rate
-        self.equations.set_rates(rate, step.span, step.limit_rate, step.horizon)
+        k.gap.x.array[:], k.start_jump_n.x.array[:] = gap, self.start_jump_n
+        if k.feed(self, step):
+            self.equations.refresh()
+        self.equations.set_rates(share * step.gap_rate, step.span, step.limit_rate, step.horizon)
         self._springs.linearise(step, self.gap, self.jump)
         self.coupling.linearise(step, exact, share)
 
@@ -249,11 +247,10 @@ class Contact:
         self.status = self._statuses(step, resolution)
         self._springs.accept(step, self.force, self.normal, self.status == 1)
         self.resolution = resolution
+        self.memory.advance(self.equations, self.trial_jump, step.dt)
         self.coupling.accept()
         self.gap, self.jump = self.coupling.gaps(), self.trial_jump
         self._start()
-
-    # -- what it tells --------------------------------------------------------------------------
 
     def depth(self) -> float:
         """Penetration of the deepest point, m."""
@@ -273,6 +270,7 @@ class Contact:
             "stretch": self._springs.stretch,
             "tangent": self.equations.fields.tangent,
             "last": np.array([self.resolution, self._moved]),
+            **self.memory.state(),
             **self._scales.state(),
             **self.coupling.state(),
         }
@@ -283,6 +281,7 @@ class Contact:
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
         self._springs.stretch = np.array(state["stretch"])
         self.resolution, self._moved = map(float, state["last"])
+        self.memory.restore(state)
         self._scales.restore(state)
         self.coupling.restore(state)
         self._locate()
@@ -290,10 +289,12 @@ class Contact:
 
     def describe(self) -> str:
         """What is there and what was left out."""
-        k, n = self.equations.fields, int(self.chosen.sum())
-        parts = [f"{self.formulation.name}, {n} points of {self.solid.name!r}"]
-        parts.append(f"before {self.coupling.describe()}")
-        parts.append(self.friction_law.describe() if self.friction_law else "no friction (no tau)")
-        unknowns = n * (k.components - self.surface.dim)
-        parts.append(f"{unknowns} multipliers" if unknowns else "springs (no multipliers)")
+        n = int(self.chosen.sum())
+        unknowns = n * (self.equations.fields.components - self.surface.dim)
+        parts = [
+            f"{self.formulation.name}, {n} points of {self.solid.name!r}",
+            f"before {self.coupling.describe()}",
+            self.friction_law.describe() if self.friction_law else "no friction (no tau)",
+            f"{unknowns} multipliers" if unknowns else "springs (no multipliers)",
+        ]
         return ", ".join(parts)

@@ -31,6 +31,7 @@ class Coupling(ABC):
         fixed_normal: whether the normals never change.
         driven: whether the other side moves as it is told.
         time: of the trial state, s.
+        recess: how far the surface has worn back, (n,) in m, or 0.
     """
 
     solids: list[Solid]
@@ -39,6 +40,7 @@ class Coupling(ABC):
     fixed_normal: bool
     driven = False
     time = 0.0
+    recess: np.ndarray | float = 0.0
 
     def begin(self, step: Step) -> None:
         """Take up what is given of the other side in a step; of a solid nothing is."""
@@ -48,9 +50,13 @@ class Coupling(ABC):
     def follow(self) -> None:
         """Take up the trial states of the solids."""
 
-    @abstractmethod
     def gaps(self) -> np.ndarray:
         """Gaps d_n in the followed state, positive: penetration, (n,) in m."""
+        return self._depths() - self.recess
+
+    @abstractmethod
+    def _depths(self) -> np.ndarray:
+        """Those of a surface without wear."""
 
     @abstractmethod
     def normals(self) -> np.ndarray:
@@ -173,7 +179,7 @@ class MortarJump(Coupling):
         moved = float(np.abs(places - self._start).max())
         self.pairing.update(places, moved)
 
-    def gaps(self) -> np.ndarray:
+    def _depths(self) -> np.ndarray:
         return self.pairing.gap
 
     def normals(self) -> np.ndarray:

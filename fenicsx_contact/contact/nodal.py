@@ -80,7 +80,7 @@ class NodalJump(Coupling):
             self._start_positions = self.positions()
             self._before = self._end if self._step else self._before
 
-    def gaps(self) -> np.ndarray:
+    def _depths(self) -> np.ndarray:
         return -self.wall.distance(self.traces[0].positions(), self.time)
 
     def normals(self) -> np.ndarray:

@@ -12,6 +12,7 @@ from ..solids import Solid
 from ..theory.formulations import Formulation
 from .equations import SurfaceEquations
 from .jump import Coupling, MortarJump, side_of
+from .memory import Memory
 from .nodal import NodalJump
 from .surface import Surface
 from .wall import Obstacle
@@ -69,6 +70,16 @@ def acting_points(
         chosen[:] = False
         chosen[nodes] = True
     return chosen, chosen.astype(float)
+
+
+def worn(memory: Memory, formulation: Formulation) -> np.ndarray | float:
+    """How far the surface has worn back, or a refusal."""
+    if formulation.at_points and np.ndim(memory.recess):
+        raise checks.InputError(
+            f"formulation = {formulation.name!r}: forces at points have no pressure that could "
+            "wear them; use a formulation that acts on areas (velocity, gap, printed, compliance)"
+        )
+    return memory.recess
 
 
 def couple(solid: Solid, facets: str, equations: SurfaceEquations, other: Master) -> Coupling:

@@ -29,8 +29,8 @@ class TangentialSprings:
         self._equations = equations
         self._there = not formulation.multipliers
         self._slips = self._there and equations.fields.friction is not None
-        # a law without such a stiffness has no stretch
-        self._stiffness = getattr(formulation, "stiffness_t", np.inf)
+        # per weight of a point; a law without such a stiffness has no stretch
+        self._stiffness = getattr(formulation, "stiffness_t", np.inf) if self._slips else np.inf
         self.stretch = np.zeros(equations.fields.surface.points.shape)
 
     def linearise(self, step: Step, gap: np.ndarray, jump: np.ndarray) -> None:
@@ -50,6 +50,7 @@ class TangentialSprings:
         stick, (n,) of bool, returned on slip."""
         if not self._slips:
             return
-        held = -(force - dot(force, normal)[:, None] * normal) / self._stiffness
+        each = self._stiffness * np.where(self._equations.weight > 0, self._equations.weight, 1.0)
+        held = -(force - dot(force, normal)[:, None] * normal) / each[:, None]
         stuck = self.stretch + (held - self.stretch) / (step.scheme.force_weight or 1.0)
         self.stretch = np.where(sticks[:, None], stuck, held)

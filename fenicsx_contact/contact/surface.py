@@ -18,6 +18,7 @@ from mpi4py import MPI
 
 from ..base import compat
 from ..theory.friction import FrictionBound
+from .law_fields import LawFields
 
 
 class Surface:
@@ -66,7 +67,7 @@ class Surface:
         return nearest
 
 
-class SurfaceFields:
+class SurfaceFields(LawFields):
     """What a formulation may use to write its weak form: unknowns, tests, data, parameters.
 
     They fulfil :class:`~fenicsx_contact.theory.weak_form.ContactFields`. A frictionless contact has
@@ -94,7 +95,8 @@ class SurfaceFields:
         multipliers: bool,
         weight: np.ndarray | None,
     ) -> None:
-        self.surface, self.friction = surface, friction
+        super().__init__(surface)
+        self.friction = friction
         d = surface.dim
         n_mult = int(multipliers)
         n_traction = (d - 1) * int(multipliers and friction is not None)
@@ -138,11 +140,6 @@ class SurfaceFields:
         self._weight = surface.scalar() if weight is not None else None
         if self._weight is not None:
             self._weight.x.array[:] = weight
-
-    @property
-    def x(self) -> Any:
-        """Reference coordinates, m."""
-        return ufl.SpatialCoordinate(self.surface.mesh)
 
     def constant(self, value: float) -> Any:
         """A new constant."""
@@ -206,6 +203,11 @@ class SurfaceFields:
         if self._tangent is not None:
             self._framed = True
             self._tangent.x.array[:] = tangent.ravel()
+
+    def keep_frame(self) -> None:
+        """The frames as they are now are those from which the next step starts."""
+        if self._tangent is not None:
+            self.set_tangent(self.frame()[1][0])
 
     @property
     def tangent(self) -> np.ndarray:

@@ -65,7 +65,7 @@ class GuideCoupling(NodalJump):
         # a station that the rod has passed meets nothing, though it bore a moment ago
         return ~self._trace.void
 
-    def gaps(self) -> np.ndarray:
+    def _depths(self) -> np.ndarray:
         self._look()
         return -self._distances
 

@@ -43,7 +43,7 @@ def refuse_free(solids: Sequence[Any], contacts: Sequence[Contact]) -> None:
         rows = np.zeros((*points.shape, len(gram)))
         for solid, sign in zip(contact.solids, (1.0, -1.0)):
             rows[:, :, place[id(solid)]] += sign * motions[id(solid)](points)
-        if not contact.friction:
+        if not contact.friction_law:
             rows = np.einsum("ni,nik->nk", contact.normal, rows)
         rows = rows.reshape(-1, len(gram))
         gram += rows.T @ rows

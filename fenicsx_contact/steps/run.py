@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -161,10 +162,10 @@ def _fingerprint(scene: Runnable, dt: float, step_error: float | None) -> str:
     lines.append("energies " + ", ".join(f"{energy:.9g}" for energy in scene.stepper.energies))
     for contact in scene.contacts:
         lines.append(
-            f"{contact.name}: {contact.formulation}, friction {contact.friction!r}, "
+            f"{contact.name}: {contact.formulation}, friction {contact.friction_law!r}, "
             f"gaps {contact.gap.min():.9g} to {contact.gap.max():.9g}"
         )
-    return "\n".join(lines)
+    return re.sub(r" at 0x[0-9a-f]+", "", "\n".join(lines))  # no addresses in memory
 
 
 def _cross(

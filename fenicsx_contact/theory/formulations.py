@@ -68,6 +68,7 @@ class StepData:
         gap_rate: derivative of the end position by the end velocity, s.
         limit_rate: (1 - theta)/theta of the scheme, 0 in a percussion.
         horizon: time over which it looks ahead, s: the step, or that of which it is a part.
+        loaded: 1 where time passes, 0 in a percussion.
     """
 
     gap: np.ndarray
@@ -75,6 +76,7 @@ class StepData:
     gap_rate: float
     limit_rate: float
     horizon: float
+    loaded: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -110,10 +112,13 @@ class Velocity:
 
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Contact terms of (7) and the status of each point."""
+        return weak_form(k, k.jump_n - self.allowed(k))
+
+    def allowed(self, k: ContactFields) -> Any:
+        """The w_n that the law allows at most, in UFL."""
         drift = ufl.max_value(k.gap, 0.0) / k.horizon
         limit = ufl.max_value(drift - k.gap / k.horizon, -k.limit_rate * k.start_jump_n)
-        leave = self.drift_correction * (1 + k.limit_rate) * drift
-        return weak_form(k, k.jump_n - (limit - leave))
+        return limit - self.drift_correction * (1 + k.limit_rate) * drift
 
     def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
         """The form decides."""
@@ -231,6 +236,14 @@ class Discrete:
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Forces of the springs and the status of each point."""
         return spring_form(k, self)
+
+    def reaction(self, k: ContactFields, depth: Any) -> Any:
+        """Force of a spring that is penetrated so deep."""
+        return self.stiffness * depth
+
+    def mean_reaction(self, k: ContactFields, a: Any, b: Any) -> Any:
+        """Its mean over the way from one depth to another."""
+        return 0.5 * self.stiffness * (a + b)
 
     def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
         """The form decides."""

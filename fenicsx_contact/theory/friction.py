@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
-from ..base import checks
 from .laws import Expr
+from .parameter import Parameter, parameter, told, varies
 
 
 @runtime_checkable
@@ -37,24 +37,24 @@ class Coulomb:
     """``b = mu |lam|`` (3).
 
     Args:
-        mu: Coulomb's coefficient, >= 0.
+        mu: Coulomb's coefficient, >= 0; it may vary, see :data:`Parameter`.
 
     Raises:
-        InputError: mu < 0 or not a number.
+        InputError: mu < 0 or not a parameter.
     """
 
-    mu: float
+    mu: Parameter
 
     def __post_init__(self) -> None:
-        checks.number("friction", self.mu, at_least=0)
+        parameter("friction", self.mu)
 
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """mu times the pressure."""
-        return k.constant(self.mu) * pressure
+        return k.field("friction", self.mu) * pressure
 
     def describe(self) -> str:
         """The coefficient."""
-        return f"friction {self.mu:g}"
+        return f"friction {told(self.mu)}"
 
 
 @dataclass(frozen=True)
@@ -62,33 +62,34 @@ class Tresca:
     """``b = s`` wherever the contact bears, whatever its pressure.
 
     Args:
-        stress: s, Pa (N at points), >= 0.
+        stress: s, Pa (N at points), >= 0; it may vary, see :data:`Parameter`.
 
     Raises:
-        InputError: s < 0 or not a number.
+        InputError: s < 0 or not a parameter.
     """
 
-    stress: float
+    stress: Parameter
 
     def __post_init__(self) -> None:
-        checks.number("stress", self.stress, at_least=0)
+        parameter("stress", self.stress)
 
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
-        """s where the contact bears."""
-        return k.constant(self.stress) * S
+        """s where the contact bears; in an impact, which takes no time, it does nothing."""
+        return k.field("stress", self.stress) * S * k.loaded
 
     def describe(self) -> str:
         """The stress."""
-        return f"friction up to {self.stress:g}"
+        return f"friction up to {told(self.stress)}"
 
 
 def friction_bound(value: Any) -> FrictionBound | None:
-    """The law that a contact was given; a number is Coulomb's coefficient, 0 is no friction.
+    """The law that a contact was given; a number, or what varies, is Coulomb's coefficient, the
+    number 0 is no friction.
 
     Raises:
-        InputError: neither a number >= 0 nor a law.
+        InputError: neither a law nor a parameter >= 0.
     """
     if isinstance(value, FrictionBound):
         return value
-    mu = checks.number("friction", value, at_least=0)
-    return Coulomb(mu) if mu else None
+    mu = parameter("friction", value)
+    return Coulomb(mu) if varies(mu) or mu else None

@@ -80,3 +80,10 @@ def bounded(b: Expr, g: Expr) -> Expr:
 def slipping(b: Expr, g: Expr) -> Expr:
     """1 where g has left the ball of radius b (slip), else 0 (stick)."""
     return ufl.conditional(ufl.gt(ufl.dot(g, g), b**2), 1.0, 0.0)
+
+
+def magnitude(v: Expr) -> Expr:
+    """|v|, whose derivative at v = 0 is taken as 0; protected like :func:`bounded`."""
+    size = ufl.dot(v, v)
+    there = ufl.gt(size, 0)
+    return ufl.conditional(there, ufl.sqrt(ufl.conditional(there, size, 1.0)), 0.0)

@@ -210,6 +210,11 @@ class Step:
         weight = self.scheme.force_weight
         return 2 * min(weight, 1 - weight)
 
+    @property
+    def force_time(self) -> float:
+        """Time from its start until contacts take their forces, s."""
+        return self.scheme.force_weight * self.dt
+
     def linear_mean(self, old: np.ndarray, new: np.ndarray) -> np.ndarray:
         """Of values at both ends, as they enter the mean force of a linear solid."""
         before, after = self.scheme.linear_weights

@@ -7,9 +7,10 @@ of the gap from ``a`` to ``b`` in the step, which for ``k max(d, 0)`` is exactly
 
     k (a+ + b+)/2  s,        s = share of the way that is penetrated,   x+ = max(x, 0)
 
-as far as the scheme takes its forces in the mean (all of it for theta = 1/2: springs then conserve
-energy), and the force at the end for the rest, which only dissipates. A dashpot acts over the same
-share s, so that its force grows from zero as a point dips in, and takes ``(b - a)/dt``.
+(of another spring s times its own mean from a+ to b+), as far as the scheme takes its forces in the
+mean (all of it for theta = 1/2: springs then conserve energy), and the force at the end for the
+rest, which only dissipates. A dashpot acts over the same share s, so that its force grows from zero
+as a point dips in, and takes ``(b - a)/dt``.
 """
 
 from __future__ import annotations
@@ -33,23 +34,13 @@ def _penetrated_share(a: Expr, b: Expr) -> Expr:
     return ufl.conditional(mixed, top / way, ufl.conditional(ufl.gt(top, 0), 1.0, 0.0))
 
 
-def _mean_force(a: Expr, b: Expr, stiffness: float, damper: Expr, share: Expr) -> Expr:
-    """Mean over the way from a to b of a spring's and its dashpot's force."""
-    return _positive(share * (0.5 * stiffness * (_positive(a) + _positive(b)) + damper))
-
-
-def _end_force(b: Expr, stiffness: float, damper: Expr, share: Expr) -> Expr:
-    """Force at the end of the way; a dashpot that acted at once would jump as b touches."""
-    return ufl.conditional(ufl.gt(b, 0), _positive(stiffness * b + share * damper), 0.0)
-
-
 def spring_form(k: Any, spring: Any) -> tuple[ufl.Form, Expr]:
     """Springs in compression only, with dashpots, and elastic-plastic springs for friction.
 
     Args:
         k: the fields; ``gap`` is that of the end of the step as it depends on w, ``start_gap`` that
             of its start, ``mean_share`` how far the scheme takes forces in the mean.
-        spring: stiffness, damping, stiffness_t.
+        spring: ``reaction`` at a depth, its mean from one depth to another, damping, stiffness_t.
 
     Returns:
         The form, and the status of each point as an expression: 0 open, 1 stick, 2 slip.
@@ -57,8 +48,11 @@ def spring_form(k: Any, spring: Any) -> tuple[ufl.Form, Expr]:
     a, b = k.start_gap, k.gap + k.gap_rate * k.jump_n
     damper = spring.damping * (b - a) / k.dt
     m, share = k.mean_share, _penetrated_share(a, b)
-    force = m * _mean_force(a, b, spring.stiffness, damper, share)
-    force += (1 - m) * _end_force(b, spring.stiffness, damper, share)
+    mean = spring.mean_reaction(k, _positive(a), _positive(b))
+    force = m * _positive(share * (mean + damper))
+    # a dashpot that acted at once would jump as b touches
+    end = _positive(spring.reaction(k, _positive(b)) + share * damper)
+    force += (1 - m) * ufl.conditional(ufl.gt(b, 0), end, 0.0)
     form = k.integral(force * k.test_jump_n)
     status = ufl.conditional(ufl.gt(force, 0), 1.0, 0.0)
     if k.friction is not None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Protocol
 
 import ufl
@@ -27,6 +28,18 @@ class ContactFields(Protocol):
             ``horizon``: over which a law of velocities looks ahead, s.
         friction: the law of friction, None if there is none.
         frozen, known_pressure: 1 where the bound is to be that of a known pressure [Pa], else 0.
+
+    What only some laws ask for is made when they do (:mod:`fenicsx_contact.contact.law_fields`). It
+    is that of the time at which the scheme takes the forces of contacts:
+
+        t, elapsed: that time [s], and how long it is after the start of the step [s];
+        place: where the points are [m];
+        slip_speed: |w_t| [m/s]; ``start_jump_t``: w_t at the start of the step;
+        touched: 1 where a point touches as time begins to pass, else 0;
+        loaded: 1 where time passes, 0 in an impact;
+        field(name, value): a parameter (:data:`~fenicsx_contact.theory.parameter.Parameter`);
+        state(name, start, evolve): a field that the law remembers, and what it becomes in a time;
+        wears(name, evolve): a depth [m] that does, by which the surface recedes.
     """
 
     velocity_jump: Any
@@ -59,7 +72,24 @@ class ContactFields(Protocol):
     @property
     def test_jump_t(self) -> Expr: ...
     def integral(self, f: Expr) -> ufl.Form: ...
+    @property
+    def start_jump_t(self) -> Expr: ...
+    @property
+    def slip_speed(self) -> Expr: ...
+    @property
+    def t(self) -> Expr: ...
+    @property
+    def elapsed(self) -> Expr: ...
+    @property
+    def place(self) -> Expr: ...
+    @property
+    def touched(self) -> Expr: ...
+    @property
+    def loaded(self) -> Expr: ...
     def constant(self, value: float) -> Any: ...
+    def field(self, name: str, value: Any) -> Expr: ...
+    def state(self, name: str, start: Any, evolve: Callable[[Expr, Expr], Expr]) -> Expr: ...
+    def wears(self, name: str, evolve: Callable[[Expr, Expr], Expr]) -> None: ...
 
 
 def weak_form(k: ContactFields, approach: Expr, Su: Expr = 1.0) -> tuple[ufl.Form, Expr]:

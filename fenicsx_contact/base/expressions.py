@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Expressions of UFL that a user wrote on a mesh: what they are made of."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ufl
+from dolfinx import fem
+
+
+def is_expression(value: Any) -> bool:
+    """Whether it is written in UFL."""
+    return isinstance(value, ufl.core.expr.Expr)
+
+
+def is_coordinate(terminal: Any) -> bool:
+    """Whether it is the coordinates of a mesh."""
+    return isinstance(terminal, ufl.classes.SpatialCoordinate)
+
+
+def terminals_off(mesh: Any, expression: Any) -> list[Any]:
+    """Coordinates, Functions and Constants of an expression that are not of this mesh."""
+    kinds = (ufl.classes.SpatialCoordinate, fem.Function, fem.Constant)
+    found = ufl.corealg.traversal.traverse_unique_terminals(expression)
+    here = mesh.ufl_domain()
+    off = [each for each in found if isinstance(each, kinds)]
+    return [each for each in off if here not in ufl.domain.extract_domains(each)]

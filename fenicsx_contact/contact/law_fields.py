@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What interface laws may ask of a step besides the unknowns: place, time, slip, memory.
+
+Each of these is a field or constant on the surface that is made when a law asks for it, and fed in
+every step from then on. What no law asks for does not exist.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from functools import cached_property
+from numbers import Real
+from typing import Any, Protocol
+
+import numpy as np
+import ufl
+
+from ..base import checks, compat
+from ..base.expressions import is_coordinate, is_expression, terminals_off
+from ..solids import Solid, Trace
+from ..theory.laws import magnitude
+from ..theory.scheme import Step
+from .memory import Memory, at_points
+
+
+class Teller(Protocol):
+    """What a contact tells of the step that it is in; arrays are of the points."""
+
+    solids: list[Solid]
+    traces: list[Trace]
+    jump: np.ndarray
+    normal: np.ndarray
+    resolution: float
+
+    @property
+    def coupling(self) -> Any: ...
+    def touching(self) -> np.ndarray: ...
+
+
+#: What a field or constant is to be in a step.
+Feed = Callable[[Teller, Step], Any]
+
+
+def start_slip(contact: Teller, step: Step) -> np.ndarray:
+    """Velocities along the surface at the start of the step, flat, m/s; those that the last step
+    did not resolve are none."""
+    jump, normal = contact.jump, contact.normal
+    along = jump - (jump * normal).sum(axis=1)[:, None] * normal
+    slips = np.linalg.norm(along, axis=1) > contact.resolution
+    return np.asarray(np.where(slips[:, None], along, 0.0).ravel())
+
+
+def places(contact: Teller, step: Step) -> np.ndarray:
+    """Where the points are when the scheme takes the forces of contacts, flat, m."""
+    solid, trace, end = contact.solids[0], contact.traces[0], contact.coupling.positions()
+    old, new = trace.jump(solid.velocity), trace.jump(solid.trial_velocity)
+    way = step.gap_rate * new + (step.dt - step.gap_rate) * old
+    return np.asarray(end.ravel() - (1 - step.scheme.force_weight) * way.ravel())
+
+
+class LawFields:
+    """The base of :class:`~fenicsx_contact.contact.surface.SurfaceFields` for interface laws.
+
+    Laws are read where the scheme takes the forces of contacts: at the end of a step by theta = 1,
+    in its midst by theta = 1/2, with which they are of second order.
+
+    Args:
+        surface: where the fields live.
+
+    Attributes:
+        memory: what laws remember.
+        held: points that a law holds though nothing presses there, (n,) of bool; False: none.
+    """
+
+    dt: Any
+    jump_t: Any
+    tangential: Callable[[Any], Any]
+
+    def __init__(self, surface: Any) -> None:
+        self.surface = surface
+        self.memory = Memory(surface)
+        self.held: np.ndarray | bool = False
+        self._constants: list[tuple[Any, Feed]] = []
+        self._functions: list[tuple[Any, Feed]] = []
+
+    def feed(self, contact: Teller, step: Step) -> bool:
+        """Tell the fields what the step is; whether a constant has changed."""
+        changed = False
+        for constant, told in self._constants:
+            value = float(told(contact, step))
+            changed |= value != float(constant.value)
+            constant.value = value
+        for function, told in self._functions:
+            function.x.array[:] = told(contact, step)
+        return changed
+
+    def _constant(self, feed: Feed, value: float = 0.0) -> Any:
+        constant = self.surface.constant(value)
+        self._constants.append((constant, feed))
+        return constant
+
+    def _function(self, feed: Feed, function: Any) -> Any:
+        self._functions.append((function, feed))
+        return function
+
+    # -- time, place, slip ------------------------------------------------------------------------
+
+    @property
+    def x(self) -> Any:
+        """Reference coordinates of the slave's material, m."""
+        return ufl.SpatialCoordinate(self.surface.mesh)
+
+    @cached_property
+    def t(self) -> Any:
+        """The time at which the law is read, s."""
+        return self._constant(lambda contact, step: step.start + step.force_time)
+
+    @cached_property
+    def elapsed(self) -> Any:
+        """The time of the step until then, s; 0 in an impact."""
+        return self._constant(lambda contact, step: step.force_time)
+
+    @cached_property
+    def loaded(self) -> Any:
+        """1 where time passes, 0 in an impact, in which finite tractions do nothing."""
+        return self._constant(lambda contact, step: step.loaded, 1.0)
+
+    @cached_property
+    def place(self) -> Any:
+        """Where the points are at that time, a vector in m."""
+        place = self.surface.vector()
+        place.x.array[:] = self.surface.points.ravel()
+        return self._function(places, place)
+
+    @cached_property
+    def _start_slip(self) -> Any:
+        return self._function(start_slip, self.surface.vector())
+
+    @property
+    def start_jump_t(self) -> Any:
+        """w_t at the start of the step, m/s; exactly 0 where it sticks."""
+        return self.tangential(self._start_slip)
+
+    @cached_property
+    def slip_speed(self) -> Any:
+        """|w_t| at that time, m/s, differentiable by the unknown jump."""
+        share = self._constant(lambda contact, step: step.scheme.force_weight, 1.0)
+        return magnitude(share * self.jump_t + (1 - share) * self.start_jump_t)
+
+    @cached_property
+    def touched(self) -> Any:
+        """1 where a point touches as time begins to pass, else 0; such points are asked."""
+
+        def tell(contact: Teller, step: Step) -> np.ndarray:
+            self.held = contact.touching() & bool(step.loaded)
+            return self.held.astype(float)
+
+        return self._function(tell, self.surface.scalar())
+
+    # -- parameters and memory --------------------------------------------------------------------
+
+    def field(self, name: str, value: Any) -> Any:
+        """A parameter of a law on the surface: a constant if it is a number, else a field.
+
+        Args:
+            name: for the refusal.
+            value: a number; a function of the place where a point is [m] and, if it has a second
+                argument, of the time [s], in UFL; or UFL on the mesh of the slave (of coordinates,
+                a dolfinx Function, a Constant), which belongs to the material points and is read
+                anew in every step.
+
+        Raises:
+            InputError: it is no scalar, or negative or not finite at the start.
+        """
+        return self._read(name, value)[0]
+
+    def _read(self, name: str, value: Any) -> tuple[Any, np.ndarray | float]:
+        """The parameter, and its values at the points at the start."""
+        if isinstance(value, Real):
+            return self.surface.constant(float(value)), float(value)
+        refusal = f"{name} = {value!r}: must be a scalar >= 0 in UFL at all points of the contact"
+        try:
+            field = self._mirrored(value if is_expression(value) else self._call(value))
+            start = at_points(self.surface, compat.PointExpression(field, self.surface.scalars))
+        except (TypeError, ValueError, compat.UFLError) as error:
+            raise checks.InputError(f"{refusal}; {error}") from None
+        fine = np.isfinite(start) & (start >= 0)
+        if not fine.all():
+            at = int(fine.argmin())
+            where = self.surface.points[at].tolist()
+            raise checks.InputError(f"{refusal}; at {where} it is {start[at]}")
+        return field, start
+
+    def _call(self, value: Callable[..., Any]) -> Any:
+        """A function of place and time in UFL; there is no time on the surface if it has none."""
+        timed = len(inspect.signature(value).parameters) > 1
+        return ufl.as_ufl(value(self.place, self.t) if timed else value(self.place))
+
+    def _mirrored(self, given: Any) -> Any:
+        """An expression of another mesh, on the surface."""
+        others = terminals_off(self.surface.mesh, given)
+        return ufl.replace(given, {other: self._mirror(other) for other in others})
+
+    def _mirror(self, other: Any) -> Any:
+        """The surface's own counterpart of coordinates, a Constant or a Function."""
+        if is_coordinate(other):
+            return self.x
+        if hasattr(other, "value"):
+            return self._constant(lambda contact, step: float(other.value), float(other.value))
+        values, mirror = compat.PointValues(other, self.surface.points), self.surface.scalar()
+        mirror.x.array[:] = values()
+        return self._function(lambda contact, step: values(), mirror)
+
+    def state(self, name: str, start: Any, evolve: Callable[[Any, Any], Any]) -> Any:
+        """A field that the law remembers, as it is at the time at which the law is read.
+
+        Args:
+            name: of the field, in ``contact.memory.values`` and in what a run saves.
+            start: its values at the very start, whatever :meth:`field` takes.
+            evolve: what it becomes, in UFL, from what it was and after a time [s].
+        """
+        old = self.memory.field(name, self._read(name, start)[1])
+        self.memory.rule(name, evolve(old, self.dt))
+        return evolve(old, self.elapsed)
+
+    def wears(self, name: str, evolve: Callable[[Any, Any], Any]) -> None:
+        """A remembered depth [m], 0 at the start, by which the surface recedes."""
+        self.state(name, 0.0, evolve)
+        self.memory.recess = self.memory.values[name]

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What interface laws remember from step to step: named fields on the points of a surface.
+
+A law says in UFL what a field becomes in a time; that happens when a step is accepted, and never
+else, so steps that are tried and not taken leave no trace. A law that remembers nothing makes none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+import numpy as np
+
+from ..base import compat
+
+
+class Points(Protocol):
+    """What the memory asks of a surface."""
+
+    @property
+    def scalars(self) -> Any: ...
+    @property
+    def cell_nodes(self) -> np.ndarray: ...
+    @property
+    def size(self) -> int: ...
+    def scalar(self) -> Any: ...
+
+
+class Unknowns(Protocol):
+    """What it asks of the equations of a surface: w point by point, then the multipliers."""
+
+    values: np.ndarray
+
+
+class Memory:
+    """The remembered fields of one surface.
+
+    Attributes:
+        values: of each field at the points, (n,), by name; they may be set between two steps.
+        recess: how far the surface has worn back at the points, (n,) in m; 0.0 if it never does.
+    """
+
+    def __init__(self, surface: Points) -> None:
+        self._surface = surface
+        self.values: dict[str, np.ndarray] = {}
+        self.recess: np.ndarray | float = 0.0
+        self._starts: dict[str, np.ndarray] = {}
+        self._rules: dict[str, compat.PointExpression] = {}
+
+    def field(self, name: str, start: np.ndarray | float) -> Any:
+        """A new field with these values, (n,) or one number."""
+        field = self._surface.scalar()
+        self.values[name] = field.x.array
+        self.values[name][:] = start
+        self._starts[name] = self.values[name].copy()
+        return field
+
+    def rule(self, name: str, new: Any) -> None:
+        """What a field becomes when a step is accepted, in UFL."""
+        self._rules[name] = compat.PointExpression(new, self._surface.scalars)
+
+    def advance(self, equations: Unknowns, jump: np.ndarray, dt: float) -> None:
+        """A step of ``dt`` seconds is accepted, with these jumps (n, d) [m/s] at all points, also
+        where there are no equations: all fields become what their rules say, but in an impact."""
+        if not self._rules or not dt:
+            return
+        solved = equations.values
+        equations.values = np.concatenate([jump.ravel(), solved[jump.size :]])
+        new = {name: at_points(self._surface, rule) for name, rule in self._rules.items()}
+        equations.values = solved
+        for name, values in new.items():
+            self.values[name][:] = values
+
+    def reset(self) -> None:
+        """All fields as they were at the very start."""
+        for name, start in self._starts.items():
+            self.values[name][:] = start
+
+    def state(self) -> dict[str, np.ndarray]:
+        """The arrays from which :meth:`restore` continues identically."""
+        return {f"memory.{name}": values.copy() for name, values in self.values.items()}
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Take up a state that :meth:`state` gave."""
+        for name, values in self.values.items():
+            values[:] = state[f"memory.{name}"]
+
+
+def at_points(surface: Points, expression: compat.PointExpression) -> np.ndarray:
+    """Values of an expression at the points of a surface, (n,)."""
+    values = np.empty(surface.size)
+    values[surface.cell_nodes.ravel()] = expression().ravel()
+    return values

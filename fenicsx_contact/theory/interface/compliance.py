@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Normal compliance: asperities that yield, by a power law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+from typing import Any, ClassVar
+
+import numpy as np
+import ufl
+
+from ...base import checks
+from ..formulations import StepData
+from ..parameter import Parameter, parameter
+from ..springs import spring_form
+from ..weak_form import ContactFields
+
+#: Gauss points of the way of a step and their weights: exact for exponents up to 5.
+_GAUSS = ((0.5 - sqrt(0.15), 5 / 18), (0.5, 8 / 18), (0.5 + sqrt(0.15), 5 / 18))
+
+
+@dataclass(frozen=True)
+class Compliance:
+    """``p = c <d_n>^m``, a pressure that grows with the penetration: no multipliers.
+
+    The force of a step is the mean over its way (see :mod:`fenicsx_contact.theory.springs`), so
+    that with theta = 1/2 the contact gives back what it stored. Friction is an elastic stretch of
+    the asperities and Coulomb's slip.
+
+    J.T. Oden, J.A.C. Martins, Comput. Methods Appl. Mech. Engrg. 52, 527-634, 1985; A. Klarbring,
+    A. Mikelić, M. Shillor, Int. J. Engng. Sci. 26, 811-832, 1988.
+
+    Args:
+        coefficient: c, Pa/m^m, > 0; it may vary, see
+            :data:`~fenicsx_contact.theory.parameter.Parameter`.
+        exponent: m >= 1.
+        tangential_stiffness: of the asperities against friction, which needs it, Pa/m, > 0.
+        damping: of a dashpot beside, Pa s/m, >= 0.
+
+    Raises:
+        InputError: a parameter out of its range.
+    """
+
+    coefficient: Parameter
+    exponent: float = 1.0
+    tangential_stiffness: float | None = None
+    damping: float = 0.0
+    name: ClassVar[str] = "compliance"
+    multipliers: ClassVar[bool] = False
+    percussive: ClassVar[bool] = False
+    at_points: ClassVar[bool] = False
+    points: ClassVar[None] = None
+    gap_share: ClassVar[float] = 1.0
+
+    def __post_init__(self) -> None:
+        parameter("coefficient", self.coefficient, above=0)
+        if self.tangential_stiffness is not None:
+            checks.number("tangential_stiffness", self.tangential_stiffness, above=0)
+        checks.number("exponent", self.exponent, at_least=1)
+        checks.number("damping", self.damping, at_least=0)
+
+    @property
+    def stiffness_t(self) -> float:
+        """Tangential stiffness, Pa/m."""
+        return checks.number("tangential_stiffness", self.tangential_stiffness, above=0)
+
+    def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
+        """Pressures and friction, and the status of each point."""
+        return spring_form(k, self)
+
+    def reaction(self, k: ContactFields, depth: Any) -> Any:
+        """Pressure at a depth."""
+        return k.field("coefficient", self.coefficient) * depth**self.exponent
+
+    def mean_reaction(self, k: ContactFields, a: Any, b: Any) -> Any:
+        """Its mean over the way from one depth to another."""
+        mean = sum(w * (a + s * (b - a)) ** self.exponent for s, w in _GAUSS)
+        return k.field("coefficient", self.coefficient) * mean
+
+    def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
+        """The form decides."""
+        return np.ones(len(predicted_gap), dtype=bool)
+
+    def limit(self, data: StepData) -> None:
+        """Asperities allow any speed."""

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Rate-and-state friction of rocks: it depends on the speed of slip and on the age of contacts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import ufl
+
+from ...base import checks
+from ..laws import Expr
+from ..parameter import Parameter, parameter, told
+
+
+def ageing(theta: Expr, V: Expr, D: Expr, time: Expr) -> Expr:
+    """Dieterich's law, ``theta' = 1 - V theta/D``, exact for a V that is constant in that time:
+    contacts age also at rest. (1 - e^-x)/x is written without the difference.
+    """
+    x = V * time / D
+    moves = ufl.gt(x, 0)
+    h = ufl.conditional(moves, x, 1.0) / 2
+    grown = ufl.conditional(moves, ufl.exp(-h) * ufl.sinh(h) / h, 1.0)
+    return theta * ufl.exp(-x) + time * grown
+
+
+def slip(theta: Expr, V: Expr, D: Expr, time: Expr) -> Expr:
+    """Ruina's law, ``theta' = -(V theta/D) ln(V theta/D)``, likewise: at rest nothing changes."""
+    x = V * theta / D
+    return theta * ufl.exp((ufl.exp(-V * time / D) - 1) * ufl.ln(ufl.conditional(x > 0, x, 1.0)))
+
+
+LAWS = {"ageing": ageing, "slip": slip}
+
+
+@dataclass(frozen=True)
+class RateState:
+    """``b = mu |lam|``, ``mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D)``, V the speed of slip.
+
+    In the form that is regular at rest, ``a asinh(V/2V_0 exp((mu_0 + b ln(V_0 theta/D))/a))``,
+    which is the same unless mu is as small as a. Nothing sticks by this law: it creeps, however
+    slowly. A step has one solution, for friction rises with V at the given age, but in steps
+    longer than about D/V, in which contacts are renewed; shorter ones are needed for the age, too.
+    The law is for slip that goes on. Where it turns round b jumps from one side to the other within
+    a V of V_0 exp(-mu/a), too steep for Newton's method: such a run stops with its reason.
+
+    In steady sliding mu = mu_0 + (a - b) ln(V/V_0). A slider that a spring pulls steadily is
+    stable above the stiffness k_c = (b - a) sigma/D (1 + M V²/(a sigma D)), per area. ``theta``
+    [s] is remembered as "theta".
+
+    J.H. Dieterich, J. Geophys. Res. 84, 2161-2168, 1979; A. Ruina, ibid. 88, 10359-10370, 1983;
+    stability: J.R. Rice, A. Ruina, J. Appl. Mech. 50, 343-349, 1983; regular form: J.R. Rice, N.
+    Lapusta, K. Ranjith, J. Mech. Phys. Solids 49, 1865-1898, 2001.
+
+    Args:
+        a, b: direct and evolution effect, > 0 and >= 0; all parameters may vary, see
+            :data:`~fenicsx_contact.theory.parameter.Parameter`.
+        distance: D, the slip over which contacts are renewed, m, > 0.
+        mu: mu_0, friction in steady sliding at the speed V_0.
+        speed: V_0, m/s, > 0.
+        theta: age of the contacts at the start, s; default: D/V_0.
+        law: "ageing" or "slip".
+
+    Raises:
+        InputError: a parameter out of its range, or an unknown law.
+    """
+
+    a: Parameter
+    b: Parameter
+    distance: Parameter
+    mu: Parameter
+    speed: Parameter
+    theta: Parameter = None
+    law: str = "ageing"
+
+    def __post_init__(self) -> None:
+        for name in ("a", "distance", "speed"):
+            parameter(name, getattr(self, name), above=0)
+        for name in ("b", "mu"):
+            parameter(name, getattr(self, name))
+        checks.choice("law", self.law, LAWS)
+        if self.theta is not None:
+            parameter("theta", self.theta, above=0)
+
+    def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
+        """By the speed of slip and the age that it leaves."""
+        given = {name: k.field(name, getattr(self, name)) for name in ("a", "b", "mu", "speed")}
+        a, b, mu, V0 = given.values()
+        V, D = k.slip_speed, k.field("distance", self.distance)
+        start = self.distance / self.speed if self.theta is None else self.theta
+        theta = k.state("theta", start, lambda old, time: LAWS[self.law](old, V, D, time))
+        z = V / (2 * V0) * ufl.exp((mu + b * ufl.ln(V0 * theta / D)) / a)
+        return a * ufl.ln(z + ufl.sqrt(z**2 + 1)) * pressure
+
+    def describe(self) -> str:
+        """All parameters."""
+        names = ("a", "b", "distance", "mu", "speed")
+        values = ", ".join(f"{name} {told(getattr(self, name))}" for name in names)
+        return f"rate and state, {self.law} law: {values}"

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Restitution: what is struck rebounds, by Newton's law in Moreau's form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import ufl
+
+from ...base import checks
+from ..formulations import StepData, Velocity
+from ..weak_form import ContactFields
+
+
+@dataclass(frozen=True)
+class Restitution(Velocity):
+    """The velocity law, whose percussions obey ``w_n^+ + e w_n^- <= 0, lam <= 0``, complementary.
+
+    A percussion strikes the points that start a step faster than the law allows, all at once; the
+    jump before it is that with which the step starts. Between percussions the law is VELOCITY's,
+    so what loads bring to rest stays there. By uniform steps what strikes turns round at the start
+    of the step; located impacts (``locate_impacts=True``) turn round where they touch.
+
+    e is a property of rigid bodies; a deformable one rebounds by its own waves. With friction and
+    e > 0 in oblique impacts of bodies that turn Newton's law can give energy (Kane's paradox);
+    such a step has no certificate and is refused.
+
+    I. Newton, Principia, 1687; J.J. Moreau, in: Nonsmooth Mechanics and Applications, CISM 302,
+    1988; on energy: T.R. Kane, Stanford Mechanics Alumni Club Newsletter, 1983.
+
+    Args:
+        coefficient: e in [0, 1]; 0 is VELOCITY.
+        drift_correction: as for VELOCITY.
+
+    Raises:
+        InputError: e outside of [0, 1].
+    """
+
+    coefficient: float = 0.0
+    name: ClassVar[str] = "velocity with restitution"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        checks.number("coefficient", self.coefficient, at_least=0, at_most=1)
+
+    def allowed(self, k: ContactFields) -> Any:
+        """What VELOCITY allows, or in a percussion of what is struck the rebound."""
+        limit = super().allowed(k)
+        if not self.coefficient:
+            return limit
+        struck = ufl.And(ufl.lt(k.loaded, 0.5), ufl.gt(k.start_jump_n, limit))
+        return ufl.conditional(struck, -self.coefficient * k.start_jump_n, limit)
+
+    def limit(self, data: StepData) -> np.ndarray:
+        """The same in numpy."""
+        limit = super().limit(data)
+        if not self.coefficient or data.loaded:
+            return limit
+        rebound = -self.coefficient * data.start_jump_n
+        return np.where(data.start_jump_n > limit, rebound, limit)

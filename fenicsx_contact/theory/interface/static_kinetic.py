@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Static and kinetic friction: what is at rest is harder to move than what slides."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import ufl
+
+from ...base import checks
+from ..laws import Expr
+from ..parameter import Parameter, parameter, told, varies
+
+
+@dataclass(frozen=True)
+class StaticKinetic:
+    """``b = mu_k |lam|`` while slip goes on, ``b = mu_s |lam|`` else.
+
+    Slip goes on where w_t has, at the end of the step, not turned against what it was at its start.
+    From rest it takes mu_s to break away, in that step also for its slip; what stops or would turn
+    round is held by mu_s. A step may have two solutions, one that slides on and one that sticks,
+    where a push lies between the two bounds. Newton's method starts from the motion as it is, so
+    what slides slides on, as in continuous time: there is no speed below which it would be caught.
+
+    C.A. Coulomb, Théorie des machines simples, 1785; review: B. Armstrong-Hélouvry, P. Dupont,
+    C. Canudas de Wit, Automatica 30, 1083-1138, 1994.
+
+    Args:
+        static, kinetic: mu_s >= mu_k >= 0; they may vary, see
+            :data:`~fenicsx_contact.theory.parameter.Parameter`.
+
+    Raises:
+        InputError: a coefficient < 0, or mu_k > mu_s.
+    """
+
+    static: Parameter
+    kinetic: Parameter
+
+    def __post_init__(self) -> None:
+        parameter("static", self.static)
+        parameter("kinetic", self.kinetic)
+        if not varies(self.static) and not varies(self.kinetic):
+            checks.number("kinetic", self.kinetic, at_least=0, at_most=self.static)
+
+    def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
+        """By whether slip goes on."""
+        goes_on = ufl.gt(ufl.dot(k.jump_t, k.start_jump_t), 0)
+        static, kinetic = k.field("static", self.static), k.field("kinetic", self.kinetic)
+        return ufl.conditional(goes_on, kinetic, static) * pressure
+
+    def describe(self) -> str:
+        """Both coefficients."""
+        return f"friction {told(self.static)} at rest, {told(self.kinetic)} in slip"

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Parameters of interface laws: numbers, or what varies in space and time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..base import checks
+from ..base.expressions import is_expression
+
+#: A number >= 0; or a function of the place [m], and of the time [s] if it has a second argument,
+#: in UFL; or UFL on the mesh of the slave: of its coordinates, a dolfinx Function, a Constant. A
+#: function sees where a point is now (a floor), UFL belongs to the material (a coating).
+Parameter = Any
+
+
+def varies(value: Parameter) -> bool:
+    """Whether it is no number."""
+    return is_expression(value) or callable(value)
+
+
+def parameter(name: str, value: Parameter, *, above: float | None = None) -> Parameter:
+    """What was given, a number as a float. What varies is asked for its values, which must be
+    finite and >= 0, when a contact is made.
+
+    Raises:
+        InputError: a number below 0, or not above the limit if there is one, or something else.
+    """
+    if varies(value) and not isinstance(value, type):
+        return value
+    return checks.number(name, value, at_least=0 if above is None else None, above=above)
+
+
+def told(value: Parameter) -> str:
+    """In a few words, without an address in memory."""
+    if not varies(value):
+        return f"{value:g}"
+    name = getattr(value, "__name__", None)
+    return name or (str(value) if is_expression(value) else type(value).__name__)

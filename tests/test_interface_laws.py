@@ -1,0 +1,509 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Interface laws beyond Coulomb's, each against its exact solution in a scene of one cell."""
+
+from dataclasses import dataclass
+from functools import partial
+from math import log, sqrt
+
+import numpy as np
+import pytest
+import ufl
+from dolfinx import fem
+from scenes import FLOOR, FLOOR_3D, G, box, check_energies, rectangle
+from scipy.integrate import solve_ivp
+
+from fenicsx_contact import (
+    Adhesive,
+    Archard,
+    Compliance,
+    Contact,
+    Coulomb,
+    Discrete,
+    ElasticSolid,
+    HyperelasticSolid,
+    InputError,
+    LevelSet,
+    QuasiStatic,
+    RateState,
+    Restitution,
+    RigidSolid,
+    Scene,
+    StaticKinetic,
+    Stribeck,
+    ThetaScheme,
+    Tresca,
+)
+from fenicsx_contact.base import compat
+
+MASS, HEIGHT = 10.0, 0.1  # of a rigid block one metre wide, kg and m
+IMPLICIT = ThetaScheme(1.0)
+
+
+def block(**state):
+    return RigidSolid(rectangle((1, 1), (1.0, HEIGHT)), mass=MASS, **{"gravity": (0, -G), **state})
+
+
+def thrown():
+    return block(velocity=(1.0, 0.0))
+
+
+def slide(friction, until, dt=2e-3, solid=None, law="velocity", scheme=None, **run):
+    """A block thrown along the floor: its contact, and its history with speed v and distance s."""
+    solid = solid or thrown()
+    master = FLOOR if solid.dim == 2 else FLOOR_3D
+    contact, start = Contact(solid, "base", master, law, friction, name="c"), solid.place[0]
+    probes = {"v": lambda: solid.velocity[0], "s": lambda: solid.place[0] - start}
+    history = Scene([solid], [contact], scheme).run(until, dt, probes=probes, **run)
+    assert history.reason == "finished" and not history.remarks
+    return contact, history
+
+
+def spring_slider(stiffness, load, mass, friction, speed, stretch, rate=0.0):
+    """A mass pressed with ``load`` [N] on a belt that runs at ``speed``, on a spring: the base of
+    one cell whose energy is that of shear. Probes: displacement u and velocity v of the mass."""
+    mesh = rectangle((1, 1), (1.0, 1.0))
+    k = fem.Constant(mesh.mesh, stiffness)
+    solid = HyperelasticSolid(
+        mesh,
+        energy=lambda F: k / 2 * F[0, 1] ** 2,
+        density=3 * mass,
+        gravity=(0.0, -2 * load / (3 * mass)),
+        fixed=["top"],
+        displacement=lambda x: np.stack([stretch * (1 - x[1]), 0 * x[1]]),
+        velocity=lambda x: np.stack([rate * (1 - x[1]), 0 * x[1]]),
+    )
+    belt = LevelSet(lambda x, t: x[1], 2, velocity=lambda x, t: (speed, 0.0))
+    contact = Contact(solid, "base", belt, friction=friction, name="c")
+    foot = contact.traces[0]
+    probes = {"u": lambda: foot.jump(solid.displacement)[0]}
+    probes["v"] = lambda: foot.jump(solid.velocity)[0]
+    return contact, partial(Scene([solid], [contact]).run, probes=probes)
+
+
+# -- friction that varies ------------------------------------------------------------------------
+
+
+def test_friction_of_the_place_and_its_integral():
+    """A floor with mu = m + n x. The pressure leans forward by mu h/2, so that of the block is
+    (m + n x)/(1 - n h/2), and its work is what the block had."""
+    m, n = 0.3, 0.2
+    M, N = m / (1 - n * HEIGHT / 2), n / (1 - n * HEIGHT / 2)
+    stop = (sqrt(M**2 + N / G) - M) / N  # v²/2 = g (M s + N s²/2)
+    for dt, error in ((8e-3, 3e-4), (1e-3, 1e-5)):
+        _, history = slide(lambda x: m + n * x[0], 0.5, dt)
+        assert history["s"][-1] == pytest.approx(stop, rel=error)
+        check_energies(history)
+
+
+def test_friction_of_the_time():
+    """mu = c t: v = v0 - c g t²/2, exactly, for the scheme takes forces in the midst of a step."""
+    _, history = slide(lambda x, t: 0.5 * t, 0.4, dt=0.02)
+    np.testing.assert_allclose(history["v"], 1 - 0.25 * G * history.time**2, atol=1e-12)
+
+
+@pytest.mark.parametrize("given", ["coordinates", "function"])
+def test_friction_of_the_material(given):
+    """A coating of the block's own base, mu = m + n X: always the same."""
+    m, n, solid = 0.2, 0.1, thrown()
+    mesh = solid.mesh.mesh
+    if given == "coordinates":
+        friction = m + n * ufl.SpatialCoordinate(mesh)[0]
+    else:
+        friction = fem.Function(compat.lagrange_space(mesh))
+        friction.interpolate(lambda x: m + n * x[0])
+    _, history = slide(friction, 0.3, solid=solid)
+    mu = m / (1 - n * HEIGHT / 2)
+    np.testing.assert_allclose(history["v"], 1 - mu * G * history.time, atol=1e-11)
+
+
+def test_friction_of_a_constant_is_read_in_each_step():
+    solid = thrown()
+    mu = fem.Constant(solid.mesh.mesh, 0.3)
+    contact = Contact(solid, "base", FLOOR, friction=mu)
+    scene = Scene([solid], [contact])
+    scene.run(0.1, 0.01)
+    mu.value = 0.1
+    scene.run(0.3, 0.01)
+    assert solid.velocity[0] == pytest.approx(1 - G * (0.3 * 0.1 + 0.1 * 0.2), abs=1e-12)
+
+
+def test_a_finite_stress_does_nothing_in_an_impact():
+    """Tresca's block lands without losing speed, then loses it steadily."""
+    solid = block(velocity=(1.0, -0.5))
+    _, history = slide(Tresca(20.0), 0.1, dt=0.01, solid=solid)
+    assert (history["dt"] == 0).any()
+    np.testing.assert_allclose(history["v"], 1 - 20 / MASS * history.time, atol=1e-12)
+
+
+def test_what_no_law_asks_for_does_not_exist():
+    contact, _ = slide(0.3, 0.01)
+    made = vars(contact.equations.fields)
+    assert not made["_constants"] and not made["_functions"] and not contact.memory.values
+    assert not {"t", "place", "slip_speed", "touched", "loaded"} & made.keys()
+    assert isinstance(contact.coupling.recess, float)
+
+
+# -- static and kinetic ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_kinetic_friction_slows_and_static_friction_holds(dim):
+    """Thrown it stops as by mu_k; then a slope between the two does not move it."""
+    solid = thrown()
+    if dim == 3:
+        mesh = box((1, 1, 1), (1.0, 1.0, HEIGHT))
+        solid = RigidSolid(mesh, mass=MASS, gravity=(0, 0, -G), velocity=(0.6, 0.8, 0))
+    contact, history = slide(StaticKinetic(0.5, 0.25), 0.5, solid=solid)
+    way = np.linalg.norm(solid.place[: dim - 1] - (0.0, 0.0)[: dim - 1])
+    assert way == pytest.approx(1 / (2 * 0.25 * G), rel=1e-5)
+    assert np.abs(solid.velocity).max() < 1e-12
+    assert (contact.status == 1).all()
+    check_energies(history)
+
+
+@pytest.mark.parametrize("speed, slides", [(0.0, False), (1e-3, True)])
+def test_on_a_slope_between_the_two_it_stays_or_goes_on(speed, slides):
+    """Both are solutions: what is at rest stays, what slides is not caught, however slow."""
+    pull = 0.4 * G
+    _, history = slide(
+        StaticKinetic(0.5, 0.25), 0.2, solid=block(gravity=(pull, -G), velocity=(speed, 0.0))
+    )
+    exact = speed + (pull - 0.25 * G) * 0.2 if slides else 0.0
+    assert history["v"][-1] == pytest.approx(exact, abs=1e-12)
+
+
+def test_stick_slip_on_a_belt():
+    """It is carried to mu_s N/k, swings about mu_k N/k, and is caught as fast as the belt."""
+    k, N, m, V, static, kinetic = 100.0, 10.0, 1.0, 0.1, 0.5, 0.2
+    high, middle, omega = static * N / k, kinetic * N / k, sqrt(k / m)
+    swing = sqrt((high - middle) ** 2 + (V / omega) ** 2)
+    errors = []
+    for dt in (4e-3, 2e-3):
+        friction = StaticKinetic(static, kinetic)
+        _, run = spring_slider(k, N, m, friction, V, 0.048, V)
+        u = run(0.5, dt)["u"]
+        errors.append([u.max() - middle - swing, u.min() - middle + swing])
+    errors = np.abs(errors) / swing
+    assert errors[1].max() < 0.01
+    assert (errors[0] / errors[1]).min() > 1.8  # the instant of breaking away is rounded to a step
+
+
+# -- rate, and rate and state ----------------------------------------------------------------------
+
+
+def test_stribeck_friction_is_of_second_order():
+    law = Stribeck(0.4, 0.2, 0.5, exponent=2, viscosity=3.0)
+
+    def rate(t, v):
+        return -G * (0.2 + 0.2 * np.exp(-((v / 0.5) ** 2))) - 3.0 * v / MASS
+
+    exact = solve_ivp(rate, (0, 0.2), [1.0], rtol=1e-12, atol=1e-14).y[0, -1]
+    errors = [abs(slide(law, 0.2, dt)[1]["v"][-1] - exact) for dt in (8e-3, 4e-3)]
+    assert errors[0] < 2e-5 and errors[0] / errors[1] > 3.5
+    _, history = slide(law, 0.6)
+    assert abs(history["v"][-1]) < 1e-12  # and it stops
+    assert history["newton"].max() <= 5
+    check_energies(history)
+
+
+A, B, D, MU, V0, LOAD = 0.01, 0.015, 1.0, 0.6, 1.0, 10.0  # rate and state
+
+
+def state_slider(law, stiffness, speed, age, mass):
+    friction = RateState(A, B, D, MU, V0, theta=age, law=law)
+    steady = MU + (A - B) * log(speed / V0)
+    return spring_slider(stiffness, LOAD, mass, friction, speed, steady * LOAD / stiffness)
+
+
+@pytest.mark.parametrize("law", ["ageing", "slip"])
+def test_rate_and_state_in_steady_sliding(law):
+    """mu = mu_0 + (a - b) ln(V/V_0), theta = D/V, above the critical stiffness."""
+    contact, run = state_slider(law, 4 * (B - A) * LOAD / D, 3.0, 0.3, 1e-4)
+    history = run(6.0, 0.05)
+    assert history.reason == "finished"
+    mu = history["c.force_x"][-1] / history["c.force_y"][-1]
+    assert mu == pytest.approx(MU + (A - B) * log(3.0), rel=1e-6)
+    np.testing.assert_allclose(contact.memory.values["theta"], D / 3.0, rtol=1e-4)
+
+
+@pytest.mark.parametrize("law", ["ageing", "slip"])
+def test_critical_stiffness_of_a_spring_slider(law):
+    """A disturbance grows below k_c = (b - a) sigma/D and dies out above (Ruina 1983); inertia
+    M = 0.002 a sigma D/V² raises it by so much (Rice and Ruina 1983)."""
+    critical, share, dt = (B - A) * LOAD / D, np.array([0.95, 1.05]), 0.05
+    growth = []
+    for factor in share:
+        _, run = state_slider(law, factor * critical, 1.0, 1.001, 0.002 * A * LOAD)
+        u = run(14.0, dt)["u"][50::8]
+        # u(n + 2) = c u(n + 1) + d u(n) + e of a swing that grows or dies out
+        rows = np.stack([u[1:-1], u[:-2], np.ones(len(u) - 2)], axis=1)
+        c, d, _ = np.linalg.lstsq(rows, u[2:], rcond=None)[0]
+        growth.append(np.log(np.roots([1, -c, -d])[0]).real / (8 * dt))
+    assert growth[0] > 0 > growth[1]
+    assert np.interp(0, growth[::-1], share[::-1]) == pytest.approx(1.002, abs=1e-3)
+    np.testing.assert_allclose(growth, (1 - share) * (B - A) / (2 * A), rtol=0.07)
+
+
+@pytest.mark.parametrize("law", ["ageing", "slip"])
+def test_contacts_age_at_rest_by_dieterichs_law_alone(law):
+    """Held still the ageing law's contacts grow older by the second, Ruina's do not."""
+    friction = RateState(A, B, D, MU, V0, theta=2.0, law=law)
+    contact, _ = slide(friction, 0.5, dt=0.05, solid=block())
+    exact = 2.5 if law == "ageing" else 2.0
+    np.testing.assert_allclose(contact.memory.values["theta"], exact, rtol=1e-12)
+    contact.memory.reset()
+    np.testing.assert_array_equal(contact.memory.values["theta"], 2.0)
+
+
+# -- a law of one's own, and what it remembers -----------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Warming:
+    """A stranger's: friction grows with the way that has been slid."""
+
+    mu: float
+    length: float
+
+    def bound(self, k, pressure, S):
+        way = k.state("way", 0.0, lambda old, time: old + k.slip_speed * time)
+        return self.mu * (1 + way / self.length) * pressure
+
+    def describe(self):
+        return f"friction {self.mu} (1 + s/{self.length})"
+
+
+def test_a_law_with_memory_in_five_lines():
+    """v²/2 = mu g (s + s²/2L)"""
+    mu, L = 0.2, 0.1
+    stop = L * (sqrt(1 + 1 / (mu * G * L)) - 1)
+    distances = []
+    for dt in (4e-3, 2e-3):
+        contact, history = slide(Warming(mu, L), 0.6, dt)
+        np.testing.assert_allclose(contact.memory.values["way"], history["s"][-1], rtol=1e-9)
+        distances.append(history["s"][-1])
+    assert distances[1] == pytest.approx(stop, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    "friction", [Archard(Warming(0.2, 0.1), 1e-2, 1e6), RateState(A, B, 0.01, 0.3, 0.1)]
+)
+def test_runs_with_memory_resume_to_the_same_bits(friction, tmp_path):
+    contact, whole = slide(friction, 0.2)
+    slide(friction, 0.1, directory=tmp_path)
+    again, rest = slide(friction, 0.2, directory=tmp_path, resume=True)
+    np.testing.assert_array_equal(rest.rows(), whole.rows())
+    assert contact.memory.values
+    for name, values in contact.memory.values.items():
+        np.testing.assert_array_equal(again.memory.values[name], values)
+
+
+def test_steps_that_are_not_taken_leave_no_memory():
+    solid = thrown()
+    contact = Contact(solid, "base", FLOOR, friction=Warming(0.2, 0.1))
+    stepper = Scene([solid], [contact]).stepper
+    from fenicsx_contact.theory.theta import Step
+
+    step = Step(0.01, ThetaScheme())
+    stepper.attempt(step)
+    assert not contact.memory.values["way"].any()
+    stepper.accept(stepper.attempt(step))
+    assert contact.memory.values["way"].all()
+
+
+# -- wear ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("law, scheme", [("velocity", None), ("gap", IMPLICIT)])
+def test_worn_volume_of_a_sliding_block(law, scheme):
+    """Archard: k F s/H, whatever the pressure's shape, to the vertical motion that it takes; the
+    block sinks by what is worn."""
+    k, H = 1e-3, 1e6
+    solid = thrown()
+    contact, history = slide(Archard(0.2, k, H), 1.0, 5e-3, solid, law, scheme)
+    depth = contact.memory.values["worn"]
+    volume = k * MASS * G * history["s"][-1] / H
+    if scheme is None:
+        assert history["s"][-1] == pytest.approx(1 / (2 * 0.2 * G), rel=1e-4)
+    assert contact.surface.area @ depth == pytest.approx(volume, rel=1e-6)
+    lean = 0.2 * HEIGHT / 2 / 0.5  # of the pressure, towards the front
+    np.testing.assert_allclose(sorted(depth / volume), [1 - lean, 1 + lean], rtol=1e-4)
+    assert HEIGHT / 2 - solid.place[1] == pytest.approx(volume, rel=1e-3)
+
+
+def test_worn_volume_of_one_solid_on_another():
+    """The slave recedes, by what its own force has worn."""
+    table = ElasticSolid(
+        rectangle((6, 1), (3.0, 0.2)),
+        youngs_modulus=1e9,
+        poisson_ratio=0.0,
+        density=1000.0,
+        fixed=["base"],
+        name="table",
+    )
+    solid = thrown()
+    solid.restore({**solid.state(), "place": solid.place + np.array([0, 0.2])})
+    friction = Archard(0.2, 1e-3, 1e6)
+    contact = Contact(solid, "base", (table, "top"), "gap", friction, name="c")
+    start = solid.place[0]
+    history = Scene([solid, table], [contact], IMPLICIT).run(0.2, 5e-3)
+    assert history.reason == "finished"
+    volume = 1e-3 * MASS * G * (solid.place[0] - start) / 1e6
+    assert contact.surface.area @ contact.memory.values["worn"] == pytest.approx(volume, rel=0.01)
+
+
+# -- adhesion --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("law", ["gap", "velocity", "lagrange"])
+def test_pull_off_force(law):
+    """A cell drawn upwards holds to exactly s times its base (or s at each of its two points)."""
+    stress, E, height, speed = 133.0, 1e6, 0.1, 1e-4
+    solid = ElasticSolid(
+        rectangle((1, 1), (1.0, height)),
+        youngs_modulus=E,
+        poisson_ratio=0.0,
+        density=1.0,
+        prescribed={"top": lambda t: [0.0, speed * t]},
+    )
+    contact = Contact(solid, "base", FLOOR, Adhesive(stress, law), 0.3, name="c")
+    history = Scene([solid], [contact], QuasiStatic()).run(0.4, 0.01)
+    assert history.reason == "finished"
+    pull, most = -history["c.force_y"], stress * (2 if law == "lagrange" else 1)
+    assert pull.max() == pytest.approx(most, rel=1e-12)
+    closed = E * speed / height * history.time < most
+    np.testing.assert_allclose(pull[closed], E * speed / height * history.time[closed], atol=1e-9)
+    assert not pull[len(pull[closed]) + 1 :].any()  # and nothing once it is open
+    assert contact.gap.max() == pytest.approx(-speed * 0.4)
+
+
+@pytest.mark.parametrize("upwards, holds", [(9.99, True), (10.01, False)])
+def test_a_block_hangs_by_adhesion(upwards, holds):
+    """Of 10 kg, by 100 N; pulled off it flies freely but for the one step."""
+    solid = block(gravity=(0, upwards))
+    contact = Contact(solid, "base", FLOOR, Adhesive(100.0), name="c")
+    history = Scene([solid], [contact]).run(0.1, 1e-3)
+    lift = solid.place[1] - HEIGHT / 2
+    if holds:
+        assert abs(lift) < 1e-12
+        np.testing.assert_allclose(history["c.force_y"][1:], -upwards * MASS)
+    else:
+        assert lift == pytest.approx(0.5 * upwards * 0.099**2, rel=0.01)
+
+
+# -- restitution -----------------------------------------------------------------------------------
+
+
+def drop(law, height, until, dt, locate=True):
+    solid = block()
+    solid.restore({**solid.state(), "place": solid.place + np.array([0, height])})
+    contact = Contact(solid, "base", FLOOR, law, name="c")
+    scene = Scene([solid], [contact], locate_impacts=locate)
+    return scene.run(until, dt, probes={"y": lambda: solid.place[1] - HEIGHT / 2})
+
+
+@pytest.mark.parametrize("e", [0.5, 0.8, 1.0])
+def test_heights_of_rebound(e):
+    """e^(2n) of the first, at exact instants: t_n = t_1 (1 + 2 (e + ... + e^n))."""
+    height = 0.1
+    fall = sqrt(2 * height / G)
+    times = fall * (1 + 2 * np.cumsum([0, *(e**n for n in range(1, 4))]))
+    history = drop(Restitution(coefficient=e), height, times[-1] + 0.01, 1e-3)
+    assert history.finished
+    impacts = np.flatnonzero(history["dt"] == 0)[1:]
+    np.testing.assert_allclose(history.time[impacts], times, rtol=1e-9)
+    kinetic = history["kinetic"][impacts] / (MASS * G * height)
+    np.testing.assert_allclose(kinetic, e ** (2 * np.arange(1, 5)), rtol=1e-9)
+
+
+def test_rebound_by_uniform_steps():
+    """Rounded to a step, but as fast as it ought to be."""
+    history = drop(Restitution(coefficient=0.5), 0.1, 0.3, 2e-3, locate=False)
+    impact = np.flatnonzero(history["dt"] == 0)[1]
+    assert history["kinetic"][impact] / history["kinetic"][impact - 1] == pytest.approx(0.25)
+    check_energies(history)
+
+
+@pytest.mark.parametrize("locate", [True, False])
+def test_without_restitution_it_is_the_velocity_law(locate):
+    runs = [drop(law, 0.1, 0.3, 5e-3, locate) for law in ("velocity", Restitution())]
+    np.testing.assert_array_equal(runs[0].rows(), runs[1].rows())
+
+
+# -- compliance ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("exponent", [1, 2, 2.5])
+def test_depth_of_normal_compliance(exponent):
+    """c d^m = m g: a block let down slowly sinks so deep."""
+    solid = block()
+    contact = Contact(solid, "base", FLOOR, Compliance(1e8, exponent, damping=5e3), name="c")
+    history = Scene([solid], [contact], IMPLICIT).run(5.0, 0.02)
+    assert history.reason == "finished"
+    assert contact.gap.max() == pytest.approx((MASS * G / 1e8) ** (1 / exponent), rel=1e-9)
+
+
+@pytest.mark.parametrize("exponent", [1, 2, 2.5])
+def test_compliance_gives_back_what_it_stored(exponent):
+    """The greatest depth, by the stored energy c d^(m + 1)/(m + 1), and the speed thrown back."""
+    c = 1e7
+    solid = block(gravity=(0, 0), velocity=(0, -1.0))
+    contact = Contact(solid, "base", FLOOR, Compliance(c, exponent), name="c")
+    history = Scene([solid], [contact]).run(0.06, 2e-4)
+    assert solid.velocity[1] == pytest.approx(1.0, rel=1e-8 if exponent != 2.5 else 1e-4)
+    deepest = ((exponent + 1) * MASS / (2 * c)) ** (1 / (exponent + 1))
+    assert history["c.penetration"].max() == pytest.approx(deepest, rel=1e-3)
+
+
+def test_friction_of_normal_compliance():
+    """Once the asperities are stretched, by mu p over their stiffness, Coulomb's."""
+    solid = thrown()
+    start = HEIGHT / 2 - MASS * G / 1e8
+    solid.restore({**solid.state(), "place": np.array([0.0, start])})
+    law = Compliance(1e8, tangential_stiffness=1e8)
+    _, history = slide(0.25, 0.2, 2e-3, solid, law, IMPLICIT)
+    assert history["v"][-1] == pytest.approx(1 - 0.25 * G * 0.2, abs=2e-3)
+
+
+# -- what is refused ------------------------------------------------------------------------------
+
+
+def contact_with(friction, law="velocity"):
+    return Contact(block(), "base", FLOOR, law, friction)
+
+
+@pytest.mark.parametrize(
+    "make, says",
+    [
+        (lambda: Coulomb(-0.1), "friction = -0.1: must be a finite number >= 0"),
+        (lambda: contact_with(lambda x: -0.1 - 0 * x[0]), "friction.*>= 0 in UFL.*it is -0.1"),
+        (lambda: contact_with(lambda x: x), "friction = .*must be a scalar"),
+        (lambda: contact_with(lambda x: "much"), "friction = .*must be a scalar"),
+        (lambda: contact_with("much"), "friction = 'much': must be a finite number"),
+        (lambda: StaticKinetic(0.2, 0.3), r"kinetic = 0.3: .*<= 0.2"),
+        (lambda: Stribeck(0.3, 0.2, 0.0), "speed = 0.0: .*> 0"),
+        (lambda: Stribeck(0.3, 0.2, 1.0, exponent=0.5), "exponent = 0.5: .*>= 1"),
+        (lambda: RateState(A, B, 0.0, MU, V0), "distance = 0.0: .*> 0"),
+        (lambda: RateState(A, B, D, MU, V0, law="linear"), "law = 'linear': must be one of"),
+        (lambda: Archard(0.2, -1.0, 1e6), "coefficient = -1.0: .*>= 0"),
+        (lambda: Archard(0.2, 1e-3, 0.0), "hardness = 0.0: .*> 0"),
+        (lambda: Archard(0.0, 1e-3, 1e6), "friction = 0.0: must be > 0"),
+        (lambda: contact_with(Archard(0.2, 1e-3, 1e6), "lagrange"), "'lagrange': forces at points"),
+        (lambda: Adhesive(-1.0), "stress = -1.0: .*>= 0"),
+        (lambda: Adhesive(1.0, Discrete(1e6)), "law = .*must be a formulation with multipliers"),
+        (lambda: Restitution(coefficient=1.1), "coefficient = 1.1: .*<= 1"),
+        (lambda: Compliance(0.0), "coefficient = 0.0: .*> 0"),
+        (lambda: Compliance(1e8, 0.5), "exponent = 0.5: .*>= 1"),
+        (lambda: contact_with(0.2, Compliance(1e8)), "tangential_stiffness = None: .*> 0"),
+    ],
+)
+def test_bad_parameters_are_refused(make, says):
+    with pytest.raises(InputError, match=says):
+        make()
+
+
+def test_a_function_of_another_mesh_is_refused():
+    elsewhere = rectangle((1, 1), (0.1, 0.1)).mesh
+    friction = fem.Function(compat.lagrange_space(elsewhere))
+    with pytest.raises(InputError, match="outside of its mesh"):
+        contact_with(friction)

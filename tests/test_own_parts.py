@@ -358,6 +358,10 @@ class PointMass:
         acting = step.dt * (self.mass * self.gravity + dragging)
         return float(mean @ momentum), float(mean @ acting), 0.0, 0.0
 
+    def damped(self, step):
+        mean = step.scheme.mean(self.velocity, self.trial_velocity)
+        return -step.dt * self.drag * float(mean @ mean)
+
     def state(self):
         return {"place": self.place, "velocity": self.velocity}
 

@@ -2,6 +2,7 @@
 """What moves. A solid knows its inertia, its internal forces and its trace; it knows no contact."""
 
 from .base import MonolithicSolid, MonolithicTrace, Solid, Trace
+from .damping import Damping, KelvinVoigt, Rayleigh
 from .deformable import DeformableSolid
 from .elastic import ElasticSolid
 from .energies import ciarlet, neo_hookean, st_venant_kirchhoff
@@ -9,11 +10,14 @@ from .hyperelastic import HyperelasticSolid
 from .rigid import RigidSolid
 
 __all__ = [
+    "Damping",
     "DeformableSolid",
     "ElasticSolid",
     "HyperelasticSolid",
+    "KelvinVoigt",
     "MonolithicSolid",
     "MonolithicTrace",
+    "Rayleigh",
     "RigidSolid",
     "Solid",
     "Trace",

@@ -13,6 +13,7 @@ from ..base.constants import ROUND_OFF
 from ..theory.theta import Step
 from .base import MonolithicSolid
 from .boundary import Supports, Tractions
+from .damping import Damper
 from .mass import Mass
 from .vector_space import VectorSpace
 
@@ -27,6 +28,8 @@ class BalancedSolid(MonolithicSolid):
     fixed_unknowns: np.ndarray
     trial_displacement: np.ndarray
     floating: bool
+    displacement: np.ndarray
+    dampers: list[Damper]
     _inertia: Mass
     _tractions: Tractions | None
     _momentum: np.ndarray
@@ -56,7 +59,14 @@ class BalancedSolid(MonolithicSolid):
         inertia = step.inertia_force(self._momentum, self._trial_momentum)
         if not step.loaded:
             return [-self._force, inertia]
-        return [-self._force, inertia, self._internal_forces(step), -self._loads(step)]
+        internal = self._internal_forces(step)
+        for damper in self.dampers:
+            rate = step.rate(self.velocity, self.trial_velocity)
+            internal = internal + self._damping(damper, step, rate)
+        return [-self._force, inertia, internal, -self._loads(step)]
+
+    def _damping(self, damper: Damper, step: Step, rate: np.ndarray) -> np.ndarray:
+        return damper.force(step, self.displacement, self.trial_displacement, rate)
 
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
         terms = self._balance(step)
@@ -90,6 +100,12 @@ class BalancedSolid(MonolithicSolid):
             self.vectors.sum(step.work(mean[held], self._reaction)),
             self.vectors.sum(pulled),
         )
+
+    def damped(self, step: Step) -> float:
+        mean = step.mean(self.velocity, self.trial_velocity)
+        rate = step.rate(mean, mean) / step.load_weight
+        taken = [step.work(mean, self._damping(damper, step, rate)) for damper in self.dampers]
+        return -self.vectors.sum(sum(taken)) if taken else 0.0
 
     def reaction(self, name: str) -> np.ndarray:
         """Force of the support of the named facets on the solid in the last step, (d,) in N."""

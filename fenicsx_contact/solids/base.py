@@ -172,6 +172,11 @@ class Solid(ABC):
         momentum, of internal forces and all loads, of the supports, of the tractions among the
         loads."""
 
+    def damped(self, step: Step) -> float:
+        """Work of damping on the mean velocity of the step in J, in the trial state, never
+        positive; :meth:`works` counts the damping forces among internal forces."""
+        return 0.0
+
     def memories(self) -> dict[str, np.ndarray]:
         """The part of :meth:`state` that the scheme needs."""
         return {} if self.memory is None else {"memory": self.memory}

@@ -19,6 +19,7 @@ from ..base.mesh import NamedMesh
 from ..theory.theta import Step
 from .balance import BalancedSolid
 from .boundary import Motion, Supports, Traction, Tractions
+from .damping import Damper, Damping, MassDamper, Rayleigh
 from .factor import Factorisation
 from .mass import Mass
 from .mass_redistribution import relax
@@ -38,6 +39,7 @@ class DeformableSolid(BalancedSolid):
         prescribed: motions of named facets: displacements in m by direction, None where it is
             free, or a function of time that gives them.
         tractions: dead loads on named facets, Pa, or functions of time that give them.
+        damping: :class:`~.damping.KelvinVoigt`, :class:`~.damping.Rayleigh` or an own one.
         mass_redistribution: names of facets whose mass is moved inwards, so that their impacts
             lose no energy; for laws of positions (GAP, ...).
         displacement, velocity: initial fields in m and m/s, functions of ``x`` (3, n) with values
@@ -68,6 +70,7 @@ class DeformableSolid(BalancedSolid):
         fixed: Sequence[str] = (),
         prescribed: Mapping[str, Motion] | None = None,
         tractions: Mapping[str, Traction] | None = None,
+        damping: Damping | None = None,
         mass_redistribution: Sequence[str] = (),
         displacement: Field | None = None,
         velocity: Field | None = None,
@@ -94,6 +97,13 @@ class DeformableSolid(BalancedSolid):
             acceleration = checks.vector("gravity", gravity, mesh.dim)
             self.parameters += f", gravity {acceleration.tolist()}"
             self._load = self._inertia.weight(acceleration)
+
+        self.damping = Rayleigh() if damping is None else damping
+        checks.offers("damping", self.damping, Damping, "KelvinVoigt(eta), Rayleigh(alpha, beta)")
+        self.dampers: list[Damper] = []
+        self.parameters += f", {damping!r}" if damping else ""
+        if self.damping.alpha:
+            self.dampers.append(MassDamper(self.damping.alpha, self._inertia))
 
         self.displacement = self.vectors.interpolate("displacement", displacement)
         self.displacement[self.fixed_unknowns] = self.supports.values(0.0)
@@ -164,7 +174,9 @@ class DeformableSolid(BalancedSolid):
     def _force_at_start(self, step: Step) -> np.ndarray:
         """Loads less internal forces at the start of a step, (owned,) in N."""
         traction = self._tractions.total(step.start) if self._tractions else 0.0
-        return self._load + traction - self.internal_force(self.displacement)
+        force = self._load + traction - self.internal_force(self.displacement)
+        u = self.displacement
+        return force - sum(damper.force(step, u, u, self.velocity) for damper in self.dampers)
 
     def _loads(self, step: Step) -> np.ndarray:
         """Gravity and tractions where the scheme takes the forces, and what it carries along."""

@@ -18,6 +18,7 @@ from ..base import assembly
 from ..base.constants import KEPT
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
+from .damping import StiffnessDamper
 from .deformable import DeformableSolid
 from .energies import elastic_constants
 from .factor import Factorisation
@@ -44,7 +45,11 @@ class ElasticSolid(DeformableSolid):
         self.youngs_modulus, self.poisson_ratio = elastic_constants(youngs_modulus, poisson_ratio)
         super().__init__(mesh, **{"name": "elastic", **others})
         self._stiffness = assembly.assemble_petsc_matrix(self._stiffness_form())
-        self._factors: dict[tuple[float, float], tuple[int, Factorisation]] = {}
+        if self.damping.beta:
+            self.dampers.append(
+                StiffnessDamper(self.damping.beta, self._stiffness, self.internal_force)
+            )
+        self._factors: dict[tuple[float, ...], tuple[int, Factorisation]] = {}
         self._made = 0
         self._begin()
 
@@ -64,13 +69,15 @@ class ElasticSolid(DeformableSolid):
         self._internal = self.internal_force(self.displacement)
 
     def linearise(self, step: Step) -> None:
-        key = (step.inertia_rate, step.force_rate)
+        key = (step.inertia_rate, step.force_rate, step.rate_weight)
         if key not in self._factors:
             if len(self._factors) >= KEPT:
                 self._factors.pop(next(iter(self._factors)))[1].destroy()
             matrix = self._mass.copy()
             matrix.scale(step.inertia_rate)
             matrix.axpy(step.force_rate, self._stiffness)
+            for damper in self.dampers:
+                damper.add_to(matrix, step, self.displacement, self.displacement)
             self._made += 1
             factor = Factorisation(self.hold(matrix), self.name)
             self._factors[key] = (self._made, factor)
@@ -85,6 +92,10 @@ class ElasticSolid(DeformableSolid):
                 self.free_load -= after * self.internal_force(drift)
             if self._target is not None:
                 self._drive(step, drift)
+            for damper in self.dampers:
+                known = np.zeros(self.owned)
+                known[self.fixed_unknowns] = self.trial_velocity[self.fixed_unknowns]
+                self.free_load -= self._damping(damper, step, step.rate(self.velocity, known))
         self.free_load[self.fixed_unknowns] = self.trial_velocity[self.fixed_unknowns]
         self._force = np.zeros(self.owned)
         self._free_velocity = None

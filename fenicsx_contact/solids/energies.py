@@ -15,6 +15,13 @@ from ..base import checks
 Energy = Callable[[Any], Any]
 
 
+def in_space(F: Any) -> Any:
+    """A gradient (d, d) as one in space: plane strain in 2D."""
+    if F.ufl_shape == (3, 3):
+        return F
+    return ufl.as_matrix([[F[0, 0], F[0, 1], 0], [F[1, 0], F[1, 1], 0], [0, 0, 1]])
+
+
 def elastic_constants(youngs_modulus: float, poisson_ratio: float) -> tuple[float, float]:
     """E [Pa] > 0 and nu in (-1, 1/2), or an :class:`~fenicsx_contact.base.checks.InputError`."""
     E = checks.number("youngs_modulus", youngs_modulus, above=0)

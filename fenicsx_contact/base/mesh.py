@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -41,11 +41,13 @@ def volumes(edges: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class NamedMesh:
-    """A dolfinx mesh, tags of its facets, and the names of the tags."""
+    """A dolfinx mesh, tags of its facets, the names of the tags, and the coordinates of points
+    that have names."""
 
     mesh: Any
     facet_tags: Any
     names: Mapping[str, int]
+    points: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         tdim, gdim = self.mesh.topology.dim, self.mesh.geometry.dim
@@ -138,6 +140,23 @@ def name_facets(mesh: Any, where: Mapping[str, Callable[[np.ndarray], np.ndarray
     order = np.argsort(facets)
     tags = dolfinx.mesh.meshtags(mesh, fdim, facets[order], values[order])
     return NamedMesh(mesh, tags, {name: i for i, name in enumerate(where, start=1)})
+
+
+def name_points(mesh: NamedMesh, points: Mapping[str, Sequence[float]]) -> NamedMesh:
+    """The mesh with names for points, at which a solid may be held.
+
+    Args:
+        mesh: the mesh.
+        points: d coordinates, m, by name.
+
+    Raises:
+        InputError: coordinates that are none, a name that the mesh has already.
+    """
+    for name, place in points.items():
+        checks.vector(f"points[{name!r}]", place, mesh.dim)
+        if name in mesh.names:
+            raise checks.InputError(f"points[{name!r}]: the mesh has facets of this name")
+    return replace(mesh, points={**mesh.points, **points})
 
 
 def mesh_from_gmsh(

@@ -11,26 +11,29 @@ from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem
 from petsc4py import PETSc
 
 from ..base import assembly
 from ..base.constants import KEPT
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
+from .coefficients import Scalar, constant, scalar
 from .damping import StiffnessDamper
 from .deformable import DeformableSolid
-from .energies import elastic_constants
 from .factor import Factorisation
+from .planes import PLANES
 
 
 class ElasticSolid(DeformableSolid):
-    """A linear elastic solid; plane strain in 2D.
+    """A linear elastic solid; in 2D in plane strain, in plane stress, or of revolution.
 
     Args:
         mesh: its shape.
-        youngs_modulus: E, Pa.
-        poisson_ratio: nu, in (-1, 1/2).
+        youngs_modulus: E, Pa: a number, ``fem.Constant``, ``fem.Function``, expression in UFL, or
+            function of x, see :mod:`~.coefficients`.
+        poisson_ratio: nu, in (-1, 1/2), likewise.
+        plane: in 2D ``"strain"``, ``"stress"`` (both 1 m thick) or ``"axisymmetric"``: x is the
+            radius, y the axis; forces, energies and masses are those of the whole solid.
         others: as for :class:`~fenicsx_contact.solids.deformable.DeformableSolid`.
 
     Raises:
@@ -38,13 +41,18 @@ class ElasticSolid(DeformableSolid):
     """
 
     linear = True
+    planes = tuple(PLANES)
 
     def __init__(
-        self, mesh: NamedMesh, *, youngs_modulus: float, poisson_ratio: float, **others: Any
+        self, mesh: NamedMesh, *, youngs_modulus: Scalar, poisson_ratio: Scalar, **others: Any
     ) -> None:
-        self.youngs_modulus, self.poisson_ratio = elastic_constants(youngs_modulus, poisson_ratio)
         super().__init__(mesh, **{"name": "elastic", **others})
-        self._stiffness = assembly.assemble_petsc_matrix(self._stiffness_form())
+        E, modulus = scalar("youngs_modulus", youngs_modulus, mesh, above=0)
+        nu, ratio = scalar("poisson_ratio", poisson_ratio, mesh, above=-1, below=0.5)
+        self.parameters = f"E {modulus}, nu {ratio}, {self.parameters}"
+        self._stiffness = assembly.assemble_petsc_matrix(self._stiffness_form(E, nu))
+        for foundation in self.foundations:
+            self._stiffness.axpy(1.0, foundation.matrix)
         if self.damping.beta:
             self.dampers.append(
                 StiffnessDamper(self.damping.beta, self._stiffness, self.internal_force)
@@ -53,17 +61,13 @@ class ElasticSolid(DeformableSolid):
         self._made = 0
         self._begin()
 
-    def _stiffness_form(self) -> ufl.Form:
-        E, nu, d = self.youngs_modulus, self.poisson_ratio, self.dim
-        mu = fem.Constant(self.mesh.mesh, E / 2 / (1 + nu))
-        lmbda = fem.Constant(self.mesh.mesh, E * nu / (1 + nu) / (1 - 2 * nu))
+    def _stiffness_form(self, E: Any, nu: Any) -> ufl.Form:
+        lmbda, mu = (constant(self.mesh, value) for value in self.plane.lame(E, nu))
+        x = ufl.SpatialCoordinate(self.mesh.mesh)
         u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
-
-        def strain(w: Any) -> Any:
-            return ufl.sym(ufl.grad(w))
-
-        stress = 2 * mu * strain(u) + lmbda * ufl.tr(strain(u)) * ufl.Identity(d)
-        return ufl.inner(stress, strain(v)) * ufl.dx(self.mesh.mesh)
+        strain, virtual = self.plane.strain(u, x), self.plane.strain(v, x)
+        stress = 2 * mu * strain + lmbda * ufl.tr(strain) * ufl.Identity(strain.ufl_shape[0])
+        return self.plane.breadth(x) * ufl.inner(stress, virtual) * ufl.dx(self.mesh.mesh)
 
     def _state_changed(self) -> None:
         self._internal = self.internal_force(self.displacement)
@@ -134,5 +138,5 @@ class ElasticSolid(DeformableSolid):
         return 0.5 * self._sum(self.displacement @ self._internal)
 
     def describe(self) -> str:
-        constants = f"E {self.youngs_modulus!r}, nu {self.poisson_ratio!r}, {self.parameters}"
-        return f"elastic, small strain, {constants}, {self.unknowns} unknowns"
+        kind = f"small strain, {self.plane.name}{self.parameters}"
+        return f"elastic, {kind}, {self.unknowns} unknowns"

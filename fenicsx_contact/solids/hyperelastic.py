@@ -20,6 +20,7 @@ from ..base import assembly, checks, compat
 from ..base.constants import MADE, ROUND_OFF
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
+from .damping import StiffnessDamper
 from .deformable import DeformableSolid
 from .energies import Energy, in_space
 from .factor import Factorisation
@@ -68,7 +69,10 @@ class HyperelasticSolid(DeformableSolid):
         swollen = self._sum(swelling @ self.multiply(self._tangent, swelling))
         self._noise = ROUND_OFF * abs(swollen)  # of the energy, the difference of such terms
         if self.damping.beta:
-            self.dampers.append(ViscousStress(self.vectors, energy, self.damping.beta, dx))
+            beta = self.damping.beta
+            self.dampers.append(ViscousStress(self.vectors, energy, beta, dx))
+            for foundation in self.foundations:
+                self.dampers.append(StiffnessDamper(beta, foundation.matrix, foundation.times))
         self._factor: Factorisation | None = None
         self._made = False  # a tangent in this step
         self._free_load: np.ndarray | None = None
@@ -91,6 +95,8 @@ class HyperelasticSolid(DeformableSolid):
         self._set(displacement)
         force = np.empty(self.owned)
         assembly.assemble_owned(self._force_form, force)
+        for foundation in self.foundations:
+            force += foundation.times(displacement)
         return force
 
     def _at(self, share: float) -> np.ndarray:
@@ -105,7 +111,10 @@ class HyperelasticSolid(DeformableSolid):
 
     def _stored_energy(self, displacement: np.ndarray) -> float:
         self._set(displacement)
-        return assembly.assemble_scalar(self._potential_form, self.comm)
+        stored = assembly.assemble_scalar(self._potential_form, self.comm)
+        for foundation in self.foundations:
+            stored += 0.5 * self._sum(displacement @ foundation.times(displacement))
+        return stored
 
     @property
     def last_stiffness(self) -> PETSc.Mat:
@@ -122,6 +131,8 @@ class HyperelasticSolid(DeformableSolid):
         self._set(displacement)
         self._weight.value = weight
         assembly.add_to_petsc_matrix(self._tangent, self._tangent_form)
+        for foundation in self.foundations:
+            self._tangent.axpy(weight, foundation.matrix)
 
     def _choose_tangent(self, step: Step) -> None:
         """The matrix of the step: an old one if it will do, else that of the trial state. It is

@@ -4,13 +4,11 @@ each kind gives the same result."""
 
 from __future__ import annotations
 
-import dolfinx
 import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
-from mpi4py import MPI
-from scenes import check_energies, rectangle
+from scenes import rectangle
 
 from fenicsx_contact import (
     ElasticSolid,
@@ -74,7 +72,7 @@ def test_each_kind_of_number_gives_the_same(name):
     for kind in UNIFORM:
         np.testing.assert_allclose(pulled(**{name: kind(NUMBERS[name])}), expected, rtol=1e-11)
     first = pulled(**{name: VARYING[0](NUMBERS[name])})
-    assert np.abs(first / expected - 1).max() > 1e-3
+    assert np.abs(first - expected)[:-1].max() > 1e-2 * np.abs(expected[:-1]).max()
     for kind in VARYING[1:]:
         got = pulled(**{name: kind(NUMBERS[name])})
         np.testing.assert_allclose(got, first, rtol=0, atol=1e-6 * np.abs(first[:-1]).max())
@@ -99,7 +97,12 @@ def test_stiffness_and_mass_of_a_graded_bar_are_exact():
 
 def test_stored_energies_take_fields():
     ends = []
-    for E in (1e6, fem.Constant(MESH.mesh, 1e6), 1e6 + 0 * X[0], function(lambda x: 1e6 + 0 * x[0])):
+    for E in (
+        1e6,
+        fem.Constant(MESH.mesh, 1e6),
+        1e6 + 0 * X[0],
+        function(lambda x: 1e6 + 0 * x[0]),
+    ):
         solid = HyperelasticSolid(
             MESH,
             energy=neo_hookean(E, 0.3),
@@ -124,7 +127,7 @@ def test_stored_energies_take_fields():
         lambda: function(lambda x: x[:2], shape=(2,)),
         lambda: lambda x: np.nan,
         lambda: lambda x: np.ones((2, x.shape[1])),
-        lambda: lambda x: 1j * np.ones(x.shape[1]),
+        lambda: lambda x: 1.0 + 1j * np.ones(x.shape[1]),
         lambda: lambda x: "much",
         lambda: lambda x, t: 1.0,
         lambda: lambda: 1.0,
@@ -168,11 +171,11 @@ def loaded(scheme, **load):
     solid = elastic(**load)
     history = Scene([solid], [], scheme).run(0.01, 1e-3)
     assert history.finished, history.reason
-    check_energies_of_loads(history)
+    check_books(history)
     return solid.displacement
 
 
-def check_energies_of_loads(history):
+def check_books(history):
     assert np.abs(history["balance"]).max() < 1e-10 * (1 + np.abs(history["drive"]).max())
 
 
@@ -222,7 +225,7 @@ def test_a_force_in_time_moves_a_stiff_bar_as_a_point(scheme):
         {"body_force": lambda t: (F * t, 0.0)},
         {"body_force": lambda x, t: (F * t, 0.0)},
     ):
-        solid = elastic(youngs_modulus=1e14, poisson_ratio=0.0, fixed=(), **load)
+        solid = elastic(youngs_modulus=1e10, poisson_ratio=0.0, fixed=(), **load)
         history = Scene([solid], [], scheme, allow_free=True).run(0.5, dt)
         assert history.finished, history.reason
         speed = F * 0.4 * 0.5**2 / 2 / solid.mass
@@ -231,7 +234,7 @@ def test_a_force_in_time_moves_a_stiff_bar_as_a_point(scheme):
         if scheme == ThetaScheme():
             work = solid.mass * speed**2 / 2
             np.testing.assert_allclose(history["drive"][-1], work, rtol=1e-6)
-            check_energies_of_loads(history)
+            check_books(history)
 
 
 @pytest.mark.parametrize(
@@ -250,6 +253,7 @@ def test_a_force_in_time_moves_a_stiff_bar_as_a_point(scheme):
         lambda x: 1.0,
         lambda x: (np.nan, 0.0),
         lambda x: np.ones((3, x.shape[1])),
+        lambda x: (1.0 + 1j) * np.ones((2, x.shape[1])),
         lambda x, t: (x[0] + 1j, 0.0),
         lambda x, t, more: (1.0, 0.0),
     ],
@@ -272,5 +276,3 @@ def test_a_load_that_turns_bad_is_refused_then():
 def test_no_load_is_no_load():
     solid = elastic()
     assert solid._applied is None and solid.foundations == [] and solid.dampers == []
-    assert MPI.COMM_WORLD.size >= 1 and dolfinx.__version__
-    assert check_energies

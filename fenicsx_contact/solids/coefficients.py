@@ -88,7 +88,7 @@ class Sampled:
         if len(components) != self._values[:1].size and self._values.size:
             raise ValueError(f"{len(components)} components")
         for i, component in enumerate(components):
-            self._values.reshape(len(self._values), -1)[:, i] = np.asarray(component, dtype=float)
+            self._values.reshape(len(self._values), -1)[:, i] = checks.floats(component)
 
 
 def field(what: str, value: Any, mesh: NamedMesh, shape: tuple[int, ...] = ()) -> Field:
@@ -154,9 +154,24 @@ def sampled(expression: Any, mesh: NamedMesh) -> np.ndarray | str:
         parts += [c.value for c in ufl.algorithms.analysis.extract_constants(expression)]
         if any(np.iscomplexobj(part) for part in parts):
             return "it is complex"
-        return compat.PointExpression(expression, compat.lagrange_space(domain, 2))()
+        here = fem.Constant(domain, 1.0) * expression  # what is the same everywhere has no mesh
+        return compat.PointExpression(here, compat.lagrange_space(domain, 2))()
     except Exception as failure:  # of the form compiler, of whatever kind
         return str(failure) or repr(failure)
+
+
+def number(what: str, value: Scalar, *, above: float, below: float = np.inf) -> Any:
+    """A number of a material where no mesh is known: a float, or a scalar in UFL as it is.
+
+    Raises:
+        InputError: out of its limits, themselves excluded; UFL that is no scalar.
+    """
+    if is_field(value) and value.ufl_shape == ():
+        return value
+    plain = checks.number(what, value, above=above)
+    if not plain < below:
+        raise checks.InputError(f"{what} = {value!r}: must be < {below:g}")
+    return plain
 
 
 def scalar(
@@ -182,10 +197,8 @@ def scalar(
         InputError: out of its limits somewhere, or as :func:`field`.
     """
     if not is_field(value) and not is_function(value):
-        number = checks.number(what, value, above=above)
-        if not number < below:
-            raise checks.InputError(f"{what} = {value!r}: must be < {below:g}")
-        return number, repr(number)
+        plain = number(what, value, above=above, below=below)
+        return plain, repr(plain)
     if is_function(value) and len(arguments(value)) != 1:
         raise checks.InputError(f"{what} = {_shown(value)}: must be a function of x alone")
     made = field(what, value, mesh)

@@ -57,6 +57,8 @@ class ElasticSolid(DeformableSolid):
             self.dampers.append(
                 StiffnessDamper(self.damping.beta, self._stiffness, self.internal_force)
             )
+        drifting = [i not in self.plane.resisted for i in range(self.dim)]
+        self._drifting = np.array(drifting, dtype=float)  # directions that strain nothing
         self._factors: dict[tuple[float, ...], tuple[int, Factorisation]] = {}
         self._made = 0
         self._begin()
@@ -131,7 +133,7 @@ class ElasticSolid(DeformableSolid):
             return displacement
         own = displacement[: self.dim] if self.owned else np.zeros(self.dim)
         first = self.comm.bcast(own) if self.comm.size > 1 else own
-        return (displacement.reshape(-1, self.dim) - first).ravel()
+        return (displacement.reshape(-1, self.dim) - first * self._drifting).ravel()
 
     def strain_energy(self) -> float:
         """Strain energy of the state, J."""

@@ -284,6 +284,7 @@ class PointMass:
     """
 
     linear, supported, massless, patient, shiftable, memory = True, False, False, False, False, None
+    revolution = False
 
     def __init__(self, mesh, mass, drag, gravity, velocity, name="mass"):
         self.mesh, self.dim, self.name = mesh, mesh.dim, name

@@ -381,6 +381,17 @@ def test_a_thin_hoop_breathes():
     np.testing.assert_allclose(history["q"], np.sin(omega * history.time), atol=1e-3)
 
 
+def test_a_solid_of_revolution_rests_on_a_floor():
+    """Forces are those of the whole solid; what is not of revolution is refused beside it."""
+    solid = elastic(ring(3, inner=0.0), plane="axisymmetric", gravity=(0, -9.81))
+    contact = Contact(solid, "base", HalfSpace((0, 0), (0, 1)), "gap", name="c")
+    history = Scene([solid], [contact], QuasiStatic(), deepest=0.1).run(1.0, 1.0)
+    assert history.finished, history.reason
+    assert history["c.force_y"][-1] == pytest.approx(solid.mass * 9.81, rel=1e-9)
+    with pytest.raises(InputError, match="'elastic' is a solid of revolution and 'flat' is not"):
+        Scene([solid, elastic(block(), fixed=["base"], name="flat")], [contact], QuasiStatic())
+
+
 def test_negative_radii_are_refused():
     with pytest.raises(InputError, match=r"axisymmetric.*radius.*-0\.2"):
         elastic(block(), plane="axisymmetric")

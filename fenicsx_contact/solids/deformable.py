@@ -102,6 +102,7 @@ class DeformableSolid(BalancedSolid):
         self.owned, self.unknowns = self.vectors.owned, self.vectors.unknowns
         checks.choice("plane", plane, self.planes if mesh.dim == 2 else self.planes[:1])
         self.plane = PLANES[plane]
+        self.revolution = self.plane.revolution
         breadth = self.plane.breadth(ufl.SpatialCoordinate(mesh.mesh))
         motions, axis = {} if prescribed is None else prescribed, self.plane.axis(self.vectors)
         self.supports = Supports(self.vectors, fixed, motions, axis)

@@ -18,9 +18,11 @@ class Whole:
     """A solid in space, or in plane strain: what the mesh is.
 
     Attributes:
+        revolution: whether the mesh is half a section of a solid of revolution.
         resisted: numbers of the rigid motions of the mesh that strain the solid.
     """
 
+    revolution = False
     resisted: tuple[int, ...] = ()
     #: For descriptions.
     name = ""
@@ -56,6 +58,7 @@ class Axisymmetric(Whole):
     u_r/r. (O. C. Zienkiewicz, R. L. Taylor, The Finite Element Method I, chapter 5.)"""
 
     name = "axisymmetric, "
+    revolution = True
     resisted = (0, 2)  # moving along r, turning
 
     def strain(self, w: Any, x: Any) -> Any:

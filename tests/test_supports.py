@@ -24,6 +24,7 @@ from fenicsx_contact import (
     KelvinVoigt,
     QuasiStatic,
     Scene,
+    mesh_from_gmsh,
     name_facets,
     name_points,
     neo_hookean,
@@ -149,6 +150,21 @@ def test_locations_that_are_none_are_refused(where, message):
         with pytest.raises(InputError, match=message) as caught:
             elastic(block(), **others)
         assert next(iter(others)) in str(caught.value)
+
+
+def test_points_that_gmsh_names(tmp_path):
+    script = tmp_path / "triangle.geo"
+    script.write_text(
+        "Point(1) = {0, 0, 0, 1}; Point(2) = {1, 0, 0, 1}; Point(3) = {0, 1, 0, 1};"
+        "Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 1};"
+        "Curve Loop(1) = {1, 2, 3}; Plane Surface(1) = {1};"
+        'Physical Surface("solid") = {1}; Physical Curve("base") = {1};'
+        'Physical Point("top") = {3}; Physical Point("both") = {1, 2};'
+    )
+    mesh = mesh_from_gmsh(script)
+    assert mesh.points == {"top": [0.0, 1.0]}
+    solid = elastic(mesh, fixed=["top"], prescribed={"base": (None, 0.0)})
+    assert solid.supports.directions.all()
 
 
 def test_names_of_points_are_checked():

@@ -135,4 +135,5 @@ class StiffnessDamper:
         return self._beta * self._force(rate)
 
     def add_to(self, matrix: PETSc.Mat, step: Step, start: np.ndarray, end: np.ndarray) -> None:
-        matrix.axpy(step.rate_weight * self._beta, self._stiffness)
+        subset = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
+        matrix.axpy(step.rate_weight * self._beta, self._stiffness, subset)

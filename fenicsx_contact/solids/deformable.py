@@ -132,7 +132,7 @@ class DeformableSolid(BalancedSolid):
         self.damping = Rayleigh() if damping is None else damping
         checks.offers("damping", self.damping, Damping, "KelvinVoigt(eta), Rayleigh(alpha, beta)")
         self.dampers = []
-        self.parameters += f", springs {springs!r}" if springs else ""
+        self.parameters += "".join(f", springs {f.told}" for f in self.foundations)
         self.parameters += f", {damping!r}" if damping else ""
         if self.damping.alpha:
             self.dampers.append(MassDamper(self.damping.alpha, self._inertia))

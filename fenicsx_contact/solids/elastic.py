@@ -52,7 +52,7 @@ class ElasticSolid(DeformableSolid):
         self.parameters = f"E {modulus}, nu {ratio}, {self.parameters}"
         self._stiffness = assembly.assemble_petsc_matrix(self._stiffness_form(E, nu))
         for foundation in self.foundations:
-            self._stiffness.axpy(1.0, foundation.matrix)
+            foundation.add_to(self._stiffness, 1.0)
         if self.damping.beta:
             self.dampers.append(
                 StiffnessDamper(self.damping.beta, self._stiffness, self.internal_force)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx import fem
+from petsc4py import PETSc
 
 from ..base import assembly, checks
 from .locations import Location, is_surface, nodes_at
@@ -29,6 +30,9 @@ class Foundation:
 
     Attributes:
         matrix: S, N/m.
+        told: the springs, as a text.
+        stiffest: the largest stiffness of an unknown, N/m.
+        directions: whether any spring acts in each direction, (d,).
 
     Raises:
         InputError: stiffness < 0, or none at all; a location that the mesh lacks.
@@ -47,9 +51,11 @@ class Foundation:
         nothing = fem.Constant(mesh.mesh, 0.0)  # the pattern of all other matrices
         form = nothing * ufl.dot(u, v) * ufl.dx(mesh.mesh)
         points = np.zeros(vectors.owned)
+        told = []
         for where, stiffness in springs.items():
             what = f"springs[{where!r}]"
             by_direction = self._stiffness(what, stiffness)
+            told.append(f"{where!r}: {by_direction.tolist()}")
             if is_surface(vectors, where):
                 vectors.facets(str(where), "springs")
                 k = fem.Constant(mesh.mesh, by_direction)
@@ -58,16 +64,15 @@ class Foundation:
             else:
                 nodes = nodes_at(vectors, where, what)
                 points[vectors.at(nodes)] += np.tile(by_direction, len(nodes))
+        self.told = ", ".join(told)
         self.matrix = assembly.assemble_petsc_matrix(form)
         diagonal = self.matrix.getDiagonal()
         diagonal.setArray(diagonal.array_r + points)
         self.matrix.setDiagonal(diagonal)
         diagonal.destroy()
         resisting = vectors.diagonal(self.matrix)
-        #: N/m, of an unknown.
         self.stiffest = max(vectors.comm.allgather(float(resisting.max(initial=0.0))))
         there = resisting.reshape(-1, d).any(axis=0)
-        #: Whether any spring acts in each direction, (d,).
         self.directions = np.any(vectors.comm.allgather(there), axis=0)
         if not self.directions.any():
             raise checks.InputError(f"springs = {springs!r}: none of them holds anything")
@@ -78,6 +83,10 @@ class Foundation:
         if np.ndim(plain) == 0:
             return np.full(d, checks.number(what, given, at_least=0))
         return np.array([checks.number(what, k, at_least=0) for k in checks.vector(what, given, d)])
+
+    def add_to(self, matrix: PETSc.Mat, weight: float) -> None:
+        """Add the stiffness to a matrix of the space."""
+        matrix.axpy(weight, self.matrix, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
 
     def times(self, displacement: np.ndarray) -> np.ndarray:
         """The force against a displacement, of the owned unknowns, N."""

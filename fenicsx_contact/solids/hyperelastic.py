@@ -132,7 +132,7 @@ class HyperelasticSolid(DeformableSolid):
         self._weight.value = weight
         assembly.add_to_petsc_matrix(self._tangent, self._tangent_form)
         for foundation in self.foundations:
-            self._tangent.axpy(weight, foundation.matrix)
+            foundation.add_to(self._tangent, weight)
 
     def _choose_tangent(self, step: Step) -> None:
         """The matrix of the step: an old one if it will do, else that of the trial state. It is

@@ -99,7 +99,7 @@ class RigidSolid(RigidMotion):
         self._springs = to_ground({} if springs is None else springs, self.centre)
         self.held = held_components(held, d)
         names = [components(d)[i] for i in self.held]
-        self._held_by = f", springs {springs!r}" if springs else ""
+        self._held_by = "".join(f", spring {spring.told}" for spring in self._springs)
         self._held_by += f", held {names}" if names else ""
         self._holding = np.zeros(d + spins)
         self._holding[self.held] = 1.0

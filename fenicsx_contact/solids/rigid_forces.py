@@ -58,6 +58,7 @@ class Spring:
 
     def __init__(self, point: np.ndarray, anchor: np.ndarray, stiffness: np.ndarray) -> None:
         self._point, self._anchor, self._stiffness = point, anchor, stiffness
+        self.told = f"{tuple(anchor.tolist())}: {stiffness.tolist()}"
 
     def _stretch(self, place: np.ndarray, turn: np.ndarray) -> np.ndarray:
         return place + turn @ self._point - self._anchor

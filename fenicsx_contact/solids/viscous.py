@@ -60,4 +60,5 @@ class ViscousStress:
         for weight in self._points(step, start, end):
             self._matrix.zeroEntries()
             assembly.add_to_petsc_matrix(self._matrix, self._matrix_form)
-            matrix.axpy(step.rate_weight * weight, self._matrix)
+            subset = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
+            matrix.axpy(step.rate_weight * weight, self._matrix, subset)

@@ -95,6 +95,22 @@ def test_no_damping_is_no_damper():
         np.testing.assert_array_equal(other, ends[0])
 
 
+def test_own_damping():
+    """A stranger's class is one, if it has both numbers."""
+
+    class Mine:
+        alpha, beta = 0.6, 0.01
+
+        def __repr__(self):
+            return "Mine()"
+
+    ends = [
+        run(bar(damping=d), ThetaScheme(), 0.1, 10).rows() for d in (Mine(), Rayleigh(0.6, 0.01))
+    ]
+    np.testing.assert_array_equal(*ends)
+    assert "Mine()" in bar(damping=Mine()).describe()
+
+
 def test_statics_know_no_damping():
     ends = []
     for damping in (None, Rayleigh(5.0, 5.0)):

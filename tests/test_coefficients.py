@@ -4,6 +4,8 @@ each kind gives the same result."""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 import ufl
@@ -193,6 +195,8 @@ def test_each_kind_of_load_gives_the_same(where):
         lambda t: (2e4 * t, 1e3 * t**2),
         lambda x, t: ufl.as_vector([2e4 * t, 1e3 * t**2 + 0 * x[0]]),
         lambda x, t: (2e4 * t, 1e3 * t**2),
+        lambda x, t: (2e4 * math.atan(math.tan(t)), np.exp(np.log(1e3)) * (t * t if t > 0 else 0)),
+        lambda x, t: ufl.as_vector([2e4 * t, 1e3 * t**2]),
         lambda x, t: np.array([2e4 * t + np.zeros(x.shape[1]), 1e3 * t**2 + np.zeros(x.shape[1])]),
     ]
     for scheme in (ThetaScheme(), GeneralisedAlpha(0.7)):

@@ -5,7 +5,8 @@ A material's number may be a number, a ``fem.Constant``, a ``fem.Function``, an 
 the place x of a point at rest, or a function of x; a load may be each of these for d components,
 and a function of x and t, or of t alone. Functions of x are called with the coordinates of UFL,
 where ``x[0]`` is a scalar; one that UFL cannot take (``np.where``, ``np.sin``) is called with x as
-an array (3, n), gives n numbers for each component, and is interpolated with degree 2.
+an array (3, n), gives n numbers for each component, and is interpolated with degree 2. With
+functions of x and t it is the other way round: ``math.sin(t)`` of a constant of UFL never ends.
 """
 
 from __future__ import annotations
@@ -84,7 +85,9 @@ class Sampled:
 
     def at(self, time: float) -> None:
         given = self._function(self._x) if self.steady else self._function(self._x, time)
-        components = given if self._values.ndim == 2 else [given]
+        components = [given] if self._values.ndim == 1 else list(given)
+        if any(isinstance(component, Expression) for component in components):
+            raise TypeError("it gives UFL")
         if len(components) != self._values[:1].size and self._values.size:
             raise ValueError(f"{len(components)} components")
         for i, component in enumerate(components):
@@ -108,21 +111,26 @@ def field(what: str, value: Any, mesh: NamedMesh, shape: tuple[int, ...] = ()) -
     size = f"{d} components" if shape else "a number"
     allowed = f"must give {size}, finite and real, on the mesh of the solid"
     steady = is_field(value) or len(arguments(value)) == 1
-    try:
-        expression = value
-        if not is_field(value):
-            expression = value(ufl.SpatialCoordinate(domain), *([] if steady else [time]))
-        made: Field = Written(_in_ufl(expression, shape), time, steady)
-        problem = ""
-    except Exception as failure:  # what UFL cannot take raises anything
-        problem = f"in UFL {failure}"
-    if problem and not is_field(value):
+
+    def written() -> Field:
+        x = ufl.SpatialCoordinate(domain)
+        expression = value if is_field(value) else value(x, *([] if steady else [time]))
+        return Written(_in_ufl(expression, shape), time, steady)
+
+    def interpolated() -> Field:
+        sample = Sampled(value, domain, shape, steady)
+        sample.at(0.0)
+        return sample
+
+    ways = [written] if is_field(value) else [written, interpolated]
+    problems: list[str] = []
+    for way in ways if steady else reversed(ways):
         try:
-            made = Sampled(value, domain, shape, steady)
-            made.at(0.0)
-            problem = ""
-        except Exception as failure:
-            problem += f"; with arrays {failure}"
+            made = way()
+            break
+        except Exception as failure:  # what one of them cannot take raises anything
+            problems.append(str(failure))
+    problem = "; ".join(problems) if len(problems) == len(ways) else ""
     problem = max(domain.comm.allgather(problem))
     if not problem:
         values = sampled(made.expression, mesh)

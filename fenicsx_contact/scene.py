@@ -251,32 +251,22 @@ class Scene:
 
     def state(self) -> dict[str, np.ndarray]:
         """All that a run continues from, by name."""
-        result = {
-            "scene.time": np.array(self.stepper.time),
-            "scene.work": self.stepper.work,
-            "scene.balance": np.array(self.stepper.balance),
-            "scene.most": np.array(self.stepper.most),
+        things = self._things()
+        return {
+            f"{of}{name}": value for of, thing in things for name, value in thing.state().items()
         }
-        for prefix, thing in self._things():
-            result |= {f"{prefix}{key}": value for key, value in thing.state().items()}
-        return result
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave."""
         for prefix, thing in self._things():
             own = {k.removeprefix(prefix): v for k, v in state.items() if k.startswith(prefix)}
             thing.restore(own)
-        stepper = self.stepper
-        stepper.time, stepper.balance = float(state["scene.time"]), float(state["scene.balance"])
-        stepper.work = np.array(state["scene.work"])
-        stepper.energies = stepper.sum_energies()
-        stepper.most = float(state["scene.most"])
 
     def _things(self) -> list[tuple[str, Any]]:
         things: list[tuple[str, Any]] = []
         things += [(f"solid.{solid.name}.", solid) for solid in self.solids]
         things += [(f"contact.{contact.name}.", contact) for contact in self.contacts]
-        return [*things, ("impacts.", self._impacts)]
+        return [*things, ("impacts.", self._impacts), ("scene.", self.stepper)]
 
     def describe(self) -> str:
         """What the scene consists of, and what was left out because nothing needs it."""

@@ -15,6 +15,9 @@ import pytest
 import fenicsx_contact.steps.run
 from fenicsx_contact.output import storage
 
+#: Seconds after which a process hangs, on any machine.
+HANGS = 600
+
 
 def mpirun(code: str, processes: int) -> subprocess.Popen:
     """Start Python code in so many processes of this package."""
@@ -34,13 +37,13 @@ def mpirun(code: str, processes: int) -> subprocess.Popen:
     )
 
 
-def output_of(process: subprocess.Popen, timeout: float) -> str:
+def output_of(process: subprocess.Popen) -> str:
     """What a process that ends well has written."""
     try:
-        output, _ = process.communicate(timeout=timeout)
+        output, _ = process.communicate(timeout=HANGS)
     except subprocess.TimeoutExpired:
         process.terminate()
-        process.communicate(timeout=10)
+        process.communicate()
         raise
     assert process.returncode == 0, output
     return output

@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-import ast
 import sys
-from pathlib import Path
 
 import dolfinx
 import numpy as np
@@ -14,7 +12,6 @@ import ufl
 from dolfinx import fem
 from scenes import rectangle
 
-import fenicsx_contact
 from fenicsx_contact import (
     ElasticSolid,
     InputError,
@@ -125,19 +122,3 @@ def test_other_expressions_are_refused(name):
 
 
 # -- the house --
-
-
-def test_no_circles_among_the_files_of_solids():
-    """Imports for typing included; and each file is short."""
-    folder = Path(fenicsx_contact.__file__).parent / "solids"
-    imports = {}
-    for file in folder.glob("*.py"):
-        text = file.read_text()
-        assert len(text.splitlines()) <= 300, file
-        nodes = [n for n in ast.walk(ast.parse(text)) if isinstance(n, ast.ImportFrom)]
-        imports[file.stem] = {n.module for n in nodes if n.level == 1}
-    left = set(imports)
-    while left:
-        floor = {name for name in left if not imports[name] & left}
-        assert floor, f"a circle among {sorted(left)}"
-        left -= floor

@@ -64,6 +64,11 @@ def test_there_are_no_circles():
             del graph[each]
 
 
+def test_files_are_short():
+    long = {str(path): len(path.read_text().splitlines()) for path, _ in modules()}
+    assert not {path: lines for path, lines in long.items() if lines > 300}
+
+
 def test_rooms_of_the_top_level():
     rooms = {p.stem for p in PACKAGE.iterdir() if p.suffix in ("", ".py")} - {
         "__init__",

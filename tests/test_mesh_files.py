@@ -378,4 +378,4 @@ def test_two_processes(tmp_path):
     mesh.cell_sets["part"] = [np.arange(n) for n in (0, 0, 2)]
     mesh.write(tmp_path / "clash.inp")
     code = SCRIPT.format(tests=str(Path(__file__).parent), directory=str(tmp_path))
-    output_of(mpirun(code, 2), timeout=120)
+    output_of(mpirun(code, 2))

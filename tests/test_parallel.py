@@ -68,7 +68,7 @@ def start(name: str, processes: int, directory: Path, fields_every: int = 0) -> 
 
 
 def finish(process: subprocess.Popen, directory: Path) -> History:
-    output_of(process, timeout=60)
+    output_of(process)
     return read_history(directory)
 
 

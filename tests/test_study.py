@@ -274,15 +274,12 @@ def test_stability_map(tmp_path, monkeypatch, capsys):
 def test_leave_out(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     demo = load("leave_out")
-    result = {}
     for name in ("bar at a wall", "dropped block"):
         make, _ = demo.SCENES[name]
         lean, full = (demo.run(make, everything, 1) for everything in (False, True))
         a, b = lean["energies"], full["energies"]
         assert np.abs(a - b).max() <= 1e-12 * np.abs(a - a[:, :1]).max()
         assert full["unknowns"][1] > lean["unknowns"][1]
-        result[name] = full["run_time_s"] / lean["run_time_s"]
-    assert result["bar at a wall"] > 1.5
 
 
 def test_benchmark_leaves_out_what_is_not_installed(monkeypatch):

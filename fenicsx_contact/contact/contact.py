@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..base import checks
+from ..base.constants import ROUND_OFF
 from ..solids import Solid
 from ..theory.formulations import Formulation
 from ..theory.formulations import formulation as as_formulation
@@ -21,10 +22,6 @@ from .pairing import Master, acting_points, check_master, couple
 from .scales import Scales
 from .springs import TangentialSprings
 from .surface import Surface, dot
-
-#: Distances below this share of the coordinates, and jumps below this share of the speeds of what
-#: jumps, are noise.
-ROUND_OFF = 1e-14
 
 
 class Contact:
@@ -47,6 +44,7 @@ class Contact:
         start_jump_n: w_n at the start, by the operators of the step; ``end_gap``: at its end if
             nothing approached.
         resolution: speeds below it, m/s, the last step did not resolve.
+        noise: distances below it, m, are round-off of the places.
         candidates: of the step.
         status: of the points in the last step: 0 open, 1 stick, 2 slip.
         force: mean of the last step on the solid, N.
@@ -120,7 +118,8 @@ class Contact:
         self._start()
 
     def _start(self) -> None:
-        """Frame from which the next step starts."""
+        """Frame from which the next step starts, and round-off of the distances in it."""
+        self.noise = ROUND_OFF * float(np.abs(self.coupling.positions()).max())
         tangents = self.equations.fields.frame()[1]
         if self.surface.dim == 3 and len(tangents):
             self.equations.fields.set_tangent(tangents[0])

@@ -61,7 +61,7 @@ class SurfaceEquations:
         self._key, self._speed, self._rates = b"", 0.0, (0.0, 0.0, 0.0, 0.0)
         self.carried = np.zeros(self.jumps)
         self.rho = self._units = np.ones((2, n))  # normal, tangential
-        self._plain = False
+        self._tresca = 0.0
         self.revision = 0  # counts the changes of candidates and scales
         self.choose(chosen)
 
@@ -92,7 +92,7 @@ class SurfaceEquations:
             speed: a typical speed of the step, m/s.
         """
         self._units = units
-        rho = (1.0 if self._plain else self._augmentation[:, None]) * units
+        rho = (self._tresca or self._augmentation[:, None]) * units
         changed = not np.array_equal(rho, self.rho)
         if not changed and speed == self._speed:
             return
@@ -136,7 +136,7 @@ class SurfaceEquations:
     def natural(self, scaled: np.ndarray) -> np.ndarray:
         """What the scaled residuals of the active rows stand for: where a row says what a
         multiplier is (open points, friction that slips) it is divided by rho."""
-        if self._plain or (self._augmentation == 1).all():
+        if self._tresca or (self._augmentation == 1).all():
             return scaled
         m, d = len(self.candidates), self._surface.dim
         status, result = self.statuses()[self.candidates], scaled.copy()
@@ -145,17 +145,26 @@ class SurfaceEquations:
         rows[1:, status != 1] *= self._augmentation[1]
         return result
 
-    def freeze_bound(self, frozen: bool) -> None:
+    def freeze_bound(self, augmentation: float) -> None:
         """Whether the bound of friction is that of the present pressure, which then is no unknown
-        in it: Tresca's problem; it is solved with the natural augmentation."""
-        self._plain = frozen
+        in it: Tresca's problem. It is solved with this augmentation; 0: no longer."""
+        self._tresca = augmentation
         if self._speed:
             self.set_scale(self._units, self._speed)
         if self.size > self.tractions:
             k = self.fields
-            k.frozen.value = float(frozen)
+            k.frozen.value = float(augmentation > 0)
             k.known_pressure.x.array[:] = np.maximum(-self.values[self.jumps : self.tractions], 0)
             self.refresh()
+
+    def project_multipliers(self) -> None:
+        """Let the multipliers be what bears in the jump rows: S g_n and P_b(g_t)."""
+        weight = np.tile(np.where(self.weight > 0, self.weight, 1.0), self.fields.components)
+        d = self._surface.dim
+        rho = np.concatenate([self.rho[0], np.tile(self.rho[1], d - 1)])[: self.size - self.jumps]
+        values = self.values
+        values[self.jumps :] += rho * self.residual()[self.jumps :] / weight[: len(rho)]
+        self.values = values
 
     def refresh(self) -> None:
         """Constants of the form have changed."""

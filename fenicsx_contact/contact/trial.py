@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..theory.theta import Step
-from .contact import ROUND_OFF, Contact
+from .contact import Contact
 from .surface import dot
 
 
@@ -24,7 +24,7 @@ def nonlinearity(contact: Contact, step: Step) -> tuple[float, float, float]:
     if contact.formulation.gap_share:
         expected = contact.end_gap + step.gap_rate * dot(linear, contact.normal)
         gap = float(np.abs(contact.coupling.gaps() - expected)[points].max())
-        gap = max(0.0, gap - ROUND_OFF * float(np.abs(contact.coupling.positions()).max()))
+        gap = max(0.0, gap - contact.noise)
     return float(jump), gap, float(np.abs(contact.trial_jump).max())
 
 

@@ -67,7 +67,7 @@ class Condensed:
         """Residual of the present state: its largest relative error, and the forces on all points
         (flat, N)."""
         active = self._surfaces.arrange()
-        self._surfaces.begin(self._all.free()[active], self._all.compliance(active))
+        self._surfaces.begin(self.free()[active], self._all.compliance(active))
         force = self._surfaces.force()
         self._all.spread(force)
         errors = self._all.imbalances(step, [s for s in self._all.solids if not s.linear])

@@ -55,28 +55,28 @@ class Krylov(Monolithic):
 
     def __init__(self, assembly: Assembly) -> None:
         super().__init__(assembly)
-        solids = [s for s in self._solids if isinstance(s, DeformableSolid)]
+        solids = [s for s in self.solids if isinstance(s, DeformableSolid)]
         self._modes = np.vstack([rigid_modes(s) for s in solids])
-        held = [own[s.fixed_unknowns] for s, own in zip(solids, self._places.own)]
-        self._held = np.concatenate(held) - self._places.mine.start
+        held = [own[s.fixed_unknowns] for s, own in zip(solids, self.places.own)]
+        self.held = np.concatenate(held) - self.places.mine.start
         self.counts: deque[int] = deque(maxlen=100)
         self._multigrid: Multigrid | None = None
         self._made_of: list[int] = []
 
     def _solve(self) -> np.ndarray:
-        n = self._places.size
+        n = self.places.size
         frozen = self._contact_block(frozen=True) + self._compliance()
         yy, ym, seen, mm = frozen[:n, :n], frozen[:n, n:], frozen[n:, :n], frozen[n:, n:]
         # far from the solution some points are paired with what they will not meet, and derivatives
         # of that push where they should pull
-        far = self._frozen or max(self._errors) > self.near
+        far = self.frozen or max(self._errors) > self.near
         block = frozen if far else self._contact_block() + self._compliance()
         # the rows of the multipliers times S^-1, as the forces for which these stand: norms add
         # them to those of the solids
         inverse, force = self._nodal_inverse(ym, seen, mm), _column_size(ym)
         solve = sp.diags(force) @ inverse
         block = sp.bmat([[block[:n, :n], ym], [solve @ block[n:, :n], solve @ mm]], format="csr")
-        residual = self._residual()
+        residual = self.residual()
         residual[n:] = solve @ residual[n:]
         A = petsc_matrix(self._matrix(block), self.comm)
         x, b = A.createVecs()
@@ -98,7 +98,7 @@ class Krylov(Monolithic):
                 f"GMRES does not end within {MAX_ITERATIONS} iterations; solver = 'monolithic' "
                 "needs none"
             )
-        local[self._held] = 0.0  # to more digits than the tolerance leaves them
+        local[self.held] = 0.0  # to more digits than the tolerance leaves them
         return self._solid_rows.everywhere(local)
 
     def _renew(self, springs: sp.csr_matrix, anew: bool = False) -> bool:
@@ -109,10 +109,10 @@ class Krylov(Monolithic):
             if self._multigrid is not None:
                 self._multigrid.destroy()
             solids = petsc_matrix(self._solid_rows(), self.comm)
-            self._multigrid = Multigrid(solids, self._modes, self._solids[0].dim)
+            self._multigrid = Multigrid(solids, self._modes, self.solids[0].dim)
             solids.destroy()
             self._made_of = self._solid_rows.linearisations
-        self._multigrid.stiffen(P, petsc_matrix(springs[self._places.mine], self.comm))
+        self._multigrid.stiffen(P, petsc_matrix(springs[self.places.mine], self.comm))
         return self._made_of != self._solid_rows.linearisations
 
     def _krylov(
@@ -129,7 +129,7 @@ class Krylov(Monolithic):
         solver.setTolerances(rtol=TOLERANCE, max_it=most)
         solver.getPC().setType("python")
         solver.getPC().setPythonContext(
-            _ThroughSprings(self._multigrid, self._places.mine, blocks, self.comm)
+            _ThroughSprings(self._multigrid, self.places.mine, blocks, self.comm)
         )
         solver.setOperators(A)
         solver.setFromOptions()
@@ -146,7 +146,7 @@ class Krylov(Monolithic):
         S = (mm - springs).tocsr()
         empty = np.empty(0, dtype=np.int64)
         blocks, first = [(np.empty(0), empty, empty)], 0
-        for part in self._parts:
+        for part in self.parts:
             nodes, m = len(part.equations.candidates), part.multipliers
             if not m:
                 continue

@@ -17,8 +17,10 @@ from ..contact.trial import nonlinearity
 from ..solids import DeformableSolid
 from ..theory.theta import Step
 from .condensed import Condensed
+from .frozen import FrozenContact
 from .krylov import Krylov
-from .monolithic import FrozenContact, Monolithic
+from .monolithic import Monolithic
+from .multipliers import Patience
 from .newton import Newton, NotConverged, Solution
 from .problem import Assembly, Clock, scale_of
 from .sparse import Sparse
@@ -37,9 +39,8 @@ GEOMETRY_TOLERANCE, MAX_GEOMETRY = 1e-8, 25
 #: Loops end as well where the error falls no more and is below this: the round-off of an
 #: ill-conditioned solve, which shorter steps would not better; that of the fixed point.
 ROUGH, ROUGH_GEOMETRY = 1e-7, 1e-6
-#: How often a correction that inverts an element, or goes beyond what its linearisation knows, is
-#: halved: it does if it makes the error so many times what it was, or than the terms.
-HALVINGS, WORSE, COARSE = 5, 10.0, 1.0
+#: How often a correction that inverts an element is halved.
+HALVINGS = 5
 
 
 class StepSolver:
@@ -100,13 +101,12 @@ class StepSolver:
             clock("solids")
             speed = self._linearise(step, first=sweep == 1)
             clock("pairing")
-            solution = self._settle(step)
+            solution = self._settle(step, first=sweep == 1)
             iterations += solution.iterations
             self.reached = solution.error
             remarks += solution.remarks
             clock("newton")
-            if isinstance(self.system, Condensed):  # else the solids have moved already
-                self.system.carry(step, solution.force)
+            self.system.carry(step, solution.force)
             clock("solids")
             error = self._nonlinearity(step, speed, solution.force)
             self.errors.append(error)
@@ -143,9 +143,9 @@ class StepSolver:
         self._all.set_scale(step, speed)
         return speed
 
-    def _settle(self, step: Step) -> Solution:
+    def _settle(self, step: Step, first: bool) -> Solution:
         frozen = self.system.freeze(step)
-        if self._floating and isinstance(frozen, FrozenContact):
+        if first and self._floating and isinstance(frozen, FrozenContact):
             frozen.fall()
         try:
             return self._newton.solve(frozen)
@@ -165,7 +165,8 @@ class StepSolver:
     # -- everything at once -----------------------------------------------------------------------
 
     def _full(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
-        best, halved, settled = np.inf, 0, 0
+        settled = 0
+        settles, failed, patience = bool(self._floating), np.inf, Patience(np.inf)
         remarks: list[str] = []
         errors = self.errors
         for iteration in range(self._newton.max_iterations + 1):
@@ -185,16 +186,17 @@ class StepSolver:
                 return force, iteration + settled, 1, remarks
             if not np.isfinite(error):
                 break
-            if error > WORSE * max(best, COARSE) and halved < HALVINGS:
-                halved += 1
-                self._halve(step)
-                continue
-            best, halved = error, 0
             if error <= near < np.inf:
                 self._see(step, exact=True)
                 clock("pairing")
-            if self._floating and not iteration:
-                solution = self._settle(step)
+            patience.see(error)
+            if settles and iteration and 2 * error <= failed:
+                settles, patience = False, Patience(error)
+            elif not patience.lasts:
+                settles, failed = True, patience.best
+            if settles:
+                solution = self._settle(step, first=iteration == 0)
+                self.system.carry(step, solution.force)
                 settled += solution.iterations
                 remarks += solution.remarks
                 for contact in self._all.contacts:

@@ -16,9 +16,8 @@ from typing import Protocol
 
 #: The springs, in units of what the points themselves yield, from stiff to soft.
 COMPLIANCES = (1e-3, 1e-2, 1e-1, 1.0)
-#: Newton steps in which a softened problem has to settle, and the centres after which, with springs
-#: so compliant, there is no hope.
-STEPS, CENTRES = 12, 60
+#: So many Newton steps that do not halve the error are patience enough.
+STALLS = 3
 
 
 class Softened(Protocol):
@@ -43,19 +42,36 @@ def method_of_multipliers(system: Softened, tolerance: float) -> int:
     """
     total = 0
     for compliance in COMPLIANCES:
-        for _ in range(CENTRES):
+        outer = Patience(system.error())
+        while outer.lasts:
             system.soften(compliance)
-            settled = False
-            for _ in range(STEPS):
+            inner = Patience(system.error())
+            while inner.lasts and inner.best > tolerance:
                 total += 1
                 if not system.iterate():
                     break
-                if system.error() <= tolerance:
-                    settled = True
-                    break
+                inner.see(system.error())
             system.soften(0.0)
             if system.error() <= tolerance:
                 return total
-            if not settled:
-                break
+            outer.see(system.worst)
     return total
+
+
+class Patience:
+    """Whether an error still falls.
+
+    Attributes:
+        best: the smallest one so far.
+    """
+
+    def __init__(self, error: float) -> None:
+        self.best, self._stalls = error, 0
+
+    def see(self, error: float) -> None:
+        self._stalls = self._stalls + 1 if 2 * error > self.best else 0
+        self.best = min(self.best, error)
+
+    @property
+    def lasts(self) -> bool:
+        return self._stalls < STALLS

@@ -9,15 +9,15 @@ from typing import Protocol
 import numpy as np
 
 from ..base import checks
-from .multipliers import method_of_multipliers
+from .multipliers import STALLS, method_of_multipliers
 
 
 class NotConverged(RuntimeError):
     """The surface problem was not solved; the message says what stalls or flips."""
 
 
-#: So many tolerances are accepted where so many iterations lower the error by less than half.
-ROUGH, STALLS = 1e3, 3
+#: So many tolerances are accepted where iterations gain no more.
+ROUGH = 1e3
 
 
 class ContactProblem(Protocol):
@@ -87,7 +87,7 @@ class Newton:
         remark = system.flips()
         steps = method_of_multipliers(system, self.tolerance)
         remark += f"; method of multipliers took over, {steps} steps"
-        if system.worst > self.tolerance:
+        if system.worst > ROUGH * self.tolerance:
             raise NotConverged(f"{system.stall()}; {remark}")
         return Solution(system.force(), iterations + steps, system.worst, [remark])
 

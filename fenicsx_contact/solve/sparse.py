@@ -43,7 +43,7 @@ class Sparse(Monolithic):
         self._system = None
 
     def _solve(self) -> np.ndarray:
-        contacts = (self._contact_block(self._frozen) + self._compliance())[self._rows_here]
+        contacts = (self._contact_block(self.frozen) + self._compliance())[self._rows_here]
         here = self._system is not None and self._system.holds(contacts)
         old = bool(self.comm.allreduce(here, op=MPI.MIN)) if self.comm.size > 1 else here
         if not old:
@@ -58,14 +58,14 @@ class Sparse(Monolithic):
         assert self._system is not None
         matrices = self._solid_rows(*contacts.shape), contacts
         return self._solid_rows.everywhere(
-            self._system.solve(matrices, self._residual()[self._rows_here])
+            self._system.solve(matrices, self.residual()[self._rows_here])
         )
 
     def _make(self, contacts: sp.csr_matrix) -> None:
         """A system with room for what the contacts add to the solids, and may add soon."""
         self._drop()
         room = _pattern(contacts)
-        if self._solids[0].dim == 2:  # in space the analysis costs little, and room much
+        if self.solids[0].dim == 2:  # in space the analysis costs little, and room much
             seen = self._seen()
             room += _pattern(seen.T.tocsr()[self._rows_here] @ seen)
         self._system = _System(_pattern(self._solid_rows(*room.shape)), room, self.comm)
@@ -73,8 +73,8 @@ class Sparse(Monolithic):
     def _seen(self) -> sp.csr_matrix:
         """Ones where a point of a contact sees an unknown, its multipliers among them, or may see
         it soon, (points, size). Whatever it sees it may couple."""
-        last, n, blocks = self._places.size, self._places.size, [sp.csr_matrix((0, self._size))]
-        for contact, part in enumerate(self._parts):
+        last, n, blocks = self.places.size, self.places.size, [sp.csr_matrix((0, self.size))]
+        for contact, part in enumerate(self.parts):
             points, m = len(part.equations.candidates), part.multipliers
             if not points:
                 continue
@@ -85,7 +85,7 @@ class Sparse(Monolithic):
             see, own = see.tocoo(), np.arange(m)  # component by component
             row = np.concatenate([see.row // (see.shape[0] // points), own % points])
             place = row, np.concatenate([see.col, last + own])
-            blocks.append(sp.csr_matrix((np.ones(len(row)), place), (points, self._size)))
+            blocks.append(sp.csr_matrix((np.ones(len(row)), place), (points, self.size)))
             last += m
         return sp.vstack(blocks, "csr")
 
@@ -93,10 +93,10 @@ class Sparse(Monolithic):
         """Ones where two unknowns of the surfaces of a contact belong to the same cell; made once,
         for the solids' patterns stay."""
         if contact not in self._adjacent:
-            mine, n = self._places.mine, self._places.size
+            mine, n = self.places.mine, self.places.size
             surface = np.zeros(n, dtype=bool)
             for k, trace in self._traces[contact]:
-                surface[self._places.numbers[k][trace.seeing().indices]] = True
+                surface[self.places.numbers[k][trace.seeing().indices]] = True
             rows = self._solid_rows().tocoo()
             both = surface[mine.start + rows.row] & surface[rows.col]
             found = self.comm.allgather((mine.start + rows.row[both], rows.col[both]))

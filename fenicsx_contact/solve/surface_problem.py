@@ -137,7 +137,7 @@ class SurfaceSystem:
         self._centre = self._multipliers() if compliance else np.empty(0)
         self._compliance = compliance or self._firm
         for part in self.parts:
-            part.equations.freeze_bound(compliance > 0)
+            part.equations.freeze_bound(float(compliance > 0))
         self.update()
 
     def iterate(self, enough: float = 0.0) -> bool:

@@ -223,6 +223,17 @@ class Stepper:
         """Relative errors in the course of the last step."""
         return self._method.errors
 
+    def state(self) -> dict[str, np.ndarray]:
+        """What a run continues from, beside the solids and contacts."""
+        numbers = {"time": self.time, "balance": self.balance, "most": self.most}
+        return {"work": self.work, **{name: np.array(each) for name, each in numbers.items()}}
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        """Take up a state that :meth:`state` gave; solids and contacts have been restored."""
+        self.time, self.balance = float(state["time"]), float(state["balance"])
+        self.work, self.most = np.array(state["work"]), float(state["most"])
+        self.energies = self.sum_energies()
+
     def sum_energies(self) -> tuple[float, float, float]:
         """Kinetic, strain and potential energy of all solids, J."""
         kinetic, strain, potential = zip(*(s.energies() for s in self.solids))

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The contact problem with solids and geometry linearised, solids and multipliers together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from mpi4py import MPI
+
+from ..contact.part import Part
+from ..solids import MonolithicSolid
+from ..theory.theta import Step
+from .flips import flips
+from .numbering import Numbering
+from .problem import Assembly
+
+#: A line is searched until its slope is this share of the first one.
+FLAT = 0.1
+#: Halvings after which an interval is round-off.
+BITS = 52
+
+
+class LinearSystem(Protocol):
+    """What this asks of :class:`~fenicsx_contact.solve.monolithic.Monolithic`."""
+
+    assembly: Assembly
+    solids: list[MonolithicSolid]
+    parts: list[Part]
+    places: Numbering
+    comm: MPI.Comm
+    frozen: bool
+    falling: bool
+    held: bool
+    force: np.ndarray
+    rows: list[np.ndarray]
+
+    @property
+    def size(self) -> int: ...
+    def assemble(self, falling: bool = False) -> None: ...
+    def iterate(self, step: Step) -> bool: ...
+
+
+class FrozenContact:
+    """What the inner loop of Newton's method solves, a
+    :class:`~fenicsx_contact.solve.newton.ContactProblem`.
+
+    With the multipliers held it is Tresca's problem with springs: the forces of the contacts are
+    projections, the gradient of a convex function of the velocities, which vanishes where this is
+    least. A line search then makes Newton's method converge from anywhere (for its use in a method
+    of multipliers, X.D. Zhao, D. Sun & K.C. Toh, SIAM J. Optim. 20, 1737-1765, 2010).
+
+    Args:
+        system: begun.
+        step: that it is for.
+    """
+
+    def __init__(self, system: LinearSystem, step: Step) -> None:
+        self._system, self._step = system, step
+        self.names = [contact.name for contact in system.assembly.contacts]
+        self.parts: Sequence[Part] = system.parts
+        self.history: list[np.ndarray] = []
+        self.worst = np.inf
+        self.size = system.size
+        self._see()
+
+    def fall(self) -> None:
+        """Move the solids as if nothing touched them: which way what is to be held would go says
+        where contacts bear, and whether they hold it along the surface."""
+        system = self._system
+        for part in self.parts:
+            n = len(part.active_places)
+            part.move(np.concatenate([np.zeros(n), -part.active_values()[n:]]))
+        for solid in system.solids:
+            solid.drop_forces()
+        system.assemble(falling=True)
+        system.falling = True
+        self.iterate()
+        system.falling = False
+
+    def iterate(self, enough: float = 0.0) -> bool:
+        """One Newton step, with multipliers held as far as the function falls; False where the
+        tangent is singular."""
+        system = self._system
+        old = [solid.trial_velocity.copy() for solid in system.solids]
+        system.frozen = True
+        done = system.iterate(self._step)
+        system.frozen = False
+        if not done:
+            return False
+        self._see()
+        if system.held:
+            self._search(old)
+        return True
+
+    def _search(self, old: list[np.ndarray]) -> None:
+        """Go from the old velocities towards the present ones as far as the function falls: its
+        slope rises along any line."""
+        way = [solid.trial_velocity - a for solid, a in zip(self._system.solids, old)]
+        first, last = (self._slope(share, old, way) for share in (0.0, 1.0))
+        low, high, share = 0.0, 1.0, 1.0
+        for _ in range(BITS):
+            if (last <= 0 and share == 1) or abs(last) <= FLAT * abs(first):
+                return
+            low, high = (share, high) if last < 0 else (low, share)
+            share = 0.5 * (low + high)
+            last = self._slope(share, old, way)
+
+    def _slope(self, share: float, old: list[np.ndarray], way: list[np.ndarray]) -> float:
+        """Of the function along the way, where this share of it is gone."""
+        system = self._system
+        for solid, a, b in zip(system.solids, old, way):
+            solid.go(a + share * b, self._step)
+        self._see()
+        total, mine = np.zeros(system.places.size), system.places.mine
+        for own, solid, b in zip(system.places.own, system.solids, way):
+            total[own] = b[solid.owned_range(system.comm)] * solid.linear_residual()
+        return float(system.comm.allreduce(total[mine].sum()))
+
+    def _see(self) -> None:
+        """Take up the velocities that the solids have now, by the operators as they are."""
+        system = self._system
+        for contact, part in zip(system.assembly.contacts, self.parts):
+            velocities = contact.coupling.velocities("trial_velocity")
+            part.set_places(velocities[part.active_places])
+        for solid in system.solids:
+            solid.drop_forces()
+        system.assemble()
+
+    def error(self) -> float:
+        """The largest error of any row; of the momentum balances relative to their terms."""
+        system = self._system
+        rows = [float(np.abs(r).max(initial=0.0)) for r in system.rows]
+        momentum = [0.0]
+        for solid in system.solids:
+            left, size = solid.linear_residual(), solid.load_size()
+            momentum.append(float(np.abs(left).max(initial=0.0)) / (size or 1.0))
+        errors = system.comm.allreduce(max(momentum), op=MPI.MAX)
+        self.worst = max([errors, *rows])
+        return self.worst if np.isfinite(self.worst) else np.inf
+
+    def soften(self, compliance: float) -> None:
+        """Hold the multipliers, so that the jump rows see springs, so compliant, on top of them;
+        0: let the multipliers be what these then bear."""
+        system = self._system
+        for part in self.parts:
+            if system.held:
+                part.equations.project_multipliers()
+            part.equations.freeze_bound(1 / compliance if compliance else 0.0)
+        system.held = compliance > 0
+        self._see()
+
+    def remember(self) -> np.ndarray:
+        """Statuses of all points of all contacts, kept to tell which ones flip."""
+        self.history.append(np.concatenate([p.statuses() for p in self.parts]))
+        return self.history[-1]
+
+    def flips(self) -> str:
+        """Which points changed their status among the last iterations."""
+        return flips(self.history, self.parts, self.names)
+
+    def stall(self) -> str:
+        """What stalls."""
+        return f"the contact problem stalls at a relative error of {self.worst:.3g}"
+
+    def force(self) -> np.ndarray:
+        """Forces on the solids at all points, flat, N."""
+        return self._system.force

@@ -91,7 +91,10 @@ class BalancedSolid(MonolithicSolid):
         terms = self._balance(step)
         # a stress-free body in flight has no forces but round-off, of its momentum and of K u; one
         # that only contact holds may not fly
-        strained = np.abs(self.vectors.diagonal(self.last_stiffness) * self.trial_displacement)
+        moved = np.abs(self.trial_displacement)
+        for damper in self.dampers:
+            moved = moved + damper.time * np.abs(self.trial_velocity)
+        strained = np.abs(self.vectors.diagonal(self.last_stiffness)) * moved
         strained = strained[self.fixed_unknowns] if self.floating else strained
         round_off = ROUND_OFF * (np.abs(self._momentum) / step.span)
         if step.loaded:

@@ -88,7 +88,13 @@ class KelvinVoigt:
 
 
 class Damper(Protocol):
-    """A damping force of a solid. Arrays are those of its owned unknowns."""
+    """A damping force of a solid. Arrays are those of its owned unknowns.
+
+    Attributes:
+        time: by which velocities are stiff: a force of time K v is no less a force of K u, s.
+    """
+
+    time: float
 
     def force(self, step: Step, start: np.ndarray, end: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """Mean of the force against a velocity, N.
@@ -106,6 +112,8 @@ class Damper(Protocol):
 class MassDamper:
     """``alpha M v``."""
 
+    time = 0.0
+
     def __init__(self, alpha: float, mass: Mass) -> None:
         self._alpha, self._mass = alpha, mass
 
@@ -121,19 +129,19 @@ class StiffnessDamper:
     """``beta K v`` with a stiffness that stays.
 
     Args:
-        beta: s.
+        time: beta, s.
         stiffness: K.
         force: K times a field.
     """
 
     def __init__(
-        self, beta: float, stiffness: PETSc.Mat, force: Callable[[np.ndarray], np.ndarray]
+        self, time: float, stiffness: PETSc.Mat, force: Callable[[np.ndarray], np.ndarray]
     ) -> None:
-        self._beta, self._stiffness, self._force = beta, stiffness, force
+        self.time, self._stiffness, self._force = time, stiffness, force
 
     def force(self, step: Step, start: np.ndarray, end: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        return self._beta * self._force(rate)
+        return self.time * self._force(rate)
 
     def add_to(self, matrix: PETSc.Mat, step: Step, start: np.ndarray, end: np.ndarray) -> None:
         subset = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
-        matrix.axpy(step.rate_weight * self._beta, self._stiffness, subset)
+        matrix.axpy(step.rate_weight * self.time, self._stiffness, subset)

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -17,19 +15,23 @@ from .vector_space import VectorSpace
 
 
 class ViscousStress:
-    """A damper. Its dissipation ``v' C(u) v`` is beta times the second variation of the stored
-    energy at rest in the direction of the rate E' = sym(F' grad v) of the strain at u.
+    """A damper. Its dissipation ``v' C(u) v`` is twice beta times the energy that a small strain E'
+    would store at rest, E' = sym(F' grad v) being the rate of the strain at u.
+
+    It is taken at one place of the way of a step. In the middle, with theta = 1/2, E' is the change
+    of the strain over dt, so that no step of a rotation, however long, is damped.
 
     Args:
         vectors: the space of displacements.
         energy: stored energy density.
-        beta: s.
+        time: beta, s.
         measure: of the volume.
     """
 
     def __init__(
-        self, vectors: VectorSpace, energy: Energy, beta: float, measure: ufl.Measure
+        self, vectors: VectorSpace, energy: Energy, time: float, measure: ufl.Measure
     ) -> None:
+        self.time = time
         self._vectors, space, d = vectors, vectors.space, vectors.dim
         self._displacement, self._rate, rest = (fem.Function(space) for _ in range(3))
         F = ufl.Identity(d) + ufl.grad(self._displacement)
@@ -37,28 +39,24 @@ class ViscousStress:
         at_rest = energy(in_space(ufl.Identity(d) + strain_rate)) * measure
         v, dv = ufl.TestFunction(space), ufl.TrialFunction(space)
         second = ufl.derivative(ufl.derivative(at_rest, rest, v), rest, dv)
-        weight = fem.Constant(vectors.mesh.mesh, beta)
+        weight = fem.Constant(vectors.mesh.mesh, time)
         self._force_form = fem.form(weight * ufl.action(second, self._rate))
         self._matrix_form = fem.form(weight * second)
         self._matrix = assembly.assemble_petsc_matrix(self._matrix_form)
 
-    def _points(self, step: Step, start: np.ndarray, end: np.ndarray) -> Iterator[float]:
-        """Put the solid where the scheme takes forces; the weights there, 1 in sum."""
-        for share, weight in step.scheme.force_points:
-            self._vectors.assign(self._displacement, share * end + (1 - share) * start)
-            yield weight / step.load_weight
+    def _place(self, step: Step, start: np.ndarray, end: np.ndarray) -> None:
+        share = step.force_share
+        self._vectors.assign(self._displacement, share * end + (1 - share) * start)
 
     def force(self, step: Step, start: np.ndarray, end: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        self._place(step, start, end)
         self._vectors.assign(self._rate, rate)
-        total, part = np.zeros((2, len(rate)))
-        for weight in self._points(step, start, end):
-            assembly.assemble_owned(self._force_form, part)
-            total += weight * part
-        return total
+        force = np.empty(len(rate))
+        assembly.assemble_owned(self._force_form, force)
+        return force
 
     def add_to(self, matrix: PETSc.Mat, step: Step, start: np.ndarray, end: np.ndarray) -> None:
-        for weight in self._points(step, start, end):
-            self._matrix.zeroEntries()
-            assembly.add_to_petsc_matrix(self._matrix, self._matrix_form)
-            subset = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
-            matrix.axpy(step.rate_weight * weight, self._matrix, subset)
+        self._place(step, start, end)
+        self._matrix.zeroEntries()
+        assembly.add_to_petsc_matrix(self._matrix, self._matrix_form)
+        matrix.axpy(step.rate_weight, self._matrix, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)

@@ -204,6 +204,11 @@ class Step:
         return self.scheme.linear_weights[1] * self.gap_rate
 
     @property
+    def force_share(self) -> float:
+        """The share of the way at which forces are taken in the mean."""
+        return self.scheme.linear_weights[1] / self.load_weight
+
+    @property
     def rate_weight(self) -> float:
         """Derivative of :meth:`rate` by v+; 0 in statics and impacts."""
         return self.scheme.inertia * self.loaded * self.scheme.linear_weights[1]

@@ -181,14 +181,15 @@ def test_squashed_ring(hyperelastic, law, start):
     assert abs(ring[:, 0].mean()) < 1e-6
 
 
-@pytest.mark.open
 @pytest.mark.parametrize("start", START)
 @pytest.mark.parametrize("law", LAWS)
 def test_strap_round_a_drum(law, start):
-    """Not solved yet: all points slip, and what friction does not hold has only itself."""
+    """All points slip, and what friction does not hold has only itself: Newton's method alone turns
+    the slip of some round and round."""
     case = solved(strap(start=start, law=law), law, force=0.01)
     drawn, pulled = case.scene.contacts[0].force.sum(axis=0)
-    assert pulled == pytest.approx(case.forces["c"][1], rel=1e-8)  # the load
+    # the load; a gap law sees round-off of places, 1e-16 m, times rho, 1e10 N/m
+    assert pulled == pytest.approx(case.forces["c"][1], rel=1e-7)
     assert drawn / pulled == pytest.approx(np.exp(0.3 * np.pi / 2), rel=0.01)
 
 

@@ -451,7 +451,7 @@ def test_two_processes_give_the_numbers_of_one(tmp_path):
     for n in (1, 2):
         file = str(tmp_path / f"{n}.npy")
         code = SCRIPT.format(tests=str(Path(__file__).parent), file=file)
-        output_of(mpirun(code, n), timeout=120)
+        output_of(mpirun(code, n))
         found.append(np.load(file))
     size = np.abs(found[0][:, :8]).max(axis=1, keepdims=True)
     assert size.min() > 0

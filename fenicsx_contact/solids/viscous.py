@@ -19,7 +19,7 @@ class ViscousStress:
     would store at rest, E' = sym(F' grad v) being the rate of the strain at u.
 
     It is taken at one place of the way of a step. In the middle, with theta = 1/2, E' is the change
-    of the strain over dt, so that no step of a rotation, however long, is damped.
+    of the strain over dt, so that a step of a rotation is not damped.
 
     Args:
         vectors: the space of displacements.

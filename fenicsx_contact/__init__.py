@@ -6,7 +6,7 @@ from .base.environment import require_dolfinx
 require_dolfinx()
 
 from .base.checks import InputError  # noqa: E402
-from .base.mesh import NamedMesh, mesh_from_gmsh, name_facets  # noqa: E402
+from .base.mesh import NamedMesh, mesh_from_gmsh, name_facets, name_points  # noqa: E402
 from .base.mesh_files import mesh_from_file  # noqa: E402
 from .contact.contact import Contact  # noqa: E402
 from .contact.level_set import LevelSet  # noqa: E402
@@ -23,6 +23,8 @@ from .scene import Scene  # noqa: E402
 from .solids import (  # noqa: E402
     ElasticSolid,
     HyperelasticSolid,
+    KelvinVoigt,
+    Rayleigh,
     RigidSolid,
     ciarlet,
     neo_hookean,
@@ -78,6 +80,7 @@ __all__ = [
     "History",
     "HyperelasticSolid",
     "InputError",
+    "KelvinVoigt",
     "Lagrange",
     "LevelSet",
     "Moved",
@@ -87,6 +90,7 @@ __all__ = [
     "Printed",
     "QuasiStatic",
     "RateState",
+    "Rayleigh",
     "Restitution",
     "RigidSolid",
     "Scene",
@@ -103,6 +107,7 @@ __all__ = [
     "mesh_from_file",
     "mesh_from_gmsh",
     "name_facets",
+    "name_points",
     "neo_hookean",
     "read_history",
     "st_venant_kirchhoff",

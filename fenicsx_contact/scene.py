@@ -13,7 +13,7 @@ import numpy as np
 from .base import checks
 from .contact.contact import Contact
 from .output.history import COLUMNS, History, contact_columns
-from .solids import DeformableSolid, Solid
+from .solids import DeformableSolid, Solid, refuse_mixed
 from .solve.choose import choose
 from .solve.newton import Newton
 from .solve.statics import refuse_free, stands
@@ -116,8 +116,7 @@ class Scene:
             raise checks.InputError(
                 f"contacts: {sorted(both)} are names of solids, too; their files would be the same"
             )
-        if len({solid.dim for solid in self.solids}) > 1:
-            raise checks.InputError("solids: some are in 2D and some in 3D; use one dimension")
+        refuse_mixed(self.solids)
         if self.locate_impacts and not self.scheme.inertia:
             raise checks.InputError(
                 f"locate_impacts = True: an impact needs inertia; {self.scheme.describe()} has none"

@@ -105,7 +105,7 @@ def check_energies(
         assert np.diff(work).max() <= size + slack
         assert work.max() <= size + slack
     total = total_energy(history)
-    made = impact + friction + history["scheme"] + history["balance"]
+    made = impact + friction + history["damping"] + history["scheme"] + history["balance"]
     np.testing.assert_allclose(total - total[0], made, rtol=0, atol=size)
 
 

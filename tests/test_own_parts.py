@@ -284,6 +284,7 @@ class PointMass:
     """
 
     linear, supported, massless, patient, shiftable, memory = True, False, False, False, False, None
+    revolution = False
 
     def __init__(self, mesh, mass, drag, gravity, velocity, name="mass"):
         self.mesh, self.dim, self.name = mesh, mesh.dim, name
@@ -357,6 +358,10 @@ class PointMass:
         momentum = self.mass * (self.trial_velocity - self.velocity)
         acting = step.dt * (self.mass * self.gravity + dragging)
         return float(mean @ momentum), float(mean @ acting), 0.0, 0.0
+
+    def damped(self, step):
+        mean = step.scheme.mean(self.velocity, self.trial_velocity)
+        return -step.dt * self.drag * float(mean @ mean)
 
     def state(self):
         return {"place": self.place, "velocity": self.velocity}

@@ -32,7 +32,7 @@ def _plain(value: Any) -> Any:
     return getattr(value, "value", None) if isinstance(value, ufl.core.expr.Expr) else value
 
 
-def _floats(value: Any) -> np.ndarray:
+def floats(value: Any) -> np.ndarray:
     """The value as floats; text and truth values are no numbers."""
     array = np.asarray(_plain(value))
     if array.dtype.kind in "bSUc":
@@ -53,7 +53,7 @@ def number(
     bounds = [f"{sign} {limit:g}" for sign, limit in limits if limit is not None]
     allowed = "a finite number" + (" " + " and ".join(bounds) if bounds else "")
     try:
-        result = float(_floats(value))
+        result = float(floats(value))
     except (TypeError, ValueError):
         raise InputError(f"{name} = {value!r}: must be {allowed}") from None
     inside = (
@@ -75,7 +75,7 @@ def number(
 def vector(name: str, value: Any, size: int) -> np.ndarray:
     """``value`` as ``size`` finite floats, or an :class:`InputError`."""
     try:
-        result = _floats(value)
+        result = floats(value)
     except (TypeError, ValueError):
         raise InputError(f"{name} = {value!r}: must be {size} finite numbers") from None
     if result.shape != (size,) or not np.isfinite(result).all():

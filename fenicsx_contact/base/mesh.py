@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import re
 import tempfile
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -41,11 +41,13 @@ def volumes(edges: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class NamedMesh:
-    """A dolfinx mesh, tags of its facets, and the names of the tags."""
+    """A dolfinx mesh, tags of its facets, the names of the tags, and the coordinates of points
+    that have names."""
 
     mesh: Any
     facet_tags: Any
     names: Mapping[str, int]
+    points: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         tdim, gdim = self.mesh.topology.dim, self.mesh.geometry.dim
@@ -140,10 +142,28 @@ def name_facets(mesh: Any, where: Mapping[str, Callable[[np.ndarray], np.ndarray
     return NamedMesh(mesh, tags, {name: i for i, name in enumerate(where, start=1)})
 
 
+def name_points(mesh: NamedMesh, points: Mapping[str, Sequence[float]]) -> NamedMesh:
+    """The mesh with names for points, at which a solid may be held.
+
+    Args:
+        mesh: the mesh.
+        points: d coordinates, m, by name.
+
+    Raises:
+        InputError: coordinates that are none, a name that the mesh has already.
+    """
+    for name, place in points.items():
+        checks.vector(f"points[{name!r}]", place, mesh.dim)
+        if name in mesh.names:
+            raise checks.InputError(f"points[{name!r}]: the mesh has facets of this name")
+    return replace(mesh, points={**mesh.points, **points})
+
+
 def mesh_from_gmsh(
     file: str | Path, comm: MPI.Comm = MPI.COMM_WORLD, **parameters: float
 ) -> NamedMesh:
-    """A mesh from a gmsh script (``.geo``) or mesh (``.msh``); facet names are its physical names.
+    """A mesh from a gmsh script (``.geo``) or mesh (``.msh``); its physical names are those of
+    facets and points.
 
     Args:
         file: path of the file.
@@ -167,13 +187,14 @@ def mesh_from_gmsh(
         given.append(f"{name} = {checks.number(name, value)!r};")
 
     names: dict[str, int] = {}
+    points: dict[str, list[float]] = {}
     problem = ""
     if comm.rank == 0:
         gmsh.initialize(["gmsh", "-v", "1"])
     try:
         if comm.rank == 0:
-            problem, names = _read(gmsh, path, given)
-        problem, names = comm.bcast((problem, names))
+            problem, names, points = _read(gmsh, path, given)
+        problem, names, points = comm.bcast((problem, names, points))
         if problem:
             raise checks.InputError(f"file = {str(file)!r}: {problem}")
         dim = comm.bcast(gmsh.model.getDimension() if comm.rank == 0 else 0)
@@ -181,7 +202,7 @@ def mesh_from_gmsh(
     finally:
         if comm.rank == 0:
             gmsh.finalize()
-    return NamedMesh(mesh, tags, names)
+    return NamedMesh(mesh, tags, names, points)
 
 
 def _open(gmsh: Any, path: Path, given: list[str]) -> None:
@@ -198,25 +219,32 @@ def _open(gmsh: Any, path: Path, given: list[str]) -> None:
         gmsh.open(str(script))
 
 
-def _read(gmsh: Any, path: Path, given: list[str]) -> tuple[str, dict[str, int]]:
-    """Open and mesh; what is wrong, or nothing, and the names of the facets."""
+def _read(
+    gmsh: Any, path: Path, given: list[str]
+) -> tuple[str, dict[str, int], dict[str, list[float]]]:
+    """Open and mesh; what is wrong, or nothing, the names of the facets, and points by name."""
     try:
         _open(gmsh, path, given)
         dim = gmsh.model.getDimension()
         if dim not in (2, 3):
-            return f"holds a mesh of dimension {dim}, not 2 or 3", {}
+            return f"holds a mesh of dimension {dim}, not 2 or 3", {}, {}
         if path.suffix == ".geo":
             gmsh.model.mesh.generate(dim)
     except Exception as failure:  # gmsh raises nothing more special
-        return f"gmsh says: {failure}", {}
+        return f"gmsh says: {failure}", {}, {}
     x = gmsh.model.mesh.getNodes()[1].reshape(-1, 3)
     if dim == 2 and np.ptp(x[:, 2]) > SAME * np.ptp(x, axis=0).max():
-        return "holds a surface in 3D, not a mesh of a solid (in 2D all nodes have one z)", {}
+        return "holds a surface in 3D, not a mesh of a solid (in 2D all nodes have one z)", {}, {}
     if not gmsh.model.getPhysicalGroups(dim):
         kind = "Surface" if dim == 2 else "Volume"
-        return f"has no Physical {kind}, which tells what belongs to the solid", {}
+        return f"has no Physical {kind}, which tells what belongs to the solid", {}, {}
     facets = gmsh.model.getPhysicalGroups(dim - 1)
-    return "", {gmsh.model.getPhysicalName(group, tag): tag for group, tag in facets}
+    names = {gmsh.model.getPhysicalName(group, tag): tag for group, tag in facets}
+    places = {
+        gmsh.model.getPhysicalName(0, tag): gmsh.model.mesh.getNodesForPhysicalGroup(0, tag)[1]
+        for _, tag in gmsh.model.getPhysicalGroups(0)
+    }
+    return "", names, {name: x[:dim].tolist() for name, x in places.items() if len(x) == 3}
 
 
 def _declared(path: Path) -> set[str]:

@@ -19,6 +19,7 @@ COLUMNS = (
     "impact",
     "friction",
     "drive",
+    "damping",
     "scheme",
     "balance",
     "certificate",
@@ -44,6 +45,7 @@ class History:
       the start (negative: a loss). In a step in which slip turns round one of them may gain a
       little on behalf of the other; their sum does not;
     * ``drive``: work of prescribed motions, tractions and obstacles that move since the start;
+    * ``damping``: work of the damping of solids on their mean velocities since the start, a loss;
     * ``scheme``: energy that the time scheme has made (positive) or damped since the start;
     * ``balance``: what is left of the sum, as a check of the whole; a small residual;
     * ``certificate``: the largest relative error of the accepted state, see

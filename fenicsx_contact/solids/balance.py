@@ -12,7 +12,10 @@ from petsc4py import PETSc
 from ..base.constants import ROUND_OFF
 from ..theory.theta import Step
 from .base import MonolithicSolid
-from .boundary import Supports, Tractions
+from .boundary import Supports
+from .damping import Damper
+from .loads import Loads
+from .locations import Location
 from .mass import Mass
 from .vector_space import VectorSpace
 
@@ -27,11 +30,14 @@ class BalancedSolid(MonolithicSolid):
     fixed_unknowns: np.ndarray
     trial_displacement: np.ndarray
     floating: bool
+    displacement: np.ndarray
+    dampers: list[Damper]
     _inertia: Mass
-    _tractions: Tractions | None
+    _applied: Loads | None
+    _load: np.ndarray
+    _pull: np.ndarray
     _momentum: np.ndarray
     _force: np.ndarray
-    _traction: np.ndarray
     _reaction: np.ndarray
 
     @property
@@ -40,12 +46,28 @@ class BalancedSolid(MonolithicSolid):
         """The newest stiffness."""
 
     @abstractmethod
+    def internal_force(self, displacement: np.ndarray) -> np.ndarray:
+        """Internal forces at a displacement, for the owned unknowns."""
+
+    @abstractmethod
     def _internal_forces(self, step: Step) -> np.ndarray:
         """The mean of the internal forces in the step, as the scheme takes them."""
 
-    @abstractmethod
+    def _force_at_start(self, step: Step) -> np.ndarray:
+        """Loads less internal forces at the start of a step, (owned,) in N."""
+        applied = self._applied.total(step.start) if self._applied else 0.0
+        force = self._load + applied - self.internal_force(self.displacement)
+        u = self.displacement
+        return force - sum(damper.force(step, u, u, self.velocity) for damper in self.dampers)
+
     def _loads(self, step: Step) -> np.ndarray:
-        """Gravity and tractions where the scheme takes the forces, and what it carries along."""
+        """Gravity and applied loads where the scheme takes forces, and what it carries along."""
+        loads = step.load_weight * self._load
+        if self._applied:
+            applied = step.mean_load(self._applied.total)
+            self._pull = applied / step.load_weight
+            loads += applied
+        return loads if self.memory is None else loads + step.carried(self.memory)
 
     def _balance(self, step: Step) -> list[np.ndarray]:
         """The terms of the momentum balance in the trial state, for the owned unknowns; their sum
@@ -56,13 +78,23 @@ class BalancedSolid(MonolithicSolid):
         inertia = step.inertia_force(self._momentum, self._trial_momentum)
         if not step.loaded:
             return [-self._force, inertia]
-        return [-self._force, inertia, self._internal_forces(step), -self._loads(step)]
+        internal = self._internal_forces(step)
+        for damper in self.dampers:
+            rate = step.rate(self.velocity, self.trial_velocity)
+            internal = internal + self._damping(damper, step, rate)
+        return [-self._force, inertia, internal, -self._loads(step)]
+
+    def _damping(self, damper: Damper, step: Step, rate: np.ndarray) -> np.ndarray:
+        return damper.force(step, self.displacement, self.trial_displacement, rate)
 
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
         terms = self._balance(step)
         # a stress-free body in flight has no forces but round-off, of its momentum and of K u; one
         # that only contact holds may not fly
-        strained = np.abs(self.vectors.diagonal(self.last_stiffness) * self.trial_displacement)
+        moved = np.abs(self.trial_displacement)
+        for damper in self.dampers:
+            moved = moved + damper.time * np.abs(self.trial_velocity)
+        strained = np.abs(self.vectors.diagonal(self.last_stiffness)) * moved
         strained = strained[self.fixed_unknowns] if self.floating else strained
         round_off = ROUND_OFF * (np.abs(self._momentum) / step.span)
         if step.loaded:
@@ -83,7 +115,7 @@ class BalancedSolid(MonolithicSolid):
         contact, inertia, *others = self._balance(step)
         self._acting = -(others[0] + others[1]) if others else np.zeros(self.owned)
         self._reaction = (contact + (inertia - self._acting))[held]
-        pulled = step.work(mean, step.loaded * self._traction) if self._tractions else 0.0
+        pulled = step.work(mean, step.loaded * self._pull) if self._applied else 0.0
         return (
             self.vectors.sum(mean @ (self._trial_momentum - self._momentum)),
             self.vectors.sum(step.work(mean, self._acting)),
@@ -91,6 +123,12 @@ class BalancedSolid(MonolithicSolid):
             self.vectors.sum(pulled),
         )
 
-    def reaction(self, name: str) -> np.ndarray:
-        """Force of the support of the named facets on the solid in the last step, (d,) in N."""
-        return self.supports.total(name, self._reaction)
+    def damped(self, step: Step) -> float:
+        mean = step.mean(self.velocity, self.trial_velocity)
+        rate = step.rate(mean, mean) / step.load_weight
+        taken = [step.work(mean, self._damping(damper, step, rate)) for damper in self.dampers]
+        return -self.vectors.sum(sum(taken)) if taken else 0.0
+
+    def reaction(self, where: Location) -> np.ndarray:
+        """Force of the support at a location on the solid in the last step, (d,) in N."""
+        return self.supports.total(where, self._reaction)

@@ -16,11 +16,13 @@ to know where it is. Forces are mean forces over the step, impulses divided by d
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
 import numpy as np
 import scipy.sparse as sp
 from mpi4py import MPI
 
+from ..base.checks import InputError
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
 
@@ -86,6 +88,8 @@ class Solid(ABC):
         shiftable: rigid: can be put elsewhere without a velocity (`shift`, `mobility`).
         massless: some of its boundary has no mass, and so no velocity of its own.
         patient: an old linearisation may serve as long as corrections converge fast.
+        revolution: its mesh is half a section of it, x being the radius; what a contact integrates
+            along a line of it stands for 2 pi x times as much.
         supported: something holds it even without contact.
         velocity, trial_velocity: at the start and at the end of the step.
         memory: what the scheme remembers of earlier steps, None before the first one.
@@ -97,6 +101,7 @@ class Solid(ABC):
     linear: bool
     supported: bool
     massless = False
+    revolution = False
     shiftable = False
     patient = False
     velocity: np.ndarray
@@ -172,6 +177,11 @@ class Solid(ABC):
         momentum, of internal forces and all loads, of the supports, of the tractions among the
         loads."""
 
+    def damped(self, step: Step) -> float:
+        """Work of damping on the mean velocity of the step in J, in the trial state, never
+        positive; :meth:`works` counts the damping forces among internal forces."""
+        return 0.0
+
     def memories(self) -> dict[str, np.ndarray]:
         """The part of :meth:`state` that the scheme needs."""
         return {} if self.memory is None else {"memory": self.memory}
@@ -191,6 +201,21 @@ class Solid(ABC):
     @abstractmethod
     def fields(self) -> dict[str, np.ndarray]:
         """Displacement [m] and velocity [m/s] at the local nodes of the mesh's geometry."""
+
+
+def refuse_mixed(solids: Sequence[Solid]) -> None:
+    """Refuse solids that no scene can hold together.
+
+    Raises:
+        InputError: some in 2D and some in 3D, or some of revolution and some not.
+    """
+    if len({solid.dim for solid in solids}) > 1:
+        raise InputError("solids: some are in 2D and some in 3D; use one dimension")
+    kinds = {solid.revolution: solid.name for solid in solids}
+    if len(kinds) > 1:
+        raise InputError(
+            f"solids: {kinds[True]!r} is a solid of revolution and {kinds[False]!r} is not"
+        )
 
 
 class MonolithicTrace(Trace):

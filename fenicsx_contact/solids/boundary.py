@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What is prescribed on the boundary of a deformable solid: motions and tractions."""
+"""Where a deformable solid is held, and where it is moved to."""
 
 from __future__ import annotations
 
@@ -7,19 +7,16 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import ufl
-from dolfinx import fem
 from petsc4py import PETSc
 
-from ..base import assembly, checks
+from ..base import checks
 from ..base.constants import BRIEF, SAME
+from .locations import Location, nodes_at
 from .vector_space import VectorSpace
 
-#: Displacements of facets, one for each direction, None where it is free; or a function of time
+#: Displacements of a location, one for each direction, None where it is free; or a function of time
 #: that gives them.
 Motion = Sequence[float | None] | Callable[[float], Sequence[float | None]]
-#: Force per reference area (Pa, or N/m per thickness in 2D), or a function of time that gives it.
-Traction = Sequence[float] | Callable[[float], Sequence[float]]
 
 
 class Supports:
@@ -27,8 +24,9 @@ class Supports:
 
     Args:
         vectors: the space of its displacements.
-        fixed: names of facets held fast.
-        prescribed: motions of named facets.
+        fixed: locations held fast.
+        prescribed: motions of locations.
+        axis: nodes on an axis of revolution, which do not leave it.
 
     Attributes:
         unknowns: the held unknowns among those that this process owns, sorted.
@@ -36,53 +34,61 @@ class Supports:
         directions: whether the solid is held in each direction somewhere, (d,).
 
     Raises:
-        InputError: a name that the mesh lacks, a motion that is not one, two motions of a point
+        InputError: a location that the mesh lacks, a motion that is not one, two motions of a point
             that contradict each other.
     """
 
     def __init__(
-        self, vectors: VectorSpace, fixed: Sequence[str], prescribed: Mapping[str, Motion]
+        self,
+        vectors: VectorSpace,
+        fixed: str | Sequence[Location],
+        prescribed: Mapping[Location, Motion],
+        axis: np.ndarray,
     ) -> None:
         self._vectors, self._comm, self._d = vectors, vectors.comm, vectors.dim
         if not isinstance(prescribed, Mapping):
             raise checks.InputError(
                 f"prescribed = {prescribed!r}: must be a dict from names of facets to motions"
             )
-        names = [fixed] if isinstance(fixed, str) else list(fixed)
-        given: list[tuple[str, str, Motion]] = []  # argument, name, motion
-        given += [("fixed", name, [0.0] * self._d) for name in names]
-        given += [("prescribed", name, motion) for name, motion in prescribed.items()]
-        directions = [self._held(name, motion, 0.0) for _, name, motion in given]
-        numbers = [
-            vectors.nodes_of([name], argument)[:, None] * self._d + held
-            for (argument, name, _), held in zip(given, directions)
+        places: list[Any] = [fixed] if isinstance(fixed, str) else list(fixed)
+        given: list[tuple[Location, Motion, np.ndarray]] = []
+        for where in places:
+            given.append((where, [0.0] * self._d, nodes_at(vectors, where, "fixed")))
+        for where, motion in prescribed.items():
+            given.append((where, motion, nodes_at(vectors, where, "prescribed")))
+        if self._comm.allreduce(len(axis)):
+            given.append(("axis of revolution", [0.0, *[None] * (self._d - 1)], axis))
+        directions = [self._held(where, motion, 0.0) for where, motion, _ in given]
+        every = [
+            (nodes[:, None] * self._d + held).astype(np.int64)
+            for (_, _, nodes), held in zip(given, directions)
         ]
-        every = [n.ravel() for n in numbers]
-        self.unknowns = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *every]))
+        self.unknowns = np.unique(
+            np.concatenate([np.empty(0, dtype=np.int64), *(n.ravel() for n in every)])
+        )
         self._motions = [
-            (name, motion, held, np.searchsorted(self.unknowns, n))
-            for (_, name, motion), held, n in zip(given, directions, numbers)
+            (where, motion, held, np.searchsorted(self.unknowns, n))
+            for (where, motion, _), held, n in zip(given, directions, every)
         ]
         there = [bool((self.unknowns % self._d == i).any()) for i in range(self._d)]
         self.directions = np.any(self._comm.allgather(there), axis=0)
         self.moving = any(
-            callable(motion) or any(self._at(name, motion, 0.0)[i] for i in held)
-            for _, name, motion in given
-            for held in [self._held(name, motion, 0.0)]
+            callable(motion) or any(self._at(where, motion, 0.0)[i] for i in held)
+            for where, motion, held, _ in self._motions
         )
         self.values(0.0)  # refuse now what can be refused
 
-    def _at(self, name: str, motion: Motion, time: float) -> list[float | None]:
+    def _at(self, where: Location, motion: Motion, time: float) -> list[float | None]:
         values = motion(time) if callable(motion) else motion
-        what = f"prescribed[{name!r}]" + (f"({time:g})" if callable(motion) else "")
+        what = f"prescribed[{where!r}]" + (f"({time:g})" if callable(motion) else "")
         problem = f"{what} = {values!r}: must be {self._d} numbers, None for a free direction"
         if isinstance(values, str) or not np.iterable(values) or len(list(values)) != self._d:
             raise checks.InputError(problem)
         return [None if v is None else checks.number(what, v) for v in values]
 
-    def _held(self, name: str, motion: Motion, time: float) -> list[int]:
-        """The directions in which a motion holds its facets."""
-        return [i for i, v in enumerate(self._at(name, motion, time)) if v is not None]
+    def _held(self, where: Location, motion: Motion, time: float) -> list[int]:
+        """The directions in which a motion holds its nodes."""
+        return [i for i, v in enumerate(self._at(where, motion, time)) if v is not None]
 
     def starting_speed(self, shortest: float) -> np.ndarray:
         """Velocities of the held unknowns at the start, m/s: a one-sided difference of second
@@ -105,24 +111,26 @@ class Supports:
                 each other then.
         """
         result = np.full(len(self.unknowns), np.nan)
-        given = [self._at(name, motion, time) for name, motion, *_ in self._motions]
+        by = np.full(len(self.unknowns), -1)
+        given = [self._at(where, motion, time) for where, motion, *_ in self._motions]
         largest = max((abs(v) for values in given for v in values if v is not None), default=0.0)
-        clash = ""
-        for (name, _, directions, places), values in zip(self._motions, given):
+        clash = ("", "")
+        for k, ((where, _, directions, places), values) in enumerate(zip(self._motions, given)):
             if [i for i, v in enumerate(values) if v is not None] != directions:
                 raise checks.InputError(
-                    f"prescribed[{name!r}]({time:g}) = {values!r}: the same directions must be "
+                    f"prescribed[{where!r}]({time:g}) = {values!r}: the same directions must be "
                     "free at all times"
                 )
             held = np.array([values[i] for i in directions], dtype=float)
-            if (np.abs(result[places] - held) > SAME * largest).any():
-                clash = name
-            result[places] = held
-        if clash := max(self._comm.allgather(clash)):
-            others = [name for name, *_ in self._motions if name != clash]
+            off = places[np.abs(result[places] - held) > SAME * largest]
+            if len(off):
+                clash = repr(where), repr(self._motions[by[off[0]]][0])
+            result[places], by[places] = held, k
+        clash = max(self._comm.allgather(clash))
+        if clash[0]:
             raise checks.InputError(
-                f"prescribed, fixed: at t = {time:g} s the motion of {clash!r} contradicts that of "
-                f"facets it shares points with (among {others}); leave one of them free, by None"
+                f"prescribed, fixed: at t = {time:g} s the motion of {clash[0]} contradicts that "
+                f"of {clash[1]} at points that they share; leave one of them free, by None"
             )
         return result
 
@@ -133,50 +141,10 @@ class Supports:
         matrix.zeroRowsColumns(rows.astype(np.int32), 1.0)
         return matrix
 
-    def total(self, name: str, reaction: np.ndarray) -> np.ndarray:
-        """Sum of the forces of the held unknowns over the named facets, (d,)."""
-        nodes, total = self._vectors.nodes_of([name], "name"), np.zeros(self._d)
+    def total(self, where: Location, reaction: np.ndarray) -> np.ndarray:
+        """Sum of the forces of the held unknowns at a location, (d,)."""
+        nodes, total = nodes_at(self._vectors, where, "where"), np.zeros(self._d)
         for i in range(self._d):
             mine = np.isin(self.unknowns, nodes * self._d + i)
             total[i] = self._vectors.sum(reaction[mine].sum())
         return total
-
-
-class Tractions:
-    """Dead loads on named facets: given per reference area, in fixed directions.
-
-    Raises:
-        InputError: a name that the mesh lacks, facets inside it, a traction that is not one.
-    """
-
-    def __init__(self, vectors: VectorSpace, tractions: Mapping[str, Traction]) -> None:
-        if not isinstance(tractions, Mapping):
-            raise checks.InputError(
-                f"tractions = {tractions!r}: must be a dict from names of facets to tractions"
-            )
-        self._dim, self._owned = vectors.dim, vectors.owned
-        self._loads: list[tuple[str, Traction, np.ndarray]] = []
-        test, mesh = ufl.TestFunction(vectors.space), vectors.mesh
-        ds = ufl.Measure("ds", domain=mesh.mesh, subdomain_data=mesh.facet_tags)
-        for name, traction in tractions.items():
-            vectors.facets(name, "tractions")
-            loads = np.empty((self._dim, self._owned))
-            for i, load in enumerate(loads):
-                direction = fem.Constant(mesh.mesh, np.eye(self._dim)[i])
-                form = ufl.dot(direction, test) * ds(int(mesh.names[name]))
-                assembly.assemble_owned(fem.form(form), load)
-            if not max(vectors.comm.allgather(bool(loads.any()))):
-                raise checks.InputError(
-                    f"tractions[{name!r}]: none of these facets is on the boundary of the mesh"
-                )
-            self._loads.append((name, traction, loads))
-        self.total(0.0)  # refuse now what can be refused
-
-    def total(self, time: float) -> np.ndarray:
-        """The load at a time, for the owned unknowns, N."""
-        result = np.zeros(self._owned)
-        for name, traction, loads in self._loads:
-            given: Any = traction(time) if callable(traction) else traction
-            what = f"tractions[{name!r}]" + (f"({time:g})" if callable(traction) else "")
-            result += checks.vector(what, given, self._dim) @ loads
-        return result

@@ -11,6 +11,7 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import ufl
 from mpi4py import MPI
 from petsc4py import PETSc
 
@@ -18,10 +19,16 @@ from ..base import checks
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
 from .balance import BalancedSolid
-from .boundary import Motion, Supports, Traction, Tractions
+from .boundary import Motion, Supports
+from .coefficients import Scalar
+from .damping import Damping, MassDamper, Rayleigh
 from .factor import Factorisation
+from .foundation import Foundation, Stiffness
+from .loads import Load, Loads
+from .locations import Location
 from .mass import Mass
 from .mass_redistribution import relax
+from .planes import PLANES, Whole
 from .trace import DeformableTrace
 from .vector_space import Field, VectorSpace
 
@@ -31,13 +38,21 @@ class DeformableSolid(BalancedSolid):
 
     Args:
         mesh: its shape.
-        density: kg/m³.
+        density: kg/m³; a number, ``fem.Constant``, ``fem.Function``, expression in UFL, or function
+            of x, see :mod:`~.coefficients`.
         degree: of the displacement, 1 or 2.
+        plane: what a mesh in the plane stands for, see :mod:`~.planes`.
         gravity: acceleration, d numbers, m/s².
-        fixed: names of facets held fast.
-        prescribed: motions of named facets: displacements in m by direction, None where it is
-            free, or a function of time that gives them.
-        tractions: dead loads on named facets, Pa, or functions of time that give them.
+        fixed: what is held fast, by location: a name of facets or of a point, several names of
+            facets in a tuple for the edge or corner that they share, or the coordinates of a node.
+        prescribed: motions by location: displacements in m by direction, None where it is free (a
+            roller), or a function of time that gives them.
+        springs: to the ground, by location: stiffness for all directions or for each, N/m³ of
+            facets, N/m of each node elsewhere; their energy is strain energy.
+        tractions: dead loads on named facets, Pa: d numbers, a Constant, Function, expression in
+            UFL, or a function of t, of x, or of x and t; see :mod:`~.loads`.
+        body_force: likewise, N/m³.
+        damping: :class:`~.damping.KelvinVoigt`, :class:`~.damping.Rayleigh` or an own one.
         mass_redistribution: names of facets whose mass is moved inwards, so that their impacts
             lose no energy; for laws of positions (GAP, ...).
         displacement, velocity: initial fields in m and m/s, functions of ``x`` (3, n) with values
@@ -56,18 +71,25 @@ class DeformableSolid(BalancedSolid):
     free_load: np.ndarray
     #: Only contact holds it: its matrix is singular.
     floating = False
+    #: What a mesh in the plane may stand for.
+    planes: tuple[str, ...] = ("strain",)
+    plane: Whole
     _free_velocity: np.ndarray | None = None
 
     def __init__(
         self,
         mesh: NamedMesh,
         *,
-        density: float,
+        density: Scalar,
         degree: int = 1,
+        plane: str = "strain",
         gravity: Sequence[float] | None = None,
-        fixed: Sequence[str] = (),
-        prescribed: Mapping[str, Motion] | None = None,
-        tractions: Mapping[str, Traction] | None = None,
+        fixed: str | Sequence[Location] = (),
+        prescribed: Mapping[Location, Motion] | None = None,
+        springs: Mapping[Location, Stiffness] | None = None,
+        tractions: Mapping[str, Load] | None = None,
+        body_force: Load = None,
+        damping: Damping | None = None,
         mass_redistribution: Sequence[str] = (),
         displacement: Field | None = None,
         velocity: Field | None = None,
@@ -78,22 +100,42 @@ class DeformableSolid(BalancedSolid):
         self.vectors = VectorSpace(mesh, degree)
         self.comm, self.space, self.degree = self.vectors.comm, self.vectors.space, degree
         self.owned, self.unknowns = self.vectors.owned, self.vectors.unknowns
-        self.supports = Supports(self.vectors, fixed, {} if prescribed is None else prescribed)
+        checks.choice("plane", plane, self.planes if mesh.dim == 2 else self.planes[:1])
+        self.plane = PLANES[plane]
+        self.revolution = self.plane.revolution
+        breadth = self.plane.breadth(ufl.SpatialCoordinate(mesh.mesh))
+        motions, axis = {} if prescribed is None else prescribed, self.plane.axis(self.vectors)
+        self.supports = Supports(self.vectors, fixed, motions, axis)
         self.fixed_unknowns, self.hold = self.supports.unknowns, self.supports.hold
-        self.supported = bool(self.supports.directions.any())
-        self._tractions = Tractions(self.vectors, tractions) if tractions else None
-        self._traction = self._tractions.total(0.0) if self._tractions else np.zeros(self.owned)
+        self.foundations = [Foundation(self.vectors, springs, breadth)] if springs else []
+        holding = [self.supports.directions, *(f.directions for f in self.foundations)]
+        self.supported = bool(np.any(holding))
+        applied = tractions or body_force is not None
+        self._applied = (
+            Loads(self.vectors, tractions or {}, body_force, breadth) if applied else None
+        )
+        self._pull = self._applied.total(0.0) if self._applied else np.zeros(self.owned)
 
-        self._inertia = Mass(self.vectors, density, mass_redistribution, self.fixed_unknowns)
+        self._inertia = Mass(
+            self.vectors, density, mass_redistribution, self.fixed_unknowns, breadth
+        )
         self._mass, self.multiply = self._inertia.matrix, self.vectors.multiply
         self.mass, self._sum = self._inertia.total, self.vectors.sum
         self.massless = self.comm.allreduce(len(self._inertia.massless)) > 0
         self._load = np.zeros(self.owned)
-        self.parameters = f"density {self._inertia.density!r}"
+        self.parameters = f"density {self._inertia.told}"
         if gravity is not None:
             acceleration = checks.vector("gravity", gravity, mesh.dim)
             self.parameters += f", gravity {acceleration.tolist()}"
             self._load = self._inertia.weight(acceleration)
+
+        self.damping = Rayleigh() if damping is None else damping
+        checks.offers("damping", self.damping, Damping, "KelvinVoigt(eta), Rayleigh(alpha, beta)")
+        self.dampers = []
+        self.parameters += "".join(f", springs {f.told}" for f in self.foundations)
+        self.parameters += f", {damping!r}" if damping else ""
+        if self.damping.alpha:
+            self.dampers.append(MassDamper(self.damping.alpha, self._inertia))
 
         self.displacement = self.vectors.interpolate("displacement", displacement)
         self.displacement[self.fixed_unknowns] = self.supports.values(0.0)
@@ -112,7 +154,7 @@ class DeformableSolid(BalancedSolid):
             relax(
                 np.setdiff1d(self._inertia.massless, self.fixed_unknowns),
                 self.displacement,
-                lambda u: self.internal_force(u) - self._load - self._traction,
+                lambda u: self.internal_force(u) - self._load - self._pull,
                 self.stiffness,
                 self.vectors.first,
             )
@@ -138,10 +180,6 @@ class DeformableSolid(BalancedSolid):
         """Strain energy of the state, J."""
 
     @abstractmethod
-    def internal_force(self, displacement: np.ndarray) -> np.ndarray:
-        """Internal forces at a displacement, for the owned unknowns."""
-
-    @abstractmethod
     def _state_changed(self) -> None:
         """The state is new: refresh what is kept from step to step."""
 
@@ -160,20 +198,6 @@ class DeformableSolid(BalancedSolid):
         self.trial_displacement = self.displacement + increment
         if self._target is not None:
             self.trial_displacement[self.fixed_unknowns] = self._target
-
-    def _force_at_start(self, step: Step) -> np.ndarray:
-        """Loads less internal forces at the start of a step, (owned,) in N."""
-        traction = self._tractions.total(step.start) if self._tractions else 0.0
-        return self._load + traction - self.internal_force(self.displacement)
-
-    def _loads(self, step: Step) -> np.ndarray:
-        """Gravity and tractions where the scheme takes the forces, and what it carries along."""
-        loads = step.load_weight * self._load
-        if self._tractions:
-            traction = step.mean_load(self._tractions.total)
-            self._traction = traction / step.load_weight
-            loads += traction
-        return loads if self.memory is None else loads + step.carried(self.memory)
 
     def free_velocity(self) -> np.ndarray:
         """Velocity at the end of the step if no contact acted."""

@@ -11,25 +11,29 @@ from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem
 from petsc4py import PETSc
 
 from ..base import assembly
 from ..base.constants import KEPT
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
+from .coefficients import Scalar, constant, scalar
+from .damping import StiffnessDamper
 from .deformable import DeformableSolid
-from .energies import elastic_constants
 from .factor import Factorisation
+from .planes import PLANES
 
 
 class ElasticSolid(DeformableSolid):
-    """A linear elastic solid; plane strain in 2D.
+    """A linear elastic solid; in 2D in plane strain, in plane stress, or of revolution.
 
     Args:
         mesh: its shape.
-        youngs_modulus: E, Pa.
-        poisson_ratio: nu, in (-1, 1/2).
+        youngs_modulus: E, Pa: a number, ``fem.Constant``, ``fem.Function``, expression in UFL, or
+            function of x, see :mod:`~.coefficients`.
+        poisson_ratio: nu, in (-1, 1/2), likewise.
+        plane: in 2D ``"strain"``, ``"stress"`` (both 1 m thick) or ``"axisymmetric"``: x is the
+            radius, y the axis; forces, energies and masses are those of the whole solid.
         others: as for :class:`~fenicsx_contact.solids.deformable.DeformableSolid`.
 
     Raises:
@@ -37,40 +41,49 @@ class ElasticSolid(DeformableSolid):
     """
 
     linear = True
+    planes = tuple(PLANES)
 
     def __init__(
-        self, mesh: NamedMesh, *, youngs_modulus: float, poisson_ratio: float, **others: Any
+        self, mesh: NamedMesh, *, youngs_modulus: Scalar, poisson_ratio: Scalar, **others: Any
     ) -> None:
-        self.youngs_modulus, self.poisson_ratio = elastic_constants(youngs_modulus, poisson_ratio)
         super().__init__(mesh, **{"name": "elastic", **others})
-        self._stiffness = assembly.assemble_petsc_matrix(self._stiffness_form())
-        self._factors: dict[tuple[float, float], tuple[int, Factorisation]] = {}
+        E, modulus = scalar("youngs_modulus", youngs_modulus, mesh, above=0)
+        nu, ratio = scalar("poisson_ratio", poisson_ratio, mesh, above=-1, below=0.5)
+        self.parameters = f"E {modulus}, nu {ratio}, {self.parameters}"
+        self._stiffness = assembly.assemble_petsc_matrix(self._stiffness_form(E, nu))
+        for foundation in self.foundations:
+            foundation.add_to(self._stiffness, 1.0)
+        if self.damping.beta:
+            self.dampers.append(
+                StiffnessDamper(self.damping.beta, self._stiffness, self.internal_force)
+            )
+        drifting = [i not in self.plane.resisted for i in range(self.dim)]
+        self._drifting = np.array(drifting, dtype=float)  # directions that strain nothing
+        self._factors: dict[tuple[float, ...], tuple[int, Factorisation]] = {}
         self._made = 0
         self._begin()
 
-    def _stiffness_form(self) -> ufl.Form:
-        E, nu, d = self.youngs_modulus, self.poisson_ratio, self.dim
-        mu = fem.Constant(self.mesh.mesh, E / 2 / (1 + nu))
-        lmbda = fem.Constant(self.mesh.mesh, E * nu / (1 + nu) / (1 - 2 * nu))
+    def _stiffness_form(self, E: Any, nu: Any) -> ufl.Form:
+        lmbda, mu = (constant(self.mesh, value) for value in self.plane.lame(E, nu))
+        x = ufl.SpatialCoordinate(self.mesh.mesh)
         u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
-
-        def strain(w: Any) -> Any:
-            return ufl.sym(ufl.grad(w))
-
-        stress = 2 * mu * strain(u) + lmbda * ufl.tr(strain(u)) * ufl.Identity(d)
-        return ufl.inner(stress, strain(v)) * ufl.dx(self.mesh.mesh)
+        strain, virtual = self.plane.strain(u, x), self.plane.strain(v, x)
+        stress = 2 * mu * strain + lmbda * ufl.tr(strain) * ufl.Identity(strain.ufl_shape[0])
+        return self.plane.breadth(x) * ufl.inner(stress, virtual) * ufl.dx(self.mesh.mesh)
 
     def _state_changed(self) -> None:
         self._internal = self.internal_force(self.displacement)
 
     def linearise(self, step: Step) -> None:
-        key = (step.inertia_rate, step.force_rate)
+        key = (step.inertia_rate, step.force_rate, step.rate_weight)
         if key not in self._factors:
             if len(self._factors) >= KEPT:
                 self._factors.pop(next(iter(self._factors)))[1].destroy()
             matrix = self._mass.copy()
             matrix.scale(step.inertia_rate)
             matrix.axpy(step.force_rate, self._stiffness)
+            for damper in self.dampers:
+                damper.add_to(matrix, step, self.displacement, self.displacement)
             self._made += 1
             factor = Factorisation(self.hold(matrix), self.name)
             self._factors[key] = (self._made, factor)
@@ -85,6 +98,10 @@ class ElasticSolid(DeformableSolid):
                 self.free_load -= after * self.internal_force(drift)
             if self._target is not None:
                 self._drive(step, drift)
+            for damper in self.dampers:
+                known = np.zeros(self.owned)
+                known[self.fixed_unknowns] = self.trial_velocity[self.fixed_unknowns]
+                self.free_load -= self._damping(damper, step, step.rate(self.velocity, known))
         self.free_load[self.fixed_unknowns] = self.trial_velocity[self.fixed_unknowns]
         self._force = np.zeros(self.owned)
         self._free_velocity = None
@@ -116,12 +133,12 @@ class ElasticSolid(DeformableSolid):
             return displacement
         own = displacement[: self.dim] if self.owned else np.zeros(self.dim)
         first = self.comm.bcast(own) if self.comm.size > 1 else own
-        return (displacement.reshape(-1, self.dim) - first).ravel()
+        return (displacement.reshape(-1, self.dim) - first * self._drifting).ravel()
 
     def strain_energy(self) -> float:
         """Strain energy of the state, J."""
         return 0.5 * self._sum(self.displacement @ self._internal)
 
     def describe(self) -> str:
-        constants = f"E {self.youngs_modulus!r}, nu {self.poisson_ratio!r}, {self.parameters}"
-        return f"elastic, small strain, {constants}, {self.unknowns} unknowns"
+        kind = f"small strain, {self.plane.name}{self.parameters}"
+        return f"elastic, {kind}, {self.unknowns} unknowns"

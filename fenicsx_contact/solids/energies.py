@@ -9,28 +9,35 @@ from typing import Any
 
 import ufl
 
-from ..base import checks
+from .coefficients import Scalar, number
 
 #: A stored energy density [J/m³] as a UFL function of the deformation gradient, (3, 3).
 Energy = Callable[[Any], Any]
 
 
-def elastic_constants(youngs_modulus: float, poisson_ratio: float) -> tuple[float, float]:
-    """E [Pa] > 0 and nu in (-1, 1/2), or an :class:`~fenicsx_contact.base.checks.InputError`."""
-    E = checks.number("youngs_modulus", youngs_modulus, above=0)
-    nu = checks.number("poisson_ratio", poisson_ratio, above=-1)
-    if nu >= 0.5:
-        raise checks.InputError(f"poisson_ratio = {poisson_ratio!r}: must be < 0.5")
-    return E, nu
+def in_space(F: Any) -> Any:
+    """A gradient (d, d) as one in space: plane strain in 2D."""
+    if F.ufl_shape == (3, 3):
+        return F
+    return ufl.as_matrix([[F[0, 0], F[0, 1], 0], [F[1, 0], F[1, 1], 0], [0, 0, 1]])
 
 
-def lame_constants(youngs_modulus: float, poisson_ratio: float) -> tuple[float, float]:
-    """lambda and mu, Pa, from E and nu."""
-    E, nu = elastic_constants(youngs_modulus, poisson_ratio)
+def lame_constants(youngs_modulus: Scalar, poisson_ratio: Scalar) -> tuple[Any, Any]:
+    """lambda and mu, Pa.
+
+    Args:
+        youngs_modulus: E > 0, Pa: a number, or a scalar in UFL, which no one checks here.
+        poisson_ratio: nu in (-1, 1/2), likewise.
+
+    Raises:
+        InputError: numbers out of range.
+    """
+    E = number("youngs_modulus", youngs_modulus, above=0)
+    nu = number("poisson_ratio", poisson_ratio, above=-1, below=0.5)
     return E * nu / (1 + nu) / (1 - 2 * nu), E / 2 / (1 + nu)
 
 
-def st_venant_kirchhoff(youngs_modulus: float, poisson_ratio: float) -> Energy:
+def st_venant_kirchhoff(youngs_modulus: Scalar, poisson_ratio: Scalar) -> Energy:
     """``lambda/2 tr(E)² + mu E:E`` with E the Green-Lagrange strain."""
     lmbda, mu = lame_constants(youngs_modulus, poisson_ratio)
 
@@ -41,7 +48,7 @@ def st_venant_kirchhoff(youngs_modulus: float, poisson_ratio: float) -> Energy:
     return energy
 
 
-def neo_hookean(youngs_modulus: float, poisson_ratio: float) -> Energy:
+def neo_hookean(youngs_modulus: Scalar, poisson_ratio: Scalar) -> Energy:
     """``mu/2 (tr(F'F) - 3 - 2 ln J) + lambda/2 (ln J)²``, compressible."""
     lmbda, mu = lame_constants(youngs_modulus, poisson_ratio)
 
@@ -52,7 +59,7 @@ def neo_hookean(youngs_modulus: float, poisson_ratio: float) -> Energy:
     return energy
 
 
-def ciarlet(youngs_modulus: float, poisson_ratio: float) -> Energy:
+def ciarlet(youngs_modulus: Scalar, poisson_ratio: Scalar) -> Energy:
     """``mu/2 (tr(F'F) - 3 - 2 ln J) + lambda/4 (J² - 1 - 2 ln J)``: the neo-Hookean law that is
     polyconvex, after P. G. Ciarlet, Mathematical Elasticity I (1988), section 4.10.
     """

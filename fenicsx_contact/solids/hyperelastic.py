@@ -20,9 +20,11 @@ from ..base import assembly, checks, compat
 from ..base.constants import MADE, ROUND_OFF
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
+from .damping import StiffnessDamper
 from .deformable import DeformableSolid
-from .energies import Energy
+from .energies import Energy, in_space
 from .factor import Factorisation
+from .viscous import ViscousStress
 
 #: Cost: the share of the error that each correction by an old tangent may leave.
 RATE = 0.1
@@ -46,9 +48,7 @@ class HyperelasticSolid(DeformableSolid):
         super().__init__(mesh, **{"name": "hyperelastic", **others})
         self._field = u = fem.Function(self.space)
         v, du = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
-        F = ufl.Identity(self.dim) + ufl.grad(u)
-        if self.dim == 2:  # plane strain
-            F = ufl.as_matrix([[F[0, 0], F[0, 1], 0], [F[1, 0], F[1, 1], 0], [0, 0, 1]])
+        F = in_space(ufl.Identity(self.dim) + ufl.grad(u))
         dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 2 * self.degree})
         density = energy(F)
         if getattr(density, "ufl_shape", None) != ():
@@ -68,6 +68,11 @@ class HyperelasticSolid(DeformableSolid):
         swelling = self.vectors.places.ravel()
         swollen = self._sum(swelling @ self.multiply(self._tangent, swelling))
         self._noise = ROUND_OFF * abs(swollen)  # of the energy, the difference of such terms
+        if self.damping.beta:
+            beta = self.damping.beta
+            self.dampers.append(ViscousStress(self.vectors, energy, beta, dx))
+            for foundation in self.foundations:
+                self.dampers.append(StiffnessDamper(beta, foundation.matrix, foundation.times))
         self._factor: Factorisation | None = None
         self._made = False  # a tangent in this step
         self._free_load: np.ndarray | None = None
@@ -84,13 +89,14 @@ class HyperelasticSolid(DeformableSolid):
         self._begin()
 
     def _set(self, displacement: np.ndarray) -> None:
-        self._field.x.array[: self.owned] = displacement
-        self._field.x.scatter_forward()
+        self.vectors.assign(self._field, displacement)
 
     def internal_force(self, displacement: np.ndarray) -> np.ndarray:
         self._set(displacement)
         force = np.empty(self.owned)
         assembly.assemble_owned(self._force_form, force)
+        for foundation in self.foundations:
+            force += foundation.times(displacement)
         return force
 
     def _at(self, share: float) -> np.ndarray:
@@ -105,7 +111,10 @@ class HyperelasticSolid(DeformableSolid):
 
     def _stored_energy(self, displacement: np.ndarray) -> float:
         self._set(displacement)
-        return assembly.assemble_scalar(self._potential_form, self.comm)
+        stored = assembly.assemble_scalar(self._potential_form, self.comm)
+        for foundation in self.foundations:
+            stored += 0.5 * self._sum(displacement @ foundation.times(displacement))
+        return stored
 
     @property
     def last_stiffness(self) -> PETSc.Mat:
@@ -122,6 +131,8 @@ class HyperelasticSolid(DeformableSolid):
         self._set(displacement)
         self._weight.value = weight
         assembly.add_to_petsc_matrix(self._tangent, self._tangent_form)
+        for foundation in self.foundations:
+            foundation.add_to(self._tangent, weight)
 
     def _choose_tangent(self, step: Step) -> None:
         """The matrix of the step: an old one if it will do, else that of the trial state. It is
@@ -153,6 +164,8 @@ class HyperelasticSolid(DeformableSolid):
         matrix.scale(step.gap_rate)
         if step.scheme.inertia:
             matrix.axpy(step.inertia_rate, self._mass, structure.SUBSET_NONZERO_PATTERN)
+        for damper in self.dampers:
+            damper.add_to(matrix, step, start, end)
         self.hold(matrix)
         self._factor.refactor()
 

@@ -6,13 +6,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 from math import sqrt
+from typing import Any
 
 import numpy as np
 import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
-from ..base import assembly, checks
+from ..base import assembly
+from .coefficients import Scalar, constant, scalar
 from .mass_redistribution import move_mass_inwards
 from .vector_space import VectorSpace
 
@@ -22,11 +24,13 @@ class Mass:
 
     Args:
         vectors: the space of its velocities.
-        density: kg/m³.
+        density: kg/m³: a number, or a field, see :mod:`~.coefficients`.
         massless: names of facets whose mass is moved inwards.
         fixed: the unknowns that are held, which take no mass.
+        breadth: what the plane stands for, in UFL.
 
     Attributes:
+        density, told: the density as a number or in UFL, and as a text.
         matrix: M, kg.
         massless: the unknowns without mass that this process owns.
 
@@ -35,11 +39,16 @@ class Mass:
     """
 
     def __init__(
-        self, vectors: VectorSpace, density: float, massless: Sequence[str], fixed: np.ndarray
+        self,
+        vectors: VectorSpace,
+        density: Scalar,
+        massless: Sequence[str],
+        fixed: np.ndarray,
+        breadth: Any,
     ) -> None:
         self._vectors, mesh = vectors, vectors.mesh.mesh
-        self.density = checks.number("density", density, above=0)
-        self._rho = fem.Constant(mesh, self.density)
+        self.density, self.told = scalar("density", density, vectors.mesh, above=0)
+        self._rho = breadth * constant(vectors.mesh, self.density)
         self._dx = ufl.Measure("dx", domain=mesh)
         u, v = ufl.TrialFunction(vectors.space), ufl.TestFunction(vectors.space)
         self.matrix = assembly.assemble_petsc_matrix(self._rho * ufl.dot(u, v) * self._dx)

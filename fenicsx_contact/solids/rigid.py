@@ -8,23 +8,24 @@ increment turns on; angular momentum is balanced in space, so that free flight k
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import sqrt
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from scipy.spatial.transform import Rotation
 
 from ..base import checks
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
-from .base import MonolithicSolid
 from .moments import moments
-from .rigid_trace import RigidTrace
-from .rotations import angles, cross, cross_matrix, rotation_matrix, turning
+from .rigid_forces import Applied, Load, components, held_components, pull, without
+from .rigid_forces import springs as to_ground
+from .rigid_motion import RigidMotion
+from .rotations import angles, cross_matrix, rotation_matrix, turning
 
 
-class RigidSolid(MonolithicSolid):
+class RigidSolid(RigidMotion):
     """A rigid solid.
 
     Args:
@@ -34,16 +35,23 @@ class RigidSolid(MonolithicSolid):
         gravity: acceleration, d numbers, m/s².
         rotation: initial rotation, in rad (a rotation vector in 3D), about ``about``.
         about: the point, d coordinates, about which the initial rotation turns.
+        force, torque: at the centre of mass, N and N m (a number in 2D), in fixed directions, or
+            functions of time that give them.
+        springs: to the ground, by points of the solid: stiffness for all directions or for each,
+            N/m; without a force in the reference placement. Their energy is strain energy.
+        held: components that do not move: ``"x"``, ``"y"``, ``"z"`` of the centre of mass,
+            ``"turning"`` in 2D, ``"turning about x"`` ... in 3D.
         velocity, spin: initial velocity of the centre of mass, m/s, and spin, rad/s.
         name: for messages and files.
 
     Raises:
-        InputError: neither or both of density and mass, or numbers out of range.
+        InputError: neither or both of density and mass, numbers out of range, a held component
+            that starts with a velocity.
     """
 
     linear = False
     shiftable = True
-    supported = False
+    _driving: np.ndarray  # the mean of what is applied, if anything is
 
     def __init__(
         self,
@@ -54,6 +62,10 @@ class RigidSolid(MonolithicSolid):
         gravity: Sequence[float] | None = None,
         rotation: float | Sequence[float] = 0.0,
         about: Sequence[float] | None = None,
+        force: Load | None = None,
+        torque: Load | None = None,
+        springs: Mapping[Sequence[float], Any] | None = None,
+        held: Sequence[str] = (),
         velocity: Sequence[float] | None = None,
         spin: float | Sequence[float] = 0.0,
         name: str = "rigid",
@@ -77,6 +89,18 @@ class RigidSolid(MonolithicSolid):
         d, spins = self.dim, 1 if self.dim == 2 else 3
         self.gravity = np.zeros(d) if gravity is None else checks.vector("gravity", gravity, d)
         self._load = np.concatenate([self.mass * self.gravity, np.zeros(spins)])
+        given = force is not None or torque is not None
+        self._applied = [Applied(force, torque, d)] if given else []
+        self._springs = to_ground({} if springs is None else springs, self.centre)
+        self.held = held_components(held, d)
+        names = [components(d)[i] for i in self.held]
+        self._held_by = "".join(f", spring {spring.told}" for spring in self._springs)
+        self._held_by += f", held {names}" if names else ""
+        self._holding = np.zeros(d + spins)
+        self._holding[self.held] = 1.0
+        self.supported = bool(self._springs) or len(self.held) > 0
+        self._steady = d == 2 and not self._springs  # one matrix for steps of one length
+        self._spinning = d == 3 and not self._springs and not self._holding[d:].any()
 
         turn = angles("rotation", rotation, spins)
         pivot = self.centre if about is None else checks.vector("about", about, d)
@@ -86,6 +110,8 @@ class RigidSolid(MonolithicSolid):
         if velocity is not None:
             self.velocity[:d] = checks.vector("velocity", velocity, d)
         self.velocity[d:] = angles("spin", spin, spins)
+        if self.velocity[self.held].any():
+            raise checks.InputError(f"held = {names}: what is held must start without a velocity")
         self.trial_velocity = self.velocity.copy()
         self.trial_place, self.trial_turn = self._place.copy(), self._turn.copy()
         self._momentum = self._momentum_of(self.velocity, self._turn)
@@ -94,15 +120,21 @@ class RigidSolid(MonolithicSolid):
     # -- the step -------------------------------------------------------------------------------
 
     def predict(self, step: Step) -> None:
-        self.memory = step.recall(self.memory, lambda: self._load)
+        self.memory = step.recall(self.memory, lambda: self._force_at_start(step))
         carried = step.carried(self.memory)
-        self._acting = step.loaded * (step.load_weight * self._load + carried)
-        self.trial_velocity = self.velocity
-        self._move(step)
-        self._trial_momentum = self._momentum_of(self.trial_velocity, self.trial_turn)
+        self._given = step.loaded * (step.load_weight * self._load + carried)
+        for applied in self._applied:
+            self._driving = step.mean_load(applied.at) / step.load_weight
+            self._given = self._given + step.loaded * step.load_weight * self._driving
+        self.go(self.velocity, step)
+
+    def _force_at_start(self, step: Step) -> np.ndarray:
+        acting = [spring.force(self._place, self._turn) for spring in self._springs]
+        acting += [applied.at(step.start) for applied in self._applied]
+        return (1 - self._holding) * np.sum([self._load, *acting], axis=0)
 
     def linearise(self, step: Step) -> None:
-        if self.dim == 3 or step.span != self._inverse_for:
+        if not self._steady or step.span != self._inverse_for:
             self._inverse_for = step.span
             self.linearisation += 1
             d = self.dim
@@ -110,6 +142,9 @@ class RigidSolid(MonolithicSolid):
             self.inverse[range(d), range(d)] = step.span / self.mass
             spin = self._mobility if d == 2 else np.linalg.inv(self._spin_tangent(step))
             self.inverse[d:, d:] = step.span * spin
+            for spring in self._springs:
+                self.inverse = spring.stiffen(self.inverse, self.trial_turn, step.force_rate)
+            self.inverse = without(self.inverse, self.held)
         self.drop_forces()
         self.free_velocity = self.trial_velocity - self.inverse @ self.residual()
 
@@ -123,7 +158,7 @@ class RigidSolid(MonolithicSolid):
 
     def correct(self, step: Step) -> None:
         self.go(self.free_velocity + self.inverse @ self._force, step)
-        if self.dim == 3:
+        if self._spinning:
             self._balance_spin(step)
             self._trial_momentum = self._momentum_of(self.trial_velocity, self.trial_turn)
 
@@ -140,6 +175,10 @@ class RigidSolid(MonolithicSolid):
         self.trial_velocity = velocity
         self._move(step)
         self._trial_momentum = self._momentum_of(self.trial_velocity, self.trial_turn)
+        self._acting = self._given
+        if self._springs:
+            old, new = (self._place, self._turn), (self.trial_place, self.trial_turn)
+            self._acting = self._given + pull(self._springs, step, old, new)
 
     def _balance_spin(self, step: Step) -> None:
         """Turn until the spin belongs to the inertia where it leads: the outer loop, which is
@@ -165,25 +204,27 @@ class RigidSolid(MonolithicSolid):
         n = len(self.velocity)
         if comm.rank:
             return np.zeros(1, dtype=int), np.empty(0, dtype=int), np.empty(0)
-        matrix = np.linalg.inv(self.inverse)
+        matrix = np.linalg.inv(self.inverse + np.diag(self._holding))
         return np.arange(0, n * n + 1, n), np.tile(np.arange(n), n), matrix.ravel()
 
     def residual(self) -> np.ndarray:
         change = self._trial_momentum - self._momentum
-        return change / self._inverse_for - self._acting - self._force
+        residual = change / self._inverse_for - self._acting - self._force
+        residual[self.held] = 0.0
+        return residual
 
     def load_size(self) -> float:
-        free = np.linalg.solve(self.inverse, self.free_velocity)
+        free = np.linalg.solve(self.inverse + np.diag(self._holding), self.free_velocity)
         return float(max(np.abs(free).max(), np.abs(self._force).max()))
 
     def linear_residual(self) -> np.ndarray:
-        return np.linalg.solve(
-            self.inverse, self.trial_velocity - self.free_velocity - self.inverse @ self._force
-        )
+        off = self.trial_velocity - self.free_velocity - self.inverse @ self._force
+        return np.linalg.solve(self.inverse + np.diag(self._holding), off)
 
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
         rate, load = step.inertia_force(self._momentum, self._trial_momentum), self._acting
         residual = rate - load - self._force
+        residual[self.held] = 0.0
         size = np.abs(self._momentum / step.span) + np.abs(load) + self._terms
         d, radius = self.dim, sqrt(np.trace(self.inertia) / self.mass)
         size[d:] = np.maximum(size[d:], radius * size[:d].max())  # forces at arm's length, too
@@ -191,96 +232,25 @@ class RigidSolid(MonolithicSolid):
             return 0.0
         return max(_relative(residual[:d], size[:d]), _relative(residual[d:], size[d:]))
 
-    @property
-    def mobility(self) -> np.ndarray:
-        d = self.dim
-        result = np.zeros((len(self.velocity),) * 2)
-        result[range(d), range(d)] = 1 / self.mass
-        result[d:, d:] = self._spatial(self._mobility, self.trial_turn)
-        return result
-
-    def shift(self, way: np.ndarray) -> None:
-        d = self.dim
-        self.trial_place = self.trial_place + way[:d]
-        self.trial_turn = rotation_matrix(way[d:]) @ self.trial_turn
-        if d == 3:  # the spin that belongs to the momentum
-            spin = self._spatial(self._mobility, self.trial_turn) @ self._trial_momentum[d:]
-            self.trial_velocity = np.concatenate([self.trial_velocity[:d], spin])
-
     def accept(self, step: Step) -> None:
         self.memory = step.remember(self.velocity, self.trial_velocity, self._acting, self.memory)
         self.velocity = self.trial_velocity.copy()
         self._place, self._turn = self.trial_place, self.trial_turn
         self._momentum = self._trial_momentum
 
-    def _move(self, step: Step) -> None:
-        increment = step.increment(self.velocity, self.trial_velocity, self.memory)
-        self.trial_place = self._place + increment[: self.dim]
-        turn = rotation_matrix(increment[self.dim :]) @ self._turn
-        if self.dim == 3:  # products of many rotations would lose orthogonality, momentum with it
-            turn = turn @ (1.5 * np.eye(3) - 0.5 * turn.T @ turn)
-        self.trial_turn = turn
-
-    def _spatial(self, tensor: np.ndarray, turn: np.ndarray) -> np.ndarray:
-        return tensor if self.dim == 2 else turn @ tensor @ turn.T
-
-    def _momentum_of(self, velocity: np.ndarray, turn: np.ndarray) -> np.ndarray:
-        d = self.dim
-        spin = self._spatial(self.inertia, turn) @ velocity[d:]
-        return np.concatenate([self.mass * velocity[:d], spin])
-
-    # -- what it tells --------------------------------------------------------------------------
-
-    def trace(self, points: np.ndarray) -> RigidTrace:
-        return RigidTrace(self, points - self.centre)
-
     def energies(self) -> tuple[float, float, float]:
         kinetic = 0.5 * self.velocity @ self._momentum
-        return float(kinetic), 0.0, float(-self._load[: self.dim] @ self._place)
-
-    def root_mean_square(self, velocity: np.ndarray) -> float:
-        return sqrt(float(velocity @ self._momentum_of(velocity, self.trial_turn)) / self.mass)
+        strain = sum(spring.energy(self._place, self._turn) for spring in self._springs)
+        return float(kinetic), strain, float(-self._load[: self.dim] @ self._place)
 
     def works(self, step: Step) -> tuple[float, float, float, float]:
         mean = step.mean(self.velocity, self.trial_velocity)
         change = self._trial_momentum - self._momentum
-        return float(mean @ change), step.work(mean, self._acting), 0.0, 0.0
-
-    def state(self) -> dict[str, np.ndarray]:
-        state = {"velocity": self.velocity, "place": self._place, "turn": self._turn}
-        return state | {"momentum": self._momentum} | self.memories()
-
-    def restore(self, state: dict[str, np.ndarray]) -> None:
-        self.velocity = np.array(state["velocity"])
-        self._place, self._turn = np.array(state["place"]), np.array(state["turn"])
-        self.trial_velocity = self.velocity.copy()
-        self.trial_place, self.trial_turn = self._place.copy(), self._turn.copy()
-        self._momentum = np.array(state["momentum"])
-        self.memory = state.get("memory")
-
-    @property
-    def rotation(self) -> float | np.ndarray:
-        """The rotation since the reference placement: rad in 2D, a rotation vector in 3D."""
-        if self.dim == 2:
-            return float(np.arctan2(self._turn[1, 0], self._turn[0, 0]))
-        return Rotation.from_matrix(self._turn).as_rotvec()
-
-    @property
-    def place(self) -> np.ndarray:
-        """Where the centre of mass is, (d,) in m."""
-        return self._place.copy()
-
-    def fields(self) -> dict[str, np.ndarray]:
-        x = self.mesh.mesh.geometry.x[:, : self.dim]
-        arm = (x - self.centre) @ self._turn.T
-        spin = self.velocity[self.dim :]
-        return {
-            "displacement": self._place + arm - x,
-            "velocity": self.velocity[: self.dim] + cross(spin, arm),
-        }
+        driven = [step.work(mean, step.loaded * self._driving) for _ in self._applied]
+        return float(mean @ change), step.work(mean, self._acting), 0.0, sum(driven)
 
     def describe(self) -> str:
-        weight = f"mass {self.mass:.9g}, gravity {self.gravity.tolist()}"
+        weight = f"mass {self.mass:.9g}, gravity {self.gravity.tolist()}{self._held_by}"
         return f"rigid, {weight}, {len(self.velocity)} unknowns"
 
 

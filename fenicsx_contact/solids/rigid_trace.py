@@ -22,6 +22,7 @@ class TracedSolid(Protocol):
         inverse: A^-1 of ``A v+ = b + J' f``.
         trial_place: the centre of mass in the trial state, (d,) in m.
         trial_turn: the rotation there, (d, d).
+        held: numbers of the components that are held.
     """
 
     dim: int
@@ -30,6 +31,7 @@ class TracedSolid(Protocol):
     inverse: np.ndarray
     trial_place: np.ndarray
     trial_turn: np.ndarray
+    held: np.ndarray
 
     def push(self, force: np.ndarray) -> None:
         """Add to the forces on the solid in this step, N and N m."""
@@ -74,6 +76,7 @@ class RigidTrace(MonolithicTrace):
             operator[:, 0, 4], operator[:, 0, 5] = z, -y
             operator[:, 1, 3], operator[:, 1, 5] = -z, x
             operator[:, 2, 3], operator[:, 2, 4] = y, -x
+        operator[:, :, self._solid.held] = 0.0  # what is held does not move
         return operator.reshape(n * d, -1)
 
     def positions(self) -> np.ndarray:

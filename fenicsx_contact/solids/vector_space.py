@@ -137,11 +137,15 @@ class VectorSpace:
             )
         return values
 
+    def assign(self, function: Any, values: np.ndarray) -> None:
+        """Give a function of the space the values of its owned unknowns."""
+        function.x.array[: self.owned] = values
+        function.x.scatter_forward()
+
     def function(self, values: np.ndarray) -> Any:
         """A function of the space from the values of its owned unknowns."""
         function = fem.Function(self.space)
-        function.x.array[: self.owned] = values
-        function.x.scatter_forward()
+        self.assign(function, values)
         return function
 
     def at_mesh(self, values: np.ndarray) -> np.ndarray:

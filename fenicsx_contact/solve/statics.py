@@ -100,7 +100,15 @@ class _Motions:
         held = solid.fixed_unknowns
         rows = self(solid.space.tabulate_dof_coordinates()[held // solid.dim])
         rows = rows[np.arange(len(held)), held % solid.dim]
-        return np.asarray(solid.comm.allreduce(rows.T @ rows))
+        gram = rows.T @ rows
+        every = self(solid.vectors.places).reshape(solid.owned, -1)
+        for foundation in solid.foundations:
+            against = np.stack([foundation.times(column) for column in every.T], axis=1)
+            gram += every.T @ against / foundation.stiffest
+        gram = np.array(solid.comm.allreduce(gram))
+        for motion in solid.plane.resisted:
+            gram[motion, motion] += 1.0
+        return gram
 
     def __call__(self, points: np.ndarray) -> np.ndarray:
         """Velocities of points (n, 2 or 3): (n, d, motions)."""

@@ -66,8 +66,8 @@ class Stepper:
 
     Attributes:
         time: s.
-        work: of impacts, friction, drives and the scheme since the start, J; ``balance``, what
-            they and the energies leave unexplained.
+        work: of impacts, friction, drives, damping and the scheme since the start, J; ``balance``,
+            what they and the energies leave unexplained.
         most: the largest kinetic and strain energy so far, J.
         times: seconds spent by phase.
     """
@@ -90,7 +90,7 @@ class Stepper:
         self._linear = not any(solid.shiftable for solid in self.solids)
         self.times: dict[str, float] = {}
         self.time = 0.0
-        self.work, self.balance = np.zeros(4), 0.0
+        self.work, self.balance = np.zeros(5), 0.0
         self.energies = self.sum_energies()
         self.most = self.energies[0] + abs(self.energies[1])
         self._pushed = 0.0  # the largest force at a point so far, N
@@ -182,6 +182,7 @@ class Stepper:
         momentum, loads, supports, tractions = np.sum(
             [solid.works(step) for solid in self.solids], axis=0
         )
+        damped = sum(solid.damped(step) for solid in self.solids)
         means = {id(solid): solid.mean_velocity(step) for solid in self.solids}
         for solid in self.solids:
             solid.accept(step)
@@ -196,8 +197,8 @@ class Stepper:
         change = sum(self.energies) - sum(old)
         self.most = max(self.most, self.energies[0] + abs(self.energies[1]))
         # what the scheme makes: energies change otherwise than forces and momenta work
-        scheme = change - momentum + loads - tractions
-        self.work += (impact, friction, supports + tractions + driven, scheme)
+        scheme = change - momentum + loads - tractions - damped
+        self.work += (impact, friction, supports + tractions + driven, damped, scheme)
         self.balance += momentum - loads - impact - friction - supports - driven
         self.time += step.dt
         row = self.row(step.dt, trial.newton, trial.geometry, trial.certificate)

@@ -204,6 +204,20 @@ class Step:
         return self.scheme.linear_weights[1] * self.gap_rate
 
     @property
+    def force_share(self) -> float:
+        """The share of the way at which forces are taken in the mean."""
+        return self.scheme.linear_weights[1] / self.load_weight
+
+    @property
+    def rate_weight(self) -> float:
+        """Derivative of :meth:`rate` by v+; 0 in statics and impacts."""
+        return self.scheme.inertia * self.loaded * self.scheme.linear_weights[1]
+
+    def rate(self, v_old: np.ndarray, v_new: np.ndarray) -> np.ndarray:
+        """The velocity by which a force that is linear in it, C v, stands in the mean force."""
+        return self.scheme.inertia * self.loaded * self.linear_mean(v_old, v_new)
+
+    @property
     def mean_share(self) -> float:
         """How much of the forces that are not remembered is taken in the mean over the way, the
         rest at its end."""

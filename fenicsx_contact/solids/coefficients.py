@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Numbers and fields as users give them, in UFL.
+
+A material's number may be a number, a ``fem.Constant``, a ``fem.Function``, an expression in UFL of
+the place x of a point at rest, or a function of x; a load may be each of these for d components,
+and a function of x and t, or of t alone. Functions of x are called with the coordinates of UFL,
+where ``x[0]`` is a scalar; one that UFL cannot take (``np.where``, ``np.sin``) is called with x as
+an array (3, n), gives n numbers for each component, and is interpolated with degree 2. With
+functions of x and t it is the other way round: ``math.sin(t)`` of a constant of UFL never ends.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from ..base import checks, compat
+from ..base.mesh import NamedMesh
+
+Expression = ufl.core.expr.Expr
+#: A number, Constant, Function, expression in UFL, or function of x.
+Scalar = Any
+
+
+def is_field(value: Any) -> bool:
+    """Whether it is UFL but no constant."""
+    return isinstance(value, Expression) and not isinstance(value, fem.Constant)
+
+
+def is_function(value: Any) -> bool:
+    """Whether it is to be called; UFL may be called, too, but for other ends."""
+    return callable(value) and not isinstance(value, Expression)
+
+
+def arguments(function: Callable) -> list[str]:
+    """The names of the arguments that a function needs; those of one that hides them are ``t``."""
+    try:
+        given = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        return ["t"]
+    by_place = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    needed = [p.name for p in given if p.kind in by_place and p.default is p.empty]
+    return needed or ["t"]
+
+
+class Field(Protocol):
+    """A field in space, and perhaps in time.
+
+    Attributes:
+        expression: in UFL.
+        steady: does not depend on time.
+    """
+
+    expression: Any
+    steady: bool
+
+    def at(self, time: float) -> None:
+        """Make the expression that of a time, s."""
+
+
+class Written:
+    """A field whose expression holds the time."""
+
+    def __init__(self, expression: Any, time: Any, steady: bool) -> None:
+        self.expression, self._time, self.steady = expression, time, steady
+
+    def at(self, time: float) -> None:
+        self._time.value = time
+
+
+class Sampled:
+    """A field interpolated from the values of a function at places (3, n)."""
+
+    def __init__(self, function: Callable, mesh: Any, shape: tuple[int, ...], steady: bool) -> None:
+        self._function, self.steady = function, steady
+        space = compat.lagrange_space(mesh, 2, shape)
+        self.expression = fem.Function(space)
+        self._x = space.tabulate_dof_coordinates().T
+        self._values = self.expression.x.array.reshape(-1, *shape)
+
+    def at(self, time: float) -> None:
+        given = self._function(self._x) if self.steady else self._function(self._x, time)
+        components = [given] if self._values.ndim == 1 else list(given)
+        if any(isinstance(component, Expression) for component in components):
+            raise TypeError("it gives UFL")
+        if len(components) != self._values[:1].size and self._values.size:
+            raise ValueError(f"{len(components)} components")
+        for i, component in enumerate(components):
+            self._values.reshape(len(self._values), -1)[:, i] = checks.floats(component)
+
+
+def field(what: str, value: Any, mesh: NamedMesh, shape: tuple[int, ...] = ()) -> Field:
+    """An expression of UFL or a function of x, or of x and t, as a field.
+
+    Args:
+        what: the argument that gave it, for messages.
+        value: the expression or function.
+        mesh: on which it lives.
+        shape: of its values.
+
+    Raises:
+        InputError: values of another shape, complex or not finite, of another mesh.
+    """
+    domain, d = mesh.mesh, int(np.prod(shape))
+    time = fem.Constant(domain, 0.0)
+    size = f"{d} components" if shape else "a number"
+    allowed = f"must give {size}, finite and real, on the mesh of the solid"
+    steady = is_field(value) or len(arguments(value)) == 1
+
+    def written() -> Field:
+        x = ufl.SpatialCoordinate(domain)
+        expression = value if is_field(value) else value(x, *([] if steady else [time]))
+        return Written(_in_ufl(expression, shape), time, steady)
+
+    def interpolated() -> Field:
+        sample = Sampled(value, domain, shape, steady)
+        sample.at(0.0)
+        return sample
+
+    ways = [written] if is_field(value) else [written, interpolated]
+    problems: list[str] = []
+    for way in ways if steady else reversed(ways):
+        try:
+            made = way()
+            break
+        except Exception as failure:  # what one of them cannot take raises anything
+            problems.append(str(failure))
+    problem = "; ".join(problems) if len(problems) == len(ways) else ""
+    problem = max(domain.comm.allgather(problem))
+    if not problem:
+        values = sampled(made.expression, mesh)
+        finite = isinstance(values, np.ndarray) and np.abs(values).max(initial=0) <= checks.LARGEST
+        problem = values if isinstance(values, str) else "" if finite else "not finite everywhere"
+    if problem := max(domain.comm.allgather(problem)):
+        raise checks.InputError(f"{what} = {_shown(value)}: {allowed} ({problem})")
+    return made
+
+
+def _in_ufl(value: Any, shape: tuple[int, ...]) -> Any:
+    if shape and not isinstance(value, Expression):
+        value = ufl.as_vector(list(value))
+    value = ufl.as_ufl(value)
+    if value.ufl_shape != shape:
+        raise ValueError(f"its shape is {value.ufl_shape}")
+    return value
+
+
+def sampled(expression: Any, mesh: NamedMesh) -> np.ndarray | str:
+    """Values at the corners and midpoints of the cells of this process, or what is wrong."""
+    domain = mesh.mesh
+    try:
+        own = ufl.domain.extract_domains(ufl.SpatialCoordinate(domain))
+        if any(d not in own for d in ufl.domain.extract_domains(expression)):
+            return "it lives on another mesh"
+        if ufl.algorithms.extract_arguments(expression):
+            return "it holds test or trial functions"
+        parts = [c.x.array for c in ufl.algorithms.extract_coefficients(expression)]
+        parts += [c.value for c in ufl.algorithms.analysis.extract_constants(expression)]
+        if any(np.iscomplexobj(part) for part in parts):
+            return "it is complex"
+        here = fem.Constant(domain, 1.0) * expression  # what is the same everywhere has no mesh
+        return compat.PointExpression(here, compat.lagrange_space(domain, 2))()
+    except Exception as failure:  # of the form compiler, of whatever kind
+        return str(failure) or repr(failure)
+
+
+def number(what: str, value: Scalar, *, above: float, below: float = np.inf) -> Any:
+    """A number of a material where no mesh is known: a float, or a scalar in UFL as it is.
+
+    Raises:
+        InputError: out of its limits, themselves excluded; UFL that is no scalar.
+    """
+    if is_field(value) and value.ufl_shape == ():
+        return value
+    plain = checks.number(what, value, above=above)
+    if not plain < below:
+        raise checks.InputError(f"{what} = {value!r}: must be < {below:g}")
+    return plain
+
+
+def scalar(
+    what: str,
+    value: Scalar,
+    mesh: NamedMesh,
+    *,
+    above: float,
+    below: float = np.inf,
+) -> tuple[Any, str]:
+    """A number of a material.
+
+    Args:
+        what: the argument that gave it, for messages.
+        value: a number, Constant, Function, expression in UFL, or function of x.
+        mesh: of the solid.
+        above, below: its limits, themselves excluded.
+
+    Returns:
+        A float, or an expression in UFL; and a text that tells it.
+
+    Raises:
+        InputError: out of its limits somewhere, or as :func:`field`.
+    """
+    if not is_field(value) and not is_function(value):
+        plain = number(what, value, above=above, below=below)
+        return plain, repr(plain)
+    if is_function(value) and len(arguments(value)) != 1:
+        raise checks.InputError(f"{what} = {_shown(value)}: must be a function of x alone")
+    made = field(what, value, mesh)
+    values, comm = sampled(made.expression, mesh), mesh.mesh.comm
+    assert isinstance(values, np.ndarray)
+    least = min(comm.allgather(float(values.min(initial=np.inf))))
+    most = max(comm.allgather(float(values.max(initial=-np.inf))))
+    if not (least > above and most < below):
+        bounds = f"> {above:g}" + (f" and < {below:g}" if below < np.inf else "")
+        raise checks.InputError(
+            f"{what} = {_shown(value)}: must be {bounds}; it lies between {least:g} and {most:g}"
+        )
+    return made.expression, f"between {least:.9g} and {most:.9g}"
+
+
+def constant(mesh: NamedMesh, value: Any) -> Any:
+    """A number as a constant of UFL, so that other numbers need no new form; UFL as it is."""
+    return value if isinstance(value, Expression) else fem.Constant(mesh.mesh, value)
+
+
+def _shown(value: Any) -> str:
+    return str(value) if isinstance(value, Expression) else repr(value)

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What a mesh in the plane stands for: a slice in plane strain or plane stress, 1 m thick, or half
+the section of a solid of revolution, x being the radius and y the axis."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import ufl
+
+from ..base import checks
+from ..base.constants import SAME
+from .vector_space import VectorSpace
+
+
+class Whole:
+    """A solid in space, or in plane strain: what the mesh is.
+
+    Attributes:
+        revolution: whether the mesh is half a section of a solid of revolution.
+        resisted: numbers of the rigid motions of the mesh that strain the solid.
+    """
+
+    revolution = False
+    resisted: tuple[int, ...] = ()
+    #: For descriptions.
+    name = ""
+
+    def lame(self, E: Any, nu: Any) -> tuple[Any, Any]:
+        """lambda and mu, Pa, from Young's modulus [Pa] and Poisson's ratio."""
+        return E * nu / (1 + nu) / (1 - 2 * nu), E / 2 / (1 + nu)
+
+    def strain(self, w: Any, x: Any) -> Any:
+        """Small strain of a field w at x, in UFL."""
+        return ufl.sym(ufl.grad(w))
+
+    def breadth(self, x: Any) -> Any:
+        """How much of the solid a point of the mesh stands for: m across the plane, over 1 m."""
+        return 1
+
+    def axis(self, vectors: VectorSpace) -> np.ndarray:
+        """The owned nodes that may not leave the axis of revolution."""
+        return np.empty(0, dtype=np.int64)
+
+
+class PlaneStress(Whole):
+    """No stress across the plane: lambda is E nu/(1 - nu²)."""
+
+    name = "plane stress, "
+
+    def lame(self, E: Any, nu: Any) -> tuple[Any, Any]:
+        return E * nu / (1 - nu**2), E / 2 / (1 + nu)
+
+
+class Axisymmetric(Whole):
+    """A solid of revolution, whole: forces in N, energies in J, masses in kg. The hoop strain is
+    u_r/r. (O. C. Zienkiewicz, R. L. Taylor, The Finite Element Method I, chapter 5.)"""
+
+    name = "axisymmetric, "
+    revolution = True
+    resisted = (0, 2)  # moving along r, turning
+
+    def strain(self, w: Any, x: Any) -> Any:
+        e = ufl.sym(ufl.grad(w))
+        return ufl.as_matrix([[e[0, 0], e[0, 1], 0], [e[1, 0], e[1, 1], 0], [0, 0, w[0] / x[0]]])
+
+    def breadth(self, x: Any) -> Any:
+        return 2 * np.pi * x[0]
+
+    def axis(self, vectors: VectorSpace) -> np.ndarray:
+        radius, comm = vectors.places[:, 0], vectors.comm
+        size = max(comm.allgather(float(np.abs(radius).max(initial=0.0))))
+        least = min(comm.allgather(float(radius.min(initial=np.inf))))
+        if least < -SAME * size:
+            raise checks.InputError(
+                f"plane = 'axisymmetric': x is the radius, and must be >= 0; the mesh has {least:g}"
+            )
+        return np.flatnonzero(radius <= SAME * size)
+
+
+#: What a mesh in the plane may stand for.
+PLANES = {"strain": Whole(), "stress": PlaneStress(), "axisymmetric": Axisymmetric()}

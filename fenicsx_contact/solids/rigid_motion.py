@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Where a rigid solid is, how it moves, and what is seen of it."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..theory.theta import Step
+from .base import MonolithicSolid
+from .rigid_forces import without
+from .rigid_trace import RigidTrace
+from .rotations import cross, rotation_matrix
+
+
+class RigidMotion(MonolithicSolid):
+    """The placement of a rigid solid: the centre of mass and a rotation.
+
+    Attributes:
+        mass: kg (kg/m in 2D).
+        centre: of mass, in the reference placement, (d,) in m.
+        inertia: about it, there, (1, 1) or (3, 3) in kg m².
+        held: numbers of the components that are held.
+        trial_place, trial_turn: the centre of mass and the rotation in the trial state.
+    """
+
+    mass: float
+    centre: np.ndarray
+    inertia: np.ndarray
+    held: np.ndarray
+    free_velocity: np.ndarray
+    inverse: np.ndarray
+    trial_place: np.ndarray
+    trial_turn: np.ndarray
+    _place: np.ndarray
+    _turn: np.ndarray
+    _mobility: np.ndarray
+    _momentum: np.ndarray
+    _trial_momentum: np.ndarray
+
+    def push(self, force: np.ndarray) -> None:
+        """Add to the forces on the solid in this step, N and N m."""
+        raise NotImplementedError
+
+    def _move(self, step: Step) -> None:
+        increment = step.increment(self.velocity, self.trial_velocity, self.memory)
+        self.trial_place = self._place + increment[: self.dim]
+        turn = rotation_matrix(increment[self.dim :]) @ self._turn
+        if self.dim == 3:  # products of many rotations would lose orthogonality, momentum with it
+            turn = turn @ (1.5 * np.eye(3) - 0.5 * turn.T @ turn)
+        self.trial_turn = turn
+
+    def _spatial(self, tensor: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        return tensor if self.dim == 2 else turn @ tensor @ turn.T
+
+    def _momentum_of(self, velocity: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        d = self.dim
+        spin = self._spatial(self.inertia, turn) @ velocity[d:]
+        return np.concatenate([self.mass * velocity[:d], spin])
+
+    @property
+    def mobility(self) -> np.ndarray:
+        d = self.dim
+        result = np.zeros((len(self.velocity),) * 2)
+        result[range(d), range(d)] = 1 / self.mass
+        result[d:, d:] = self._spatial(self._mobility, self.trial_turn)
+        return without(result, self.held)
+
+    def shift(self, way: np.ndarray) -> None:
+        d = self.dim
+        self.trial_place = self.trial_place + way[:d]
+        self.trial_turn = rotation_matrix(way[d:]) @ self.trial_turn
+        if d == 3:  # the spin that belongs to the momentum
+            spin = self._spatial(self._mobility, self.trial_turn) @ self._trial_momentum[d:]
+            self.trial_velocity = np.concatenate([self.trial_velocity[:d], spin])
+            self.trial_velocity[self.held] = 0.0
+
+    def trace(self, points: np.ndarray) -> RigidTrace:
+        return RigidTrace(self, points - self.centre)
+
+    def root_mean_square(self, velocity: np.ndarray) -> float:
+        return sqrt(float(velocity @ self._momentum_of(velocity, self.trial_turn)) / self.mass)
+
+    def state(self) -> dict[str, np.ndarray]:
+        state = {"velocity": self.velocity, "place": self._place, "turn": self._turn}
+        return state | {"momentum": self._momentum} | self.memories()
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        self.velocity = np.array(state["velocity"])
+        self._place, self._turn = np.array(state["place"]), np.array(state["turn"])
+        self.trial_velocity = self.velocity.copy()
+        self.trial_place, self.trial_turn = self._place.copy(), self._turn.copy()
+        self._momentum = np.array(state["momentum"])
+        self.memory = state.get("memory")
+
+    @property
+    def rotation(self) -> float | np.ndarray:
+        """The rotation since the reference placement: rad in 2D, a rotation vector in 3D."""
+        if self.dim == 2:
+            return float(np.arctan2(self._turn[1, 0], self._turn[0, 0]))
+        return Rotation.from_matrix(self._turn).as_rotvec()
+
+    @property
+    def place(self) -> np.ndarray:
+        """Where the centre of mass is, (d,) in m."""
+        return self._place.copy()
+
+    def fields(self) -> dict[str, np.ndarray]:
+        x = self.mesh.mesh.geometry.x[:, : self.dim]
+        arm = (x - self.centre) @ self._turn.T
+        spin = self.velocity[self.dim :]
+        return {
+            "displacement": self._place + arm - x,
+            "velocity": self.velocity[: self.dim] + cross(spin, arm),
+        }

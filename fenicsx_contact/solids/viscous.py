@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The viscous stress of a hyperelastic solid, see :class:`~.damping.KelvinVoigt`."""
+
+from __future__ import annotations
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from petsc4py import PETSc
+
+from ..base import assembly
+from ..theory.theta import Step
+from .energies import Energy, in_space
+from .vector_space import VectorSpace
+
+
+class ViscousStress:
+    """A damper. Its dissipation ``v' C(u) v`` is twice beta times the energy that a small strain E'
+    would store at rest, E' = sym(F' grad v) being the rate of the strain at u.
+
+    It is taken at one place of the way of a step. In the middle, with theta = 1/2, E' is the change
+    of the strain over dt, so that a step of a rotation is not damped.
+
+    Args:
+        vectors: the space of displacements.
+        energy: stored energy density.
+        time: beta, s.
+        measure: of the volume.
+    """
+
+    def __init__(
+        self, vectors: VectorSpace, energy: Energy, time: float, measure: ufl.Measure
+    ) -> None:
+        self.time = time
+        self._vectors, space, d = vectors, vectors.space, vectors.dim
+        self._displacement, self._rate, rest = (fem.Function(space) for _ in range(3))
+        F = ufl.Identity(d) + ufl.grad(self._displacement)
+        strain_rate = ufl.sym(F.T * ufl.grad(rest))  # zero: at rest
+        at_rest = energy(in_space(ufl.Identity(d) + strain_rate)) * measure
+        v, dv = ufl.TestFunction(space), ufl.TrialFunction(space)
+        second = ufl.derivative(ufl.derivative(at_rest, rest, v), rest, dv)
+        weight = fem.Constant(vectors.mesh.mesh, time)
+        self._force_form = fem.form(weight * ufl.action(second, self._rate))
+        self._matrix_form = fem.form(weight * second)
+        self._matrix = assembly.assemble_petsc_matrix(self._matrix_form)
+
+    def _place(self, step: Step, start: np.ndarray, end: np.ndarray) -> None:
+        share = step.force_share
+        self._vectors.assign(self._displacement, share * end + (1 - share) * start)
+
+    def force(self, step: Step, start: np.ndarray, end: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        self._place(step, start, end)
+        self._vectors.assign(self._rate, rate)
+        force = np.empty(len(rate))
+        assembly.assemble_owned(self._force_form, force)
+        return force
+
+    def add_to(self, matrix: PETSc.Mat, step: Step, start: np.ndarray, end: np.ndarray) -> None:
+        self._place(step, start, end)
+        self._matrix.zeroEntries()
+        assembly.add_to_petsc_matrix(self._matrix, self._matrix_form)
+        matrix.axpy(step.rate_weight, self._matrix, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)

@@ -1,0 +1,282 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Moduli, densities and loads as numbers, constants, functions, expressions and functions of x, t:
+each kind gives the same result."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import ufl
+from dolfinx import fem
+from scenes import rectangle
+
+from fenicsx_contact import (
+    ElasticSolid,
+    GeneralisedAlpha,
+    HyperelasticSolid,
+    InputError,
+    QuasiStatic,
+    Scene,
+    ThetaScheme,
+    neo_hookean,
+)
+from fenicsx_contact.base import compat
+
+MESH = rectangle((4, 2), (1.0, 0.4))
+X = ufl.SpatialCoordinate(MESH.mesh)
+
+
+def function(field, degree=1, shape=()):
+    made = fem.Function(compat.lagrange_space(MESH.mesh, degree, shape))
+    made.interpolate(field)
+    return made
+
+
+def elastic(**others):
+    numbers = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}
+    return ElasticSolid(MESH, **{**numbers, "fixed": ["left"], **others})
+
+
+def pulled(**others):
+    """Where its right end is drawn to, without inertia, and how long it takes to get there."""
+    solid = elastic(tractions={"right": (2e4, 1e3)}, **others)
+    assert Scene([solid], [], QuasiStatic()).run(1.0, 1.0).finished
+    still = solid.displacement.copy()
+    solid = elastic(tractions={"right": (2e4, 1e3)}, **others)
+    assert Scene([solid], []).run(0.01, 1e-3).finished
+    return np.concatenate([still, solid.displacement, [solid.mass]])
+
+
+# -- numbers of the material --
+
+UNIFORM = [
+    lambda c: fem.Constant(MESH.mesh, c),
+    lambda c: function(lambda x: c + 0 * x[0]),
+    lambda c: c + 0 * X[0],
+    lambda c: lambda x: c,
+    lambda c: lambda x: np.full(x.shape[1], c),
+]
+VARYING = [
+    lambda c: function(lambda x: c * (1 + 0.5 * x[0])),
+    lambda c: c * (1 + X[0] / 2),
+    lambda c: lambda x: c * (1 + 0.5 * x[0]),
+    lambda c: lambda x: c * (1 + 0.5 * np.add(np.sin(0 * x[0]), x[0])),
+    lambda c: fem.Constant(MESH.mesh, c) * ufl.exp(ufl.ln(1 + X[0] / 2)),
+]
+NUMBERS = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_each_kind_of_number_gives_the_same(name):
+    expected = pulled()
+    for kind in UNIFORM:
+        np.testing.assert_allclose(pulled(**{name: kind(NUMBERS[name])}), expected, rtol=1e-11)
+    first = pulled(**{name: VARYING[0](NUMBERS[name])})
+    assert np.abs(first - expected)[:-1].max() > 1e-2 * np.abs(expected[:-1]).max()
+    for kind in VARYING[1:]:
+        got = pulled(**{name: kind(NUMBERS[name])})
+        np.testing.assert_allclose(got, first, rtol=0, atol=1e-6 * np.abs(first[:-1]).max())
+        assert got[-1] == pytest.approx(first[-1], rel=1e-12)
+
+
+def test_stiffness_and_mass_of_a_graded_bar_are_exact():
+    """``E (1 + x)`` in uniform strain, ``rho (1 + x²)`` in uniform motion."""
+    solid = elastic(
+        youngs_modulus=lambda x: 1e6 * (1 + x[0]),
+        poisson_ratio=0.0,
+        density=lambda x: 1000 * (1 + x[0] ** 2),
+        fixed=(),
+        displacement=lambda x: np.stack([0.01 * x[0], 0 * x[1]]),
+        velocity=lambda x: np.stack([2.0 + 0 * x[0], 0 * x[1]]),
+    )
+    mass = 0.4 * 1000 * (1 + 1 / 12)
+    assert solid.mass == pytest.approx(mass, rel=1e-13)
+    np.testing.assert_allclose(solid.energies()[:2], [2 * mass, 0.4 * 0.5e6 * 1e-4], rtol=1e-12)
+    assert "E between 500000 and 1500000" in solid.describe()
+
+
+def test_stored_energies_take_fields():
+    ends = []
+    for E in (
+        1e6,
+        fem.Constant(MESH.mesh, 1e6),
+        1e6 + 0 * X[0],
+        function(lambda x: 1e6 + 0 * x[0]),
+    ):
+        solid = HyperelasticSolid(
+            MESH,
+            energy=neo_hookean(E, 0.3),
+            density=1000.0,
+            fixed=["left"],
+            tractions={"right": (2e4, 1e3)},
+        )
+        assert Scene([solid], [], QuasiStatic()).run(1.0, 1.0).finished
+        ends.append(solid.displacement)
+    for other in ends[1:]:
+        np.testing.assert_allclose(other, ends[0], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        lambda: -1.0 + 0 * X[0],
+        lambda: X[0],
+        lambda: X,
+        lambda: 1 / (X[0] - X[0]),
+        lambda: function(lambda x: np.where(x[0] > 0.1, np.nan, 1.0)),
+        lambda: function(lambda x: x[:2], shape=(2,)),
+        lambda: lambda x: np.nan,
+        lambda: lambda x: np.ones((2, x.shape[1])),
+        lambda: lambda x: 1.0 + 1j * np.ones(x.shape[1]),
+        lambda: lambda x: "much",
+        lambda: lambda x, t: 1.0,
+        lambda: lambda: 1.0,
+        lambda: (1 + 1j) * X[0] ** 2,
+        lambda: ufl.TestFunction(compat.lagrange_space(MESH.mesh)),
+        lambda: fem.Function(compat.lagrange_space(rectangle().mesh)),
+        lambda: ufl.SpatialCoordinate(rectangle().mesh)[0] + 2,
+        lambda: "1e6",
+        lambda: None,
+        lambda: 1j,
+        lambda: True,
+    ],
+)
+@pytest.mark.parametrize("name", ["youngs_modulus", "density"])
+def test_what_is_no_modulus_is_refused(name, value):
+    with pytest.raises(InputError, match=name):
+        elastic(**{name: value()})
+
+
+@pytest.mark.parametrize("value", [lambda x: 0.5 + 0 * x[0], 0.6 * X[0] + 0.3, 0.5])
+def test_poisson_ratio_is_within_its_limits_everywhere(value):
+    with pytest.raises(InputError, match=r"poisson_ratio.*0\.5"):
+        elastic(poisson_ratio=value)
+
+
+# -- loads --
+
+STEADY = [
+    (2e4, 1e3),
+    fem.Constant(MESH.mesh, (2e4, 1e3)),
+    function(lambda x: np.stack([2e4 + 0 * x[0], 1e3 + 0 * x[0]]), shape=(2,)),
+    ufl.as_vector([2e4, 1e3 + 0 * X[0]]),
+    lambda t: (2e4, 1e3),
+    lambda x: (2e4, 1e3),
+    lambda x: np.stack([np.full(x.shape[1], 2e4), np.full(x.shape[1], 1e3)]),
+    lambda x, t: (2e4, 1e3 + 0 * t),
+]
+
+
+def loaded(scheme, **load):
+    solid = elastic(**load)
+    history = Scene([solid], [], scheme).run(0.01, 1e-3)
+    assert history.finished, history.reason
+    check_books(history)
+    return solid.displacement
+
+
+def check_books(history):
+    assert np.abs(history["balance"]).max() < 1e-10 * (1 + np.abs(history["drive"]).max())
+
+
+@pytest.mark.parametrize("where", ["tractions", "body_force"])
+def test_each_kind_of_load_gives_the_same(where):
+    def given(load):
+        return {where: {"right": load} if where == "tractions" else load}
+
+    first = loaded(ThetaScheme(), **given(STEADY[0]))
+    for load in STEADY[1:]:
+        np.testing.assert_allclose(
+            loaded(ThetaScheme(), **given(load)), first, rtol=0, atol=1e-13 * np.abs(first).max()
+        )
+    timed = [
+        lambda t: (2e4 * t, 1e3 * t**2),
+        lambda x, t: ufl.as_vector([2e4 * t, 1e3 * t**2 + 0 * x[0]]),
+        lambda x, t: (2e4 * t, 1e3 * t**2),
+        lambda x, t: (2e4 * math.atan(math.tan(t)), np.exp(np.log(1e3)) * (t * t if t > 0 else 0)),
+        lambda x, t: ufl.as_vector([2e4 * t, 1e3 * t**2]),
+        lambda x, t: np.array([2e4 * t + np.zeros(x.shape[1]), 1e3 * t**2 + np.zeros(x.shape[1])]),
+    ]
+    for scheme in (ThetaScheme(), GeneralisedAlpha(0.7)):
+        first = loaded(scheme, **given(timed[0]))
+        for load in timed[1:]:
+            np.testing.assert_allclose(
+                loaded(scheme, **given(load)), first, rtol=0, atol=1e-13 * np.abs(first).max()
+            )
+
+
+def test_a_load_that_varies_along_the_solid():
+    """Its resultant and its moment, in each way of writing it."""
+    for load in (
+        lambda x: (0.0, 100 * x[0] ** 2),
+        ufl.as_vector([0, 100 * X[0] ** 2]),
+        lambda x: np.stack([0 * x[0], 100 * np.power(x[0], 2)]),
+    ):
+        solid = elastic(tractions={"top": load}, fixed=["base"])
+        Scene([solid], [], QuasiStatic()).run(1.0, 1.0)
+        np.testing.assert_allclose(solid.reaction("base"), [0, -100 / 12], atol=1e-9)
+
+
+@pytest.mark.parametrize("scheme", [ThetaScheme(), GeneralisedAlpha(0.8)])
+def test_a_force_in_time_moves_a_stiff_bar_as_a_point(scheme):
+    """``m v = F t²/2`` by the trapezoidal rule, which is exact for what is linear in t; and drives
+    it by all of its kinetic energy."""
+    F, dt = 3e3, 0.01
+    for load in (
+        {"tractions": {"right": lambda t: (F * t, 0.0)}},
+        {"body_force": lambda t: (F * t, 0.0)},
+        {"body_force": lambda x, t: (F * t, 0.0)},
+    ):
+        solid = elastic(youngs_modulus=1e10, poisson_ratio=0.0, fixed=(), **load)
+        history = Scene([solid], [], scheme, allow_free=True).run(0.5, dt)
+        assert history.finished, history.reason
+        speed = F * 0.4 * 0.5**2 / 2 / solid.mass
+        late = 0.0 if scheme == ThetaScheme() else F * 0.4 / solid.mass * dt**2
+        assert solid.mean(solid.velocity)[0] == pytest.approx(speed, rel=1e-9, abs=late)
+        if scheme == ThetaScheme():
+            work = solid.mass * speed**2 / 2
+            np.testing.assert_allclose(history["drive"][-1], work, rtol=1e-6)
+            check_books(history)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        (1.0, 2.0, 3.0),
+        1.0,
+        (np.nan, 0.0),
+        (1j, 0.0),
+        "down",
+        X[0],
+        ufl.as_vector([X[0], X[0], X[0]]),
+        ufl.as_vector([1 / (X[0] - X[0]), 0]),
+        lambda t: (1.0,),
+        lambda t: (np.nan, t),
+        lambda x: 1.0,
+        lambda x: (np.nan, 0.0),
+        lambda x: np.ones((3, x.shape[1])),
+        lambda x: (1.0 + 1j) * np.ones((2, x.shape[1])),
+        lambda x, t: (x[0] + 1j, 0.0),
+        lambda x, t, more: (1.0, 0.0),
+    ],
+)
+@pytest.mark.parametrize("where", ["tractions", "body_force"])
+def test_what_is_no_load_is_refused(where, value):
+    with pytest.raises(InputError, match=where):
+        elastic(**{where: {"right": value} if where == "tractions" else value})
+
+
+def test_a_load_that_turns_bad_is_refused_then():
+    def late(x, t):
+        return np.stack([np.where(t > 0.005, np.nan, 1.0) + 0 * x[0], 0 * x[0]])
+
+    solid = elastic(body_force=late)
+    with pytest.raises(InputError, match=r"body_force.*t = 0.00"):
+        Scene([solid], []).run(0.01, 1e-3)
+
+
+def test_no_load_is_no_load():
+    solid = elastic()
+    assert solid._applied is None and solid.foundations == [] and solid.dampers == []

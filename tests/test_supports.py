@@ -1,0 +1,458 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Supports at points, edges and facets, springs to the ground, plane stress, axisymmetry: exact."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import dolfinx
+import numpy as np
+import pytest
+import ufl
+from mpi4py import MPI
+from processes import mpirun, output_of
+from scenes import box, check_energies, rates, rectangle, total_energy
+
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    GeneralisedAlpha,
+    HalfSpace,
+    HyperelasticSolid,
+    InputError,
+    KelvinVoigt,
+    QuasiStatic,
+    Scene,
+    mesh_from_gmsh,
+    name_facets,
+    name_points,
+    neo_hookean,
+)
+
+E, NU, RHO, WIDTH, HEIGHT = 1e6, 0.3, 1000.0, 0.4, 0.8
+CELLS = ("triangle", "quadrilateral")
+
+
+def elastic(mesh, **others):
+    numbers = {"youngs_modulus": E, "poisson_ratio": NU, "density": RHO}
+    return ElasticSolid(mesh, **{**numbers, **others})
+
+
+def block(cell="quadrilateral", n=(3, 4)):
+    return rectangle(n, (WIDTH, HEIGHT), cell)
+
+
+def settled(solid):
+    """Its displacement in equilibrium at the nodes of the mesh, and where these are."""
+    history = Scene([solid], [], QuasiStatic()).run(1.0, 1.0)
+    assert history.finished, history.reason
+    assert history["certificate"].max() < 1e-9
+    d = solid.dim
+    return solid.fields()["displacement"], solid.mesh.mesh.geometry.x[:, :d]
+
+
+# -- where --
+
+PULL = 1e4
+
+
+@pytest.mark.parametrize("plane", ["strain", "stress"])
+@pytest.mark.parametrize("cell", CELLS)
+def test_rollers_and_a_point_leave_uniform_tension(cell, plane):
+    """A patch test: a roller along the left, one corner held, by each way of naming it."""
+    named = name_points(block(cell), {"corner": (-WIDTH / 2, 0.0)})
+    stiffness = E / (1 - NU**2) if plane == "strain" else E
+    ratio = NU / (1 - NU) if plane == "strain" else NU
+    for corner in ("corner", ("left", "base"), (-WIDTH / 2, 0.0)):
+        solid = elastic(
+            named,
+            plane=plane,
+            prescribed={"left": (0.0, None)},
+            fixed=[corner],
+            tractions={"right": (PULL, 0.0)},
+        )
+        u, x = settled(solid)
+        strain = PULL / stiffness
+        exact = np.stack([strain * (x[:, 0] + WIDTH / 2), -ratio * strain * x[:, 1]], axis=1)
+        np.testing.assert_allclose(u, exact, rtol=0, atol=1e-13)
+        np.testing.assert_allclose(solid.reaction("left"), [-PULL * HEIGHT, 0], atol=1e-8)
+
+
+def test_edges_and_corners_in_space():
+    """A box that three edges hold as little as need be, pressed on its top."""
+    size = (0.4, 0.5, 0.6)
+    x = name_facets(
+        box((2, 2, 3), size).mesh,
+        {
+            "base": lambda x: np.isclose(x[2], 0),
+            "top": lambda x: np.isclose(x[2], 0.6),
+            "left": lambda x: np.isclose(x[0], -0.2),
+            "front": lambda x: np.isclose(x[1], -0.25),
+        },
+    )
+    solid = elastic(
+        x,
+        prescribed={
+            "base": (None, None, 0.0),
+            ("left", "base"): (0.0, None, 0.0),
+            ("left", "front", "base"): (0.0, 0.0, None),
+        },
+        tractions={"top": (0, 0, -PULL)},
+    )
+    assert len(solid.supports.unknowns) == 9 + 3 + 1
+    u, places = settled(solid)
+    exact = (
+        PULL
+        / E
+        * np.stack([NU * (places[:, 0] + 0.2), NU * (places[:, 1] + 0.25), -places[:, 2]], axis=1)
+    )
+    np.testing.assert_allclose(u, exact, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(solid.reaction("base")[2], PULL * 0.2, rtol=1e-10)
+
+
+def test_contradictory_supports_name_both():
+    for supports, words in (
+        ({"fixed": ["base", "top"], "prescribed": {"left": (0.01, None)}}, ["'left'", "'base'"]),
+        (
+            {"prescribed": {"base": (0.0, 0.0), (-WIDTH / 2, 0.0): (0.0, 0.1)}},
+            ["(-0.2, 0.0)", "'base'"],
+        ),
+        (
+            {"prescribed": {("left", "base"): (0.1, None), "left": (0.0, None)}},
+            ["('left', 'base')", "'left'"],
+        ),
+    ):
+        with pytest.raises(InputError) as caught:
+            elastic(block(), **supports)
+        assert all(word in str(caught.value) for word in [*words, "contradicts"]), caught.value
+
+
+@pytest.mark.parametrize(
+    ("where", "message"),
+    [
+        ((0.011, 0.0), "nearest one is"),
+        ((0.0, 0.0, 0.0), "2 finite numbers"),
+        ((np.nan, 0.0), "2 finite numbers"),
+        (("left", "right"), "share no point"),
+        (("left", "nowhere"), "nowhere"),
+        ("nowhere", "nowhere"),
+        (3.0, "2 finite numbers"),
+        ((), "2 finite numbers"),
+    ],
+)
+def test_locations_that_are_none_are_refused(where, message):
+    for others in (
+        {"fixed": [where]},
+        {"prescribed": {where: (0.0, None)}},
+        {"springs": {where: 1.0}},
+    ):
+        with pytest.raises(InputError, match=message) as caught:
+            elastic(block(), **others)
+        assert next(iter(others)) in str(caught.value)
+
+
+def test_points_that_gmsh_names(tmp_path):
+    script = tmp_path / "triangle.geo"
+    script.write_text(
+        "Point(1) = {0, 0, 0, 1}; Point(2) = {1, 0, 0, 1}; Point(3) = {0, 1, 0, 1};"
+        "Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 1};"
+        "Curve Loop(1) = {1, 2, 3}; Plane Surface(1) = {1};"
+        'Physical Surface("solid") = {1}; Physical Curve("base") = {1};'
+        'Physical Point("top") = {3}; Physical Point("both") = {1, 2};'
+    )
+    mesh = mesh_from_gmsh(script)
+    assert mesh.points == {"top": [0.0, 1.0]}
+    solid = elastic(mesh, fixed=["top"], prescribed={"base": (None, 0.0)})
+    assert solid.supports.directions.all()
+
+
+def test_names_of_points_are_checked():
+    with pytest.raises(InputError, match=r"points\['a'\].*2 finite"):
+        name_points(block(), {"a": (1.0,)})
+    with pytest.raises(InputError, match=r"points\['base'\].*facets"):
+        name_points(block(), {"base": (1.0, 0.0)})
+
+
+# -- springs to the ground --
+
+
+def hyper(mesh, **others):
+    """Nearly linear under small loads; nu = 0 as St. Venant's bar wants it."""
+    return HyperelasticSolid(mesh, energy=neo_hookean(E, 0.0), density=RHO, **others)
+
+
+@pytest.mark.parametrize("stiffness", [2e5, (1e5, 2e5)])
+def test_a_block_on_a_foundation_is_exact(stiffness):
+    """``u = -p/k - p y/E``: the block goes down as a whole and is pressed."""
+    p, k = 100.0, 2e5
+    for make, tolerance in ((elastic, 1e-13), (hyper, 1e-7)):
+        others = {} if make is hyper else {"poisson_ratio": 0.0}
+        solid = make(block(), springs={"base": stiffness}, tractions={"top": (0, -p)}, **others)
+        assert solid.supported
+        u, x = settled(solid)
+        exact = np.stack([0 * x[:, 0], -p / k - p * x[:, 1] / E], axis=1)
+        np.testing.assert_allclose(u, exact, rtol=0, atol=tolerance)
+        energy = WIDTH * (p**2 / k / 2 + HEIGHT * p**2 / E / 2)
+        assert solid.energies()[1] == pytest.approx(energy, rel=1e-3)
+
+
+def test_springs_at_points_share_the_weight():
+    k, corners = 3e3, [(-WIDTH / 2, 0.0), (WIDTH / 2, 0.0)]
+    mesh = name_points(block(), {"foot": corners[0]})
+    for places in (corners, ["foot", ("right", "base")]):
+        solid = elastic(mesh, gravity=(0, -9.81), springs=dict.fromkeys(places, k))
+        u, _ = settled(solid)
+        feet = [np.abs(solid.vectors.places - c).sum(axis=1).argmin() for c in corners]
+        down = solid.displacement.reshape(-1, 2)[feet]
+        np.testing.assert_allclose(down[:, 1], -solid.mass * 9.81 / 2 / k, rtol=1e-9)
+        np.testing.assert_allclose(down[:, 0].sum(), 0, atol=1e-12)
+        assert len(u)
+
+
+@pytest.mark.parametrize("make", [elastic, hyper])
+@pytest.mark.parametrize("scheme", [None, GeneralisedAlpha(0.9)])
+def test_a_stiff_block_on_springs_is_an_oscillator(make, scheme):
+    """``m q'' + k q = 0``; with damping of its stiffness the springs lose, too."""
+    k, errors = 100.0, []
+
+    def fall(x):
+        return np.stack([0 * x[0], 1e-3 + 0 * x[0]])
+
+    omega = np.sqrt(k / RHO / HEIGHT)
+    for steps in (40, 80):
+        solid = make(block(n=(1, 1)), springs={"base": k}, velocity=fall)
+        probes = {"q": lambda s=solid: s.mean(s.displacement)[1]}
+        until = 2 * np.pi / omega
+        history = Scene([solid], [], scheme).run(until, until / steps, probes=probes)
+        assert history.finished, history.reason
+        exact = 1e-3 / omega * np.sin(omega * history.time)
+        errors.append(np.abs(history["q"] - exact).max() * omega / 1e-3)
+        check_energies(history, 1e-9 if make is elastic else 1e-6)
+    assert errors[-1] < 5e-3
+    np.testing.assert_allclose(rates(errors), 2, atol=0.2)
+    solid = make(block(n=(1, 1)), springs={"base": k}, damping=KelvinVoigt(0.1), velocity=fall)
+    history = Scene([solid], [], scheme).run(until, until / 80)
+    rate = 0.1 * omega**2 / 2
+    assert history["damping"][-1] / total_energy(history)[0] == pytest.approx(
+        np.exp(-2 * rate * until) - 1, rel=0.05
+    )
+
+
+def test_statics_ask_springs_and_hoops_what_they_hold():
+    with pytest.raises(InputError, match="nothing holds 'elastic' against moving along x"):
+        settled(elastic(block(), springs={"base": (0.0, 1e5)}))
+    with pytest.raises(InputError, match="nothing holds 'elastic'"):
+        settled(elastic(block(), springs={(-WIDTH / 2, 0.0): 1e5}))
+    with pytest.raises(InputError, match="nothing holds 'elastic' against moving along y"):
+        settled(elastic(ring(2), plane="axisymmetric", springs={"base": (1.0, 0.0)}))
+    settled(elastic(ring(2), plane="axisymmetric", springs={"base": (0.0, 1.0)}))
+
+
+@pytest.mark.parametrize("value", [-1.0, np.nan, "stiff", None, (1.0,), (1.0, -1.0), 1j, 0.0])
+def test_springs_that_are_none_are_refused(value):
+    with pytest.raises(InputError, match="springs"):
+        elastic(block(), springs={"base": value})
+
+
+def test_springs_must_be_a_dict():
+    with pytest.raises(InputError, match=r"springs.*dict"):
+        elastic(block(), springs=["base"])
+
+
+def test_springs_bear_beside_contact():
+    """A block that a spring draws to a floor: the floor bears what the spring and weight pull."""
+    k, gap = 1e5, 1e-3
+    solid = elastic(
+        block(),
+        springs={"top": (0.0, k)},
+        prescribed={("left", "base"): (0.0, None), ("left", "top"): (0.0, None)},
+        poisson_ratio=0.0,
+    )
+    contact = Contact(solid, "base", HalfSpace((0, gap), (0, 1)), "gap", name="c")
+    history = Scene([solid], [contact], QuasiStatic(), deepest=0.1).run(1.0, 1.0)
+    assert history.finished, history.reason
+    force = gap / (1 / k + HEIGHT / E) * WIDTH
+    assert history["c.force_y"][-1] == pytest.approx(force, rel=1e-9)
+
+
+# -- plane stress --
+
+
+@pytest.mark.parametrize("cell", CELLS)
+def test_pure_bending_in_plane_stress_is_exact(cell):
+    """``sigma_xx = c y``: u = c x y/E, v = -c (x² + nu y²)/2E, of degree 2."""
+    c, length, height = 1e4, 1.0, 0.4
+    mesh = rectangle((4, 2), (length, height), cell)
+    mesh.mesh.geometry.x[:, 1] -= height / 2
+    mesh.mesh.geometry.x[:, 0] += length / 2
+    solid = elastic(
+        mesh,
+        plane="stress",
+        degree=2,
+        prescribed={"left": (0.0, None), (0.0, 0.0): (None, 0.0)},
+        tractions={"right": lambda x: (c * x[1], 0.0)},
+    )
+    u, x = settled(solid)
+    exact = c / E * np.stack([x[:, 0] * x[:, 1], -(x[:, 0] ** 2 + NU * x[:, 1] ** 2) / 2], axis=1)
+    np.testing.assert_allclose(u, exact, rtol=0, atol=1e-12)
+    energy = c**2 * height**3 / 12 * length / E / 2
+    assert solid.energies()[1] == pytest.approx(energy, rel=1e-11)
+    assert "plane stress" in solid.describe()
+
+
+@pytest.mark.parametrize("plane", ["stresses", None, 2])
+def test_planes_that_are_none_are_refused(plane):
+    with pytest.raises(InputError, match=r"plane = .*'strain', 'stress', 'axisymmetric'"):
+        elastic(block(), plane=plane)
+
+
+def test_planes_are_of_linear_solids_in_2d():
+    with pytest.raises(InputError, match="plane = 'stress'"):
+        elastic(box(), plane="stress")
+    with pytest.raises(InputError, match="plane = 'axisymmetric'"):
+        hyper(block(), plane="axisymmetric")
+
+
+# -- axisymmetry --
+
+INNER, OUTER = 1.0, 2.0
+
+
+def ring(n, cell="quadrilateral", inner=INNER):
+    corners, kind = [[inner, 0.0], [OUTER, 0.5]], getattr(dolfinx.mesh.CellType, cell)
+    mesh = dolfinx.mesh.create_rectangle(MPI.COMM_WORLD, corners, [2 * n, n], kind)
+    return name_facets(
+        mesh,
+        {
+            "inner": lambda x: np.isclose(x[0], inner),
+            "outer": lambda x: np.isclose(x[0], OUTER),
+            "base": lambda x: np.isclose(x[1], 0.0),
+            "top": lambda x: np.isclose(x[1], 0.5),
+        },
+    )
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("cell", CELLS)
+def test_lame_cylinder_converges(cell, degree):
+    """A thick-walled cylinder under inner pressure, its ends held: G. Lamé (1852)."""
+    p, errors = 1e4, []
+    factor = p * INNER**2 / (OUTER**2 - INNER**2)
+    for n in (2, 4, 8):
+        mesh = ring(n, cell)
+        solid = elastic(
+            mesh,
+            plane="axisymmetric",
+            degree=degree,
+            prescribed={"base": (None, 0.0), "top": (None, 0.0)},
+            tractions={"inner": (p, 0.0)},
+        )
+        settled(solid)
+        x = ufl.SpatialCoordinate(mesh.mesh)
+        radial = (1 + NU) / E * factor * ((1 - 2 * NU) * x[0] + OUTER**2 / x[0])
+        off = solid.vectors.function(solid.displacement) - ufl.as_vector([radial, 0])
+        form = dolfinx.fem.form(ufl.dot(off, off) * x[0] * ufl.dx(degree=6))
+        errors.append(np.sqrt(mesh.mesh.comm.allreduce(dolfinx.fem.assemble_scalar(form))))
+    assert errors[-1] < 1e-3 * factor * (1 + NU) / E * OUTER**2
+    np.testing.assert_allclose(rates(errors)[-1], degree + 1, atol=0.15)
+
+
+@pytest.mark.parametrize("cell", CELLS)
+def test_uniform_states_of_revolution_are_exact(cell):
+    """A solid cylinder under pressure from all sides; its axis holds itself."""
+    p = 1e4
+    solid = elastic(
+        ring(3, cell, inner=0.0),
+        plane="axisymmetric",
+        prescribed={"base": (None, 0.0)},
+        tractions={"outer": (-p, 0.0), "top": (0.0, -p)},
+    )
+    u, x = settled(solid)
+    np.testing.assert_allclose(u, -p * (1 - 2 * NU) / E * x, rtol=0, atol=1e-13)
+    volume = np.pi * OUTER**2 * 0.5
+    assert solid.mass == pytest.approx(RHO * volume, rel=1e-12)
+    assert solid.energies()[1] == pytest.approx(volume * 1.5 * p**2 * (1 - 2 * NU) / E, rel=1e-11)
+    np.testing.assert_allclose(solid.reaction("base")[1], p * np.pi * OUTER**2, rtol=1e-10)
+
+
+def test_a_thin_hoop_breathes():
+    """``omega² = E/(rho r²)``, plane stress round it and nothing across."""
+    thin = 0.01
+    corners = [[1.0, 0.0], [1.0 + thin, thin]]
+    mesh = dolfinx.mesh.create_rectangle(MPI.COMM_WORLD, corners, [1, 1])
+    solid = elastic(
+        name_facets(mesh, {}),
+        poisson_ratio=0.0,
+        plane="axisymmetric",
+        velocity=lambda x: np.stack([1.0 + 0 * x[0], 0 * x[1]]),
+    )
+    omega = np.sqrt(E / RHO) / (1 + thin / 2)
+    period = 2 * np.pi / omega
+    probes = {"q": lambda: solid.mean(solid.displacement)[0] * omega}
+    scene = Scene([solid], [], allow_free=True)
+    history = scene.run(period, period / 200, probes=probes)
+    assert history.finished, history.reason
+    check_energies(history)
+    np.testing.assert_allclose(history["q"], np.sin(omega * history.time), atol=1e-3)
+
+
+def test_a_solid_of_revolution_rests_on_a_floor():
+    """Forces are those of the whole solid; what is not of revolution is refused beside it."""
+    solid = elastic(ring(3, inner=0.0), plane="axisymmetric", gravity=(0, -9.81))
+    contact = Contact(solid, "base", HalfSpace((0, 0), (0, 1)), "gap", name="c")
+    history = Scene([solid], [contact], QuasiStatic(), deepest=0.1).run(1.0, 1.0)
+    assert history.finished, history.reason
+    assert history["c.force_y"][-1] == pytest.approx(solid.mass * 9.81, rel=1e-9)
+    with pytest.raises(InputError, match="'elastic' is a solid of revolution and 'flat' is not"):
+        Scene([solid, elastic(block(), fixed=["base"], name="flat")], [contact], QuasiStatic())
+
+
+def test_negative_radii_are_refused():
+    with pytest.raises(InputError, match=r"axisymmetric.*radius.*-0\.2"):
+        elastic(block(), plane="axisymmetric")
+
+
+# -- processes --
+
+SCRIPT = """
+import sys
+sys.path.insert(0, {tests!r})
+import numpy as np
+from test_supports import *
+from fenicsx_contact import Rayleigh
+mesh = name_points(rectangle((4, 8), (WIDTH, HEIGHT)), {{"corner": (-WIDTH / 2, 0.0)}})
+out = []
+for make in (elastic, hyper):
+    solid = make(
+        mesh, fixed=["corner"], prescribed={{("right", "base"): (None, 0.0)}},
+        springs={{"left": 1e5, (WIDTH / 2, HEIGHT): (0.0, 1e4)}}, damping=Rayleigh(1.0, 1e-3),
+        tractions={{"top": lambda x, t: (1e3 * t, -1e3 * (1 + x[0]))}},
+        body_force=lambda x: np.stack([np.sin(x[0]), 0 * x[0]]), density=lambda x: RHO * (1 + x[1]),
+    ) if make is elastic else make(
+        mesh, fixed=["corner"], springs={{"left": 1e5}}, damping=Rayleigh(1.0, 1e-3),
+        tractions={{"top": lambda t: (1e3 * t, -1e3)}},
+    )
+    history = Scene([solid], []).run(0.02, 1e-3)
+    assert history.finished, history.reason
+    out.append(history.rows()[-1, 2:11])
+try:
+    elastic(mesh, fixed=[(0.01, 0.0)])
+except InputError as refused:
+    assert "nearest" in str(refused)
+if MPI.COMM_WORLD.rank == 0:
+    np.save({file!r}, np.array(out))
+"""
+
+
+@pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
+def test_two_processes_give_the_numbers_of_one(tmp_path):
+    found = []
+    for n in (1, 2):
+        file = str(tmp_path / f"{n}.npy")
+        code = SCRIPT.format(tests=str(Path(__file__).parent), file=file)
+        output_of(mpirun(code, n))
+        found.append(np.load(file))
+    size = np.abs(found[0][:, :8]).max(axis=1, keepdims=True)
+    assert size.min() > 0
+    np.testing.assert_allclose(found[1] / size, found[0] / size, rtol=0, atol=1e-9)

@@ -46,11 +46,13 @@ def method_of_multipliers(system: Softened, tolerance: float) -> int:
         while outer.lasts:
             system.soften(compliance)
             inner = Patience(system.error())
-            while inner.lasts and inner.best > tolerance:
+            while inner.lasts:
                 total += 1
                 if not system.iterate():
                     break
                 inner.see(system.error())
+                if inner.best <= tolerance:
+                    break
             system.soften(0.0)
             if system.error() <= tolerance:
                 return total

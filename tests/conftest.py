@@ -2,10 +2,14 @@
 """Settings for the whole suite, made before numpy is imported."""
 
 import os
+from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # the same sums in the same order, and faster
 os.environ.setdefault("MPLBACKEND", "Agg")
 os.environ.setdefault("PYVISTA_OFF_SCREEN", "true")
+if worker := os.environ.get("PYTEST_XDIST_WORKER"):  # who waits 10 s for another's form gives up
+    forms = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
+    os.environ["XDG_CACHE_HOME"] = str(forms / "fenicsx_contact_tests" / worker)
 
 import pytest
 
@@ -34,3 +38,11 @@ def pytest_collection_modifyitems(items):
                 item.add_marker(pytest.mark.long)
         if item.path.stem in QUICK and not marked:
             item.add_marker(pytest.mark.quick)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Tests of a file share runs."""
+    from xdist.scheduler import LoadFileScheduling
+
+    return LoadFileScheduling(config, log)

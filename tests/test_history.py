@@ -252,7 +252,7 @@ def other_scene(**changes):
         {"scheme": ThetaScheme(0.5, "end")},
         {"dt": 2e-3},
     ],
-    ids=str,
+    ids=lambda changes: re.sub(" at 0x\\w+", "", str(changes)),
 )
 def test_another_scene_is_not_resumed(changes, tmp_path):
     other_scene().run(4e-3, 1e-3, directory=tmp_path)

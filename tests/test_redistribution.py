@@ -21,7 +21,9 @@ def matrix(solid):
 
 
 @pytest.mark.parametrize(
-    "mesh", [rectangle((4, 5)), rectangle((4, 5), cell="triangle"), box((2, 2, 3))], ids=str
+    "mesh",
+    [rectangle((4, 5)), rectangle((4, 5), cell="triangle"), box((2, 2, 3))],
+    ids=["quadrilaterals", "triangles", "hexahedra"],
 )
 def test_mass_is_moved_not_lost(mesh):
     data = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}

@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Shapes of obstacles against formulas, and in scenes with exact answers."""
+
+from __future__ import annotations
+
+import meshio
+import numpy as np
+import pytest
+import ufl
+from mpi4py import MPI
+from scenes import FLOOR, G, box, rectangle
+from shapes import ball, bricks, triangulated
+from test_obstacles import refused
+
+from fenicsx_contact import (
+    Box,
+    Circle,
+    Contact,
+    Curve,
+    Cylinder,
+    ElasticSolid,
+    HalfSpace,
+    LevelSet,
+    Moved,
+    Obstacle,
+    Polyhedron,
+    QuasiStatic,
+    Revolution,
+    RigidSolid,
+    Scene,
+    Sphere,
+    ThetaScheme,
+    Triangulated,
+    Wedge,
+    name_facets,
+    torques,
+)
+from fenicsx_contact.base import compat
+from fenicsx_contact.contact.wall import Wall
+from fenicsx_contact.references.hertz import LineContact, PointContact, effective_modulus
+
+HERE, ALONG, UP = (0.1, -0.2, 0.3), (2 / 3, -1 / 3, 2 / 3), (0, 0, 1)
+
+
+def around(n, radius=1.0):
+    """A circle clockwise, its first point once more at the end."""
+    turn = -2 * np.pi * np.arange(n + 1) / n
+    return radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+
+
+SMOOTH_BALL = Triangulated(ball(150, HERE), smooth=True)
+ROUGH_BALL = Triangulated(ball(300, HERE, seed=1), smooth=True)
+ELLIPSE = Curve(around(60) * [2, 1], smooth=True)
+
+
+# -- what a formula says, too --
+
+
+@pytest.mark.parametrize(
+    ("shape", "formula", "error"),
+    [
+        (Revolution(Circle((0, 0), 0.9), HERE, ALONG), Sphere(HERE, 0.9), 1e-14),
+        (
+            Revolution(Box((0, 0), (50, 0.8)), HERE, ALONG),
+            Cylinder(HERE, ALONG, 0.4),
+            1e-14,
+        ),
+        (
+            Revolution(HalfSpace((0, 0.4), (0, -1)), HERE, ALONG),
+            Cylinder(HERE, ALONG, 0.4, inside=True),
+            1e-14,
+        ),
+        (Triangulated(bricks((1, 2, 3))), Box((0, 0, 0), (1, 2, 3)), 1e-14),
+        (SMOOTH_BALL, Sphere(HERE, 1.0), 1e-13),
+        (ROUGH_BALL, Sphere(HERE, 1.0), 1e-12),
+        (Curve(around(80), smooth=True), Circle((0, 0), 1.0), 1e-7),
+        (Curve(around(80)[::-1], smooth=True), Circle((0, 0), 1.0, inside=True), 1e-7),
+        (Curve([(-1, 0), (1, 0.5), (3, 1)]), HalfSpace((0, 0.25), (-1, 4)), 1e-15),
+        (Curve([(-1, 0), (1, 0.5), (3, 1)], smooth=True), HalfSpace((0, 0.25), (-1, 4)), 1e-15),
+    ],
+)
+def test_the_same_as_a_formula(shape, formula, error):
+    assert isinstance(shape, Obstacle)
+    x = np.random.default_rng(1).standard_normal((300, shape.dim))
+    middle = HERE if shape.dim == 3 else (0, 0)
+    size = np.linalg.norm(x - middle, axis=1)
+    x = x[(0.6 < size) & (size < 2)]
+    np.testing.assert_allclose(shape.distance(x), formula.distance(x), atol=10 * error)
+    np.testing.assert_allclose(shape.normals(x), formula.normals(x), atol=100 * error)
+    bend, exact = Wall(shape).curvature(x, 0.0), Wall(formula).curvature(x, 0.0)
+    if bend is not None:
+        bend = bend - (0.0 if exact is None else exact)
+        np.testing.assert_allclose(bend, 0.0, atol=3e4 * error)
+
+
+SHAPES = {
+    "rectangle": Box((0.1, 0.2), (1, 2), rotation=0.3),
+    "round rectangle": Box((0.1, 0.2), (1, 2), rotation=0.3, rounding=0.2),
+    "box": Box(HERE, (1, 2, 0.5), rotation=(0.1, 0.2, 0.3)),
+    "round box": Box(HERE, (1, 2, 0.5), rotation=(0.1, 0.2, 0.3), rounding=0.2),
+    "tip": Wedge((0.1, 0.2), (1, 2), 0.8, rounding=0.1),
+    "wedge": Wedge(HERE, (1, 2, 3), 2.0, edge=(1, 0, 0)),
+    "cone": Revolution(Wedge((0.3, 0), (1, 0), 0.8), HERE, ALONG),
+    "torus": Revolution(Circle((0, 0.6), 0.2), HERE, ALONG),
+    "hull": Polyhedron([HalfSpace(n, n) for n in np.vstack([np.eye(3), [[-1, -1, -1]]])], 0.1),
+    "curve": Curve([(-1, 0.5), (-0.5, -0.3), (0.2, 0.4), (0.7, 0.3), (1.2, -1)]),
+    "smooth curve": Curve([(-2, 0), (-1, 0.1), (0, 0), (1, 0.1), (2, 0)], smooth=True),
+    "ellipse": ELLIPSE,
+    "vase": Revolution(ELLIPSE, HERE, ALONG),
+    "smooth ball": SMOOTH_BALL,
+    "bricks": Triangulated(bricks((1, 2, 3))),
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_a_distance_has_its_normals_and_these_their_curvature(name):
+    """By differences; a distance is one everywhere: its slope is the unit normal."""
+    shape, h = SHAPES[name], 1e-6
+    d = shape.dim
+    x = 1.5 * np.random.default_rng(2).standard_normal((200, d))
+    near = np.abs(shape.distance(x)) < 0.3
+    x, few = x[near], 3e-2  # beside the corners of what is inside slopes jump
+    n, bend = shape.normals(x), Wall(shape).curvature(x, 0.0)
+    assert len(x) > 20
+    np.testing.assert_allclose(np.linalg.norm(n, axis=1), 1.0, rtol=1e-13)
+    for i, step in enumerate(h * np.eye(d)):
+        slope = (shape.distance(x + step) - shape.distance(x - step)) / (2 * h)
+        assert np.mean(np.abs(slope - n[:, i]) > 1e-6) < few
+        if bend is not None:
+            turn = (shape.normals(x + step) - shape.normals(x - step)) / (2 * h)
+            assert np.mean(np.abs(turn - bend[:, :, i]).max(axis=1) > 1e-5) < few
+
+
+def test_corners_and_edges():
+    square, wedge = Box((0, 0), (2, 2)), Wedge((0, 0, 0), (0, 0, 1), np.pi / 2, edge=UP[::-1])
+    at = np.array([[2, 2], [0.5, 0.9], [3, 0], [1, 1]], dtype=float)
+    np.testing.assert_allclose(square.distance(at), [2**0.5, -0.1, 2, 0], atol=1e-15)
+    np.testing.assert_allclose(square.normals(at[:2]), [[0.5**0.5] * 2, [0, 1]], atol=1e-15)
+    at = np.array([[5, 0, 3], [-7, 2, -2], [1, 0, -1]], dtype=float)
+    np.testing.assert_allclose(wedge.distance(at), [3, 0, -(0.5**0.5)], atol=1e-14)
+    corner = np.array([[1.5, 2.0, 2.5]])
+    np.testing.assert_allclose(Box((0, 0, 0), (2, 2, 2)).distance(corner), (0.25 + 1 + 2.25) ** 0.5)
+    round_ = Box((0, 0), (2, 2), rounding=0.5)
+    np.testing.assert_allclose(round_.distance(np.array([[1.0, 1.0]])), 0.5 * (2**0.5 - 1))
+
+
+def test_a_smooth_surface_is_of_higher_order():
+    """An ellipsoid by ever more points: errors of the distance, of faces and smooth."""
+    phi = LevelSet(lambda x, t: ufl.sqrt(x[0] ** 2 / 4 + x[1] ** 2 + x[2] ** 2) - 1, 3)
+    errors = {False: [], True: []}
+    for n in (200, 800, 3200):
+        mesh = ball(n)
+        x = ball(150, seed=2).points * [2, 1, 1]
+        mesh.points = mesh.points * [2, 1, 1]
+        for smooth, found in errors.items():
+            distance = Triangulated(mesh, smooth).distance(x) - phi.distance(x)
+            found.append(np.sqrt(np.mean(distance**2)))
+    flat, curved = (np.log2(np.array(e[:-1]) / e[1:]) for e in errors.values())
+    assert flat.min() > 1.8 and curved.min() > 2.5
+    assert errors[True][-1] < 0.01 * errors[False][-1]
+
+
+def test_a_hole_of_triangles():
+    mesh = ball(100)
+    mesh = meshio.Mesh(mesh.points, [("triangle", mesh.cells[0].data[:, ::-1])])
+    hole, x = Triangulated(mesh, smooth=True), np.array([[0.7, 0.2, 0.1]])
+    np.testing.assert_allclose(hole.distance(x), Sphere((0, 0, 0), 1.0, True).distance(x))
+    np.testing.assert_allclose(hole.curvature(x), Sphere((0, 0, 0), 1.0, True).curvature(x))
+
+
+# -- Hertz --
+
+
+def quarter(n, power=2.2):
+    """A quarter of a block of unit sides, its elements smaller towards the corner at the origin."""
+    mesh = box((n, n, n), (1, 1, 1)).mesh
+    x = mesh.geometry.x
+    x[:, :2] = (x[:, :2] + 0.5) ** power
+    x[:, 2] = -((1 - x[:, 2]) ** power)
+    names = {"top": (2, 0), "base": (2, -1), "x": (0, 0), "y": (1, 0)}
+    return name_facets(
+        mesh, {k: lambda x, i=i, v=v: np.isclose(x[i], v) for k, (i, v) in names.items()}
+    )
+
+
+def ball_on_block(shape):
+    """A rigid ball of radius 1 pressed into it: pressures, and Hertz' for the same force."""
+    block = ElasticSolid(
+        quarter(8),
+        youngs_modulus=1.0,
+        poisson_ratio=0.3,
+        density=1.0,
+        fixed=["base"],
+        prescribed={"x": (0, None, None), "y": (None, 0, None)},
+    )
+    contact = Contact(block, "top", Moved(shape, lambda t: (0, 0, -0.01 * t)), "gap", name="c")
+    history = Scene([block], [contact], QuasiStatic(), geometry="newton").run(1.0, 1.0)
+    assert history.finished and history["newton"].sum() <= 5
+    hertz = PointContact(-4 * contact.force[:, 2].sum(), effective_modulus(1.0, 0.3), 1.0)
+    radii = np.linalg.norm(contact.surface.points[:, :2], axis=1)
+    return -contact.multiplier, hertz.pressure(radii), contact.surface.area
+
+
+def test_hertz_by_a_ball_in_four_ways(tmp_path):
+    """By formula, in UFL, turned and as an STL of 400 points, smooth: the same to round-off."""
+    file = tmp_path / "ball.stl"
+    ball(400, UP).write(file)
+    shapes = [
+        Sphere(UP, 1.0),
+        LevelSet(lambda x, t: ufl.sqrt(x[0] ** 2 + x[1] ** 2 + (x[2] - 1) ** 2) - 1, 3),
+        Revolution(Circle((0, 0), 1.0), UP, UP),
+        Triangulated(file, smooth=True),
+    ]
+    found, exact, area = ball_on_block(shapes[0])
+    assert found.max() == pytest.approx(exact.max(), rel=0.06)
+    assert (area * (found - exact) ** 2).sum() < 0.2**2 * (area * exact**2).sum()
+    for shape in shapes[1:]:
+        np.testing.assert_allclose(ball_on_block(shape)[0], found, atol=1e-10 * found.max())
+    facets = ball_on_block(Triangulated(file))
+    assert np.abs(facets[0] - facets[1]).max() > facets[1].max()  # they are no ball
+
+
+@pytest.mark.parametrize(
+    ("shape", "off"),
+    [
+        (Circle((0, 1), 1.0), 0.0),
+        (LevelSet(lambda x, t: ufl.sqrt(x[0] ** 2 + (x[1] - 1) ** 2) - 1, 2), 1e-10),
+        (Curve(around(360) + [0, 1], smooth=True), 1e-4),
+        (Curve(around(360) + [0, 1]), 1.0),
+    ],
+)
+def test_hertz_by_a_cylinder(shape, off):
+    """Pressures of a strip of 20 elements within 4 % of Hertz', all the same but facets'."""
+    mesh = rectangle((80, 24), (2, 1)).mesh
+    x = mesh.geometry.x
+    x[:, 0] = np.sign(x[:, 0]) * np.abs(x[:, 0]) ** 2.2
+    x[:, 1] = -((1 - x[:, 1]) ** 2.2)
+    sides = {"top": lambda x: np.isclose(x[1], 0), "base": lambda x: np.isclose(x[1], -1)}
+    block = ElasticSolid(
+        name_facets(mesh, sides), youngs_modulus=1.0, poisson_ratio=0.3, density=1.0, fixed=["base"]
+    )
+    pressures = []
+    for each in (Circle((0, 1), 1.0), shape):
+        block.displacement = 0 * block.displacement
+        contact = Contact(block, "top", Moved(each, lambda t: (0, -0.01 * t)), "gap", name="c")
+        history = Scene([block], [contact], QuasiStatic(), geometry="newton").run(1.0, 1.0)
+        assert history.finished and history["newton"].sum() <= 8
+        pressures.append(-contact.multiplier)
+    hertz = LineContact(-contact.force[:, 1].sum(), effective_modulus(1.0, 0.3), 1.0)
+    exact, area = hertz.pressure(contact.surface.points[:, 0]), contact.surface.area
+    error = np.sqrt((area * (pressures[1] - exact) ** 2).sum() / (area * exact**2).sum())
+    assert (error < 0.04) == (off < 1)
+    np.testing.assert_allclose(pressures[1], pressures[0], atol=off * exact.max() + 1e-14)
+
+
+# -- rolling, torques, what is driven by a force --
+
+
+def disc(n=360, radius=0.1):
+    """A disc of n corners that stands on y = 0."""
+    rim = around(n, radius)[:-1] + [0, radius]
+    k = np.arange(n)
+    cells = np.stack([0 * k, k + 1, (k + 1) % n + 1], axis=1)
+    mesh = compat.create_mesh(MPI.COMM_WORLD, cells, np.vstack([[0, radius], rim]), "triangle")
+    return name_facets(mesh, {"rim": lambda x: np.full(x.shape[1], True)})
+
+
+def test_a_disc_rolls_down_a_slope():
+    """With 2/3 g sin a, by the torque of friction. theta = 1 loses nothing at the corners."""
+    slope, friction, radius = 0.1, 0.3, 0.1
+    pull = G * np.sin(slope)
+    solid = RigidSolid(disc(), mass=1.0, gravity=(pull, -G * np.cos(slope)))
+    contact = Contact(solid, "rim", FLOOR, friction=friction, name="c")
+    scene = Scene([solid], [contact], ThetaScheme(1.0))
+    history = scene.run(0.3, 1e-2, probes=torques(contact, lambda: solid.place))
+    speed = 2 / 3 * pull * 0.3
+    assert solid.velocity[0] == pytest.approx(speed, rel=0.015)
+    assert solid.velocity[2] == pytest.approx(-speed / radius, rel=0.015)
+    turned = (history["c.torque"] * history.span).sum()
+    assert turned == pytest.approx(solid.inertia[0, 0] * solid.velocity[2], rel=1e-6)

@@ -9,7 +9,7 @@ import pytest
 import ufl
 from mpi4py import MPI
 from scenes import FLOOR, G, box, rectangle
-from shapes import ball, bricks, triangulated
+from shapes import ball, bricks
 from test_obstacles import refused
 
 from fenicsx_contact import (
@@ -42,10 +42,10 @@ from fenicsx_contact.references.hertz import LineContact, PointContact, effectiv
 HERE, ALONG, UP = (0.1, -0.2, 0.3), (2 / 3, -1 / 3, 2 / 3), (0, 0, 1)
 
 
-def around(n, radius=1.0):
+def around(n, radius=1.0, above=0.0):
     """A circle clockwise, its first point once more at the end."""
     turn = -2 * np.pi * np.arange(n + 1) / n
-    return radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    return np.stack([radius * np.cos(turn), above + radius * np.sin(turn)], axis=1)
 
 
 SMOOTH_BALL = Triangulated(ball(150, HERE), smooth=True)
@@ -84,7 +84,7 @@ def test_the_same_as_a_formula(shape, formula, error):
     x = np.random.default_rng(1).standard_normal((300, shape.dim))
     middle = HERE if shape.dim == 3 else (0, 0)
     size = np.linalg.norm(x - middle, axis=1)
-    x = x[(0.6 < size) & (size < 2)]
+    x = x[(size > 0.6) & (size < 2)]
     np.testing.assert_allclose(shape.distance(x), formula.distance(x), atol=10 * error)
     np.testing.assert_allclose(shape.normals(x), formula.normals(x), atol=100 * error)
     bend, exact = Wall(shape).curvature(x, 0.0), Wall(formula).curvature(x, 0.0)
@@ -117,7 +117,7 @@ def test_a_distance_has_its_normals_and_these_their_curvature(name):
     """By differences; a distance is one everywhere: its slope is the unit normal."""
     shape, h = SHAPES[name], 1e-6
     d = shape.dim
-    x = 1.5 * np.random.default_rng(2).standard_normal((200, d))
+    x = np.random.default_rng(2).standard_normal((800, d))
     near = np.abs(shape.distance(x)) < 0.3
     x, few = x[near], 3e-2  # beside the corners of what is inside slopes jump
     n, bend = shape.normals(x), Wall(shape).curvature(x, 0.0)
@@ -157,7 +157,7 @@ def test_a_smooth_surface_is_of_higher_order():
             found.append(np.sqrt(np.mean(distance**2)))
     flat, curved = (np.log2(np.array(e[:-1]) / e[1:]) for e in errors.values())
     assert flat.min() > 1.8 and curved.min() > 2.5
-    assert errors[True][-1] < 0.01 * errors[False][-1]
+    assert errors[True][-1] < 0.03 * errors[False][-1]
 
 
 def test_a_hole_of_triangles():
@@ -220,17 +220,8 @@ def test_hertz_by_a_ball_in_four_ways(tmp_path):
     assert np.abs(facets[0] - facets[1]).max() > facets[1].max()  # they are no ball
 
 
-@pytest.mark.parametrize(
-    ("shape", "off"),
-    [
-        (Circle((0, 1), 1.0), 0.0),
-        (LevelSet(lambda x, t: ufl.sqrt(x[0] ** 2 + (x[1] - 1) ** 2) - 1, 2), 1e-10),
-        (Curve(around(360) + [0, 1], smooth=True), 1e-4),
-        (Curve(around(360) + [0, 1]), 1.0),
-    ],
-)
-def test_hertz_by_a_cylinder(shape, off):
-    """Pressures of a strip of 20 elements within 4 % of Hertz', all the same but facets'."""
+def cylinder_on_block(shape):
+    """A rigid cylinder of radius 1 pressed into a strip: pressures, Hertz', and areas."""
     mesh = rectangle((80, 24), (2, 1)).mesh
     x = mesh.geometry.x
     x[:, 0] = np.sign(x[:, 0]) * np.abs(x[:, 0]) ** 2.2
@@ -239,18 +230,30 @@ def test_hertz_by_a_cylinder(shape, off):
     block = ElasticSolid(
         name_facets(mesh, sides), youngs_modulus=1.0, poisson_ratio=0.3, density=1.0, fixed=["base"]
     )
-    pressures = []
-    for each in (Circle((0, 1), 1.0), shape):
-        block.displacement = 0 * block.displacement
-        contact = Contact(block, "top", Moved(each, lambda t: (0, -0.01 * t)), "gap", name="c")
-        history = Scene([block], [contact], QuasiStatic(), geometry="newton").run(1.0, 1.0)
-        assert history.finished and history["newton"].sum() <= 8
-        pressures.append(-contact.multiplier)
+    contact = Contact(block, "top", Moved(shape, lambda t: (0, -0.01 * t)), "gap", name="c")
+    history = Scene([block], [contact], QuasiStatic(), geometry="newton").run(1.0, 1.0)
+    assert history.finished and history["newton"].sum() <= 8, history.reason
     hertz = LineContact(-contact.force[:, 1].sum(), effective_modulus(1.0, 0.3), 1.0)
-    exact, area = hertz.pressure(contact.surface.points[:, 0]), contact.surface.area
-    error = np.sqrt((area * (pressures[1] - exact) ** 2).sum() / (area * exact**2).sum())
-    assert (error < 0.04) == (off < 1)
-    np.testing.assert_allclose(pressures[1], pressures[0], atol=off * exact.max() + 1e-14)
+    return -contact.multiplier, hertz.pressure(contact.surface.points[:, 0]), contact.surface.area
+
+
+def test_hertz_by_a_cylinder_in_four_ways():
+    """By formula, in UFL, by a spline and by lines through points: pressures against Hertz'."""
+    shapes = [
+        Circle((0, 1), 1.0),
+        LevelSet(lambda x, t: ufl.sqrt(x[0] ** 2 + (x[1] - 1) ** 2) - 1, 2),
+        Curve(around(90, above=1), smooth=True),
+        Curve(around(90, above=1)),
+    ]
+    pressures, errors = [], []
+    for shape in shapes:
+        found, exact, area = cylinder_on_block(shape)
+        error = (area * (found - exact) ** 2).sum() / (area * exact**2).sum()
+        pressures.append(found)
+        errors.append(np.sqrt(error))
+    assert max(errors[:3]) < 0.05 and errors[3] > 0.3
+    np.testing.assert_allclose(pressures[1], pressures[0], atol=1e-10 * exact.max())
+    np.testing.assert_allclose(pressures[2], pressures[0], atol=1e-3 * exact.max())
 
 
 # -- rolling, torques, what is driven by a force --
@@ -258,23 +261,180 @@ def test_hertz_by_a_cylinder(shape, off):
 
 def disc(n=360, radius=0.1):
     """A disc of n corners that stands on y = 0."""
-    rim = around(n, radius)[:-1] + [0, radius]
+    rim = around(n, radius, above=radius)[:-1]
     k = np.arange(n)
     cells = np.stack([0 * k, k + 1, (k + 1) % n + 1], axis=1)
     mesh = compat.create_mesh(MPI.COMM_WORLD, cells, np.vstack([[0, radius], rim]), "triangle")
     return name_facets(mesh, {"rim": lambda x: np.full(x.shape[1], True)})
 
 
-def test_a_disc_rolls_down_a_slope():
-    """With 2/3 g sin a, by the torque of friction. theta = 1 loses nothing at the corners."""
-    slope, friction, radius = 0.1, 0.3, 0.1
-    pull = G * np.sin(slope)
-    solid = RigidSolid(disc(), mass=1.0, gravity=(pull, -G * np.cos(slope)))
-    contact = Contact(solid, "rim", FLOOR, friction=friction, name="c")
-    scene = Scene([solid], [contact], ThetaScheme(1.0))
-    history = scene.run(0.3, 1e-2, probes=torques(contact, lambda: solid.place))
-    speed = 2 / 3 * pull * 0.3
-    assert solid.velocity[0] == pytest.approx(speed, rel=0.015)
-    assert solid.velocity[2] == pytest.approx(-speed / radius, rel=0.015)
+def roll(slope, friction=0.3, until=0.3):
+    """A disc let go on a slope: its acceleration, that of its rim about its centre, the history.
+    By the gap law its corners, on which it would stop a little, cost nothing."""
+    solid = RigidSolid(disc(), mass=1.0, gravity=(G * np.sin(slope), -G * np.cos(slope)))
+    contact = Contact(solid, "rim", FLOOR, "gap", friction=friction, name="c")
+    probes = torques(contact, lambda: solid.place)
+    history = Scene([solid], [contact], ThetaScheme(1.0)).run(until, 1e-2, probes=probes)
+    assert history.finished, history.reason
     turned = (history["c.torque"] * history.span).sum()
-    assert turned == pytest.approx(solid.inertia[0, 0] * solid.velocity[2], rel=1e-6)
+    assert turned == pytest.approx(solid.inertia[0, 0] * solid.velocity[2], rel=1e-4)
+    return solid.velocity[0] / until, -0.1 * solid.velocity[2] / until, history
+
+
+def test_a_disc_rolls_down_a_slope():
+    """With 2/3 g sin a, by the torque of friction."""
+    acceleration, turning, _ = roll(0.1)
+    exact = 2 / 3 * G * np.sin(0.1)
+    assert acceleration == pytest.approx(exact, rel=0.01)
+    assert turning == pytest.approx(acceleration, rel=1e-3)
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_a_disc_slips_down_a_steep_slope(share):
+    """From tan a = 3 mu on: g (sin a - mu cos a), and turns with twice mu g cos a."""
+    slope = np.arctan(share * 3 * 0.3)
+    acceleration, turning, history = roll(slope)
+    slips = share > 1
+    pull, grip = G * np.sin(slope), 0.3 * G * np.cos(slope)
+    assert acceleration == pytest.approx(pull - grip if slips else 2 / 3 * pull, rel=0.01)
+    assert turning == pytest.approx(2 * grip if slips else 2 / 3 * pull, rel=0.02)
+    assert (history["c.slipping"][1:].mean() > 0.5) == slips
+
+
+@pytest.mark.parametrize("mass", [10.0, 1e-3])
+def test_a_punch_driven_by_a_force(mass):
+    """A rigid punch of some mass, or hardly any, pressed on an elastic base comes to rest where
+    its force is borne, as deep as a table that is driven there."""
+    base = ElasticSolid(
+        rectangle((12, 6), (0.6, 0.3)),
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1000.0,
+        fixed=["base"],
+        name="base",
+    )
+    mesh = rectangle((4, 2), (0.2, 0.1)).mesh
+    mesh.geometry.x[:, 1] += 0.3
+    mesh = name_facets(mesh, {"under": lambda x: np.isclose(x[1], 0.3)})
+    punch = RigidSolid(mesh, mass=mass, force=(0, -2000.0), held=["x", "turning"], name="punch")
+    contact = Contact(base, "top", (punch, "under"), "gap", name="c")
+    about = (0.1, 0.3)
+    scene = Scene([base, punch], [contact], ThetaScheme(1.0))
+    history = scene.run(0.4, 1e-2, probes=torques(contact, about))
+    assert history.finished, history.reason
+    assert history["c.force_y"][-1] == pytest.approx(-2000.0, rel=1e-9)
+    assert history["c.torque"][-1] == pytest.approx(200.0, rel=0.01)
+    sunk = 0.35 - punch.place[1]
+    held = Moved(Box((0, 0.35), (0.202, 0.1), rounding=1e-3), lambda t: (0, -sunk * t))
+    same = ElasticSolid(
+        rectangle((12, 6), (0.6, 0.3)),
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1000.0,
+        fixed=["base"],
+    )
+    driven = Contact(same, "top", held, "gap", name="d")
+    assert Scene([same], [driven], QuasiStatic()).run(1.0, 1.0).finished
+    assert driven.force[:, 1].sum() == pytest.approx(-2000.0, rel=0.05)
+
+
+def test_torques_in_space():
+    """A box that lies on the floor, pushed by a force beside its middle: what the floor bears."""
+    solid = RigidSolid(
+        box(), mass=3.0, gravity=(0, 0, -G), torque=(0.5, 0.2, 0.1), force=(1.0, 0, 0)
+    )
+    contact = Contact(solid, "base", HalfSpace((0, 0, 0), UP), friction=0.5, name="c")
+    probes = torques(contact, lambda: solid.place)
+    history = Scene([solid], [contact]).run(0.02, 1e-3, probes=probes)
+    found = [history[f"c.torque_{axis}"][-1] for axis in "xyz"]
+    np.testing.assert_allclose(found, [-0.5, -0.2, -0.1], atol=1e-6)
+
+
+# -- in Newton's method --
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        Box((0, 0, 0.3), (0.5, 0.5, 0.6), rotation=(0, 0, 0.3), rounding=0.1),
+        Revolution(Curve(around(40) * [0.6, 0.2], smooth=True), (0, 0, 0.2), (1, 0, 0)),
+    ],
+)
+def test_newton_knows_the_curvature_of_shapes(shape):
+    """Pressed into a block and drawn along it."""
+    block = ElasticSolid(
+        quarter(5, 1.0),
+        youngs_modulus=1.0,
+        poisson_ratio=0.3,
+        density=1.0,
+        fixed=["base"],
+    )
+    contact = Contact(block, "top", Moved(shape, lambda t: (0, 0, -0.02 * t)), "gap", name="c")
+    scene = Scene([block], [contact], QuasiStatic(), geometry="newton")
+    history = scene.run(1.0, 1.0)
+    assert history.finished and history["newton"].sum() <= 8
+    assert scene.errors[-1] < 1e-9 and contact.force[:, 2].sum() < 0
+
+
+# -- what is refused --
+
+PLANE = HalfSpace((0, 0), (0, 1))
+CELLS = [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]]
+SHARP = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+
+
+def mesh_of(cells, points=SHARP, kind="triangle"):
+    return meshio.Mesh(points, [(kind, np.asarray(cells))])
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Polyhedron([PLANE]), ("half_spaces", "two at least")),
+        (lambda: Polyhedron([PLANE, HalfSpace((0, 0, 0), UP)]), ("half_spaces", "all in 2D")),
+        (lambda: Polyhedron(PLANE), ("half_spaces", "list")),
+        (lambda: Polyhedron([PLANE, HalfSpace((0, 1), (0, -1))]), ("in common",)),
+        (lambda: Polyhedron([PLANE, HalfSpace((0, 0), (0, -1))]), ("in common",)),
+        (lambda: Box((0, 0), (1, 0)), ("size[1]", "> 0")),
+        (lambda: Box((0, 0), (1, 1, 1)), ("size",)),
+        (lambda: Box((0, 0), (1, 1), rounding=0.5), ("rounding", "0.5")),
+        (lambda: Box((0, 0), (1, 1), rounding=-0.1), ("rounding", ">= 0")),
+        (lambda: Box((0, 0, 0), (1, 1, 1), rotation=0.1), ("rotation",)),
+        (lambda: Wedge((0, 0), (0, 1), np.pi), ("angle", "< pi")),
+        (lambda: Wedge((0, 0), (0, 0), 1.0), ("direction", "zero")),
+        (lambda: Wedge((0, 0), (0, 1), 1.0, edge=UP), ("edge", "None in 2D")),
+        (lambda: Wedge((0, 0, 0), (0, 1, 0), 1.0), ("edge", "3 finite numbers")),
+        (lambda: Wedge((0, 0, 0), UP, 1.0, edge=UP), ("edge", "along the direction")),
+        (lambda: Revolution(Sphere(UP, 1.0), HERE, UP), ("section", "plane")),
+        (lambda: Revolution("vase", HERE, UP), ("obstacle", "vase")),
+        (lambda: Revolution(PLANE, HERE, (0, 0, 0)), ("axis", "zero")),
+        (lambda: Curve([(0, 0)]), ("points", "two or more")),
+        (lambda: Curve([(0, 0, 0), (1, 1, 1)]), ("points", "plane")),
+        (lambda: Curve([(0, 0), (1, np.nan)]), ("points",)),
+        (lambda: Curve("hill"), ("points", "hill")),
+        (lambda: Curve([(0, 0), (0, 0), (1, 1)]), ("points[0], points[1]", "the same")),
+        (lambda: Curve([(0, 0), (1, 0), (0, 0)]), ("points", "four")),
+        (lambda: Triangulated("nowhere.stl"), ("nowhere.stl", "no such file")),
+        (lambda: Triangulated(3), ("surface = 3", "path")),
+        (lambda: Triangulated(mesh_of(CELLS), smooth=1), ("smooth = 1",)),
+        (lambda: Triangulated(mesh_of([[0, 1]], kind="line")), ("surface", "['line']")),
+        (lambda: Triangulated(mesh_of(CELLS[:3])), ("must be closed", "3 edges")),
+        (lambda: Triangulated(mesh_of([*CELLS[:3], [1, 3, 2]])), ("one orientation",)),
+        (lambda: Triangulated(mesh_of([*CELLS, *CELLS])), ("one orientation",)),
+        (lambda: Triangulated(mesh_of([*CELLS, [1, 1, 2]])), ("1 of its triangles", "no area")),
+        (lambda: Triangulated(mesh_of(CELLS, SHARP * np.inf)), ("surface",)),
+        (lambda: Triangulated(folded(), smooth=True), ("smooth = True", "folded")),
+    ],
+)
+def test_what_is_refused(make, words):
+    with np.errstate(invalid="ignore"):
+        refused(make, *words)
+
+
+def folded():
+    """A bipyramid whose upper tip leans out over its base."""
+    k = np.arange(6)
+    x = np.vstack([np.hstack([around(6)[:-1][::-1], np.zeros((6, 1))]), [[0, 0, -1], [2, 0, 0.3]]])
+    upper = np.stack([k, (k + 1) % 6, 0 * k + 7], axis=1)
+    lower = np.stack([(k + 1) % 6, k, 0 * k + 6], axis=1)
+    return mesh_of(np.vstack([upper, lower]), x)

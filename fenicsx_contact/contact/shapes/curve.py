@@ -45,7 +45,10 @@ class Curve:
         lengths, extent = np.linalg.norm(np.diff(x, axis=0), axis=1), float(np.ptp(x, axis=0).max())
         if lengths.min() <= SAME * extent:
             at = int(lengths.argmin())
-            raise checks.InputError(f"points[{at}], points[{at + 1}] = {x[at].tolist()}: are one")
+            raise checks.InputError(
+                f"points[{at}], points[{at + 1}] = {x[at].tolist()}, {x[at + 1].tolist()}: must "
+                "not be the same"
+            )
         self.smooth, self.closed = checks.truth("smooth", smooth), False
         if np.linalg.norm(x[-1] - x[0]) <= SAME * extent:
             if len(x) < 4:

@@ -58,8 +58,8 @@ class Triangles:
         ahead, back = (self.cells * many + ends).ravel(), (ends * many + self.cells).ravel()
         order = np.argsort(ahead)
         at = np.searchsorted(ahead[order], back).clip(max=len(ahead) - 1)
-        unique = np.bincount(at, minlength=len(at))[at] == 1
-        alone = np.flatnonzero((ahead[order][at] != back) | ~unique)
+        _, same, times = np.unique(ahead, return_inverse=True, return_counts=True)
+        alone = np.flatnonzero((ahead[order][at] != back) | (times[same] > 1))
         if len(alone):
             raise checks.InputError(
                 "surface: must be closed and of one orientation, each edge shared by two triangles "

@@ -251,7 +251,7 @@ def test_hertz_by_a_cylinder_in_four_ways():
         error = (area * (found - exact) ** 2).sum() / (area * exact**2).sum()
         pressures.append(found)
         errors.append(np.sqrt(error))
-    assert max(errors[:3]) < 0.05 and errors[3] > 0.3
+    assert max(errors[:3]) < 0.012 and errors[3] > 0.2
     np.testing.assert_allclose(pressures[1], pressures[0], atol=1e-10 * exact.max())
     np.testing.assert_allclose(pressures[2], pressures[0], atol=1e-3 * exact.max())
 
@@ -268,11 +268,11 @@ def disc(n=360, radius=0.1):
     return name_facets(mesh, {"rim": lambda x: np.full(x.shape[1], True)})
 
 
-def roll(slope, friction=0.3, until=0.3):
+def roll(slope, law, friction=0.3, until=0.3):
     """A disc let go on a slope: its acceleration, that of its rim about its centre, the history.
-    By the gap law its corners, on which it would stop a little, cost nothing."""
+    By theta = 1 its corners, on which it would stop a little, cost nearly nothing."""
     solid = RigidSolid(disc(), mass=1.0, gravity=(G * np.sin(slope), -G * np.cos(slope)))
-    contact = Contact(solid, "rim", FLOOR, "gap", friction=friction, name="c")
+    contact = Contact(solid, "rim", FLOOR, law, friction=friction, name="c")
     probes = torques(contact, lambda: solid.place)
     history = Scene([solid], [contact], ThetaScheme(1.0)).run(until, 1e-2, probes=probes)
     assert history.finished, history.reason
@@ -283,9 +283,9 @@ def roll(slope, friction=0.3, until=0.3):
 
 def test_a_disc_rolls_down_a_slope():
     """With 2/3 g sin a, by the torque of friction."""
-    acceleration, turning, _ = roll(0.1)
+    acceleration, turning, _ = roll(0.1, "velocity")
     exact = 2 / 3 * G * np.sin(0.1)
-    assert acceleration == pytest.approx(exact, rel=0.01)
+    assert acceleration == pytest.approx(exact, rel=0.015)
     assert turning == pytest.approx(acceleration, rel=1e-3)
 
 
@@ -293,7 +293,7 @@ def test_a_disc_rolls_down_a_slope():
 def test_a_disc_slips_down_a_steep_slope(share):
     """From tan a = 3 mu on: g (sin a - mu cos a), and turns with twice mu g cos a."""
     slope = np.arctan(share * 3 * 0.3)
-    acceleration, turning, history = roll(slope)
+    acceleration, turning, history = roll(slope, "gap")
     slips = share > 1
     pull, grip = G * np.sin(slope), 0.3 * G * np.cos(slope)
     assert acceleration == pytest.approx(pull - grip if slips else 2 / 3 * pull, rel=0.01)

@@ -31,11 +31,11 @@ class Triangulated:
 
         h = sum b_i n_i (x_i - q) / (1 + |sum b_i n_i|),     q = sum b_i x_i,
 
-    which is exact for spheres and elsewhere of nearly third order in the size of the triangles; flat
-    faces are of second. A point lies above the q from which the mean normal leads to it. Distance
-    and normals are continuous across edges. Normals of points are N. Max's sums (J. Graphics Tools
-    4(2), 1-6, 1999), exact for spheres too. What has edges is rounded by that; inside, deeper than
-    the surface is curved, flat faces take over.
+    which is exact for spheres and elsewhere of nearly third order in the size of the triangles;
+    flat faces are of second. A point lies above the q from which the mean normal leads to it.
+    Distance and normals are continuous across edges. Normals of points are N. Max's sums (J.
+    Graphics Tools 4(2), 1-6, 1999), exact for spheres too. What has edges is rounded by that;
+    inside, deeper than the surface is curved, flat faces take over.
 
     Args:
         surface: path of an STL file, or of any other that meshio reads, or a ``meshio.Mesh``, with

@@ -20,6 +20,7 @@ from fenicsx_contact import (
     Cylinder,
     ElasticSolid,
     HalfSpace,
+    InputError,
     LevelSet,
     Moved,
     Obstacle,
@@ -37,6 +38,7 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.base import compat
 from fenicsx_contact.contact.wall import Wall
+from fenicsx_contact.references.arch import collapse_tilt, corners
 from fenicsx_contact.references.hertz import LineContact, PointContact, effective_modulus
 
 HERE, ALONG, UP = (0.1, -0.2, 0.3), (2 / 3, -1 / 3, 2 / 3), (0, 0, 1)
@@ -348,6 +350,54 @@ def test_torques_in_space():
     history = Scene([solid], [contact]).run(0.02, 1e-3, probes=probes)
     found = [history[f"c.torque_{axis}"][-1] for axis in "xyz"]
     np.testing.assert_allclose(found, [-0.5, -0.2, -0.1], atol=1e-6)
+
+
+# -- an arch of rigid blocks --
+
+
+def arch(blocks, thickness, tilt, law="gap"):
+    """Its greatest speed after 0.05 s."""
+    gravity = (G * np.sin(tilt), -G * np.cos(tilt))
+    ground, joint = HalfSpace((0, 0), (0, 1)), {"formulation": law, "friction": 0.8}
+    solids = []
+    for i, x in enumerate(corners(blocks, thickness)):
+        mesh = compat.create_mesh(MPI.COMM_WORLD, [[0, 1, 2, 3]], x, "quadrilateral")
+        ends = {
+            name: lambda x, a=a, b=b: np.isclose(
+                (x[0] - a[0]) * (b[1] - a[1]), (x[1] - a[1]) * (b[0] - a[0]), rtol=0, atol=1e-9
+            )
+            for name, (a, b) in {"low": x[:2], "high": x[2:]}.items()
+        }
+        mesh = name_facets(mesh, ends)
+        solids.append(RigidSolid(mesh, density=1000.0, gravity=gravity, name=f"block {i}"))
+    contacts = [
+        Contact(solids[0], "low", ground, name="right", **joint),
+        Contact(solids[-1], "high", ground, name="left", **joint),
+    ]
+    for one, other in zip(solids[:-1], solids[1:]):
+        contacts.append(Contact(one, "high", (other, "low"), name=f"under {other.name}", **joint))
+    history = Scene(solids, contacts, ThetaScheme(1.0)).run(0.05, 1e-2)
+    assert history.finished, history.reason
+    return max(np.abs(solid.velocity).max() for solid in solids)
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+def test_an_arch_is_tilted_until_it_falls(law):
+    """8 blocks; 0.3 % below the angle of limit analysis it stands, 0.3 % above it falls."""
+    tilt = collapse_tilt(8, 0.15, 0.8)
+    assert arch(8, 0.15, 0.997 * tilt, law) < 1e-9
+    assert arch(8, 0.15, 1.003 * tilt, law) > 1e-4
+
+
+def test_limit_analysis_of_arches():
+    """Milankovitch's thickness 0.1075 R."""
+    assert 0 < collapse_tilt(200, 0.1075, 0.8) < 1e-3
+    with pytest.raises(InputError, match="falls upright"):
+        collapse_tilt(200, 0.1073, 0.8)
+    with pytest.raises(InputError, match="blocks = 1"):
+        collapse_tilt(1, 0.2, 0.8)
+    with pytest.raises(InputError, match="thickness = 2"):
+        collapse_tilt(8, 2, 0.8)
 
 
 # -- in Newton's method --

@@ -78,7 +78,7 @@ class Curve:
         tangent = self._along[line]
         normals = _left(tangent)
         off = points - self._x[line] - along[:, None] * tangent
-        distance, bend = (off * normals).sum(axis=1), np.zeros(len(points))
+        distance = (off * normals).sum(axis=1)
         # at a corner the mean of both sides tells inside from outside
         last, lengths = len(self._along) - 1, np.diff(self._ways)
         other = np.where(along <= 0, line - 1, np.where(along >= lengths[line], line + 1, line))
@@ -92,7 +92,7 @@ class Curve:
         distance = np.where(apart, sign * size, distance)
         away = sign[:, None] * off / np.where(apart, size, 1.0)[:, None]
         normals = np.where(apart[:, None], away, normals)
-        return distance, normals, np.where(apart, 1 / np.where(apart, distance, 1.0), bend)
+        return distance, normals, np.zeros(len(points))  # at a corner normals jump
 
     def _beside_spline(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
         spline, (line, along) = self._spline, self._on_lines(points)
@@ -130,7 +130,7 @@ class Curve:
         return self._beside(points)[1]
 
     def curvature(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-        """Derivatives of the normals, (n, 2, 2); none on a sharp corner."""
+        """Derivatives of the normals, (n, 2, 2); zero beside lines and their corners."""
         _, n, bend = self._beside(points)
         t = _left(n)
         return bend[:, None, None] * t[:, :, None] * t[:, None, :]

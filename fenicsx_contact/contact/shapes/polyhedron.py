@@ -102,9 +102,10 @@ class Polyhedron:
         return self._nearest(points)[1]
 
     def curvature(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-        """Derivatives of the normals, (n, d, d): none before faces, and none on a sharp edge."""
+        """Derivatives of the normals, (n, d, d): zero before faces, and before a sharp edge, at
+        which normals jump."""
         distance, n, across = self._nearest(points)
-        bend = 1 / np.where(distance > 0, distance, np.inf)
+        bend = (self.rounding > 0) / np.where(distance > 0, distance, np.inf)
         return bend[:, None, None] * (across - n[:, :, None] * n[:, None, :])
 
     def __repr__(self) -> str:

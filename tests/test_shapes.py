@@ -30,6 +30,7 @@ from fenicsx_contact import (
     RigidSolid,
     Scene,
     Sphere,
+    StaticKinetic,
     ThetaScheme,
     Triangulated,
     Wedge,
@@ -351,6 +352,34 @@ def test_torques_in_space():
     history = Scene([solid], [contact]).run(0.02, 1e-3, probes=probes)
     found = [history[f"c.torque_{axis}"][-1] for axis in "xyz"]
     np.testing.assert_allclose(found, [-0.5, -0.2, -0.1], atol=1e-6)
+
+
+def test_stick_and_slip_on_a_belt():
+    """A block on a belt, drawn back by a spring: it sticks for 2a/V, a = (mu_s - mu_k) N/k, and
+    slips for (2 pi - 2 arctan(a w/V))/w, until it is as fast as the belt."""
+    mass, stiffness, speed, static, kinetic = 2.0, 200.0, 0.2, 0.5, 0.3
+    solid = RigidSolid(
+        rectangle(),
+        mass=mass,
+        gravity=(0, -G),
+        springs={(0.0, 0.4): (stiffness, 0.0)},
+        held=["turning"],
+        velocity=(speed, 0.0),
+    )
+    belt = Moved(FLOOR, lambda t: (speed * t, 0.0))
+    contact = Contact(solid, "base", belt, friction=StaticKinetic(static, kinetic), name="c")
+    dt, omega = 1e-3, np.sqrt(stiffness / mass)
+    a = (static - kinetic) * mass * G / stiffness
+    stick, slip = 2 * a / speed, (2 * np.pi - 2 * np.arctan(a * omega / speed)) / omega
+    history = Scene([solid], [contact]).run(2.5, dt)
+    assert history.finished, history.reason
+    slips = history["c.slipping"] > 0
+    turns = history.time[1:][slips[1:] != slips[:-1]]
+    first = static * mass * G / (stiffness * speed)
+    exact = first + np.cumsum([0.0, slip, stick, slip, stick, slip])
+    exact = exact[exact < 2.5]
+    assert len(exact) >= 4
+    np.testing.assert_allclose(turns[: len(exact)], exact, atol=4 * dt)
 
 
 # -- an arch of rigid blocks --

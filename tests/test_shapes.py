@@ -385,7 +385,7 @@ def test_stick_and_slip_on_a_belt():
 
 
 def arch(blocks, thickness, tilt, law="gap"):
-    """Its greatest speed after 0.05 s."""
+    """Its greatest speed after 0.03 s."""
     gravity = (G * np.sin(tilt), -G * np.cos(tilt))
     ground, joint = HalfSpace((0, 0), (0, 1)), {"formulation": law, "friction": 0.8}
     solids = []
@@ -405,17 +405,17 @@ def arch(blocks, thickness, tilt, law="gap"):
     ]
     for one, other in zip(solids[:-1], solids[1:]):
         contacts.append(Contact(one, "high", (other, "low"), name=f"under {other.name}", **joint))
-    history = Scene(solids, contacts, ThetaScheme(1.0)).run(0.05, 1e-2)
+    history = Scene(solids, contacts, ThetaScheme(1.0)).run(0.03, 1e-2)
     assert history.finished, history.reason
     return max(np.abs(solid.velocity).max() for solid in solids)
 
 
 @pytest.mark.parametrize("law", ["velocity", "gap"])
 def test_an_arch_is_tilted_until_it_falls(law):
-    """8 blocks; 0.3 % below the angle of limit analysis it stands, 0.3 % above it falls."""
-    tilt = collapse_tilt(8, 0.15, 0.8)
-    assert arch(8, 0.15, 0.997 * tilt, law) < 1e-9
-    assert arch(8, 0.15, 1.003 * tilt, law) > 1e-4
+    """6 blocks; 0.3 % below the angle of limit analysis it stands, 0.3 % above it falls."""
+    tilt = collapse_tilt(6, 0.15, 0.8)
+    assert arch(6, 0.15, 0.997 * tilt, law) < 1e-9
+    assert arch(6, 0.15, 1.003 * tilt, law) > 1e-4
 
 
 def test_limit_analysis_of_arches():

@@ -16,9 +16,6 @@ from .flips import flips
 from .numbering import Numbering
 from .problem import Assembly
 
-#: A line is searched until its slope is this share of the first one.
-FLAT = 0.1
-
 
 class LinearSystem(Protocol):
     """What this asks of :class:`~fenicsx_contact.solve.monolithic.Monolithic`."""
@@ -99,7 +96,7 @@ class FrozenContact:
         first, last = (self._slope(share, old, way) for share in (0.0, 1.0))
         low, high, share = 0.0, 1.0, 1.0
         for _ in range(np.finfo(float).nmant):  # halvings to round-off
-            if (last <= 0 and share == 1) or abs(last) <= FLAT * abs(first):
+            if (last <= 0 and share == 1) or 2 * abs(last) <= abs(first):
                 return
             low, high = (share, high) if last < 0 else (low, share)
             share = 0.5 * (low + high)

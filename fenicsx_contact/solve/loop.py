@@ -35,8 +35,9 @@ SYSTEMS: dict[str, type[Condensed] | type[Monolithic]] = {
 }
 #: Relative error of the linearised operator, gaps and momentum at which the fixed point ends.
 GEOMETRY_TOLERANCE = 1e-8
-#: How often a correction that inverts an element is halved.
-HALVINGS = 5
+#: How often a correction that inverts an element, or goes beyond what its linearisation knows, is
+#: halved: it does if it makes the error so many times what it was, or than the terms.
+HALVINGS, WORSE = 5, 10.0
 
 
 class StepSolver:
@@ -161,8 +162,8 @@ class StepSolver:
     # -- everything at once -----------------------------------------------------------------------
 
     def _full(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
-        settled = 0
-        settles, failed, patience = bool(self._floating), np.inf, Patience(np.inf, gain=1.0)
+        settled, halved, last, failed = 0, 0, np.inf, np.inf
+        settles, patience = bool(self._floating), Patience(1.0, gain=1.0)
         remarks: list[str] = []
         errors = self.errors
         for iteration in range(self._newton.max_iterations + 1):
@@ -182,10 +183,16 @@ class StepSolver:
                 return force, iteration + settled, 1, remarks
             if not np.isfinite(error):
                 break
+            if error > WORSE * max(last, 1.0) and halved < HALVINGS:
+                halved += 1
+                self._halve(step)
+                continue
+            last, halved = error, 0
             if error <= near < np.inf:
                 self._see(step, exact=True)
                 clock("pairing")
-            patience.see(error)
+            if iteration and min(error, patience.best) < 1:  # else it is as large as its terms
+                patience.see(error)
             if settles and iteration:  # on, while it gains and plain corrections have failed
                 settles = error < errors[-2] and 2 * error > failed
                 patience = Patience(error, gain=1.0)

@@ -20,8 +20,8 @@ from .condensed import Condensed
 from .frozen import FrozenContact
 from .krylov import Krylov
 from .monolithic import Monolithic
-from .multipliers import Patience
-from .newton import ROUGH, Newton, NotConverged, Solution
+from .multipliers import ROUGH, Patience
+from .newton import Newton, NotConverged, Solution
 from .problem import Assembly, Clock, scale_of
 from .sparse import Sparse
 from .statics import free_motion

@@ -5,7 +5,7 @@ Each round linearises the solids and the geometry and then corrects the contact:
 Newton's method for everything ("newton"), or until it has settled on the frozen geometry, which is
 the paper's geometric fixed point ("fixed point"). Where supports alone do not hold every solid the
 first round of a step settles too: from a start in which nothing touches, one correction knows
-nothing of what will.
+nothing of what will. So do rounds that follow corrections which gain no more (turns.py).
 """
 
 from __future__ import annotations
@@ -20,12 +20,13 @@ from .condensed import Condensed
 from .frozen import FrozenContact
 from .krylov import Krylov
 from .monolithic import Monolithic
-from .multipliers import ROUGH, Patience
+from .multipliers import ROUGH
 from .newton import Newton, NotConverged, Solution
 from .problem import Assembly, Clock, scale_of
 from .sparse import Sparse
 from .statics import free_motion
 from .surface_problem import SLOW
+from .turns import Turns
 
 #: The linear systems, by name.
 SYSTEMS: dict[str, type[Condensed] | type[Monolithic]] = {
@@ -162,8 +163,7 @@ class StepSolver:
     # -- everything at once -----------------------------------------------------------------------
 
     def _full(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
-        settled, halved, last, failed = 0, 0, np.inf, np.inf
-        settles, patience = bool(self._floating), Patience(1.0, gain=1.0)
+        settled, halved, last, turns = 0, 0, np.inf, Turns(bool(self._floating))
         remarks: list[str] = []
         errors = self.errors
         for iteration in range(self._newton.max_iterations + 1):
@@ -191,14 +191,7 @@ class StepSolver:
             if error <= near < np.inf:
                 self._see(step, exact=True)
                 clock("pairing")
-            if iteration and min(error, patience.best) < 1:  # else it is as large as its terms
-                patience.see(error)
-            if settles and iteration:  # on, while it gains and plain corrections have failed
-                settles = error < errors[-2] and 2 * error > failed
-                patience = Patience(error, gain=1.0)
-            elif not patience.lasts:
-                settles, failed = True, patience.best
-            if settles:
+            if turns.settles(error):
                 solution = self._settle(step, first=iteration == 0)
                 self.system.carry(step, solution.force)
                 settled += solution.iterations

@@ -80,9 +80,11 @@ class Patience:
         self.best, self._gain, self._stalls = error, gain, 0
 
     def see(self, error: float) -> None:
+        """Take up one more."""
         self._stalls = self._stalls + 1 if self._gain * error >= self.best else 0
         self.best = min(self.best, error)
 
     @property
     def lasts(self) -> bool:
+        """Whether there was a gain lately."""
         return self._stalls < STALLS

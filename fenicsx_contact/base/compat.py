@@ -12,6 +12,8 @@ import ufl
 from dolfinx import fem, geometry
 from mpi4py import MPI
 
+from .compiling import compiled, quiet_compiler
+
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 MODERN = VERSION >= (0, 8)  # elements come from basix.ufl, wrappers hold a _cpp_object
 
@@ -86,6 +88,7 @@ def num_local_cells(mesh: Any) -> int:
 # -- function spaces ----------------------------------------------------------------------------
 
 
+@quiet_compiler()
 def lagrange_space(mesh: Any, degree: int = 1, shape: tuple[int, ...] = ()) -> Any:
     """Continuous Lagrange space of scalars (``shape=()``) or vectors (``shape=(d,)``)."""
     if MODERN:
@@ -96,6 +99,7 @@ def lagrange_space(mesh: Any, degree: int = 1, shape: tuple[int, ...] = ()) -> A
     return fem.FunctionSpace(mesh, ("Lagrange", degree))
 
 
+@quiet_compiler()
 def component_space(mesh: Any, components: int) -> Any:
     """A mixed space of ``components`` scalar P1 fields (never blocked, so that any of them can
     stand in a native sparse matrix)."""
@@ -106,6 +110,7 @@ def component_space(mesh: Any, components: int) -> Any:
     return fem.FunctionSpace(mesh, ufl.MixedElement([scalar] * components))
 
 
+@quiet_compiler()
 def _cellwise(mesh: Any, dim: int = 0) -> Any:
     """Space of scalars, or vectors of ``dim`` components, that are constant in each cell."""
     if MODERN:
@@ -166,7 +171,7 @@ class _Assembler:
     """A form, compiled once, with what an assembly of it needs."""
 
     def __init__(self, form: ufl.Form) -> None:
-        self._form = fem.form(form)
+        self._form = compiled(form)
         self._cpp = self._form._cpp_object if MODERN else self._form
         self.refresh_constants()
 
@@ -221,7 +226,8 @@ class PointExpression:
             points = points()  # a method before 0.10
         if not ufl.domain.extract_domains(expression):  # numbers know no mesh
             expression = fem.Constant(mesh, 1.0) * expression
-        self._expression = fem.Expression(expression, points)
+        with quiet_compiler():
+            self._expression = fem.Expression(expression, points)
         self._cells = np.arange(num_local_cells(mesh), dtype=np.int32)
         self._mesh = mesh
 

@@ -17,6 +17,7 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from ..base import assembly, checks, compat
+from ..base.compiling import compiled
 from ..base.constants import MADE, ROUND_OFF
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
@@ -57,10 +58,10 @@ class HyperelasticSolid(DeformableSolid):
         residual = ufl.derivative(potential, u, v)
         self.parameters += f", energy {potential.signature()[:8]}"
         self._volume_ratio = compat.PointExpression(ufl.det(F), compat.lagrange_space(mesh.mesh))
-        self._potential_form = fem.form(potential)
-        self._force_form = fem.form(residual)
+        self._potential_form = compiled(potential)
+        self._force_form = compiled(residual)
         self._weight = fem.Constant(mesh.mesh, 1.0)
-        self._tangent_form = fem.form(self._weight * ufl.derivative(residual, u, du))
+        self._tangent_form = compiled(self._weight * ufl.derivative(residual, u, du))
         # force and energy are kept with the displacement that they belong to, that very array
         self._last = np.empty(0), np.empty(0)
         self._stored = np.empty(0), 0.0

@@ -77,15 +77,12 @@ HEAD = """| scene | method | coarse: error, time | fine: error, time | rate |
 
 
 def ends(study: Study, samples: list[Sample]) -> list[str]:
-    """The coarsest and the finest run of each method, as rows of a table."""
-    rows = []
-    for method in dict.fromkeys(sample.method for sample in samples):
+    """The coarsest and the finest run of each method on the front, as rows of a table."""
+    rows: list[str] = []
+    for method in dict.fromkeys(sample.method for sample in pareto(samples)):
         mine = [s for s in samples if s.method == method and s.error == s.error]
         title = "" if rows else study.title
-        if len(mine) < 2:
-            rows.append(f"| {title} | {method} | | | |")
-            continue
-        first, *_, last = mine
+        first, last = mine[0], mine[-1]
         cells = [f"{s.error:.2g}, {s.run_time_s:.2g} s" for s in (first, last)]
         rows.append(f"| {title} | {method} | {' | '.join(cells)} | {rate(mine, study.over):.1f} |")
     return rows

@@ -71,6 +71,8 @@ class DeformableSolid(BalancedSolid):
     free_load: np.ndarray
     #: Only contact holds it: its matrix is singular.
     floating = False
+    #: Its matrix is symmetric.
+    symmetric = True
     #: What a mesh in the plane may stand for.
     planes: tuple[str, ...] = ("strain",)
     plane: Whole

@@ -106,7 +106,7 @@ def test_states_of_fdnl100():
 
 def test_the_axial_budget_closes():
     """Recomputed from the course of the fall alone: (M - m_w) g z = kinetic + drag + added mass."""
-    drop = demo.drop(STRAIGHT, dt=2.5e-4, scheme=ThetaScheme(0.5))
+    drop = demo.drop(STRAIGHT, dt=1e-3, scheme=ThetaScheme(0.5))
     h, water, M = drop.history, GuideTubeWater(), drop.rod.mass
     t, z, v = h.time, h["travel"], h["speed"]
     drag = np.array([water.drag(x)[0] for x in z]) * v**3

@@ -168,7 +168,7 @@ def test_drop_in_smooth_and_kinked_tubes(smooth, kinked):
 def test_one_dof_law_fed_with_static_forces(case, smooth, kinked):
     """Lateral dynamics hardly matter: mu N(z) and the walls' push of a slow insertion give T5."""
     drop, a = {"smooth": (smooth, SMOOTH), "kinked": (kinked, KINKED)}[case]
-    slow = slowly.insertion(replace(a, friction=0.0))
+    slow = slowly.insertion(replace(a, friction=0.0), step=3e-3)
     assert slow.finished
     steps = slow["dt"] > 0  # in impacts the forces are percussions
     travel, normal, wall = (slow[name][steps] for name in ("travel", "normal", "wall"))

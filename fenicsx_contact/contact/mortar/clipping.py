@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Polygons in a plane, many at once: what each of two has in common, as triangles.
+
+A polygon is an array (corners, 2) in the order of its outline, either way round; a set of polygons
+has as many corners as the one with the most, and those with fewer repeat the first at the end: an
+edge without length cuts nothing and holds nothing. So nothing here needs a tolerance: what only
+touches has no area, and corners that fall on edges may be taken as inside or outside.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a x b of vectors (..., 2)."""
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def clip(subject: np.ndarray, window: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What each polygon (q, v, 2) has in common with a convex window (q, k, 2), counterclockwise:
+    numbers of those that have (r,), and polygons (r, w, 2).
+
+    Sutherland and Hodgman, Commun. ACM 17, 1974: one edge of all windows after the other.
+    """
+    which = np.arange(len(subject))
+    for edge in range(window.shape[1]):
+        start = window[which, edge]
+        along = window[which, (edge + 1) % window.shape[1]] - start
+        depth = cross(along[:, None], subject - start[:, None])
+        within = (depth > 0).any(axis=1)
+        which, subject, depth = which[within], subject[within], depth[within]
+        if len(which):
+            subject = _cut(subject, depth)
+    return which, subject
+
+
+def _cut(polygon: np.ndarray, depth: np.ndarray) -> np.ndarray:
+    """What lies on the inner side of a line, at whose depths (q, v) the corners (q, v, 2) are."""
+    inside = depth >= 0
+    after, depth_after = np.roll(polygon, -1, axis=1), np.roll(depth, -1, axis=1)
+    crosses = inside != np.roll(inside, -1, axis=1)
+    fraction = depth / np.where(crosses, depth - depth_after, 1.0)
+    crossing = polygon + fraction[..., None] * (after - polygon)
+    q, v = depth.shape
+    corners = np.stack([polygon, crossing], axis=2).reshape(q, 2 * v, 2)
+    kept = np.stack([inside, crosses], axis=2).reshape(q, 2 * v)
+    count = kept.sum(axis=1)
+    order = np.argsort(~kept, axis=1, kind="stable")[:, : count.max()]
+    order = np.where(np.arange(order.shape[1]) < count[:, None], order, order[:, :1])
+    return np.take_along_axis(corners, order[..., None], axis=1)
+
+
+def covers(polygons: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Whether convex polygons (q, v, 2) hold points (q, 2), (q,)."""
+    along = np.roll(polygons, -1, axis=1) - polygons
+    depth = cross(along, points[:, None] - polygons)
+    return (depth >= 0).all(axis=1) | (depth <= 0).all(axis=1)
+
+
+def fans(polygons: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles from the middle of each polygon (q, v, 2) to its edges: number of its polygon (r,),
+    and corners (r, 3, 2), those without area left out."""
+    after = np.roll(polygons, -1, axis=1)
+    edge = (after != polygons).any(axis=2)  # but what stands at the end to fill up
+    middle = (polygons * edge[..., None]).sum(axis=1) / np.maximum(edge.sum(axis=1), 1)[:, None]
+    apex = np.broadcast_to(middle[:, None], polygons.shape)
+    triangles = np.stack([apex, polygons, after], axis=2)
+    polygon, corner = np.nonzero(areas(triangles) != 0)
+    return polygon, triangles[polygon, corner]
+
+
+def areas(polygons: np.ndarray) -> np.ndarray:
+    """Areas of polygons (..., v, 2), positive if counterclockwise."""
+    arms = polygons - polygons[..., :1, :]
+    return cross(arms[..., 1:-1, :], arms[..., 2:, :]).sum(axis=-1) / 2

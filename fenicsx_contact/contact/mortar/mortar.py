@@ -30,8 +30,8 @@ from .side import Side
 FACETS = 3.0
 #: A node with less than this share of its area paired has no partner.
 COVERED = 1e-4
-#: Facets whose paired part makes the mass matrix worse than this have no dual functions.
-ILL = 1e3
+#: Facets whose paired part is so small that round-off alone is left of their dual functions.
+ILL = 1e12
 
 
 class Pairing:

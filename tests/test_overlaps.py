@@ -31,7 +31,7 @@ def test_areas_of_what_is_common(corners):
     """Against the area under the upper of two boundaries and above the lower, by slices."""
     rng = np.random.default_rng(corners)
     one, other = convex(rng, 4, 300), convex(rng, corners, 300)
-    which, shared = clip(one[:, ::-1], other)
+    which, shared, _ = clip(one[:, ::-1], other)
     found = np.zeros(300)
     found[which] = np.abs(areas(shared))
     assert np.count_nonzero(found) > 50
@@ -49,7 +49,7 @@ def test_areas_of_what_is_common(corners):
         (low, high), (under, above) = chord(one[k], x), chord(other[k], x)
         height = np.maximum(np.minimum(high, above) - np.maximum(low, under), 0)
         assert found[k] == pytest.approx(height.sum() * (x[1] - x[0]), abs=2e-3 * np.ptp(x))
-    polygon, triangles = fans(shared)
+    polygon, _, triangles = fans(shared)
     parts = np.bincount(polygon, areas(triangles), len(shared))
     np.testing.assert_allclose(np.abs(parts), np.abs(areas(shared)), atol=1e-14)
 
@@ -57,9 +57,9 @@ def test_areas_of_what_is_common(corners):
 def test_what_only_touches_has_no_area():
     square = np.array([[[0, 0], [1, 0], [1, 1], [0, 1]]], dtype=float)
     for shift in ([1, 0], [0, -1], [1, 1], [-1, 0.5]):
-        which, shared = clip(square + shift, square)
+        which, shared, _ = clip(square + shift, square)
         assert not len(which) or not areas(shared).any()
-    which, shared = clip(square[:, [2, 3, 0, 1]], square)
+    which, shared, _ = clip(square[:, [2, 3, 0, 1]], square)
     assert areas(shared) == 1 and shared.shape == (1, 4, 2)
 
 

@@ -17,25 +17,29 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
-def clip(subject: np.ndarray, window: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def clip(subject: np.ndarray, window: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What each polygon (q, v, 2) has in common with a convex window (q, k, 2), counterclockwise:
-    numbers of those that have (r,), and polygons (r, w, 2).
+    numbers of those that have (r,), polygons (r, w, 2), and of which edge of the subject the edges
+    that begin at the corners are part, (r, w), or -1: of the window's.
 
     Sutherland and Hodgman, Commun. ACM 17, 1974: one edge of all windows after the other.
     """
     which = np.arange(len(subject))
+    edges = np.tile(np.arange(subject.shape[1]), (len(subject), 1))
     for edge in range(window.shape[1]):
         start = window[which, edge]
         along = window[which, (edge + 1) % window.shape[1]] - start
         depth = cross(along[:, None], subject - start[:, None])
         within = (depth > 0).any(axis=1)
-        which, subject, depth = which[within], subject[within], depth[within]
+        which, subject, edges, depth = (x[within] for x in (which, subject, edges, depth))
         if len(which):
-            subject = _cut(subject, depth)
-    return which, subject
+            subject, edges = _cut(subject, edges, depth)
+    return which, subject, edges
 
 
-def _cut(polygon: np.ndarray, depth: np.ndarray) -> np.ndarray:
+def _cut(
+    polygon: np.ndarray, edges: np.ndarray, depth: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """What lies on the inner side of a line, at whose depths (q, v) the corners (q, v, 2) are."""
     inside = depth >= 0
     after, depth_after = np.roll(polygon, -1, axis=1), np.roll(depth, -1, axis=1)
@@ -44,11 +48,13 @@ def _cut(polygon: np.ndarray, depth: np.ndarray) -> np.ndarray:
     crossing = polygon + fraction[..., None] * (after - polygon)
     q, v = depth.shape
     corners = np.stack([polygon, crossing], axis=2).reshape(q, 2 * v, 2)
+    edges = np.stack([edges, np.where(inside, -1, edges)], axis=2).reshape(q, 2 * v)
     kept = np.stack([inside, crosses], axis=2).reshape(q, 2 * v)
     count = kept.sum(axis=1)
     order = np.argsort(~kept, axis=1, kind="stable")[:, : count.max()]
     order = np.where(np.arange(order.shape[1]) < count[:, None], order, order[:, :1])
-    return np.take_along_axis(corners, order[..., None], axis=1)
+    corners = np.take_along_axis(corners, order[..., None], axis=1)
+    return corners, np.take_along_axis(edges, order, axis=1)
 
 
 def covers(polygons: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -58,16 +64,16 @@ def covers(polygons: np.ndarray, points: np.ndarray) -> np.ndarray:
     return (depth >= 0).all(axis=1) | (depth <= 0).all(axis=1)
 
 
-def fans(polygons: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles from the middle of each polygon (q, v, 2) to its edges: number of its polygon (r,),
-    and corners (r, 3, 2), those without area left out."""
+def fans(polygons: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Triangles from the middle of each polygon (q, v, 2) to its edges, those without area left
+    out: numbers of polygon and edge, (r,) each, and corners (r, 3, 2)."""
     after = np.roll(polygons, -1, axis=1)
-    edge = (after != polygons).any(axis=2)  # but what stands at the end to fill up
-    middle = (polygons * edge[..., None]).sum(axis=1) / np.maximum(edge.sum(axis=1), 1)[:, None]
+    real = (after != polygons).any(axis=2)  # not what fills up at the end
+    middle = (polygons * real[..., None]).sum(axis=1) / np.maximum(real.sum(axis=1), 1)[:, None]
     apex = np.broadcast_to(middle[:, None], polygons.shape)
     triangles = np.stack([apex, polygons, after], axis=2)
-    polygon, corner = np.nonzero(areas(triangles) != 0)
-    return polygon, triangles[polygon, corner]
+    polygon, edge = np.nonzero(areas(triangles) != 0)
+    return polygon, edge, triangles[polygon, edge]
 
 
 def areas(polygons: np.ndarray) -> np.ndarray:

@@ -50,7 +50,7 @@ class Lines:
         self._slave, self._master = slave, master
         self._cuts, self._partners = Cuts(slave, master), Partners(slave, master)
 
-    def meet(self, xs: np.ndarray, xm: np.ndarray, reach: np.ndarray) -> Pieces:
+    def meet(self, xs: np.ndarray, xm: np.ndarray, reach: np.ndarray) -> tuple[Pieces, None]:
         """Points on the pieces in the present places of the nodes, (N, 2) of slave and master, each
         as a piece, not farther apart than ``reach`` [m] of each slave facet."""
         slave, master, points = self._slave, self._master, self._cuts.points(xs, xm)
@@ -66,13 +66,14 @@ class Lines:
         facet, values, slopes = points.facet[on], values[on][:, None], slopes[:, on]
         weight = points.weight[on] * slave.reference_measure(facet, slopes)
         theirs, their_slopes = (each[..., None, :] for each in master.shape(hits.xi))
-        return Pieces(
+        pieces = Pieces(
             facet=facet, other=hits.facet, weight=weight[:, None], corner=corner[on][:, None],
             values=values, their_values=theirs, their_slopes=their_slopes,
             guide=values, their_guide=theirs, aligned=True, distance=hits.distance[:, None],
             unit=unit[on][:, None], side=slave, slopes=slopes, length=length[on],
             inverse=hits.inverse[:, None],
         )  # fmt: skip
+        return pieces, None
 
 
 class Cuts:

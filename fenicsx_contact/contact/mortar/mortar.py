@@ -23,7 +23,7 @@ import numpy as np
 from .integration import Lines, whole
 from .matrices import DENSE, Matrix, add_up, gather
 from .overlaps import Overlaps
-from .pieces import Pieces
+from .pieces import Brink, Pieces
 from .side import Side
 
 #: Partners are sought within so many facets, and four times the way of the step.
@@ -49,6 +49,9 @@ class Pairing:
         normal: outward unit normals of the slave at its corners, (n, d).
         area: paired share of the surface of each node, (n,).
         paired: nodes that have a partner.
+        pieces, brink: what is integrated, and where it ends with the master.
+        dual, inverse_mass: of each facet, psi = phi @ dual, (m, corners, corners).
+        shares: psi_i w / a_i at the points, (p, g, corners), and share: 1 / a_i, (n,).
         reach: how far from each node partners were sought, (n,) in m.
     """
 
@@ -59,7 +62,8 @@ class Pairing:
         self.dense = (self.total * slave.dim) ** 2 <= DENSE
         self._sizes = np.zeros(self.n)  # of the largest facet at each node
         np.maximum.at(self._sizes, slave.corners, slave.sizes[:, None])
-        self._common = (Lines if slave.dim == 2 else Overlaps)(slave, master)
+        self._common: Lines | Overlaps = (Lines if slave.dim == 2 else Overlaps)(slave, master)
+        self.brink: Brink | None = None
         self._rule = rule = whole(slave)
         phi, self.rule_slopes = slave.linear_shape(rule.xi), slave.shape(rule.xi)[1]
         measure = slave.reference_measure(rule.facet, self.rule_slopes)
@@ -78,6 +82,17 @@ class Pairing:
         flat = sums.reshape(len(rows), prod(sums.shape[2:]))  # also of no points
         return add_up(flat, rows, self.n).reshape(self.n, *sums.shape[2:])
 
+    def nodes_of(self, pieces: Pieces) -> np.ndarray:
+        """Nodes of the slave's and the master's facets, (p, k)."""
+        theirs = self.master.cells[pieces.other] + len(self.slave.nodes)
+        return np.concatenate([self.slave.cells[pieces.facet], theirs], axis=1)
+
+    def depths(self, pieces: Pieces) -> np.ndarray:
+        """n . (x_s - x_m) at the points, (p, g) in m."""
+        if pieces.aligned:
+            return -pieces.distance
+        return (pieces.both @ self.places[self.nodes_of(pieces)] * pieces.unit).sum(axis=2)
+
     def update(self, places: np.ndarray, way: float) -> None:
         """Take up new places (N, d) of the nodes, whose longest ``way`` [m] in the step tells how
         far partners are sought."""
@@ -85,26 +100,22 @@ class Pairing:
         self.reach = FACETS * self._sizes + 4 * way
         self.places = places
         xs, xm = places[: len(self.slave.nodes)], places[len(self.slave.nodes) :]
-        self.pieces = pieces = self._common.meet(xs, xm, reach)
+        pieces, self.brink = self._common.meet(xs, xm, reach)
+        self.pieces = pieces
         corners = self.slave.corners[pieces.facet]
-        theirs = self.master.cells[pieces.other] + len(xs)
-        self.nodes = np.concatenate([self.slave.cells[pieces.facet], theirs], axis=1)
+        self.nodes = self.nodes_of(pieces)
 
         area = self.collect(pieces.corner * pieces.weight[..., None], pieces.facet)
         self.paired = area > COVERED * self.full_area
         self.area = np.where(self.paired, area, 0.0)
-        share = 1 / np.where(self.paired, area, np.inf)
+        self.share = share = 1 / np.where(self.paired, area, np.inf)
         dual = self._dual(pieces) * pieces.weight[..., None]
-        self.shares = dual * share[corners][:, None]  # psi_i w / a_i at the points
-        self.both = np.concatenate([pieces.values, -pieces.their_values], axis=2)
-        distance = pieces.distance
-        if not pieces.aligned:
-            self.apart = -self.both @ places[self.nodes]  # x_m - x_s, (p, g, d)
-            distance = (self.apart * pieces.unit).sum(axis=2)
-        gap = self.collect(self.shares * -distance[..., None], pieces.facet)
+        self.shares = dual * share[corners][:, None]
+        both = pieces.both
+        gap = self.collect(self.shares * self.depths(pieces)[..., None], pieces.facet)
         self.gap = np.where(self.paired, gap, -self.reach)
         self.operator: Matrix = gather(
-            np.swapaxes(self.shares, 1, 2) @ self.both,
+            np.swapaxes(self.shares, 1, 2) @ both,
             corners[:, :, None],
             self.nodes[:, None],
             (self.n, self.total),
@@ -128,9 +139,11 @@ class Pairing:
         scale = np.where(lumped > 0, lumped, 1.0) ** -0.5
         eigenvalues = np.linalg.eigvalsh(mass * scale[:, :, None] * scale[:, None, :])
         good = ILL * eigenvalues[:, 0] > eigenvalues[:, -1]
-        turn = np.tile(np.eye(k), (m, 1, 1))
-        turn[good] = np.linalg.inv(mass[good]) * lumped[good, None]
-        return phi @ turn[pieces.facet]
+        self.inverse_mass = np.zeros_like(mass)
+        self.inverse_mass[good] = np.linalg.inv(mass[good])
+        self.dual = self.inverse_mass * lumped[:, None]  # psi = phi @ dual
+        self.dual[~good] = np.eye(k)
+        return phi @ self.dual[pieces.facet]
 
     def _turn_normals(self, xs: np.ndarray) -> None:
         """Normals at the corners: means of the facets' normals."""

@@ -14,12 +14,14 @@ Places in the plane are given by the slave's tangents g at the middle,  x = midd
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import basix
 import numpy as np
 
 from .clipping import areas, clip, covers, cross, fans
 from .partners import FACING, inverses
-from .pieces import Pieces
+from .pieces import Brink, Pieces
 from .search import Near, Spheres, counted, first_of_each, in_tubes
 from .side import Side
 
@@ -29,13 +31,15 @@ TWICE = 1e-9
 OUTLINE = {"triangle": [0, 1, 2], "quadrilateral": [0, 1, 3, 2]}
 
 
-def rule(slave: Side, master: Side) -> tuple[np.ndarray, np.ndarray]:
-    """Points (g, 2) on a triangle and their weights (g,): exact, with the derivatives, between
-    triangles, and between quadrilaterals that are parallelograms."""
-    degree = 2 * max(slave.degree, master.degree)
-    if {slave.cell, master.cell} != {"triangle"}:
-        degree += 4
-    return basix.make_quadrature(basix.CellType.triangle, degree)
+def rules(slave: Side, master: Side) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+    """Points (g, 2) on a triangle with their weights (g,), and points (g,) on a line with theirs:
+    exact, with derivatives, between triangles, and between quadrilaterals that are parallelograms.
+    """
+    degree = max(slave.degree, master.degree)
+    square = {slave.cell, master.cell} != {"triangle"}
+    x, w = np.polynomial.legendre.leggauss(2 + degree + square)
+    triangle = basix.make_quadrature(basix.CellType.triangle, 2 * degree + 4 * square)
+    return triangle, ((x + 1) / 2, w / 2)
 
 
 class Overlaps:
@@ -44,108 +48,118 @@ class Overlaps:
     def __init__(self, slave: Side, master: Side) -> None:
         self._slave, self._master = slave, master
         self._near = Near()
-        self._rule = rule(slave, master)
+        self._rule, self._line = rules(slave, master)
+        self._free = _free_edges(master)
 
-    def meet(self, xs: np.ndarray, xm: np.ndarray, reach: np.ndarray) -> Pieces:
+    def meet(self, xs: np.ndarray, xm: np.ndarray, reach: np.ndarray) -> tuple[Pieces, Brink]:
         """The pieces in the present places of the nodes, (N, 3) of slave and master, not farther
-        apart than ``reach`` [m] of each slave facet."""
-        planes, theirs = _Planes(self._slave.flat, xs), self._master.flat
-        facet, other = self._facing(planes, xm, reach)
-        their = planes.see(xm[theirs.cells[other]], facet)
-        met = (their.min(axis=1) < planes.high[facet]) & (their.max(axis=1) > planes.low[facet])
-        facet, other, their = (each[met[:, :2].all(axis=1)] for each in (facet, other, their))
-        polygons = their[:, OUTLINE[theirs.cell], :2]
-        number, shared = clip(polygons, planes.corners[facet][:, OUTLINE[self._slave.cell], :2])
-        of, triangles = fans(shared)
-        of = number[of]
-        pieces = self._pieces(planes, xm, facet[of], other[of], their[of], triangles)
+        apart than ``reach`` [m] of each slave facet; and where the master's edge ends them."""
+        planes, side = _Planes(self._slave.flat, xs), self._master.flat
+        pairs = self._facing(planes, xm, reach)
+        window = planes.corners[pairs.facet][:, OUTLINE[self._slave.cell], :2]
+        number, shared, edges = clip(pairs.corners[:, OUTLINE[side.cell], :2], window)
+        polygon, edge, triangles = fans(shared)
+        number, edge = number[polygon], edges[polygon, edge]
+
+        local, weight = self._rule
+        p = triangles[:, :1] + local @ (triangles[:, 1:] - triangles[:, :1])
+        size = 2 * areas(triangles)
+        pieces = self._pieces(planes, xm, pairs.of(number), p, np.abs(size)[:, None] * weight)
         kept = np.abs(pieces.distance.mean(axis=1)) <= reach[pieces.facet]
-        cover = np.bincount(pieces.facet, np.abs(areas(triangles)), len(reach))
-        double = (cover > (1 + TWICE) * planes.size)[pieces.facet]
-        if double.any():
-            seen = facet, polygons, their
-            kept[double] &= self._nearest(planes, seen, of[double], triangles[double].mean(axis=1))
-        return pieces.only(kept)
+        cover = np.bincount(pieces.facet, np.abs(size) / 2, len(reach))
+        twice = (cover > (1 + TWICE) * planes.size)[pieces.facet]
+        if twice.any():
+            middles = triangles[twice].mean(axis=1)
+            kept[twice] &= self._nearest(planes, pairs, number[twice], middles)
 
-    def _nearest(
-        self,
-        planes: _Planes,
-        seen: tuple[np.ndarray, np.ndarray, np.ndarray],
-        pair: np.ndarray,
-        p: np.ndarray,
-    ) -> np.ndarray:
-        """Whether the master facets of these pairs are nearest at points p (q, 2) of them, of all
-        pairs of a facet (n,), ascending, and a polygon (n, k, 2) whose corners are at (n, k, 3)."""
-        facet, polygons, their = seen
-        mine = facet[pair]
-        first = np.searchsorted(facet, mine)
-        count = np.searchsorted(facet, mine, "right") - first
-        point, rival = np.arange(len(p)).repeat(count), first.repeat(count) + counted(count)
-        within = covers(polygons[rival], p[point]) | (rival == pair[point])
-        point, rival = point[within], rival[within]
-        at, sides = p[point, None], (self._master.flat, self._slave.flat)
-        corners = their[rival], planes.corners[mine[point]]
-        theirs, own = (_heights(c, _on_facet(s, c, at)[1])[:, 0] for s, c in zip(sides, corners))
-        order = np.lexsort((rival, np.abs(theirs - own), point))
-        return rival[order][first_of_each(point[order])] == pair
+        # the edges of triangles that are free ones of the master: there what is covered ends
+        ends = np.flatnonzero(kept & (edge >= 0))
+        ends = ends[self._free[pieces.other[ends], edge[ends]]]
+        pair, (along, weight) = pairs.of(number[ends]), self._line
+        start, way = triangles[ends, 1], triangles[ends, 2] - triangles[ends, 1]
+        p = start[:, None] + along[:, None] * way[:, None]
+        there = self._pieces(planes, xm, pair, p, np.broadcast_to(weight, p.shape[:2]))
+        outwards = np.stack([way[:, 1], -way[:, 0]], axis=1) * np.sign(size[ends])[:, None]
+        slopes = _on_facet(side, pair.corners, p)[2]
+        bend = slopes @ pair.corners[None, ..., :2]  # (2, p, g, 2)
+        across = -(bend * outwards[:, None]).sum(axis=3)
+        return pieces.only(kept), Brink(there, np.moveaxis(across, 0, 2))
 
-    def _facing(
-        self, planes: _Planes, xm: np.ndarray, reach: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Pairs of facets that face each other and are near."""
+    def _facing(self, planes: _Planes, xm: np.ndarray, reach: np.ndarray) -> _Pairs:
+        """Facets that face each other and are near."""
         side = self._master.flat
         mine, theirs = Spheres.around(planes.places), Spheres.around(xm[side.cells])
         facet, other = in_tubes(planes.unit, reach, mine.radii, mine, theirs, self._near)
         normal = side.normal(side.middle_tangents(xm), np.arange(len(side.cells)))
         length = np.sqrt((normal**2).sum(axis=1))
         facing = (planes.unit[facet] * normal[other]).sum(axis=1) < FACING * length[other]
-        return facet[facing], other[facing]
+        facet, other = facet[facing], other[facing]
+        pairs = _Pairs(facet, other, planes.see(xm[side.cells[other]], facet))
+        low, high = pairs.corners.min(axis=1), pairs.corners.max(axis=1)
+        met = (low < planes.high[facet]) & (high > planes.low[facet])
+        return pairs.of(met[:, :2].all(axis=1))
+
+    def _nearest(
+        self, planes: _Planes, pairs: _Pairs, number: np.ndarray, p: np.ndarray
+    ) -> np.ndarray:
+        """Whether the master facets of pairs of these numbers are those nearest at points p of
+        them, (q, 2) in the planes."""
+        facet = pairs.facet[number]
+        first = np.searchsorted(pairs.facet, facet)
+        count = np.searchsorted(pairs.facet, facet, "right") - first
+        point, rival = np.arange(len(p)).repeat(count), first.repeat(count) + counted(count)
+        outlines = pairs.corners[rival][:, OUTLINE[self._master.cell], :2]
+        within = covers(outlines, p[point]) | (rival == number[point])
+        point, rival = point[within], rival[within]
+        at, sides = p[point, None], (self._master.flat, self._slave.flat)
+        corners = pairs.corners[rival], planes.corners[facet[point]]
+        theirs, own = (_heights(c, _on_facet(s, c, at)[1])[:, 0] for s, c in zip(sides, corners))
+        order = np.lexsort((rival, np.abs(theirs - own), point))
+        return rival[order][first_of_each(point[order])] == number
 
     def _pieces(
-        self,
-        planes: _Planes,
-        xm: np.ndarray,
-        facet: np.ndarray,
-        other: np.ndarray,
-        their: np.ndarray,
-        triangles: np.ndarray,
+        self, planes: _Planes, xm: np.ndarray, pairs: _Pairs, p: np.ndarray, weight: np.ndarray
     ) -> Pieces:
-        """The pieces of slave and master facets that the triangles (p, 3, 2) are, from the master's
-        corners in the planes, (p, k, 3)."""
-        slave, master, (local, weight) = self._slave, self._master, self._rule
-        p = triangles[:, :1] + local @ (triangles[:, 1:] - triangles[:, :1])
-        shape = p.shape[:2]
-        xi, corner, stretch = _on_facet(slave.flat, planes.corners[facet], p)
-        their_xi, their_corner, _ = _on_facet(master.flat, their, p)
+        """Those of pairs with points p (q, g, 2) in the planes that weigh (q, g) there."""
+        slave, master, shape = self._slave, self._master, p.shape[:2]
+        facet, other, mine = pairs.facet, pairs.other, planes.corners[pairs.facet]
+        xi, corner, bend = _on_facet(slave.flat, mine, p)
+        g = bend @ mine[..., :2]
+        values, slopes = (corner, bend) if slave.degree == 1 else _fields(slave, xi)
+        measure = slave.reference_measure(
+            facet.repeat(shape[1]), slopes.reshape(2, -1, slopes.shape[3])
+        )
+        weight = weight * measure.reshape(shape) / cross(g[0], g[1])
 
-        def fields(side: Side, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            values, slopes = side.shape(xi)
-            return values.reshape(*shape, -1), slopes.reshape(2, *shape, -1)
-
-        values, slopes = fields(slave, xi)
-        their_values, their_slopes = fields(master, their_xi)
-        measure = slave.reference_measure(facet.repeat(shape[1]), slopes.reshape(2, len(xi), -1))
-        weights = np.abs(2 * areas(triangles))[:, None] * weight
-        weights = weights * measure.reshape(shape) / stretch
-
-        flat, unit = master.flat, planes.unit[facet][:, None]
-        few = slice(1 if flat.straight else None)
-        if master.degree > 1:
-            bend = fields(flat, their_xi)[1][:, :, few]
-        else:
-            bend = their_slopes[:, :, few]
-        places = xm[flat.cells[other]]
+        their_xi, their_corner, bend = _on_facet(master.flat, pairs.corners, p)
+        theirs = (their_corner, bend) if master.degree == 1 else _fields(master, their_xi)
+        if master.flat.straight:
+            bend = bend[:, :, :1]
+        unit = planes.unit[facet][:, None]
         matrix = np.empty((*bend.shape[1:3], 3, 3))
-        matrix[..., :2] = np.moveaxis(bend @ places, 0, 3)
+        matrix[..., :2] = np.moveaxis(bend @ xm[master.flat.cells[other]], 0, 3)
         matrix[..., 2] = -unit
         return Pieces(
-            facet=facet, other=other, weight=weights, corner=corner,
-            values=values, their_values=their_values, their_slopes=their_slopes,
+            facet=facet, other=other, weight=weight, corner=corner,
+            values=values, their_values=theirs[0], their_slopes=theirs[1],
             guide=corner, their_guide=their_corner, aligned=slave.degree == master.degree == 1,
-            distance=_heights(their, their_corner) - _heights(planes.corners[facet], corner),
+            distance=_heights(pairs.corners, their_corner) - _heights(mine, corner),
             unit=unit, side=slave.flat, slopes=planes.slopes.repeat(len(facet), axis=1),
             length=planes.length[facet], inverse=inverses(matrix),
         )  # fmt: skip
+
+
+class _Pairs(NamedTuple):
+    """Facets of the slave, ascending, and of the master, whose corners are at (q, k, 3) in the
+    planes of the former."""
+
+    facet: np.ndarray
+    other: np.ndarray
+    corners: np.ndarray
+
+    def of(self, which: np.ndarray) -> _Pairs:
+        """Some of them."""
+        return _Pairs(*(each[which] for each in self))
 
 
 class _Planes:
@@ -185,20 +199,37 @@ def _heights(corners: np.ndarray, shape: np.ndarray) -> np.ndarray:
     return (shape @ corners[..., 2:])[..., 0]
 
 
+def _free_edges(side: Side) -> np.ndarray:
+    """Whether the edges of its facets, in the order of their outlines, belong to one facet only,
+    (m, k)."""
+    outline = side.corners[:, OUTLINE[side.cell]]
+    edges = np.sort(np.stack([outline, np.roll(outline, -1, axis=1)], axis=2), axis=2)
+    _, which, count = np.unique(
+        edges.reshape(-1, 2), axis=0, return_inverse=True, return_counts=True
+    )
+    return (count[which.ravel()] == 1).reshape(outline.shape)
+
+
+def _fields(side: Side, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Shape functions (q, g, k) at points (q, g, 2), and derivatives, (2, q, g, k)."""
+    values, slopes = side.shape(xi.reshape(-1, 2))
+    shape = (*xi.shape[:2], values.shape[1])
+    return values.reshape(shape), slopes.reshape(2, *shape)
+
+
 def _on_facet(
     side: Side, corners: np.ndarray, p: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Local coordinates (q g, 2) of places p (q, g, 2) in planes where the corners of facets are at
-    (q, k, 3), shape functions there (q, g, k), and the ratio of areas, (q, g)."""
+    """Local coordinates (q, g, 2) of places p (q, g, 2) in planes where the corners of facets are
+    at (q, k, 3), and shape functions there with their derivatives, (q, g, k), (2, q, g, k)."""
     xi, flat = np.tile(side.midpoint, (*p.shape[:2], 1)), corners[..., :2]
     for _ in range(1 if side.straight else 8):
-        shape, slopes = side.shape(xi.reshape(-1, 2))
-        shape, slopes = shape.reshape(*p.shape[:2], -1), slopes.reshape(2, *p.shape[:2], -1)
+        shape, slopes = _fields(side, xi)
         error, g = p - shape @ flat, slopes @ flat
-        stretch = cross(g[0], g[1])
-        step = np.stack([cross(error, g[1]), cross(g[0], error)], axis=2) / stretch[..., None]
+        step = np.stack([cross(error, g[1]), cross(g[0], error)], axis=2)
+        step /= cross(g[0], g[1])[..., None]
         # nobody is far from a facet, but by a fold in a crooked one
         xi = np.clip(xi + step, -5.0, 6.0)
         if np.abs(step).max(initial=0.0) < 1e-13:
             break
-    return xi.reshape(-1, 2), side.shape(xi.reshape(-1, 2))[0].reshape(shape.shape), stretch
+    return (xi, *_fields(side, xi))

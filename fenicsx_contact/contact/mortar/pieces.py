@@ -51,6 +51,11 @@ class Pieces:
     length: np.ndarray
     inverse: np.ndarray
 
+    @property
+    def both(self) -> np.ndarray:
+        """Of fields of all nodes what is the slave's less what is the master's, (p, g, k)."""
+        return np.concatenate([self.values, -self.their_values], axis=2)
+
     def only(self, kept: np.ndarray) -> Pieces:
         """Some of the pieces, (p,) of bool."""
         if kept.all():
@@ -62,3 +67,17 @@ class Pieces:
             elif name not in ("side", "aligned"):
                 new[name] = value[kept]
         return Pieces(**new)
+
+
+@dataclass(frozen=True)
+class Brink:
+    """Where a piece ends because the master does: points on free edges of its facets.
+
+    Attributes:
+        points: they, in pieces; their weights are those of the length that ``across`` counts.
+        across: by how much area what is covered grows where a master's point moves on its facet, in
+            its local coordinates, (p, g, d - 1).
+    """
+
+    points: Pieces
+    across: np.ndarray

@@ -154,7 +154,8 @@ def test_either_side_covers_the_same(cell):
 
 @pytest.mark.parametrize("cell", CELLS)
 def test_the_nearest_layer_wins(cell):
-    """Two masters above each other, one of them short: what lies behind is not seen."""
+    """Two masters above each other, one of them short: what lies behind is not seen, point by point
+    on the pieces that lie behind in part."""
     near, far = flat(4, -0.05, cell, False, 0.0, 0.5), flat(3, -0.2, cell, False)
     points = np.concatenate([near.nodes, far.nodes])
     cells = np.concatenate([near.cells, far.cells + len(near.nodes)])
@@ -163,7 +164,7 @@ def test_the_nearest_layer_wins(cell):
     slave = flat(4, 0.0, cell, True)
     pair = updated(slave, master, 1.0)
     x = slave.nodes[:, :2].max(axis=1)
-    assert pair.area.sum() == pytest.approx(1, rel=1e-12)
+    assert pair.area.sum() == pytest.approx(1, rel=0.02)
     np.testing.assert_allclose(pair.gap[x < 0.4], -0.05, rtol=1e-9)
     np.testing.assert_allclose(pair.gap[x > 0.6], -0.2, rtol=1e-9)
 

@@ -4,12 +4,15 @@
 A polygon is an array (corners, 2) in the order of its outline, either way round; a set of polygons
 has as many corners as the one with the most, and those with fewer repeat the first at the end: an
 edge without length cuts nothing and holds nothing. So nothing here needs a tolerance: what only
-touches has no area, and corners that fall on edges may be taken as inside or outside.
+touches has an area of round-off, and corners on edges may be taken as inside or outside.
 """
 
 from __future__ import annotations
 
+import basix
 import numpy as np
+
+from .matrices import add_up
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -76,7 +79,57 @@ def fans(polygons: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return polygon, edge, triangles[polygon, edge]
 
 
+def points(
+    polygon: np.ndarray, triangles: np.ndarray, degree: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points that integrate polynomials of a degree over the polygons whose :func:`fans` these are:
+    numbers (r,), points (r, g, 2) and weights (r, g), for each triangle, or for each polygon."""
+    if degree > 2:
+        local, weight = basix.make_quadrature(basix.CellType.triangle, degree)
+        places = triangles[:, :1] + local @ (triangles[:, 1:] - triangles[:, :1])
+        return polygon, places, 2 * np.abs(areas(triangles))[:, None] * weight
+    number, places, area = three_points(polygon, triangles)
+    return number, places, area[:, None].repeat(3, axis=1) / 3
+
+
+def three_points(
+    polygon: np.ndarray, triangles: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of the polygons whose :func:`fans` these are: numbers (r,), points (r, 3, 2) and areas (r,).
+    The points, each with a third of the area, integrate quadratic polynomials.
+
+    They have the moments of the polygon: with its mean m and covariance L L' they are
+    m + sqrt(2) L u  of three unit vectors u at 120 degrees, on an ellipse that lies within any
+    convex figure (in a triangle it is Steiner's).
+    """
+    number, polygon = np.unique(polygon, return_inverse=True)
+    area, n = np.abs(areas(triangles)), len(number)
+    total = np.bincount(polygon, area, n)
+    share = (area / total[polygon])[:, None]
+    corners = triangles - triangles[:, :1]
+    first = add_up(share * corners.sum(axis=1) / 3, polygon, n)
+    # of a triangle with a corner at 0: (a a' + b b' + (a + b) (a + b)') / 12
+    arms = np.concatenate([corners[:, 1:], corners.sum(axis=1, keepdims=True)], axis=1)
+    second = (np.swapaxes(arms, 1, 2) @ arms).reshape(-1, 4)[:, [0, 1, 3]] / 12
+    xx, xy, yy = (add_up(share * second, polygon, n) - first[:, [0, 0, 1]] * first[:, [0, 1, 1]]).T
+    long = np.sqrt(np.maximum(xx, 0))
+    skew = xy / np.where(long > 0, long, 1.0)
+    wide = np.sqrt(np.maximum(yy - skew**2, 0))
+    angle = 2 * np.pi / 3 * np.arange(3)
+    u = np.sqrt(2) * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    factor = np.stack([long, skew, np.zeros(n), wide], axis=1).reshape(n, 2, 2)  # L'
+    apex = np.zeros((n, 2))
+    apex[polygon] = triangles[:, 0]
+    return number, (apex + first)[:, None] + u @ factor, total
+
+
 def areas(polygons: np.ndarray) -> np.ndarray:
     """Areas of polygons (..., v, 2), positive if counterclockwise."""
     arms = polygons - polygons[..., :1, :]
     return cross(arms[..., 1:-1, :], arms[..., 2:, :]).sum(axis=-1) / 2
+
+
+def gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss's rule on [0, 1]."""
+    x, w = np.polynomial.legendre.leggauss(n)
+    return (x + 1) / 2, w / 2

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import basix
 import numpy as np
 
+from .clipping import gauss
 from .partners import Partners
 from .pieces import Pieces
 from .search import Near, Spheres
@@ -33,7 +34,7 @@ class Points:
 def whole(side: Side) -> Points:
     """A rule on whole facets, exact for their normals times linear functions."""
     if side.cell == "interval":
-        x, w = _gauss(PIECE_POINTS[side.degree])
+        x, w = gauss(PIECE_POINTS[side.degree])
         x = x[:, None]
     else:
         degree = 2 * side.degree + (side.cell == "quadrilateral")
@@ -81,7 +82,7 @@ class Cuts:
 
     def __init__(self, slave: Side, master: Side) -> None:
         self._slave, self._master = slave, master
-        self._rule = _gauss(PIECE_POINTS[max(slave.degree, master.degree)])
+        self._rule = gauss(PIECE_POINTS[max(slave.degree, master.degree)])
         self._corners = np.unique(master.corners)
         self._near = Near()
 
@@ -107,9 +108,3 @@ class Cuts:
         x, w = self._rule
         xi = (s[kept, None] + length[kept, None] * x).reshape(-1, 1)
         return Points(np.repeat(facet[kept], len(w)), xi, (length[kept, None] * w).ravel())
-
-
-def _gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss's rule on [0, 1]."""
-    x, w = np.polynomial.legendre.leggauss(n)
-    return (x + 1) / 2, w / 2

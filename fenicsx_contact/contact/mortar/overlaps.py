@@ -16,10 +16,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import basix
 import numpy as np
 
-from .clipping import areas, clip, covers, cross, fans
+from .clipping import areas, clip, covers, cross, fans, gauss, points
 from .partners import FACING, inverses
 from .pieces import Brink, Pieces
 from .search import Near, Spheres, counted, first_of_each, in_tubes
@@ -31,59 +30,55 @@ TWICE = 1e-9
 OUTLINE = {"triangle": [0, 1, 2], "quadrilateral": [0, 1, 3, 2]}
 
 
-def rules(slave: Side, master: Side) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
-    """Points (g, 2) on a triangle with their weights (g,), and points (g,) on a line with theirs:
-    exact, with derivatives, between triangles, and between quadrilaterals that are parallelograms.
-    """
-    degree = max(slave.degree, master.degree)
-    square = {slave.cell, master.cell} != {"triangle"}
-    x, w = np.polynomial.legendre.leggauss(2 + degree + square)
-    triangle = basix.make_quadrature(basix.CellType.triangle, 2 * degree + 4 * square)
-    return triangle, ((x + 1) / 2, w / 2)
-
-
 class Overlaps:
     """Finds what the facets of two sides share, in the planes of the slave's."""
 
     def __init__(self, slave: Side, master: Side) -> None:
         self._slave, self._master = slave, master
         self._near = Near()
-        self._rule, self._line = rules(slave, master)
+        # exact, with derivatives, between triangles, and quadrilaterals that are parallelograms
+        degree = max(slave.degree, master.degree)
+        square = {slave.cell, master.cell} != {"triangle"}
+        self._degree = 2 * degree + 4 * square
+        self._line = gauss(2 + degree + square)
         self._free = _free_edges(master)
 
     def meet(self, xs: np.ndarray, xm: np.ndarray, reach: np.ndarray) -> tuple[Pieces, Brink]:
         """The pieces in the present places of the nodes, (N, 3) of slave and master, not farther
         apart than ``reach`` [m] of each slave facet; and where the master's edge ends them."""
-        planes, side = _Planes(self._slave.flat, xs), self._master.flat
+        planes = _Planes(self._slave.flat, xs)
         pairs = self._facing(planes, xm, reach)
+        outlines = pairs.corners[:, OUTLINE[self._master.cell], :2]
         window = planes.corners[pairs.facet][:, OUTLINE[self._slave.cell], :2]
-        number, shared, edges = clip(pairs.corners[:, OUTLINE[side.cell], :2], window)
+        number, shared, edges = clip(outlines, window)
         polygon, edge, triangles = fans(shared)
-        number, edge = number[polygon], edges[polygon, edge]
+        piece, p, weight = points(polygon, triangles, self._degree)
+        cover = np.bincount(pairs.facet[number[piece]], weight.sum(axis=1), len(reach))
+        twice = cover > (1 + TWICE) * planes.size
 
-        local, weight = self._rule
-        p = triangles[:, :1] + local @ (triangles[:, 1:] - triangles[:, :1])
-        size = 2 * areas(triangles)
-        pieces = self._pieces(planes, xm, pairs.of(number), p, np.abs(size)[:, None] * weight)
-        kept = np.abs(pieces.distance.mean(axis=1)) <= reach[pieces.facet]
-        cover = np.bincount(pieces.facet, np.abs(size) / 2, len(reach))
-        twice = (cover > (1 + TWICE) * planes.size)[pieces.facet]
-        if twice.any():
-            middles = triangles[twice].mean(axis=1)
-            kept[twice] &= self._nearest(planes, pairs, number[twice], middles)
+        # edges of triangles that are part of free ones of the master, and outwards across them
+        edge, polygon = edges[polygon, edge], number[polygon]
+        free = (edge >= 0) & self._free[pairs.other[polygon], edge]
+        polygon, triangles, (local, lengths) = polygon[free], triangles[free], self._line
+        way = triangles[:, 2] - triangles[:, 1]
+        outwards = np.stack([way[:, 1], -way[:, 0]], axis=1) * np.sign(areas(triangles))[:, None]
+        ends = triangles[:, 1, None] + local[:, None] * way[:, None]
+        lengths = np.tile(lengths, (len(way), 1))
 
-        # the edges of triangles that are free ones of the master: there what is covered ends
-        ends = np.flatnonzero(kept & (edge >= 0))
-        ends = ends[self._free[pieces.other[ends], edge[ends]]]
-        pair, (along, weight) = pairs.of(number[ends]), self._line
-        start, way = triangles[ends, 1], triangles[ends, 2] - triangles[ends, 1]
-        p = start[:, None] + along[:, None] * way[:, None]
-        there = self._pieces(planes, xm, pair, p, np.broadcast_to(weight, p.shape[:2]))
-        outwards = np.stack([way[:, 1], -way[:, 0]], axis=1) * np.sign(size[ends])[:, None]
-        slopes = _on_facet(side, pair.corners, p)[2]
-        bend = slopes @ pair.corners[None, ..., :2]  # (2, p, g, 2)
-        across = -(bend * outwards[:, None]).sum(axis=3)
-        return pieces.only(kept), Brink(there, np.moveaxis(across, 0, 2))
+        found = []
+        for which, at, size in ((number[piece], p, weight), (polygon, ends, lengths)):
+            behind = np.flatnonzero(twice[pairs.facet[which]])
+            if len(behind):
+                size[behind] *= self._nearest(planes, pairs, which[behind], at[behind])
+            found.append(self._pieces(planes, xm, pairs.of(which), at, size))
+        pieces, there = found
+        near, near_there = (
+            np.abs(each.distance.mean(axis=1)) <= reach[each.facet] for each in found
+        )
+        corners = pairs.corners[polygon]
+        bend = _on_facet(self._master.flat, corners, ends)[2] @ corners[..., :2]  # (2, q, g, 2)
+        across = -np.moveaxis((bend * outwards[:, None]).sum(axis=3), 0, 2)
+        return pieces.only(near), Brink(there.only(near_there), across[near_there])
 
     def _facing(self, planes: _Planes, xm: np.ndarray, reach: np.ndarray) -> _Pairs:
         """Facets that face each other and are near."""
@@ -102,8 +97,9 @@ class Overlaps:
     def _nearest(
         self, planes: _Planes, pairs: _Pairs, number: np.ndarray, p: np.ndarray
     ) -> np.ndarray:
-        """Whether the master facets of pairs of these numbers are those nearest at points p of
-        them, (q, 2) in the planes."""
+        """Whether the master facets of pairs of these numbers (q,) are those nearest at points p
+        (q, g, 2) of them, (q, g)."""
+        size, number, p = p.shape[:2], number.repeat(p.shape[1]), p.reshape(-1, 2)
         facet = pairs.facet[number]
         first = np.searchsorted(pairs.facet, facet)
         count = np.searchsorted(pairs.facet, facet, "right") - first
@@ -115,7 +111,7 @@ class Overlaps:
         corners = pairs.corners[rival], planes.corners[facet[point]]
         theirs, own = (_heights(c, _on_facet(s, c, at)[1])[:, 0] for s, c in zip(sides, corners))
         order = np.lexsort((rival, np.abs(theirs - own), point))
-        return rival[order][first_of_each(point[order])] == number
+        return (rival[order][first_of_each(point[order])] == number).reshape(size)
 
     def _pieces(
         self, planes: _Planes, xm: np.ndarray, pairs: _Pairs, p: np.ndarray, weight: np.ndarray

@@ -115,7 +115,8 @@ def three_points(
     long = np.sqrt(np.maximum(xx, 0))
     skew = xy / np.where(long > 0, long, 1.0)
     wide = np.sqrt(np.maximum(yy - skew**2, 0))
-    angle = 2 * np.pi / 3 * np.arange(3)
+    # turned by any angle; by this one none lies on an edge of a half square
+    angle = 2 * np.pi / 3 * (np.arange(3) + 0.25)
     u = np.sqrt(2) * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     factor = np.stack([long, skew, np.zeros(n), wide], axis=1).reshape(n, 2, 2)  # L'
     apex = np.zeros((n, 2))

@@ -8,7 +8,14 @@ import pytest
 from scenes import box
 from test_two_bodies import patch
 
-from fenicsx_contact import Contact, HyperelasticSolid, QuasiStatic, Scene, neo_hookean
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    HyperelasticSolid,
+    QuasiStatic,
+    Scene,
+    neo_hookean,
+)
 from fenicsx_contact.contact.mortar import Pairing, Side
 from fenicsx_contact.contact.mortar.clipping import areas, clip, fans
 
@@ -189,3 +196,24 @@ def test_blocks_with_common_edges(cell, n, m, shift):
     history = Scene([up, low], [contact], QuasiStatic()).run(until=1, dt=1.0)
     assert history.finished and not history.remarks
     assert history["newton"][1] <= 6
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
+def test_drawn_over_an_edge(cell, friction):
+    """What is covered changes with the motion, and Newton's method knows."""
+    upper, lower = box((3, 3, 2), (0.4, 0.4, 0.2), cell), box((4, 4, 2), (0.4, 0.4, 0.3), cell)
+    upper.mesh.geometry.x[:, 2] += 0.3
+    law = {"poisson_ratio": 0.3, "density": 1.0}
+
+    def motion(t):
+        return [0.03 * max(0.0, t - 1), 0.013 * max(0.0, t - 1), -0.01 * min(t, 1.0)]
+
+    up = ElasticSolid(upper, youngs_modulus=3.0, prescribed={"top": motion}, name="up", **law)
+    low = ElasticSolid(lower, youngs_modulus=1.0, fixed=["base"], name="low", **law)
+    contact = Contact(up, "base", (low, "top"), "gap", friction=friction, name="c")
+    history = Scene([up, low], [contact], QuasiStatic()).run(until=7, dt=1.0)
+    assert history.finished and not history.remarks
+    assert history["newton"].max() <= 7 and history["newton"][2:].mean() < 4.5
+    assert (np.diff(history["c.force_z"][1:]) < 0).all()
+    np.testing.assert_allclose(up.reaction("top")[2], -history["c.force_z"][-1], rtol=1e-7)

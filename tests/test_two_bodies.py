@@ -114,14 +114,19 @@ def test_nearest_of_several_candidates_wins():
     np.testing.assert_allclose(pair.gap, 0.03, rtol=1e-12)
 
 
-def test_far_apart_nothing_is_paired():
-    slave, master = sides("interval", 1)
+@pytest.mark.parametrize("cell", ["interval", "triangle", "quadrilateral"])
+def test_far_apart_nothing_is_paired(cell):
+    slave, master = sides(cell, 1)
     pair = Pairing(slave, master)
-    pair.update(np.concatenate([slave.nodes + np.array([0, 5.0]), master.nodes]), 0.3)
+    away = 5 * np.eye(slave.dim)[-1]
+    pair.update(np.concatenate([slave.nodes + away, master.nodes]), 0.3)
     assert (pair.reach >= 4 * 0.3).all() and (pair.reach < 4.0).all()
     assert (
         not pair.paired.any() and (pair.gap == -pair.reach).all() and abs(pair.operator).sum() == 0
     )
+    rates = Rates(pair)
+    assert not rates.gap.any() and not rates.jump(pair.places).any()
+    assert not rates.spread(np.ones((pair.n, slave.dim))).any()
 
 
 # -- dynamics --

@@ -70,7 +70,7 @@ class Rates:
         sheared = np.moveaxis(pair.pieces.their_slopes @ theirs, 0, 2)  # (p, g, d - 1, d)
         shares = pair.shares[:, :, None, :, None] * sheared[:, :, :, None]
         entries = -np.swapaxes(self._by_row(shares), 1, 2) @ self._slide
-        rows = (self._corners[:, :, None] * d + np.arange(d)).reshape(len(entries), -1)
+        rows = (self._corners[:, :, None] * d + np.arange(d)).reshape(entries.shape[:2])
         shape = (pair.n * d, pair.total * d)
         jump = gather(entries, rows[:, :, None], self._motion.columns[:, None], shape, pair.dense)
         if self._cover:

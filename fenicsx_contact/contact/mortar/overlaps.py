@@ -3,11 +3,11 @@
 
 Each slave facet has a plane across its normal n at its middle. The corners of the master's facets
 are projected on it along n, and the polygon that both cover (Puso and Laursen, Comput. Methods
-Appl. Mech. Engrg. 193, 2004) falls into triangles with Gauss points. Points of both facets that lie
-above each other are those of the flat or bilinear facets that the corners span: such surfaces are
-continuous and their edges straight, so the polygons cover what they share once and without gaps.
-What is integrated is smooth on each of them, between triangles a polynomial. On facets of second
-degree the fields are taken at these points, and the gap is  n . (x_m - x_s).
+Appl. Mech. Engrg. 193, 2004) gets points of integration. Points of both facets that lie above each
+other are those of the flat or bilinear facets that the corners span: such surfaces are continuous
+and their edges straight, so the polygons cover what they share once and without gaps. What is
+integrated is smooth on each of them, between triangles a polynomial. On facets of second degree the
+fields are taken at these points, and the gap is  n . (x_m - x_s).
 
 Places in the plane are given by the slave's tangents g at the middle,  x = middle + g p + h n.
 """

@@ -252,8 +252,8 @@ def peers(make: Any = elastic, h: float = 0.005, depth: float = 0.0035) -> dict[
 # %% [markdown]
 # ## Sphere on block
 #
-# A quarter of both, with rollers on the planes of symmetry. Integration is by points on the facets
-# here, not by their overlaps.
+# A quarter of both, with rollers on the planes of symmetry. Integration is over the overlaps of the
+# facets here too.
 
 
 # %%

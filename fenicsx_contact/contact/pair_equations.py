@@ -133,7 +133,9 @@ class PairedEquations:
             assert self._rates is not None
             at_nodes = np.zeros((self.pairing.n, d))
             at_nodes[e.candidates] = e.active_residual()[: c * d].reshape(c, d)
-            forces = forces + self._gap_rate * self._rates.spread(at_nodes)[mine][:, mine]
+            areas = np.array_equal(e.weight, self.pairing.area)  # or they are points
+            spread = self._rates.spread(at_nodes, areas)[mine][:, mine]
+            forces = forces + self._gap_rate * spread
         own = np.arange(c * (u - d)).reshape(u - d, c).T  # multipliers stand component by component
         order = np.arange(c * (u - d)).reshape(c, u - d).T.ravel()
         rows = by_point(read[:, d:], seen)[order]

@@ -11,6 +11,7 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import scipy.sparse as sp
 import ufl
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -267,8 +268,9 @@ class DeformableSolid(BalancedSolid):
     def root_mean_square(self, velocity: np.ndarray) -> float:
         return self._inertia.root_mean_square(velocity)
 
-    def trace(self, points: np.ndarray) -> DeformableTrace:
-        return DeformableTrace(self, points)
+    def trace(self, points: np.ndarray, means: sp.csr_matrix | None = None) -> DeformableTrace:
+        """The solid seen from points (N, d), or from means of them by a matrix (n, N)."""
+        return DeformableTrace(self, points, means)
 
     def state(self) -> dict[str, np.ndarray]:
         state = {"displacement": self.displacement, "velocity": self.velocity}

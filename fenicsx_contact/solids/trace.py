@@ -57,10 +57,18 @@ class TracedSolid(Protocol):
 
 
 class DeformableTrace(MonolithicTrace):
-    """A deformable solid seen from points that are nodes of its mesh; the operator is constant."""
+    """A deformable solid seen from points that are nodes of its mesh, (N, d), or from means of what
+    these see by a matrix (n, N); the operator is constant."""
 
-    def __init__(self, solid: TracedSolid, points: np.ndarray) -> None:
-        self._solid, self._reference = solid, points
+    def __init__(
+        self,
+        solid: TracedSolid,
+        points: np.ndarray,
+        means: scipy.sparse.csr_matrix | None = None,
+    ) -> None:
+        if means is None:
+            means = scipy.sparse.identity(len(points), format="csr")
+        self._solid, self._reference = solid, means @ points
         vectors = solid.vectors
         self._comm, nodes, owned = vectors.comm, vectors.places, vectors.owned
         n, d = points.shape
@@ -75,18 +83,23 @@ class DeformableTrace(MonolithicTrace):
             raise checks.InputError("points: each point of a trace must be a node of the solid")
         rows, columns = (vectors.at(each) for each in (mine, node))
         free = ~np.isin(columns, solid.fixed_unknowns)  # what is held fast does not move
-        entries = (np.ones(free.sum()), (rows[free], columns[free]))
-        self._spreading = scipy.sparse.csr_matrix(entries, (n * d, owned)).T.tocsr()
-        every = (np.ones(len(rows)), (rows, columns))
-        self._operator = scipy.sparse.csr_matrix(every, (n * d, owned))
+        mean = scipy.sparse.kron(means, scipy.sparse.identity(d), format="csr")
+
+        def seen(rows: np.ndarray, columns: np.ndarray, unknowns: int) -> scipy.sparse.csr_matrix:
+            entries = (np.ones(len(rows)), (rows, columns))
+            return (mean @ scipy.sparse.csr_matrix(entries, (n * d, unknowns))).tocsr()
+
+        self._spreading = seen(rows[free], columns[free], owned).T.tocsr()
+        self._operator = seen(rows, columns, owned)
         self._held = (self._operator - self._spreading.T).tocsr()
         # the same in the numbers of all unknowns, on every process; held ones do not answer
         parts = self._comm.allgather((rows[free], vectors.first + columns[free]))
         row, column = (np.concatenate(each) for each in zip(*parts))
-        ones = np.ones(len(row))
-        self._whole = scipy.sparse.csr_matrix((ones, (row, column)), (n * d, vectors.unknowns))
+        self._whole = seen(row, column, vectors.unknowns)
         self._linearisation = 0
-        self._known = np.zeros(n * d, dtype=bool)  # columns of A^-1 J' that are computed
+        self._known = np.zeros(
+            self._reference.size, dtype=bool
+        )  # columns of A^-1 J' that are computed
         self._columns = np.empty((0, 0))
         self._compliance: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
@@ -153,7 +166,7 @@ class DeformableTrace(MonolithicTrace):
         if size <= FEW and not self._solid.floating:
             return self.compliance(np.arange(size), self, np.arange(size)).diagonal()
         diagonal = self._solid.factorisation.matrix.getDiagonal()
-        mobility = self._spreading.T @ (1 / diagonal.array_r)
+        mobility = self._spreading.power(2).T @ (1 / diagonal.array_r)
         diagonal.destroy()
         return self._sum(mobility)
 

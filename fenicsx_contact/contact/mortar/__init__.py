@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """How two surfaces see each other: sides, integration points, partners, and the operators."""
 
+from .means import means
 from .mortar import Pairing
 from .side import Side
 
-__all__ = ["Pairing", "Side"]
+__all__ = ["Pairing", "Side", "means"]

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Where a pair of surfaces is integrated: points on the slave facets.
+"""Where a pair of lines is integrated: points on pieces of the slave's facets.
 
-Between lines the facets are cut where corners of the other side face them: what is integrated is
-smooth on each piece, and the integral exact for straight facets (mortar). Between surfaces a rule
-with many points stands in for the cutting.
+The facets are cut where corners of the other side face them: what is integrated is smooth on each
+piece, and the integral exact for straight facets (mortar).
 """
 
 from __future__ import annotations
@@ -13,11 +12,13 @@ from dataclasses import dataclass
 import basix
 import numpy as np
 
+from .clipping import gauss
+from .partners import Partners
+from .pieces import Pieces
 from .search import Near, Spheres
 from .side import Side
 
-#: Degree of the rule on the facets of a surface in space, and points on a piece of a line.
-SURFACE_DEGREE = {"triangle": 8, "quadrilateral": 11}
+#: Points on a piece of a line.
 PIECE_POINTS = {1: 2, 2: 4}
 
 
@@ -31,16 +32,49 @@ class Points:
 
 
 def whole(side: Side) -> Points:
-    """A fixed rule on whole facets."""
+    """A rule on whole facets, exact for their normals times linear functions."""
     if side.cell == "interval":
-        x, w = _gauss(PIECE_POINTS[side.degree])
+        x, w = gauss(PIECE_POINTS[side.degree])
         x = x[:, None]
     else:
-        rule = getattr(basix.CellType, side.cell), SURFACE_DEGREE[side.cell]
-        x, w = basix.make_quadrature(*rule)
+        degree = 2 * side.degree + (side.cell == "quadrilateral")
+        x, w = basix.make_quadrature(getattr(basix.CellType, side.cell), degree)
     m = len(side.cells)
     facet, xi = np.repeat(np.arange(m), len(w)), np.tile(x, (m, 1))
     return Points(facet, xi, np.tile(w, m))
+
+
+class Lines:
+    """Finds what the facets of two lines share, by rays along the slave's normals."""
+
+    def __init__(self, slave: Side, master: Side) -> None:
+        self._slave, self._master = slave, master
+        self._cuts, self._partners = Cuts(slave, master), Partners(slave, master)
+
+    def meet(self, xs: np.ndarray, xm: np.ndarray, reach: np.ndarray) -> tuple[Pieces, None]:
+        """Points on the pieces in the present places of the nodes, (N, 2) of slave and master, each
+        as a piece, not farther apart than ``reach`` [m] of each slave facet."""
+        slave, master, points = self._slave, self._master, self._cuts.points(xs, xm)
+        values, slopes = slave.shape(points.xi)
+        corner = values if slave.degree == 1 else slave.linear_shape(points.xi)
+        x = np.einsum("qk,qkj->qj", values, xs[slave.cells[points.facet]])
+        normal = slave.normals(xs, points.facet, slopes)
+        length = np.sqrt((normal**2).sum(axis=1))
+        unit = normal / length[:, None]
+        hits = self._partners.meet(x, unit, points.facet, reach, (xs, xm))
+
+        on = hits.ray
+        facet, values, slopes = points.facet[on], values[on][:, None], slopes[:, on]
+        weight = points.weight[on] * slave.reference_measure(facet, slopes)
+        theirs, their_slopes = (each[..., None, :] for each in master.shape(hits.xi))
+        pieces = Pieces(
+            facet=facet, other=hits.facet, weight=weight[:, None], corner=corner[on][:, None],
+            values=values, their_values=theirs, their_slopes=their_slopes,
+            guide=values, their_guide=theirs, aligned=True, distance=hits.distance[:, None],
+            unit=unit[on][:, None], side=slave, slopes=slopes, length=length[on],
+            inverse=hits.inverse[:, None],
+        )  # fmt: skip
+        return pieces, None
 
 
 class Cuts:
@@ -48,7 +82,7 @@ class Cuts:
 
     def __init__(self, slave: Side, master: Side) -> None:
         self._slave, self._master = slave, master
-        self._rule = _gauss(PIECE_POINTS[max(slave.degree, master.degree)])
+        self._rule = gauss(PIECE_POINTS[max(slave.degree, master.degree)])
         self._corners = np.unique(master.corners)
         self._near = Near()
 
@@ -74,9 +108,3 @@ class Cuts:
         x, w = self._rule
         xi = (s[kept, None] + length[kept, None] * x).reshape(-1, 1)
         return Points(np.repeat(facet[kept], len(w)), xi, (length[kept, None] * w).ravel())
-
-
-def _gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss's rule on [0, 1]."""
-    x, w = np.polynomial.legendre.leggauss(n)
-    return (x + 1) / 2, w / 2

@@ -20,17 +20,18 @@ from math import prod
 
 import numpy as np
 
-from .integration import Cuts, Points, whole
+from .integration import Lines, whole
 from .matrices import DENSE, Matrix, add_up, gather
-from .partners import Partners
+from .overlaps import Overlaps
+from .pieces import Brink, Pieces
 from .side import Side
 
 #: Partners are sought within so many facets, and four times the way of the step.
 FACETS = 3.0
 #: A node with less than this share of its area paired has no partner.
 COVERED = 1e-4
-#: Facets whose paired part makes the mass matrix worse than this have no dual functions.
-ILL = 1e3
+#: Facets whose paired part is so small that round-off alone is left of their dual functions.
+ILL = 1e12
 
 
 class Pairing:
@@ -48,6 +49,9 @@ class Pairing:
         normal: outward unit normals of the slave at its corners, (n, d).
         area: paired share of the surface of each node, (n,).
         paired: nodes that have a partner.
+        pieces, brink: what is integrated, and where it ends with the master.
+        dual, inverse_mass: of each facet, psi = phi @ dual, (m, corners, corners).
+        shares: psi_i w / a_i at the points, (p, g, corners), and share: 1 / a_i, (n,).
         reach: how far from each node partners were sought, (n,) in m.
     """
 
@@ -58,72 +62,61 @@ class Pairing:
         self.dense = (self.total * slave.dim) ** 2 <= DENSE
         self._sizes = np.zeros(self.n)  # of the largest facet at each node
         np.maximum.at(self._sizes, slave.corners, slave.sizes[:, None])
-        self._partners = Partners(slave, master)
-        self._cuts = Cuts(slave, master) if slave.dim == 2 else None
-        self._rule = whole(slave)
-        self._rule_shapes = self._shapes(self._rule.xi)
-        self._rule_weight = self._weight(self._rule, self._rule_shapes[1])
-        phi = self._rule_shapes[2] * self._rule_weight[:, None]
-        self.full_area = self.collect(phi, self._rule.facet)
-
-    def _shapes(self, xi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        values, slopes = self.slave.shape(xi)
-        linear = values if self.slave.degree == 1 else self.slave.linear_shape(xi)
-        return values, slopes, linear
-
-    def _weight(self, points: Points, slopes: np.ndarray) -> np.ndarray:
-        return points.weight * self.slave.reference_measure(points.facet, slopes)
+        self._common: Lines | Overlaps = (Lines if slave.dim == 2 else Overlaps)(slave, master)
+        self.brink: Brink | None = None
+        self._rule = rule = whole(slave)
+        phi, self.rule_slopes = slave.linear_shape(rule.xi), slave.shape(rule.xi)[1]
+        measure = slave.reference_measure(rule.facet, self.rule_slopes)
+        self._whole = np.arange(len(slave.cells))
+        phi = phi.reshape(len(slave.cells), -1, phi.shape[1])
+        self.mean_weight = phi * rule.weight.reshape(*phi.shape[:2], 1)
+        self.full_area = self.collect(
+            self.mean_weight * measure.reshape(*phi.shape[:2], 1), self._whole
+        )
 
     def collect(self, values: np.ndarray, facet: np.ndarray) -> np.ndarray:
-        """Sum values (q, corners, ...) of points on slave facets to the corners, (n, ...)."""
+        """Sum values (p, g, corners) of points on slave facets to the corners, (n,), or values
+        (p, g, corners, d), (n, d)."""
+        sums = values.sum(axis=1)
         rows = self.slave.corners[facet].ravel()
-        flat = values.reshape(len(rows), prod(values.shape[2:]))  # also of no points
-        return add_up(flat, rows, self.n).reshape(self.n, *values.shape[2:])
+        flat = sums.reshape(len(rows), prod(sums.shape[2:]))  # also of no points
+        return add_up(flat, rows, self.n).reshape(self.n, *sums.shape[2:])
+
+    def nodes_of(self, pieces: Pieces) -> np.ndarray:
+        """Nodes of the slave's and the master's facets, (p, k)."""
+        theirs = self.master.cells[pieces.other] + len(self.slave.nodes)
+        return np.concatenate([self.slave.cells[pieces.facet], theirs], axis=1)
+
+    def depths(self, pieces: Pieces) -> np.ndarray:
+        """n . (x_s - x_m) at the points, (p, g) in m."""
+        if pieces.aligned:
+            return -pieces.distance
+        return (pieces.both @ self.places[self.nodes_of(pieces)] * pieces.unit).sum(axis=2)
 
     def update(self, places: np.ndarray, way: float) -> None:
         """Take up new places (N, d) of the nodes, whose longest ``way`` [m] in the step tells how
         far partners are sought."""
         reach = FACETS * self.slave.sizes + 4 * way
         self.reach = FACETS * self._sizes + 4 * way
-        slave, master = self.slave, self.master
-        xs, xm = places[: len(slave.nodes)], places[len(slave.nodes) :]
-        if self._cuts:
-            points = self._cuts.points(xs, xm)
-            shapes = self._shapes(points.xi)
-            weight = self._weight(points, shapes[1])
-        else:
-            points, shapes, weight = self._rule, self._rule_shapes, self._rule_weight
-        values, slopes, phi = shapes
-        x = np.einsum("qk,qkj->qj", values, xs[slave.cells[points.facet]])
-        normal = slave.normals(xs, points.facet, slopes)
-        length = np.sqrt((normal**2).sum(axis=1))
-        unit = normal / length[:, None]
-        hits = self._partners.meet(x, unit, points.facet, reach, (xs, xm))
-
-        on = hits.ray
-        self.facet, self.phi, weight = points.facet[on], phi[on], weight[on]
-        self.values, self.slopes = values[on], slopes[:, on]
-        self.unit, self.length = unit[on], length[on]
-        self.distance, self.inverse = hits.distance, hits.inverse
-        self.their_values, self.their_slopes = master.shape(hits.xi)
-        self.nodes = np.concatenate(
-            [slave.cells[self.facet], master.cells[hits.facet] + len(slave.nodes)], axis=1
-        )
         self.places = places
+        xs, xm = places[: len(self.slave.nodes)], places[len(self.slave.nodes) :]
+        pieces, self.brink = self._common.meet(xs, xm, reach)
+        self.pieces = pieces
+        corners = self.slave.corners[pieces.facet]
+        self.nodes = self.nodes_of(pieces)
 
-        weighted = self.phi * weight[:, None]
-        area = self.collect(weighted, self.facet)
+        area = self.collect(pieces.corner * pieces.weight[..., None], pieces.facet)
         self.paired = area > COVERED * self.full_area
         self.area = np.where(self.paired, area, 0.0)
-        share = 1 / np.where(self.paired, area, np.inf)
-        dual = self._dual(self.phi, weight) * weight[:, None]
-        self.shares = dual * share[slave.corners[self.facet]]  # psi_i w / a_i at the points
-        gap = self.collect(self.shares * -self.distance[:, None], self.facet)
+        self.share = share = 1 / np.where(self.paired, area, np.inf)
+        dual = self._dual(pieces) * pieces.weight[..., None]
+        self.shares = dual * share[corners][:, None]
+        both = pieces.both
+        gap = self.collect(self.shares * self.depths(pieces)[..., None], pieces.facet)
         self.gap = np.where(self.paired, gap, -self.reach)
-        both = np.concatenate([self.values, -self.their_values], axis=1)
         self.operator: Matrix = gather(
-            self.shares[:, :, None] * both[:, None, :],
-            slave.corners[self.facet][:, :, None],
+            np.swapaxes(self.shares, 1, 2) @ both,
+            corners[:, :, None],
             self.nodes[:, None],
             (self.n, self.total),
             self.dense,
@@ -135,26 +128,28 @@ class Pairing:
         """Nodes that may close in the step: those with a partner that is not far, (n,)."""
         return self.paired & (self.gap > -0.5 * self.reach)
 
-    def _dual(self, phi: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    def _dual(self, pieces: Pieces) -> np.ndarray:
         """The functions psi_i dual to phi_j on the paired part of each facet, at the points: there
         int psi_i phi_j = delta_ij int phi_j. phi_i itself where that part is too small to tell."""
         m, k = self.slave.corners.shape
-        products = (weight[:, None, None] * phi[:, :, None] * phi[:, None, :]).reshape(-1, k * k)
-        mass = add_up(products, self.facet, m).reshape(m, k, k)
+        phi = pieces.corner
+        products = np.swapaxes(phi * pieces.weight[..., None], 1, 2) @ phi
+        mass = add_up(products.reshape(-1, k * k), pieces.facet, m).reshape(m, k, k)
         lumped = mass.sum(axis=2)
         scale = np.where(lumped > 0, lumped, 1.0) ** -0.5
         eigenvalues = np.linalg.eigvalsh(mass * scale[:, :, None] * scale[:, None, :])
         good = ILL * eigenvalues[:, 0] > eigenvalues[:, -1]
-        turn = np.tile(np.eye(k), (m, 1, 1))
-        turn[good] = lumped[good, :, None] * np.linalg.inv(mass[good])
-        return np.einsum("qij,qj->qi", turn[self.facet], phi)
+        self.inverse_mass = np.zeros_like(mass)
+        self.inverse_mass[good] = np.linalg.inv(mass[good])
+        self.dual = self.inverse_mass * lumped[:, None]  # psi = phi @ dual
+        self.dual[~good] = np.eye(k)
+        return phi @ self.dual[pieces.facet]
 
     def _turn_normals(self, xs: np.ndarray) -> None:
         """Normals at the corners: means of the facets' normals."""
-        _, slopes, phi = self._rule_shapes
-        normal = self.slave.normals(xs, self._rule.facet, slopes)
-        self.mean_weight = phi * self._rule.weight[:, None]
-        mean = self.collect(self.mean_weight[:, :, None] * normal[:, None], self._rule.facet)
+        normal = self.slave.normals(xs, self._rule.facet, self.rule_slopes)
+        normal = normal.reshape(*self.mean_weight.shape[:2], 1, -1)
+        mean = self.collect(self.mean_weight[..., None] * normal, self._whole)
         self.mean_length = np.linalg.norm(mean, axis=1)
         self.normal = mean / self.mean_length[:, None]
 
@@ -162,8 +157,3 @@ class Pairing:
     def rule_facets(self) -> np.ndarray:
         """Facets of the points at which the normals are averaged."""
         return self._rule.facet
-
-    @property
-    def rule_slopes(self) -> np.ndarray:
-        """Slopes of the slave's shape functions there."""
-        return self._rule_shapes[1]

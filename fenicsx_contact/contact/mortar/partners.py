@@ -88,7 +88,7 @@ def _intersect(
         error = x + alpha[:, None] * n - np.einsum("qk,qkj->qj", values, places)
         tangents = np.einsum("tqk,qkj->tqj", slopes, places)
         matrix[:, :, :-1] = np.moveaxis(tangents, 0, 2)
-        inverse = _inverse(matrix)
+        inverse = inverses(matrix)
         step = np.einsum("qij,qj->qi", inverse, error)
         # far from the facet a curved one need not be met: do not run away
         xi = xi + step[:, :-1] if side.straight else np.clip(xi + step[:, :-1], -5.0, 6.0)
@@ -101,16 +101,16 @@ def _intersect(
     return xi, alpha, inverse, tangents
 
 
-def _inverse(matrix: np.ndarray) -> np.ndarray:
-    """Inverses (q, d, d) by Cramer's rule; a ray along a facet, which has none, gives a far-away
+def inverses(matrix: np.ndarray) -> np.ndarray:
+    """Inverses (..., d, d) by Cramer's rule; a ray along a facet, which has none, gives a far-away
     point."""
-    if matrix.shape[1] == 2:
-        (a, b), (c, d) = matrix[:, 0].T, matrix[:, 1].T
-        adjugate = np.stack([d, -b, -c, a], axis=1).reshape(-1, 2, 2)
+    if matrix.shape[-1] == 2:
+        (a, b), (c, d) = np.moveaxis(matrix, (-2, -1), (0, 1))
+        adjugate = np.stack([d, -b, -c, a], axis=-1).reshape(matrix.shape)
     else:
-        a, b, c = np.moveaxis(matrix, 2, 0)
-        adjugate = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
-    determinant = np.einsum("qi,qi->q", adjugate[:, 0], matrix[:, :, 0])
+        a, b, c = np.moveaxis(matrix, -1, 0)
+        adjugate = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-2)
+    determinant = (adjugate[..., 0, :] * matrix[..., :, 0]).sum(axis=-1)
     singular = np.abs(determinant) < 1e-300
-    adjugate[singular] = np.eye(matrix.shape[1])
-    return adjugate / np.where(singular, 1e-30, determinant)[:, None, None]
+    adjugate[singular] = np.eye(matrix.shape[-1])
+    return adjugate / np.where(singular, 1e-30, determinant)[..., None, None]

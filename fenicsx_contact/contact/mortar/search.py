@@ -107,24 +107,40 @@ def candidates(
     axis /= np.sqrt((axis**2).sum(axis=1))[:, None]
     turned = np.sqrt(((n - axis[bundle]) ** 2).sum(axis=1))
     slack = bundles.radii + 2 * np.maximum.reduceat(turned, start) * far
+    one, facet = in_tubes(axis, far, slack, bundles, facets, near)
+    ray = np.repeat(start[one], count[one]) + counted(count[one])
+    facet = np.repeat(facet, count[one])
+    seen = _aside(facets.middles[facet] - x[ray], n[ray]) <= facets.radii[facet]
+    return ray[seen], facet[seen]
 
-    pieces = np.maximum(1, np.ceil((far + bundles.radii) / slack)).astype(np.int64)
+
+def in_tubes(
+    axis: np.ndarray,
+    far: np.ndarray,
+    radii: np.ndarray,
+    bundles: Spheres,
+    facets: Spheres,
+    near: Near,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs (bundle, facet), ascending, of facets that enter the tubes around the bundles.
+
+    Args:
+        axis, radii: of the tubes, unit vectors (b, d), and (b,) in m, no less than the bundles'.
+        far: how far the tubes go beyond the bundles, to both sides, m.
+        bundles, facets, near: as above.
+    """
+    pieces = np.maximum(1, np.ceil((far + bundles.radii) / radii)).astype(np.int64)
     half = (far + bundles.radii) / pieces
-    of, which = np.repeat(np.arange(len(pieces)), pieces), _counted(pieces)
+    of, which = np.repeat(np.arange(len(pieces)), pieces), counted(pieces)
     middles = bundles.middles[of] + ((2 * which + 1 - pieces[of]) * half[of])[:, None] * axis[of]
-    piece, facet = near(Spheres(middles, np.hypot(slack, half)[of]), facets)
+    piece, facet = near(Spheres(middles, np.hypot(radii, half)[of]), facets)
 
     one = of[piece]
     arm = facets.middles[facet] - bundles.middles[one]
     along = np.einsum("ij,ij->i", arm, axis[one]) / (2 * half[one]) + pieces[one] / 2
     mine = np.clip(np.floor(along), 0, pieces[one] - 1) == which[piece]
-    seen = mine & (_aside(arm, axis[one]) <= slack[one] + facets.radii[facet])
-    one, facet = one[seen], facet[seen]
-
-    ray = np.repeat(start[one], count[one]) + _counted(count[one])
-    facet = np.repeat(facet, count[one])
-    seen = _aside(facets.middles[facet] - x[ray], n[ray]) <= facets.radii[facet]
-    return ray[seen], facet[seen]
+    seen = mine & (_aside(arm, axis[one]) <= radii[one] + facets.radii[facet])
+    return one[seen], facet[seen]
 
 
 def first_of_each(numbers: np.ndarray) -> np.ndarray:
@@ -140,7 +156,7 @@ def _aside(arm: np.ndarray, axis: np.ndarray) -> np.ndarray:
     return np.sqrt(((arm - along[:, None] * axis) ** 2).sum(axis=1))
 
 
-def _counted(counts: np.ndarray) -> np.ndarray:
+def counted(counts: np.ndarray) -> np.ndarray:
     """0, 1, ... up to each count, one after the other."""
     ends = np.cumsum(counts)
     return np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - counts, counts)

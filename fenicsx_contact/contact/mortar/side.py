@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import Any
 
 import basix
@@ -62,6 +63,16 @@ class Side:
         outwards = points[cells].mean(axis=1) - inside[nearest, 1]
         self.sign = np.where(np.einsum("ij,ij->i", normal, outwards) < 0, -1.0, 1.0)
 
+    @property
+    def flat(self) -> Side:
+        """The same with the facets that its corners span, of the same nodes."""
+        if self.degree == 1:
+            return self
+        flat = copy(self)
+        flat.degree, flat.element, flat.cells = 1, self._linear, self.corners
+        flat.straight = self.cell != "quadrilateral"
+        return flat
+
     def _element(self, degree: int) -> basix.finite_element.FiniteElement:
         return basix.create_element(basix.ElementFamily.P, _CELLS[self.cell], degree, _EQUISPACED)
 
@@ -96,6 +107,11 @@ class Side:
         """Covariant tangents at points of the facets, (d - 1, q, d), from the places of the nodes
         and the derivatives of the shape functions."""
         return np.einsum("tqk,qkj->tqj", slopes, nodes[self.cells[facets]])
+
+    def middle_tangents(self, nodes: np.ndarray) -> np.ndarray:
+        """Those at the middles of all facets, (d - 1, m, d)."""
+        slopes = self.shape(self.midpoint[None])[1][:, 0]
+        return np.einsum("tk,mkj->tmj", slopes, nodes[self.cells])
 
     def normals(self, nodes: np.ndarray, facets: np.ndarray, slopes: np.ndarray) -> np.ndarray:
         """Outward normals, not of unit length but of the length of the surface element, (q, d)."""

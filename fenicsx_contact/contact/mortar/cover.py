@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""How means over what is covered change where the master's edge moves over the slave's facets.
+
+By Leibniz's rule a moving edge gives and takes what it passes: with dA its way times its length,
+the mean  (J v)_i = 1/a_i int psi_i v  of a field v, psi = D M^-1 phi on each facet, changes by
+
+    1/a_i  oint [phi_i (c_i - (J v)_i) + psi_i (v - sum_k c_k phi_k)] dA,   c = M^-1 int phi v,
+
+the field's best linear fit there. A linear field that fits its means changes nothing.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .matrices import Matrix, add_up, by_component, gather
+from .mortar import Pairing
+from .motion import Motion
+from .pieces import Brink
+
+
+class Cover:
+    """Derivatives of a pair's means by the moving edges of the master, by all nodes, (N d,)."""
+
+    def __init__(self, pair: Pairing, brink: Brink) -> None:
+        self._pair, points = pair, brink.points
+        self._points, motion = points, Motion(pair, points)
+        self._columns, self._facet = motion.columns, points.facet
+        self._corners = pair.slave.corners[points.facet]
+        across = brink.across * points.weight[..., None]
+        self._way = (across[:, :, None] @ motion.slide)[:, :, 0]  # dA, (p, g, k d)
+        self._psi = points.corner @ pair.dual[points.facet]
+
+    def means(self, pieces: np.ndarray, edge: np.ndarray, nodal: np.ndarray) -> Matrix:
+        """Those of the means of a field of e components: of its values on the pieces (p, g, e), on
+        the edges, and of the means (n, e); a matrix (n e, N d)."""
+        pair, phi, e = self._pair, self._points.corner, nodal.shape[1]
+        fit = self._fit(pieces)[self._facet]
+        rest = (edge - phi @ fit)[:, :, None]
+        lever = phi[..., None] * (fit - nodal[self._corners])[:, None] + self._psi[..., None] * rest
+        lever *= pair.share[self._corners][:, None, :, None]
+        rows = self._corners[:, :, None] * e + np.arange(e)
+        return self._gather(lever, rows, pair.n * e)
+
+    def areas(self) -> Matrix:
+        """Those of the areas a_i, (n, N d)."""
+        return self._gather(self._points.corner[..., None], self._corners[:, :, None], self._pair.n)
+
+    def forces(self, force: np.ndarray) -> Matrix:
+        """Those of J' f of forces (n, d) that grow with the areas, (N d, N d)."""
+        pair, phi, pieces = self._pair, self._points.corner, self._pair.pieces
+        d = force.shape[1]
+        m, c = pair.slave.corners.shape
+        pressure = (pair.share[:, None] * force)[self._corners]  # (p, c, d)
+        pulled = self._psi @ pressure  # (p, g, d)
+        nodes = pair.nodes_of(self._points)
+        rows = nodes[:, :, None] * d + np.arange(d)
+        direct = self._gather(
+            self._points.both[..., None] * pulled[:, :, None], rows, pair.total * d
+        )
+        lever = phi[..., None] * (pressure[:, None] - pulled[:, :, None])
+        rows = (self._facet[:, None] * c + np.arange(c))[:, :, None] * d + np.arange(d)
+        by_corner = self._gather(lever, rows, m * c * d)
+        moments = np.swapaxes(pieces.corner * pieces.weight[..., None], 1, 2) @ pieces.both
+        fits = pair.inverse_mass[pieces.facet] @ moments
+        rows = (pieces.facet[:, None] * c + np.arange(c))[:, :, None]
+        fit = gather(fits, rows, pair.nodes[:, None], (m * c, pair.total), pair.dense)
+        return direct + by_component(fit, d).T @ by_corner
+
+    def _fit(self, values: np.ndarray) -> np.ndarray:
+        """The best linear fit on each facet of values on the pieces, (m, corners, e)."""
+        pair, pieces = self._pair, self._pair.pieces
+        m, c = pair.slave.corners.shape
+        e = values.shape[2]
+        moments = np.swapaxes(pieces.corner * pieces.weight[..., None], 1, 2) @ values
+        sums = add_up(moments.reshape(len(moments), c * e), pieces.facet, m)
+        return pair.inverse_mass @ sums.reshape(m, c, e)
+
+    def _gather(self, lever: np.ndarray, rows: np.ndarray, n: int) -> Matrix:
+        """What levers (p, g, c, e) on the edge give the rows (p, c, e) of n."""
+        p, g, c, e = lever.shape
+        entries = np.swapaxes(lever.reshape(p, g, c * e), 1, 2) @ self._way
+        rows, shape = rows.reshape(p, c * e, 1), (n, self._pair.total * self._pair.slave.dim)
+        return gather(entries, rows, self._columns[:, None], shape, self._pair.dense)

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What is integrated: pieces of the slave's facets, each before one facet of the master."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from .side import Side
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Pieces (p,) with points on each (g,).
+
+    A point of the slave and one of the master face each other if they lie on one line along the
+    slave's normal,  x + distance n = x_m,  where both are placed by "guides": the shape functions
+    of their fields, or those of the corners alone.
+
+    Attributes:
+        facet, other: facets of the slave and of the master, (p,).
+        weight: of the points on the reference surface, (p, g).
+        corner: shape functions of the slave's corners, (p, g, corners).
+        values, their_values: shape functions of the fields, (p, g, k).
+        their_slopes: derivatives of the latter, (d - 1, p, g, k).
+        guide, their_guide: shape functions of the guides, of the first of these nodes, (p, g, k).
+        aligned: whether the fields place the points on that line too.
+        distance: (p, g) in m, positive if open.
+        unit: n, (p, 1, d).
+        side, slopes, length: it is the normal of this side with these derivatives of its shape
+            functions, (d - 1, p, k), divided by its length, (p,).
+        inverse: M^-1 of  M (dxi, dalpha) = dx + distance dn - dx_m,  by which the point moves on
+            the master's facet, (p, g, d, d), or (p, 1, d, d) where it is the same.
+    """
+
+    facet: np.ndarray
+    other: np.ndarray
+    weight: np.ndarray
+    corner: np.ndarray
+    values: np.ndarray
+    their_values: np.ndarray
+    their_slopes: np.ndarray
+    guide: np.ndarray
+    their_guide: np.ndarray
+    aligned: bool
+    distance: np.ndarray
+    unit: np.ndarray
+    side: Side
+    slopes: np.ndarray
+    length: np.ndarray
+    inverse: np.ndarray
+
+    @property
+    def both(self) -> np.ndarray:
+        """Of fields of all nodes what is the slave's less what is the master's, (p, g, k)."""
+        return np.concatenate([self.values, -self.their_values], axis=2)
+
+    def only(self, kept: np.ndarray) -> Pieces:
+        """Some of the pieces, (p,) of bool."""
+        if kept.all():
+            return self
+        new = {f.name: getattr(self, f.name) for f in fields(self)}
+        for name, value in new.items():
+            if name in ("slopes", "their_slopes"):
+                new[name] = value[:, kept]
+            elif name not in ("side", "aligned"):
+                new[name] = value[kept]
+        return Pieces(**new)
+
+
+@dataclass(frozen=True)
+class Brink:
+    """Where a piece ends because the master does: points on free edges of its facets.
+
+    Attributes:
+        points: they, in pieces; their weights are those of the length that ``across`` counts.
+        across: by how much area what is covered grows where a master's point moves on its facet, in
+            its local coordinates, (p, g, d - 1).
+    """
+
+    points: Pieces
+    across: np.ndarray

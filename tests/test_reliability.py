@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import errno
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -15,7 +14,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenes
-from processes import killed_after, mpirun, output_of
 
 import fenicsx_contact
 import fenicsx_contact.steps.run

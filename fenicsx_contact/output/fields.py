@@ -85,7 +85,8 @@ class FieldWriter:
 
     def _kept(self) -> Any:
         try:
-            return [(float(time), dict(parts)) for time, parts in json.loads(self._index.read_text())]
+            kept = json.loads(self._index.read_text())
+            return [(float(time), dict(parts)) for time, parts in kept]
         except (OSError, ValueError, TypeError) as failure:
             raise checks.InputError(f"{self._index} cannot be read ({failure})") from None
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The state of a run as one process would have it: unknowns of distributed solids whole, numbered as
-their meshes were given. So any number of processes can take it up."""
+"""The state of a run as any number of processes can take it up: the unknowns of distributed solids
+whole, numbered as their meshes were given."""
 
 from __future__ import annotations
 

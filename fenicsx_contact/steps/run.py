@@ -227,7 +227,9 @@ def _fingerprint(scene: Runnable, dt: float, step_error: float | None) -> str:
     """What must be the same for a run to be resumed: parameters, place, energies at the start."""
     lines = [scene.describe(), f"dt = {dt!r}, from {scene.time!r}, {scene.scheme}"]
     lines.append(f"impacts located: {scene.locate_impacts}, step_error: {step_error!r}")
-    lines.append("energies " + ", ".join(f"{energy:.9g}" for energy in scene.stepper.energies))
+    most = max(map(abs, scene.stepper.energies))  # their round-off depends on the processes
+    shares = ", ".join(f"{energy / (most or 1.0) + 0.0:.6f}" for energy in scene.stepper.energies)
+    lines.append(f"energies {shares} of {most:.9g}")
     for contact in scene.contacts:
         lines.append(
             f"{contact.name}: {contact.formulation}, friction {contact.friction_law!r}, "

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is
 
 COUNTS = (1, 2, 3)
 SCRIPT = """
-import shutil
+import shutil, time
 import dolfinx, numpy as np
 from mpi4py import MPI
 from fenicsx_contact import (
@@ -67,7 +67,9 @@ groups = {{n: world.Split(world.rank < n) for n in {counts}}}
 def on(count, action):
     if world.rank < count:
         action(groups[count])
-    world.barrier()
+    others = world.Ibarrier()
+    while not others.Test():
+        time.sleep(1e-3)  # a barrier would keep the cores busy
 
 def run(name, build, until, dt, others, resume=False):
     def action(comm):
@@ -78,7 +80,7 @@ def run(name, build, until, dt, others, resume=False):
     return action
 
 RUNS = [
-    (quadratic, 10, 5e-4, {{}}), (located, 4, 4e-3, {{"step_error": 1e-2}}), (pair, 6, 5e-4, {{}})
+    (quadratic, 6, 5e-4, {{}}), (located, 2, 4e-3, {{"step_error": 1e-2}}), (pair, 4, 5e-4, {{}})
 ]
 for build, steps, dt, others in RUNS:
     for before in groups:
@@ -109,7 +111,7 @@ def test_a_run_is_resumed_by_any_number_of_processes(scene, before, after, runs)
     whole, found = read_history(runs / f"{name}_whole"), read_history(runs / f"{name}_{after}")
     assert len(read_history(runs / f"{name}_part")) < len(found) == len(whole)
     assert whole["c.bearing"].max() > 0
-    if before == after:
+    if before == after == 1:  # sums over several processes are as they come
         np.testing.assert_array_equal(found.rows(), whole.rows())
     energy, force = whole["kinetic"].max(), np.abs(whole["c.force_y"]).max()
     sizes = dict.fromkeys(("kinetic", "strain", "impact", "friction"), energy)

@@ -58,6 +58,11 @@ class Coupling(ABC):
     def _depths(self) -> np.ndarray:
         """Those of a surface without wear."""
 
+    def deepest(self) -> np.ndarray:
+        """The largest gap of each point on its way from the start of the step to the followed
+        state, as far as that is known, (n,) in m."""
+        return self.gaps()
+
     @abstractmethod
     def normals(self) -> np.ndarray:
         """Outward unit normals of the slave, (n, d)."""

@@ -12,6 +12,7 @@ from ..solids import Solid, Trace
 from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .jump import Coupling
+from .surface import dot
 from .wall import Obstacle, Wall
 
 
@@ -76,8 +77,9 @@ class NodalJump(Coupling):
 
     def accept(self) -> None:
         super().accept()
-        if self.driven:
+        if self.driven or not self.fixed_normal:
             self._start_positions = self.positions()
+        if self.driven:
             self._before = self._end if self._step else self._before
 
     def _depths(self) -> np.ndarray:
@@ -132,6 +134,30 @@ class NodalJump(Coupling):
 
     def near(self) -> np.ndarray:
         return np.ones(self._shape[0], dtype=bool)
+
+    def deepest(self) -> np.ndarray:
+        # the gap is largest where the point, which came nearer, begins to leave
+        gaps = self.gaps()
+        if self.fixed_normal:
+            return gaps
+        start, end, wall, time = self._start_positions, self.positions(), self.wall, self.time
+        way = end - start
+        if self._step:
+            way = way - self._step.dt * self.carried(self._step)
+
+        def leaves(share: np.ndarray) -> np.ndarray:
+            return dot(wall.normals(start + share[:, None] * (end - start), time), way) > 0
+
+        near, far = np.zeros(len(gaps)), np.ones(len(gaps))
+        turns = ~leaves(near) & leaves(far)
+        if not turns.any():
+            return gaps
+        for _ in range(np.finfo(float).nmant):
+            middle = 0.5 * (near + far)
+            back = leaves(middle)
+            near, far = np.where(back, near, middle), np.where(back, middle, far)
+        places = start + near[:, None] * (end - start)
+        return np.where(turns, -wall.distance(places, time) - self.recess, gaps)
 
     def mobility(self) -> np.ndarray:
         return self.traces[0].mobility().reshape(self._shape)

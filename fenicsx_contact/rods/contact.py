@@ -61,6 +61,9 @@ class GuideCoupling(NodalJump):
         self._outward -= np.einsum("ij,ij->i", self._outward, slopes)[:, None] * up
         self._outward /= np.linalg.norm(self._outward, axis=1)[:, None]
 
+    def deepest(self) -> np.ndarray:
+        return self.gaps()  # a guide is around its rod
+
     def near(self) -> np.ndarray:
         # a station that the rod has passed meets nothing, though it bore a moment ago
         return ~self._trace.void

@@ -140,13 +140,16 @@ class NodalJump(Coupling):
         gaps = self.gaps()
         if self.fixed_normal:
             return gaps
-        start, end, wall, time = self._start_positions, self.positions(), self.wall, self.time
-        way = end - start
-        if self._step:
+        end, wall, time = self.positions(), self.wall, self.time
+        way = end - self._start_positions
+        if self._step:  # as seen from a wall that moves
             way = way - self._step.dt * self.carried(self._step)
 
+        def place(share: np.ndarray) -> np.ndarray:
+            return end - (1 - share)[:, None] * way
+
         def leaves(share: np.ndarray) -> np.ndarray:
-            return dot(wall.normals(start + share[:, None] * (end - start), time), way) > 0
+            return dot(wall.normals(place(share), time), way) > 0
 
         near, far = np.zeros(len(gaps)), np.ones(len(gaps))
         turns = ~leaves(near) & leaves(far)
@@ -156,8 +159,7 @@ class NodalJump(Coupling):
             middle = 0.5 * (near + far)
             back = leaves(middle)
             near, far = np.where(back, near, middle), np.where(back, middle, far)
-        places = start + near[:, None] * (end - start)
-        return np.where(turns, -wall.distance(places, time) - self.recess, gaps)
+        return np.where(turns, -wall.distance(place(near), time) - self.recess, gaps)
 
     def mobility(self) -> np.ndarray:
         return self.traces[0].mobility().reshape(self._shape)

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What would pass through another body within a step is caught, whatever its speed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scenes import rectangle
+
+from fenicsx_contact import (
+    Circle,
+    Contact,
+    Discrete,
+    ElasticSolid,
+    HalfSpace,
+    LevelSet,
+    Moved,
+    RigidSolid,
+    Scene,
+)
+
+SIDE, DT, STEPS = 0.2, 1e-3, 4
+LAWS = ["velocity", "gap", "printed", "lagrange", Discrete(stiffness=1e13)]
+OBSTACLES = {
+    "plane": HalfSpace((0, 0), (0, 1)),
+    "disc": Circle((0, -0.05), 0.05),
+    "level set": LevelSet(lambda x, t: x[0] ** 2 + (x[1] + 0.05) ** 2 - 0.05**2, dim=2),
+    "wheel": Moved(Circle((0, -0.05), 0.05), lambda t: (0.0, 100.0 * t)),
+}
+
+
+def thrown(kind: str, speed: float, slant: float = 0.0, height: float = 0.01):
+    """A block that would meet the origin with the middle of its base."""
+    mesh, velocity = rectangle((2, 2), (SIDE, SIDE)), speed * np.array([slant, -1.0])
+    place = height * np.array([-slant, 1.0])
+    if kind == "rigid":
+        block = RigidSolid(mesh, mass=40.0, velocity=velocity)
+        block.restore({**block.state(), "place": block.place + place})
+        return block
+    return ElasticSolid(
+        mesh,
+        youngs_modulus=1e9,
+        poisson_ratio=0.3,
+        density=1000.0,
+        displacement=lambda x: np.outer(place, np.ones(x.shape[1])),
+        velocity=lambda x: np.outer(velocity, np.ones(x.shape[1])),
+        name="block",
+    )
+
+
+def check(history):
+    """It is struck, or the run stops with a reason; nothing is passed in silence."""
+    assert history["c.bearing"].max() > 0 or not history.finished, history
+    assert history["c.penetration"].max() <= SIDE
+
+
+@pytest.mark.parametrize("located", [False, True], ids=["uniform", "located"])
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: getattr(law, "name", law))
+@pytest.mark.parametrize("kind", ["rigid", "elastic"])
+@pytest.mark.parametrize("obstacle", OBSTACLES)
+def test_nothing_passes_through_an_obstacle(obstacle, kind, law, located):
+    if located and law != "velocity":
+        pytest.skip("only the velocity law locates impacts")
+    block = thrown(kind, 1e4)
+    contact = Contact(block, "base", OBSTACLES[obstacle], law, name="c")
+    check(Scene([block], [contact], locate_impacts=located).run(STEPS * DT, DT))

@@ -64,3 +64,42 @@ def test_nothing_passes_through_an_obstacle(obstacle, kind, law, located):
     block = thrown(kind, 1e4)
     contact = Contact(block, "base", OBSTACLES[obstacle], law, name="c")
     check(Scene([block], [contact], locate_impacts=located).run(STEPS * DT, DT))
+
+
+def slab(width: float) -> ElasticSolid:
+    """Thin, its top at y = 0, held at its ends."""
+    mesh = rectangle((4, 1), (width, 0.02))
+    mesh.mesh.geometry.x[:, 1] -= 0.02
+    return ElasticSolid(
+        mesh,
+        youngs_modulus=1e9,
+        poisson_ratio=0.3,
+        density=8000.0,
+        fixed=["left", "right"],
+        name="slab",
+    )
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_nothing_passes_through_a_thin_solid(seed):
+    """Straight or aslant, narrower than the body or wider, by any law."""
+    generator = np.random.default_rng(seed)
+    kind, law = ["rigid", "elastic"][seed % 2], ["velocity", "gap", "lagrange"][seed % 3]
+    speed, slant = 10 ** generator.uniform(2.5, 4), generator.uniform(-0.5, 0.5)
+    block = thrown(kind, speed, slant, 10 ** generator.uniform(-3, -1))
+    plate = slab(float(generator.choice([0.1, 0.4])))
+    contact = Contact(block, "base", (plate, "top"), law, name="c")
+    located = law == "velocity" and seed % 4 == 0
+    check(Scene([block, plate], [contact], locate_impacts=located).run(STEPS * DT, DT))
+
+
+@pytest.mark.parametrize("passes", [0.099, 0.101])
+def test_what_passes_beside_is_not_held_up(passes):
+    """A block that flies past a disc: no step is cut, but where it goes through."""
+    block = thrown("rigid", 1e3)
+    obstacle = Circle((passes + 0.05, -0.5), 0.05)
+    contact = Contact(block, "base", obstacle, name="c")
+    history = Scene([block], [contact]).run(STEPS * DT, DT)
+    struck = passes < 0.5 * SIDE
+    assert bool(history["c.bearing"].max()) is struck
+    assert bool(history.remarks) is struck

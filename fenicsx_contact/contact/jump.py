@@ -17,6 +17,7 @@ from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .mortar import Pairing, Side
 from .mortar.matrices import by_component, square
+from .mortar.passing import passed
 from .pair_equations import PairedEquations
 from .part import Part
 from .surface import Surface
@@ -60,7 +61,7 @@ class Coupling(ABC):
 
     def deepest(self) -> np.ndarray:
         """The largest gap of each point on its way from the start of the step to the followed
-        state, as far as that is known, (n,) in m."""
+        state, as far as that can be told, (n,) in m."""
         return self.gaps()
 
     @abstractmethod
@@ -186,6 +187,17 @@ class MortarJump(Coupling):
 
     def _depths(self) -> np.ndarray:
         return self.pairing.gap
+
+    def deepest(self) -> np.ndarray:
+        # nobody knows how deep a point was that went through and has no partner now
+        pair, through = self.pairing, np.zeros(self._n, dtype=bool)
+        last = len(pair.slave.nodes)
+        mine = self._start[:last], pair.places[:last]
+        theirs = self._start[last:], pair.places[last:]
+        points, _ = passed((mine[0][: self._n], mine[1][: self._n]), pair.master, theirs)
+        _, facets = passed(theirs, pair.slave, mine)
+        through[points] = through[pair.slave.corners[facets]] = True
+        return np.where(through & ~pair.paired, np.inf, self.gaps())
 
     def normals(self) -> np.ndarray:
         return self.pairing.normal

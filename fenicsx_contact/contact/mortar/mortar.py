@@ -20,6 +20,7 @@ from math import prod
 
 import numpy as np
 
+from ...base.checks import StepFailed
 from .integration import Cuts, Points, whole
 from .matrices import DENSE, Matrix, add_up, gather
 from .partners import Partners
@@ -97,6 +98,8 @@ class Pairing:
         x = np.einsum("qk,qkj->qj", values, xs[slave.cells[points.facet]])
         normal = slave.normals(xs, points.facet, slopes)
         length = np.sqrt((normal**2).sum(axis=1))
+        if not (np.isfinite(length) & (length > 0)).all():
+            raise StepFailed("facets of a contact collapse, or are nowhere")
         unit = normal / length[:, None]
         hits = self._partners.meet(x, unit, points.facet, reach, (xs, xm))
 

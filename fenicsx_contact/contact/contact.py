@@ -132,7 +132,6 @@ class Contact:
         are open now only if ``closing``, in a percussion only those of a law of velocities."""
         if bool(step.dt) != bool(self._moved):  # impulses are alike in a percussion and a step
             self.equations.scale_multipliers((self._moved or 1.0) / step.span)
-        self.begin(step)
         if self.coupling.driven:
             self.jump = self.coupling.jump("velocity")
         self.coupling.follow()

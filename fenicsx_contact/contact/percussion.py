@@ -23,7 +23,6 @@ def strikes(contact: Contact, step: Step, points: np.ndarray) -> bool:
     traces are linearised about the prediction of the step."""
     for trace in contact.traces:
         trace.linearise(step)
-    contact.begin(step)
     free = contact.coupling.to_jump(np.concatenate([t.free_jump() for t in contact.traces]))
     change = np.abs(dot(free - _struck_jump(contact), contact.coupling.normals()))
     return bool((_excess(contact, step) > change)[points].any())
@@ -31,7 +30,6 @@ def strikes(contact: Contact, step: Step, points: np.ndarray) -> bool:
 
 def _excess(contact: Contact, step: Step) -> np.ndarray:
     """How much faster than its law allows each point starts the step, (n,) in m/s."""
-    contact.begin(step)
     approach = dot(_struck_jump(contact), contact.coupling.normals())
     return np.asarray(approach + np.minimum(contact.gap, 0.0) / step.horizon)
 

@@ -149,7 +149,6 @@ class BeamTrace(Trace):
 
     def follow(self) -> None:
         solid = self._solid
-        self._positions: np.ndarray | None = None
         if self._seen != solid.predictions:
             self._seen = solid.predictions
             self._slide()
@@ -158,12 +157,12 @@ class BeamTrace(Trace):
         """See, at the stations, the material that the step has brought there: what is known of the
         state is a function of the state alone."""
         if self._slid is not self._solid.trial_displacement:
-            self._positions = None
             self._slide()
 
     def _slide(self) -> None:
         """Which material is at the stations."""
         solid, knots = self._solid, self._solid.matrices.s
+        self._placed: np.ndarray | None = None  # the displacement that the positions are of
         self._slid = solid.trial_displacement
         if not len(self.stations):
             return
@@ -181,7 +180,8 @@ class BeamTrace(Trace):
         return self._local(self._solid.trial_displacement, self._now)[:, :-1] @ self._axes[:-1]
 
     def positions(self) -> np.ndarray:
-        if self._positions is None:
+        if self._placed is not self._solid.trial_displacement:
+            self._placed = self._solid.trial_displacement
             local = self._local(self._solid.trial_displacement, self._now)
             local[:, -1] += self._now.s
             local[self.stations, -1] = self._at

@@ -162,7 +162,7 @@ class StepSolver:
 
     def _full(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         settled = 0
-        settles, failed, patience = bool(self._floating), np.inf, Patience(np.inf)
+        settles, failed, patience = bool(self._floating), np.inf, Patience(np.inf, gain=1.0)
         remarks: list[str] = []
         errors = self.errors
         for iteration in range(self._newton.max_iterations + 1):
@@ -186,8 +186,9 @@ class StepSolver:
                 self._see(step, exact=True)
                 clock("pairing")
             patience.see(error)
-            if settles and iteration and 2 * error <= failed:
-                settles, patience = False, Patience(error)
+            if settles and iteration:  # on, while it gains and plain corrections have failed
+                settles = error < errors[-2] and 2 * error > failed
+                patience = Patience(error, gain=1.0)
             elif not patience.lasts:
                 settles, failed = True, patience.best
             if settles:

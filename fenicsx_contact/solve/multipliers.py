@@ -63,15 +63,19 @@ def method_of_multipliers(system: Softened, tolerance: float) -> int:
 class Patience:
     """Whether an error still falls.
 
+    Args:
+        error: the first one.
+        gain: how many times less one must be than all before to be a gain.
+
     Attributes:
         best: the smallest one so far.
     """
 
-    def __init__(self, error: float) -> None:
-        self.best, self._stalls = error, 0
+    def __init__(self, error: float, gain: float = 2.0) -> None:
+        self.best, self._gain, self._stalls = error, gain, 0
 
     def see(self, error: float) -> None:
-        self._stalls = self._stalls + 1 if 2 * error > self.best else 0
+        self._stalls = self._stalls + 1 if self._gain * error >= self.best else 0
         self.best = min(self.best, error)
 
     @property

@@ -94,6 +94,7 @@ class Stepper:
         self.work, self.balance = np.zeros(5), 0.0
         self.energies = self.sum_energies()
         self.most = self.energies[0] + abs(self.energies[1])
+        self._begun: Step | None = None
         self._pushed = 0.0  # the largest force at a point so far, N
         self._overlaps = any(c.depth() > c.tolerance for c in self.contacts)
 
@@ -114,8 +115,8 @@ class Stepper:
         before = [contact.equations.values for contact in self.contacts]
         clock = Clock(self.times)
         try:
-            for solid in self.solids:
-                solid.predict(step)
+            self._begin(step)
+            self._begun = None  # the prediction is left
             for contact in self.contacts:
                 contact.predict(step, closing)
             if rates is not None:
@@ -155,8 +156,7 @@ class Stepper:
         percussive = [contact for contact in self.contacts if contact.formulation.percussive]
         if not percussive or not step.scheme.inertia:
             return False
-        for solid in self.solids:
-            solid.predict(step)
+        self._begin(step)
         asked = []
         for contact in percussive:
             where = contact.touching() if touching else contact.chosen
@@ -168,6 +168,16 @@ class Stepper:
         for solid in self.solids:
             solid.linearise(step)
         return any(strikes(contact, step, points) for contact, points in asked)
+
+    def _begin(self, step: Step) -> None:
+        """Predict the solids, and take up what is given in the step, if not done yet."""
+        if step is self._begun:
+            return
+        for solid in self.solids:
+            solid.predict(step)
+        for contact in self.contacts:
+            contact.begin(step)
+        self._begun = step
 
     def _guess(self, step: Step, rates: Sequence[np.ndarray]) -> None:
         for solid, rate in zip(self.solids, rates):

@@ -24,16 +24,17 @@ def arrival(contact: Contact) -> tuple[float, float, float]:
     return float(gap[deepest]), rate, float(contact.gap[deepest])
 
 
-def missed(contact: Contact, closing: bool) -> str:
+def missed(contact: Contact) -> str:
     """Why a step is too long for the contact to see what its points meet, in the trial state of it,
-    or nothing: a free point goes through the other side and out again, or, if it may bear
-    (``closing``), the surface is farther within than it is large."""
+    or nothing: a free point goes through the other side and out again, or one that may bear is
+    farther within than the surface is large."""
     gaps = contact.coupling.gaps()
     free = contact.chosen & ~contact.touching() & (contact.equations.statuses() == 0)
     through = free & (contact.coupling.deepest() > np.maximum(gaps, 0.0) + contact.tolerance)
     if through.any():
         return f"a point of contact {contact.name!r} goes through what it meets"
-    if closing and (gaps > np.maximum(contact.gap, contact.surface.extent))[contact.chosen].any():
+    bears = contact.chosen & contact.candidates.allowed
+    if (gaps > np.maximum(contact.gap, contact.surface.extent))[bears].any():
         return f"contact {contact.name!r} goes deeper than its surface is large"
     return ""
 

@@ -104,9 +104,9 @@ class RunDirectory:
             file.flush()
             os.fsync(file.fileno())
         count, checksum = len(history), crc32(rows, self._sum)
-        about = {"rows": np.array([count, checksum]), "remarks": json.dumps(history.remarks)}
+        remarks = np.array(json.dumps(history.remarks))
         content = io.BytesIO()
-        np.savez(content, **state, **about)
+        np.savez(content, **state, rows=np.array([count, checksum]), remarks=remarks)
         replace_file(self.path / LAST, content.getvalue(), self.path / BEFORE)
         self._written, self._sum = count, checksum
 

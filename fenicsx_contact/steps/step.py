@@ -129,7 +129,7 @@ class Stepper:
                 if reason := solid.unsound(step):
                     raise StepFailed(reason)
             for contact in self.contacts:
-                if reason := missed(contact, closing):
+                if reason := missed(contact):
                     raise StepFailed(reason)
             certificate = self._certify(step)
             if certificate.refusal:

@@ -24,17 +24,17 @@ def arrival(contact: Contact) -> tuple[float, float, float]:
     return float(gap[deepest]), rate, float(contact.gap[deepest])
 
 
-def missed(contact: Contact) -> str:
+def missed(contact: Contact, closing: bool) -> str:
     """Why a step is too long for the contact to see what its points meet, in the trial state of it,
-    or nothing: a free point goes through the other side and out again, or one that may bear is
-    farther within than the surface is large."""
+    or nothing: a free point goes through the other side and out again, or one is farther within
+    than the surface is large; if none may close (not ``closing``), one that may bear."""
     gaps = contact.coupling.gaps()
     free = contact.chosen & ~contact.touching() & (contact.equations.statuses() == 0)
     through = free & (contact.coupling.deepest() > np.maximum(gaps, 0.0) + contact.tolerance)
     if through.any():
         return f"a point of contact {contact.name!r} goes through what it meets"
-    bears = contact.chosen & contact.candidates.allowed
-    if (gaps > np.maximum(contact.gap, contact.surface.extent))[bears].any():
+    asked = contact.chosen & (closing | contact.candidates.allowed)
+    if (gaps > np.maximum(contact.gap, contact.surface.extent))[asked].any():
         return f"contact {contact.name!r} goes deeper than its surface is large"
     return ""
 

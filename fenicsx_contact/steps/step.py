@@ -129,7 +129,7 @@ class Stepper:
                 if reason := solid.unsound(step):
                     raise StepFailed(reason)
             for contact in self.contacts:
-                if reason := missed(contact):
+                if reason := missed(contact, closing):
                     raise StepFailed(reason)
             certificate = self._certify(step)
             if certificate.refusal:

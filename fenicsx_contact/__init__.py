@@ -15,6 +15,11 @@ from .base.mesh_files import mesh_from_file  # noqa: E402
 from .contact.contact import Contact  # noqa: E402
 from .contact.level_set import LevelSet  # noqa: E402
 from .contact.obstacle import Circle, Cylinder, HalfSpace, Moved, Sphere  # noqa: E402
+from .contact.shapes.curve import Curve  # noqa: E402
+from .contact.shapes.polyhedron import Box, Polyhedron, Wedge  # noqa: E402
+from .contact.shapes.revolution import Revolution  # noqa: E402
+from .contact.shapes.triangulated import Triangulated  # noqa: E402
+from .contact.torques import torques  # noqa: E402
 from .contact.wall import Obstacle  # noqa: E402
 from .output.history import History  # noqa: E402
 from .output.storage import read_history  # noqa: E402
@@ -68,10 +73,12 @@ __all__ = [
     "Archard",
     "AxisMesh",
     "BeamSolid",
+    "Box",
     "Circle",
     "Compliance",
     "Contact",
     "Coulomb",
+    "Curve",
     "Cylinder",
     "Discrete",
     "Driven",
@@ -91,11 +98,13 @@ __all__ = [
     "NamedMesh",
     "Newton",
     "Obstacle",
+    "Polyhedron",
     "Printed",
     "QuasiStatic",
     "RateState",
     "Rayleigh",
     "Restitution",
+    "Revolution",
     "RigidSolid",
     "Scene",
     "Section",
@@ -105,7 +114,9 @@ __all__ = [
     "Support",
     "ThetaScheme",
     "Tresca",
+    "Triangulated",
     "Velocity",
+    "Wedge",
     "axis_mesh",
     "ciarlet",
     "mesh_from_file",
@@ -115,4 +126,5 @@ __all__ = [
     "neo_hookean",
     "read_history",
     "st_venant_kirchhoff",
+    "torques",
 ]

@@ -158,6 +158,22 @@ def test_hertz(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.strip().splitlines()[-1].startswith("20 elements: half width")
 
 
+def test_rigid_shapes(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    demo = load("rigid_shapes")
+    demo.main(quick=True)
+    summary = json.loads((demo.RESULTS / "summary.json").read_text())
+    cylinder, ball, arch = summary["cylinder"], summary["ball"], summary["arch"]
+    assert cylinder["formula"]["l2_error"] < 0.01 and cylinder["points, lines"]["l2_error"] > 0.2
+    assert cylinder["points, smooth"]["l2_error"] < 0.01
+    for name, same in (("level set", cylinder), ("turned circle", ball), ("STL, smooth", ball)):
+        assert same[name]["force"] == pytest.approx(same["formula"]["force"], rel=1e-6)
+    assert ball["formula"]["l2_error"] < 0.3 and ball["STL, flat faces"]["l2_error"] > 0.5
+    assert arch["below"] < 1e-9 and arch["above"] > 1e-4
+    assert (demo.RESULTS / "pressure.png").stat().st_size > 5000
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("arch of 6 blocks, falls at")
+
+
 def test_cattaneo_mindlin(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     demo = load("cattaneo_mindlin")

@@ -96,7 +96,7 @@ def mesh_from_file(
     read: tuple[str, _Solid | None] = ("", None)
     if comm.rank == 0:
         try:
-            read = "", _solid(_read(path), solid, facets, data)
+            read = "", _solid(read_mesh(path), solid, facets, data)
         except checks.InputError as problem:
             read = str(problem), None
     message, on_root = read
@@ -148,7 +148,7 @@ def _rows_in(rows: np.ndarray, wanted: np.ndarray) -> np.ndarray:
     return maybe[np.isin(number[len(wanted) :], number[: len(wanted)])]
 
 
-def _read(path: Path) -> meshio.Mesh:
+def read_mesh(path: Path) -> meshio.Mesh:
     """The file by meshio, whose readers raise all sorts of things, or print and exit."""
     if not path.is_file():
         raise checks.InputError("no such file")

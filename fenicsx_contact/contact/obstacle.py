@@ -29,8 +29,8 @@ class HalfSpace:
     flat = True
 
     def __init__(self, point: Sequence[float], normal: Sequence[float]) -> None:
-        self.dim, self.point = _point("point", point)
-        self.normal = _direction("normal", normal, self.dim)
+        self.dim, self.point = as_point("point", point)
+        self.normal = as_direction("normal", normal, self.dim)
 
     def distance(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Signed distance of the points (n, d), positive outside."""
@@ -59,7 +59,7 @@ class _Round:
     ) -> None:
         self.dim, self.center = dim, checks.vector("center", center, dim)
         self.radius, self.inside = checks.number("radius", radius, above=0), bool(inside)
-        self.axis = None if axis is None else _direction("axis", axis, dim)
+        self.axis = None if axis is None else as_direction("axis", axis, dim)
         self._across = np.eye(dim)
         if self.axis is not None:
             self._across -= np.outer(self.axis, self.axis)
@@ -185,7 +185,7 @@ class Moved:
         return f"Moved({self._wall.describe()})"
 
 
-def _point(name: str, value: Any) -> tuple[int, np.ndarray]:
+def as_point(name: str, value: Any) -> tuple[int, np.ndarray]:
     """The dimension of space and a point in it."""
     size = len(np.atleast_1d(np.asarray(value)))
     if size not in (2, 3):
@@ -193,7 +193,7 @@ def _point(name: str, value: Any) -> tuple[int, np.ndarray]:
     return size, checks.vector(name, value, size)
 
 
-def _direction(name: str, value: Any, size: int) -> np.ndarray:
+def as_direction(name: str, value: Any, size: int) -> np.ndarray:
     """A unit vector along this one."""
     vector = checks.vector(name, value, size)
     length = float(np.linalg.norm(vector))

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from math import sqrt
 
 import numpy as np
@@ -40,9 +41,9 @@ class RigidMotion(MonolithicSolid):
     _momentum: np.ndarray
     _trial_momentum: np.ndarray
 
+    @abstractmethod
     def push(self, force: np.ndarray) -> None:
         """Add to the forces on the solid in this step, N and N m."""
-        raise NotImplementedError
 
     def _move(self, step: Step) -> None:
         increment = step.increment(self.velocity, self.trial_velocity, self.memory)

@@ -38,7 +38,7 @@ class Condensed:
 
     def restart(self) -> None:
         """A step begins: what is kept between iterations is that of the state."""
-        self._surfaces.restart()
+        self._surfaces.forget()
         self._force = 0.0
 
     def free(self) -> np.ndarray:

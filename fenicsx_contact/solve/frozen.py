@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -12,12 +11,9 @@ from mpi4py import MPI
 from ..contact.part import Part
 from ..solids import MonolithicSolid
 from ..theory.theta import Step
-from .flips import flips
 from .numbering import Numbering
 from .problem import Assembly
-
-#: A line is searched until its slope is this share of the first one.
-FLAT = 0.1
+from .statuses import Statuses
 
 
 class LinearSystem(Protocol):
@@ -40,7 +36,7 @@ class LinearSystem(Protocol):
     def iterate(self, step: Step) -> bool: ...
 
 
-class FrozenContact:
+class FrozenContact(Statuses):
     """What the inner loop of Newton's method solves, a
     :class:`~fenicsx_contact.solve.newton.ContactProblem`.
 
@@ -56,9 +52,7 @@ class FrozenContact:
 
     def __init__(self, system: LinearSystem, step: Step) -> None:
         self._system, self._step = system, step
-        self.names = [contact.name for contact in system.assembly.contacts]
-        self.parts: Sequence[Part] = system.parts
-        self.history: list[np.ndarray] = []
+        super().__init__(system.parts, [contact.name for contact in system.assembly.contacts])
         self.worst = np.inf
         self.size = system.size
         self._see()
@@ -99,7 +93,7 @@ class FrozenContact:
         first, last = (self._slope(share, old, way) for share in (0.0, 1.0))
         low, high, share = 0.0, 1.0, 1.0
         for _ in range(np.finfo(float).nmant):  # halvings to round-off
-            if (last <= 0 and share == 1) or abs(last) <= FLAT * abs(first):
+            if (last <= 0 and share == 1) or 2 * abs(last) <= abs(first):
                 return
             low, high = (share, high) if last < 0 else (low, share)
             share = 0.5 * (low + high)
@@ -148,15 +142,6 @@ class FrozenContact:
             part.equations.freeze_bound(1 / compliance if compliance else 0.0)
         system.held = compliance > 0
         self._see()
-
-    def remember(self) -> np.ndarray:
-        """Statuses of all points of all contacts, kept to tell which ones flip."""
-        self.history.append(np.concatenate([p.statuses() for p in self.parts]))
-        return self.history[-1]
-
-    def flips(self) -> str:
-        """Which points changed their status among the last iterations."""
-        return flips(self.history, self.parts, self.names)
 
     def stall(self) -> str:
         """What stalls."""

@@ -57,8 +57,8 @@ class Krylov(Monolithic):
         super().__init__(assembly)
         solids = [s for s in self.solids if isinstance(s, DeformableSolid)]
         self._modes = np.vstack([rigid_modes(s) for s in solids])
-        held = [own[s.fixed_unknowns] for s, own in zip(solids, self.places.own)]
-        self.held = np.concatenate(held) - self.places.mine.start
+        given = [own[s.fixed_unknowns] for s, own in zip(solids, self.places.own)]
+        self._given = np.concatenate(given) - self.places.mine.start
         self.counts: deque[int] = deque(maxlen=100)
         self._multigrid: Multigrid | None = None
         self._made_of: list[int] = []
@@ -98,7 +98,7 @@ class Krylov(Monolithic):
                 f"GMRES does not end within {MAX_ITERATIONS} iterations; solver = 'monolithic' "
                 "needs none"
             )
-        local[self.held] = 0.0  # to more digits than the tolerance leaves them
+        local[self._given] = 0.0  # to more digits than the tolerance leaves them
         return self._solid_rows.everywhere(local)
 
     def _renew(self, springs: sp.csr_matrix, anew: bool = False) -> bool:

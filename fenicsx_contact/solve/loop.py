@@ -5,7 +5,7 @@ Each round linearises the solids and the geometry and then corrects the contact:
 Newton's method for everything ("newton"), or until it has settled on the frozen geometry, which is
 the paper's geometric fixed point ("fixed point"). Where supports alone do not hold every solid the
 first round of a step settles too: from a start in which nothing touches, one correction knows
-nothing of what will.
+nothing of what will. So do rounds that follow corrections which gain no more (turns.py).
 """
 
 from __future__ import annotations
@@ -20,12 +20,13 @@ from .condensed import Condensed
 from .frozen import FrozenContact
 from .krylov import Krylov
 from .monolithic import Monolithic
-from .multipliers import Patience
-from .newton import ROUGH, Newton, NotConverged, Solution
+from .multipliers import ROUGH
+from .newton import Newton, NotConverged, Solution
 from .problem import Assembly, Clock, scale_of
 from .sparse import Sparse
 from .statics import free_motion
 from .surface_problem import SLOW
+from .turns import Turns
 
 #: The linear systems, by name.
 SYSTEMS: dict[str, type[Condensed] | type[Monolithic]] = {
@@ -35,8 +36,9 @@ SYSTEMS: dict[str, type[Condensed] | type[Monolithic]] = {
 }
 #: Relative error of the linearised operator, gaps and momentum at which the fixed point ends.
 GEOMETRY_TOLERANCE = 1e-8
-#: How often a correction that inverts an element is halved.
-HALVINGS = 5
+#: How often a correction that inverts an element, or goes beyond what its linearisation knows, is
+#: halved: it does if it makes the error so many times what it was, or than the terms.
+HALVINGS, WORSE = 5, 10.0
 
 
 class StepSolver:
@@ -161,8 +163,7 @@ class StepSolver:
     # -- everything at once -----------------------------------------------------------------------
 
     def _full(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
-        settled = 0
-        settles, failed, patience = bool(self._floating), np.inf, Patience(np.inf, gain=1.0)
+        settled, halved, last, turns = 0, 0, np.inf, Turns(bool(self._floating))
         remarks: list[str] = []
         errors = self.errors
         for iteration in range(self._newton.max_iterations + 1):
@@ -182,16 +183,15 @@ class StepSolver:
                 return force, iteration + settled, 1, remarks
             if not np.isfinite(error):
                 break
+            if error > WORSE * max(last, 1.0) and halved < HALVINGS:
+                halved += 1
+                self._halve(step)
+                continue
+            last, halved = error, 0
             if error <= near < np.inf:
                 self._see(step, exact=True)
                 clock("pairing")
-            patience.see(error)
-            if settles and iteration:  # on, while it gains and plain corrections have failed
-                settles = error < errors[-2] and 2 * error > failed
-                patience = Patience(error, gain=1.0)
-            elif not patience.lasts:
-                settles, failed = True, patience.best
-            if settles:
+            if turns.settles(error):
                 solution = self._settle(step, first=iteration == 0)
                 self.system.carry(step, solution.force)
                 settled += solution.iterations

@@ -14,10 +14,14 @@ from __future__ import annotations
 
 from typing import Protocol
 
+import numpy as np
+
 #: The springs, in units of what the points themselves yield, from stiff to soft.
 COMPLIANCES = (1e-3, 1e-2, 1e-1, 1.0)
 #: So many Newton steps that do not halve the error are patience enough.
 STALLS = 3
+#: So many tolerances are accepted where iterations gain no more.
+ROUGH = 1e3
 
 
 class Softened(Protocol):
@@ -42,8 +46,8 @@ def method_of_multipliers(system: Softened, tolerance: float) -> int:
     """
     total = 0
     for compliance in COMPLIANCES:
-        outer = Patience(system.error())
-        while outer.lasts:
+        # multipliers may have to double, or errors to halve, as often as a number has digits
+        for _ in range(np.finfo(float).nmant):
             system.soften(compliance)
             inner = Patience(system.error())
             while inner.lasts:
@@ -56,7 +60,8 @@ def method_of_multipliers(system: Softened, tolerance: float) -> int:
             system.soften(0.0)
             if system.error() <= tolerance:
                 return total
-            outer.see(system.worst)
+            if inner.best > ROUGH * tolerance:
+                break
     return total
 
 
@@ -75,9 +80,11 @@ class Patience:
         self.best, self._gain, self._stalls = error, gain, 0
 
     def see(self, error: float) -> None:
+        """Take up one more."""
         self._stalls = self._stalls + 1 if self._gain * error >= self.best else 0
         self.best = min(self.best, error)
 
     @property
     def lasts(self) -> bool:
+        """Whether there was a gain lately."""
         return self._stalls < STALLS

@@ -9,15 +9,11 @@ from typing import Protocol
 import numpy as np
 
 from ..base import checks
-from .multipliers import STALLS, method_of_multipliers
+from .multipliers import ROUGH, STALLS, method_of_multipliers
 
 
 class NotConverged(RuntimeError):
     """The surface problem was not solved; the message says what stalls or flips."""
-
-
-#: So many tolerances are accepted where iterations gain no more.
-ROUGH = 1e3
 
 
 class ContactProblem(Protocol):
@@ -87,7 +83,7 @@ class Newton:
         remark = system.flips()
         steps = method_of_multipliers(system, self.tolerance)
         remark += f"; method of multipliers took over, {steps} steps"
-        if system.worst > ROUGH * self.tolerance:
+        if system.worst > self.tolerance:
             raise NotConverged(f"{system.stall()}; {remark}")
         return Solution(system.force(), iterations + steps, system.worst, [remark])
 

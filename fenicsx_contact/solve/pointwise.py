@@ -27,8 +27,6 @@ from ..base.constants import ROUND_OFF
 DECIMALS = 1
 #: Cost: so many factors are kept: Newton's method passes through some states in each step.
 KEPT = 4
-#: Relative residual above which the rounded factors have not served.
-SERVED = 1e-13
 
 
 class PointwiseStep:
@@ -98,7 +96,7 @@ class PointwiseSolver:
             factors = self._factors(*blocks, W, sizes)
             if factors is not None:
                 x, left = _corrected(factors, C, D, W, sizes, b)
-            if left <= SERVED:
+            if left <= 10 * ROUND_OFF:  # else the rounded factors have not served
                 return x
         return x if np.isfinite(left) else None
 

@@ -20,8 +20,8 @@ import numpy as np
 from scipy.linalg import lapack
 
 from ..contact.part import Part
-from .flips import flips
 from .pointwise import PointwiseSolver, PointwiseStep
+from .statuses import Statuses
 from .yielding import COMPLIANCE, FIRM, Yielding
 
 #: Speeds below this share of those that the contact forces stand for are not resolved: where forces
@@ -38,7 +38,7 @@ class _Place(NamedTuple):
     place: np.ndarray
 
 
-class SurfaceSystem:
+class SurfaceSystem(Statuses):
     """The stacked equations of the contacts of a scene, restricted to the candidates.
 
     Args:
@@ -53,7 +53,8 @@ class SurfaceSystem:
     """
 
     def __init__(self, parts: Sequence[Part], names: Sequence[str], hyperstatic: bool) -> None:
-        self.parts, self.names, self._hyperstatic = list(parts), list(names), hyperstatic
+        super().__init__(parts, names)
+        self._hyperstatic = hyperstatic
         self._total = sum(p.places for p in self.parts)
         self._revision = -1
         self._solver = PointwiseSolver(COMPLIANCE)
@@ -70,10 +71,6 @@ class SurfaceSystem:
             self._revision = revision
             self._arrange()
         return self.active
-
-    def restart(self) -> None:
-        """A step begins."""
-        self.history: list[np.ndarray] = []
 
     def begin(self, free: np.ndarray, compliance: np.ndarray) -> None:
         """Take up the free velocities (flat) and W of the active points, after `arrange`."""
@@ -261,15 +258,6 @@ class SurfaceSystem:
         result = np.zeros(self._total)
         result[self.active] = force
         return result
-
-    def remember(self) -> np.ndarray:
-        """Statuses of all points of all contacts, kept to tell which ones flip."""
-        self.history.append(np.concatenate([p.statuses() for p in self.parts]))
-        return self.history[-1]
-
-    def flips(self) -> str:
-        """Which points changed their status among the last iterations."""
-        return flips(self.history, self.parts, self.names)
 
     def stall(self) -> str:
         """Which residual is largest."""

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.constants import SAME
 from .search import Near, Spheres, candidates, first_of_each
 from .side import Side
 
+#: Overlap of facets, in local coordinates: rays through an edge must not pass between two facets.
+EDGE = 1e-8
 #: A facet faces a ray if the cosine between its normal and the ray is below this.
 FACING = -0.05
 
@@ -65,8 +66,7 @@ class Partners:
         normal = side.normal(tangents, facet)
         size = np.sqrt((normal**2).sum(axis=1))
         facing = (normal * direction).sum(axis=1) < FACING * size
-        # facets overlap: rays through an edge must not pass between two
-        good = facing & side.holds(xi, SAME) & (np.abs(alpha) <= reach[origin[ray]])
+        good = facing & side.holds(xi, EDGE) & (np.abs(alpha) <= reach[origin[ray]])
         good = np.flatnonzero(good)
         order = good[np.lexsort((facet[good], np.abs(alpha[good]), ray[good]))]
         best = order[first_of_each(ray[order])]

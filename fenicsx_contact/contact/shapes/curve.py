@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Curves in the plane through given points: straight lines, or a smooth spline."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ...base import checks
+from ...base.constants import SAME
+
+
+class Curve:
+    """What lies on the right of a curve through points, as one goes along it, in the plane.
+
+    So ground is told from left to right, and a body clockwise, its first point once more at the
+    end. A curve that does not close goes straight on at both ends.
+
+    The lines through the points have exact distances. Smooth, the curve is the cubic spline by the
+    length of the lines (natural at ends, periodic where it closes), its normals and their
+    derivatives are continuous, and distances are exact as well: the foot of a point is found by
+    Newton's method from the nearest line. It must then be near the curve, against its radii.
+
+    Args:
+        points: two at least (n, 2), m, no two neighbours the same; it must not cross itself.
+        smooth: a spline through the points instead of straight lines.
+
+    Raises:
+        InputError: no such points.
+    """
+
+    flat = False
+    dim = 2
+
+    def __init__(self, points: Any, smooth: bool = False) -> None:
+        problem = f"points = {points!r}: must be two or more points of the plane, (n, 2) numbers"
+        try:
+            x = checks.floats(points)
+        except (TypeError, ValueError):
+            raise checks.InputError(problem) from None
+        if x.ndim != 2 or x.shape[1] != 2 or len(x) < 2 or not np.isfinite(x).all():
+            raise checks.InputError(problem)
+        lengths, extent = np.linalg.norm(np.diff(x, axis=0), axis=1), float(np.ptp(x, axis=0).max())
+        if lengths.min() <= SAME * extent:
+            at = int(lengths.argmin())
+            raise checks.InputError(
+                f"points[{at}], points[{at + 1}] = {x[at].tolist()}, {x[at + 1].tolist()}: must "
+                "not be the same"
+            )
+        self.smooth, self.closed = checks.truth("smooth", smooth), False
+        if np.linalg.norm(x[-1] - x[0]) <= SAME * extent:
+            if len(x) < 4:
+                raise checks.InputError(f"{problem}, four at least to close")
+            self.closed, x[-1] = True, x[0]
+        self._x, self._ways = x, np.concatenate([[0.0], np.cumsum(lengths)])
+        self._along = np.diff(x, axis=0) / lengths[:, None]
+        self._spline = None
+        if self.smooth:
+            ends = "periodic" if self.closed else "natural"
+            self._spline = CubicSpline(self._ways, x, bc_type=ends)
+
+    def _on_lines(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The nearest line of each point, and how far along it."""
+        lengths = np.diff(self._ways)
+        low, high = np.zeros_like(lengths), lengths.copy()
+        if not self.closed:
+            low[0], high[-1] = -np.inf, np.inf
+        off = points[:, None] - self._x[:-1]
+        along = np.clip(np.einsum("nmi,mi->nm", off, self._along), low, high)
+        feet = self._x[:-1] + along[:, :, None] * self._along
+        line = np.linalg.norm(points[:, None] - feet, axis=2).argmin(axis=1)
+        return line, along[np.arange(len(points)), line]
+
+    def _beside_lines(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
+        line, along = self._on_lines(points)
+        tangent = self._along[line]
+        normals = _left(tangent)
+        off = points - self._x[line] - along[:, None] * tangent
+        distance = (off * normals).sum(axis=1)
+        # at a corner the mean of both sides tells inside from outside
+        last, lengths = len(self._along) - 1, np.diff(self._ways)
+        other = np.where(along <= 0, line - 1, np.where(along >= lengths[line], line + 1, line))
+        if self.closed:
+            other = other % (last + 1)
+        corner = (other != line) & (other >= 0) & (other <= last)
+        mean = normals + _left(self._along[np.clip(other, 0, last)])
+        size = np.linalg.norm(off, axis=1)
+        apart = corner & (size > 0)
+        sign = np.where((off * mean).sum(axis=1) < 0, -1.0, 1.0)
+        distance = np.where(apart, sign * size, distance)
+        away = sign[:, None] * off / np.where(apart, size, 1.0)[:, None]
+        normals = np.where(apart[:, None], away, normals)
+        return distance, normals, np.zeros(len(points))  # at a corner normals jump
+
+    def _beside_spline(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
+        spline, (line, along) = self._spline, self._on_lines(points)
+        assert spline is not None
+        whole = self._ways[-1]
+        place, change, falls = self._ways[line] + along, np.inf, True
+        while falls:  # down to round-off
+            at = place % whole if self.closed else np.clip(place, 0, whole)
+            foot, tangent, turn = spline(at), spline(at, 1), spline(at, 2)
+            if not self.closed:  # natural ends go straight on
+                foot = foot + (place - at)[:, None] * tangent
+            off, square = points - foot, (tangent**2).sum(axis=1)
+            slope = square - (off * turn).sum(axis=1)
+            # beyond a centre of curvature the foot is none of the nearest: go on along the tangent
+            way = (off * tangent).sum(axis=1) / np.where(slope > 0, slope, square)
+            last, change = change, float(np.abs(way).max(initial=0.0))
+            place, falls = place + way, change < last
+        speed = np.sqrt(square)
+        normals = _left(tangent / speed[:, None])
+        distance = (off * normals).sum(axis=1)
+        # of the curve, positive where it bends towards the right: round bodies
+        bend = -(turn * normals).sum(axis=1) / square
+        return distance, normals, bend / (1 + bend * distance)
+
+    def _beside(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Distances, normals, and the curvature of the parallel curve there."""
+        return self._beside_spline(points) if self.smooth else self._beside_lines(points)
+
+    def distance(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """Signed distance of the points (n, 2), positive outside."""
+        return self._beside(points)[0]
+
+    def normals(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """Outward unit normals, (n, 2)."""
+        return self._beside(points)[1]
+
+    def curvature(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """Derivatives of the normals, (n, 2, 2); zero beside lines and their corners."""
+        _, n, bend = self._beside(points)
+        t = _left(n)
+        return bend[:, None, None] * t[:, :, None] * t[:, None, :]
+
+    def __repr__(self) -> str:
+        kind = "closed" if self.closed else "open"
+        return f"Curve({len(self._x)} points, {kind}, smooth={self.smooth})"
+
+
+def _left(tangent: np.ndarray) -> np.ndarray:
+    """Turned by a right angle to the left."""
+    return np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Surfaces of revolution: any obstacle of the plane, turned about an axis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...base import checks
+from ..obstacle import as_direction
+from ..wall import Obstacle, Wall
+
+
+class Revolution:
+    """An obstacle of the plane, turned about an axis in space.
+
+        Revolution(Circle((0, 0.3), 0.1), center=(0, 0, 0), axis=(0, 0, 1))
+
+    is a torus, a :class:`~fenicsx_contact.contact.shapes.polyhedron.Box` becomes a disk, a wedge a
+    cone, a :class:`~fenicsx_contact.contact.shapes.curve.Curve` whatever is turned. Distances are
+    those in the plane: in the half-plane through a point nothing of the body is nearer than what
+    the section has there.
+
+    Args:
+        section: in the plane of (z, r), z along the axis from the centre, r away from it. Where it
+            reaches the axis it must be symmetric about that, r < 0 as r > 0.
+        center: a point of the axis, m: z = 0.
+        axis: the way on which z grows, of any length but zero.
+
+    Raises:
+        InputError: no obstacle of the plane, or one that is not symmetric about an axis that it
+            reaches (seen where it is asked).
+    """
+
+    flat = False
+    dim = 3
+
+    def __init__(self, section: Obstacle, center: Sequence[float], axis: Sequence[float]) -> None:
+        self._wall = Wall(section)
+        if self._wall.dim != 2:
+            raise checks.InputError(f"section = {section!r}: must be an obstacle of the plane")
+        self.center = checks.vector("center", center, 3)
+        self.axis = as_direction("axis", axis, 3)
+        self.moving = self._wall.moving
+        self._across = np.eye(3) - np.outer(self.axis, self.axis)
+
+    def _plane(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Places in the section's plane, (n, 2), and its axes in space, (n, 2, 3); on the axis any
+        half-plane does."""
+        off = points - self.center
+        aside = off @ self._across
+        radius = np.linalg.norm(aside, axis=1)
+        any_one = self._across[np.abs(np.diag(self._across)).argmax()]
+        away = np.where(radius[:, None] > 0, aside, any_one)
+        away = away / np.linalg.norm(away, axis=1)[:, None]
+        along = np.broadcast_to(self.axis, away.shape)
+        return np.stack([off @ self.axis, radius], axis=1), np.stack([along, away], axis=1)
+
+    def distance(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """Signed distance of the points (n, 3), positive outside."""
+        return self._wall.distance(self._plane(points)[0], time)
+
+    def normals(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """Outward unit normals, (n, 3)."""
+        places, axes = self._plane(points)
+        return np.einsum("na,nai->ni", self._wall.normals(places, time), axes)
+
+    def curvature(self, points: np.ndarray, time: float = 0.0) -> np.ndarray | None:
+        """Derivatives of the normals, (n, 3, 3): the section's, and n_r/r around the axis; None if
+        a curved section does not tell its own."""
+        places, axes = self._plane(points)
+        bend = self._wall.curvature(places, time)
+        if bend is None:
+            if not self._wall.flat:
+                return None
+            bend = np.zeros((len(points), 2, 2))
+        radius, outward = places[:, 1], self._wall.normals(places, time)[:, 1]
+        round_ = np.where(radius > 0, outward / np.where(radius > 0, radius, 1.0), bend[:, 1, 1])
+        around = np.cross(axes[:, 0], axes[:, 1])
+        hoop = round_[:, None, None] * around[:, :, None] * around[:, None, :]
+        return np.einsum("nab,nai,nbj->nij", bend, axes, axes) + hoop
+
+    def velocity(self, points: np.ndarray, start: float, end: float) -> np.ndarray:
+        """Mean velocity of what is beside the points, as the section has it, (n, 3)."""
+        places, axes = self._plane(points)
+        return np.einsum("na,nai->ni", self._wall.velocity(places, start, end), axes)
+
+    def __repr__(self) -> str:
+        return (
+            f"Revolution({self._wall.describe()}, center={self.center.tolist()}, "
+            f"axis={self.axis.tolist()})"
+        )

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Statuses of the points of some contacts from iteration to iteration: which of them flip."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..contact.part import Part
+
+
+class Statuses:
+    """What a contact problem remembers of its points, to tell why it does not settle.
+
+    Args:
+        parts, names: of the contacts.
+    """
+
+    def __init__(self, parts: Sequence[Part], names: Sequence[str]) -> None:
+        self.parts, self.names = list(parts), list(names)
+        self.forget()
+
+    def forget(self) -> None:
+        """A step begins."""
+        self._history: list[np.ndarray] = []
+
+    def remember(self) -> np.ndarray:
+        """Statuses of all points of all contacts, which are kept."""
+        self._history.append(np.concatenate([part.statuses() for part in self.parts]))
+        return self._history[-1]
+
+    def flips(self) -> str:
+        """Which points changed their status among the last iterations."""
+        recent = np.array(self._history[-6:])
+        flipping = np.flatnonzero((recent != recent[-1:]).any(axis=0)) if len(recent) else recent
+        if not len(flipping):
+            return "no status changes"
+        texts, offset = [], 0
+        for n, name in zip((len(part.statuses()) for part in self.parts), self.names):
+            mine = [int(p - offset) for p in flipping if offset <= p < offset + n]
+            if mine:
+                shown = ", ".join(map(str, mine[:8])) + (", ..." if len(mine) > 8 else "")
+                texts.append(f"points {shown} of contact {name!r}")
+            offset += n
+        return "statuses flip at " + " and ".join(texts)

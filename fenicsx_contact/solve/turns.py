@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Plain corrections of the full Newton method and contact settled on frozen geometry, by turns.
+
+Plain corrections converge quadratically, from near. Where they were good once and gain no more, or
+before the first one where nothing but contact holds a solid, the contact is settled: by the paper's
+fixed point, which converges from farther away. They follow again as soon as the error is half of
+that at which they failed, or as settling gains no more itself.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .multipliers import Patience
+
+
+class Turns:
+    """What comes next, from the errors.
+
+    Args:
+        settles: whether the first round is to settle.
+    """
+
+    def __init__(self, settles: bool) -> None:
+        self._settles, self._failed, self._last = settles, np.inf, np.inf
+        self._first, self._patience = True, Patience(1.0, gain=1.0)
+
+    def settles(self, error: float) -> bool:
+        """Whether to settle now, at this relative error. The first tells little, and one of 1 is as
+        large as its terms: corrections that have not been below it have yet to begin."""
+        if self._first:
+            self._first = False
+        elif self._settles:
+            self._settles = error < self._last and 2 * error > self._failed
+            self._patience = Patience(error, gain=1.0)
+        else:
+            if min(error, self._patience.best) < 1:
+                self._patience.see(error)
+            if not self._patience.lasts:
+                self._settles, self._failed = True, self._patience.best
+        self._last = error
+        return self._settles

@@ -83,14 +83,23 @@ def num_local_cells(mesh: Any) -> int:
     return mesh.topology.index_map(mesh.topology.dim).size_local
 
 
+def given_cells(mesh: Any) -> np.ndarray:
+    """Numbers of the owned cells in the mesh as it was given, the same on any processes, (m,)."""
+    return np.asarray(mesh.topology.original_cell_index, dtype=np.int64)[: num_local_cells(mesh)]
+
+
+def given_nodes(mesh: Any) -> np.ndarray:
+    """Numbers of the local geometry nodes in the mesh as it was given, (n,)."""
+    return np.asarray(mesh.geometry.input_global_indices, dtype=np.int64)
+
+
 # -- function spaces ----------------------------------------------------------------------------
 
 
 def lagrange_space(mesh: Any, degree: int = 1, shape: tuple[int, ...] = ()) -> Any:
     """Continuous Lagrange space of scalars (``shape=()``) or vectors (``shape=(d,)``)."""
     if MODERN:
-        element = basix.ufl.element("Lagrange", mesh.basix_cell(), degree, shape=shape)
-        return fem.functionspace(mesh, element)
+        return fem.functionspace(mesh, ("Lagrange", degree, shape))
     if shape:
         return fem.VectorFunctionSpace(mesh, ("Lagrange", degree), dim=shape[0])
     return fem.FunctionSpace(mesh, ("Lagrange", degree))
@@ -227,10 +236,8 @@ class PointExpression:
 
     def __call__(self) -> np.ndarray:
         """Values, (cells, vertices x components)."""
-        if MODERN:
-            values = self._expression.eval(self._mesh, self._cells)
-        else:
-            values = self._expression.eval(self._cells)
+        mesh = (self._mesh,) if MODERN else ()
+        values = self._expression.eval(*mesh, self._cells)
         return np.asarray(values).reshape(len(self._cells), -1)
 
 
@@ -288,7 +295,6 @@ class PointValues:
 
 def cell_constants(mesh: Any, values: np.ndarray) -> Any:
     """A coefficient that is constant in each cell, from values (cells,) (one process)."""
-    space = _cellwise(mesh)
-    function = fem.Function(space)
-    function.x.array[cell_dofs(space).ravel()] = values
+    function = fem.Function(_cellwise(mesh))
+    function.x.array[cell_dofs(function.function_space).ravel()] = values
     return function

@@ -99,7 +99,7 @@ class NamedMesh:
         cell = _FACET_CELL[compat.cell_name(mesh)]
         corners = {"interval": 2, "triangle": 3, "quadrilateral": 4}[cell]
         nodes = compat.facet_geometry(mesh, facets[facets < owned])[:, :corners]
-        ids = np.asarray(mesh.geometry.input_global_indices)[nodes.ravel()]
+        ids = compat.given_nodes(mesh)[nodes.ravel()]
         x = mesh.geometry.x[nodes.ravel(), : self.dim]
         all_ids = np.concatenate(comm.allgather(np.asarray(ids)))
         all_x = np.concatenate(comm.allgather(x))

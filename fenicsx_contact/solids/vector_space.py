@@ -107,7 +107,7 @@ class VectorSpace:
         given, whatever the processes, (owned,)."""
         mesh, blocks = self.mesh.mesh, self.space.dofmap.index_map
         cells = compat.cell_dofs(self.space)[: compat.num_local_cells(mesh)]
-        given = np.asarray(mesh.topology.original_cell_index, dtype=np.int64)[: len(cells)]
+        given = compat.given_cells(mesh)
         places = given[:, None] * cells.shape[1] + np.arange(cells.shape[1])
         nodes = np.asarray(blocks.local_to_global(cells.ravel().astype(np.int32)))
         first = np.full(blocks.size_global, np.iinfo(np.int64).max)

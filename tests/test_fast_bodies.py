@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from problems import stacked
 from scenes import rectangle
 
 from fenicsx_contact import (
@@ -18,6 +19,7 @@ from fenicsx_contact import (
     RigidSolid,
     Scene,
 )
+from fenicsx_contact.contact.candidates import Candidates
 
 SIDE, DT, STEPS = 0.2, 1e-3, 4
 LAWS = ["velocity", "gap", "printed", "lagrange", Discrete(stiffness=1e13)]
@@ -91,6 +93,35 @@ def test_nothing_passes_through_a_thin_solid(seed):
     contact = Contact(block, "base", (plate, "top"), law, name="c")
     located = law == "velocity" and seed % 4 == 0
     check(Scene([block, plate], [contact], locate_impacts=located).run(STEPS * DT, DT))
+
+
+@pytest.mark.parametrize("dt", [0.3, 1.0, 3.0])
+@pytest.mark.parametrize("ratio", [1e2, 1e3, 1e4])
+def test_what_falls_alike_without_contact_stays_together(ratio, dt):
+    """Round-off alone would tell which points of two blocks on a floor are to be asked first; one
+    of them would let the upper block swing round in a long step, to where it meets nothing."""
+    problem = stacked(mass_ratio=ratio, dt=dt, steps=3)
+    history = problem.run()
+    assert history.finished and not history.remarks
+    assert problem.error(history) < problem.bound
+    assert history["newton"].max() <= 10
+
+
+def test_what_meets_nothing_bears_nothing(monkeypatch):
+    """The same with one point: no such step is accepted."""
+    narrow = Candidates.narrow
+
+    def first(self, bore, *others):
+        narrow(self, bore, *others)
+        if len(bore) == 4:  # the seam
+            self._asked = np.arange(4) == 2
+            self.choose()
+
+    monkeypatch.setattr(Candidates, "narrow", first)
+    problem = stacked(mass_ratio=1e4, dt=1.0, steps=2)
+    history = problem.run()
+    assert "no certificate: relative error of contact" in history.remarks[0][1]
+    assert not history.finished or problem.error(history) < problem.bound
 
 
 @pytest.mark.parametrize("passes", [0.099, 0.101])

@@ -29,9 +29,10 @@ def missed(contact: Contact, closing: bool) -> str:
     or nothing: a free point goes through the other side and out again, or one is farther within
     than the surface is large; if none may close (not ``closing``), one that may bear."""
     gaps = contact.coupling.gaps()
-    free = contact.chosen & ~contact.touching() & (contact.equations.statuses() == 0)
-    through = free & (contact.coupling.deepest() > np.maximum(gaps, 0.0) + contact.tolerance)
-    if through.any():
+    free = contact.chosen & (contact.equations.statuses() == 0)
+    deepest = contact.coupling.deepest(free, contact.gap) if free.any() else gaps
+    through = free & (deepest > np.maximum(gaps, 0.0) + contact.tolerance)
+    if through.any() and (through & ~contact.touching()).any():
         return f"a point of contact {contact.name!r} goes through what it meets"
     asked = contact.chosen & (closing | contact.candidates.allowed)
     if (gaps > np.maximum(contact.gap, contact.surface.extent))[asked].any():

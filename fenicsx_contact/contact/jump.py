@@ -59,9 +59,10 @@ class Coupling(ABC):
     def _depths(self) -> np.ndarray:
         """Those of a surface without wear."""
 
-    def deepest(self) -> np.ndarray:
-        """The largest gap of each point on its way from the start of the step to the followed
-        state, as far as that can be told, (n,) in m."""
+    def deepest(self, asked: np.ndarray, start: np.ndarray) -> np.ndarray:
+        """The largest gap of the points that are ``asked``, (n,) of bool, on their ways from the
+        start of the step, where gaps were ``start``, to the followed state, as far as that can be
+        told, (n,) in m."""
         return self.gaps()
 
     @abstractmethod
@@ -188,16 +189,23 @@ class MortarJump(Coupling):
     def _depths(self) -> np.ndarray:
         return self.pairing.gap
 
-    def deepest(self) -> np.ndarray:
+    def deepest(self, asked: np.ndarray, start: np.ndarray) -> np.ndarray:
         # nobody knows how deep a point was that went through and has no partner now
-        pair, through = self.pairing, np.zeros(self._n, dtype=bool)
+        pair, gaps = self.pairing, self.gaps()
+        alone = asked & ~pair.paired
+        lost = np.flatnonzero(alone)
+        if not len(lost):
+            return gaps
         last = len(pair.slave.nodes)
         mine = self._start[:last], pair.places[:last]
         theirs = self._start[last:], pair.places[last:]
-        points, _ = passed((mine[0][: self._n], mine[1][: self._n]), pair.master, theirs)
-        _, facets = passed(theirs, pair.slave, mine)
-        through[points] = through[pair.slave.corners[facets]] = True
-        return np.where(through & ~pair.paired, np.inf, self.gaps())
+        facets = np.arange(len(pair.master.cells))
+        into = passed((mine[0][lost], mine[1][lost]), pair.master, theirs, facets)
+        facets = np.flatnonzero(alone[pair.slave.corners].any(axis=1))
+        out = passed(theirs, pair.slave, mine, facets)
+        through = np.zeros(self._n, dtype=bool)
+        through[lost[into[:, 0]]] = through[pair.slave.corners[out[:, 1]]] = True
+        return np.where(through & alone, np.inf, gaps)
 
     def normals(self) -> np.ndarray:
         return self.pairing.normal

@@ -61,7 +61,7 @@ class GuideCoupling(NodalJump):
         self._outward -= np.einsum("ij,ij->i", self._outward, slopes)[:, None] * up
         self._outward /= np.linalg.norm(self._outward, axis=1)[:, None]
 
-    def deepest(self) -> np.ndarray:
+    def deepest(self, asked: np.ndarray, start: np.ndarray) -> np.ndarray:
         return self.gaps()  # a guide is around its rod
 
     def near(self) -> np.ndarray:

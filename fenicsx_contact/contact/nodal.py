@@ -135,35 +135,34 @@ class NodalJump(Coupling):
     def near(self) -> np.ndarray:
         return np.ones(self._shape[0], dtype=bool)
 
-    def deepest(self, asked: np.ndarray, start: np.ndarray) -> np.ndarray:
-        gaps = self.gaps()
+    def deepest(self, asked: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         if self.fixed_normal:
-            return gaps
-        end, wall, time = self.positions(), self.wall, self.time
-        way = end - self._start_positions
+            return end
+        last, wall, time = self.positions(), self.wall, self.time
+        way = last - self._start_positions
         if self._step:  # as seen from a wall that moves
             way = way - self._step.dt * self.carried(self._step)
         # what moves less than it was and is away goes through nothing
-        asked = asked & (np.linalg.norm(way, axis=1) > -np.minimum(start, gaps))
+        asked = asked & (np.linalg.norm(way, axis=1) > -np.minimum(start, end))
         if not asked.any():
-            return gaps
+            return end
 
         # the gap is largest where the point, which came nearer, begins to leave
         def place(share: np.ndarray) -> np.ndarray:
-            return end - (1 - share)[:, None] * way
+            return last - (1 - share)[:, None] * way
 
         def leaves(share: np.ndarray) -> np.ndarray:
             return dot(wall.normals(place(share), time), way) > 0
 
-        near, far = np.zeros(len(gaps)), np.ones(len(gaps))
+        near, far = np.zeros(len(end)), np.ones(len(end))
         turns = asked & ~leaves(near) & leaves(far)
         if not turns.any():
-            return gaps
+            return end
         for _ in range(np.finfo(float).nmant // 2):  # there gaps hardly change
             middle = 0.5 * (near + far)
             back = leaves(middle)
             near, far = np.where(back, near, middle), np.where(back, middle, far)
-        return np.where(turns, -wall.distance(place(near), time) - self.recess, gaps)
+        return np.where(turns, -wall.distance(place(near), time) - self.recess, end)
 
     def mobility(self) -> np.ndarray:
         return self.traces[0].mobility().reshape(self._shape)

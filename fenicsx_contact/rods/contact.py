@@ -32,6 +32,8 @@ DEEPEST = 0.05
 class GuideCoupling(NodalJump):
     """Points of a rod and stations of its guide: the stations see it by its slope, too."""
 
+    encloses = True
+
     def __init__(
         self, contact: GuideContact, trace: BeamTrace | PairTrace, turn: np.ndarray
     ) -> None:
@@ -60,9 +62,6 @@ class GuideCoupling(NodalJump):
         up = self._rod.axis.direction
         self._outward -= np.einsum("ij,ij->i", self._outward, slopes)[:, None] * up
         self._outward /= np.linalg.norm(self._outward, axis=1)[:, None]
-
-    def deepest(self, asked: np.ndarray, start: np.ndarray) -> np.ndarray:
-        return self.gaps()  # a guide is around its rod
 
     def near(self) -> np.ndarray:
         # a station that the rod has passed meets nothing, though it bore a moment ago

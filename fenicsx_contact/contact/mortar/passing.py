@@ -28,16 +28,16 @@ def passed(points: Ways, side: Side, nodes: Ways, asked: np.ndarray) -> np.ndarr
     moved = np.abs(way).max(initial=0.0) + np.abs(nodes[1] - nodes[0]).max(initial=0.0)
     if moved <= side.sizes.min() or not len(asked):
         return none
-    corners = nodes[1][side.corners[asked]]
-    middle = corners.mean(axis=1)
-    came = middle - nodes[0][side.corners[asked]].mean(axis=1)
-    radius = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
-    swept = np.concatenate([middle, middle - came])
-    low, high = swept.min(axis=0) - radius.max(), swept.max(axis=0) + radius.max()
+    swept = np.concatenate(nodes)
+    low, high = swept.min(axis=0) - side.sizes.max(), swept.max(axis=0) + side.sizes.max()
     inside = (np.maximum(*points) >= low) & (np.minimum(*points) <= high)
     near = np.flatnonzero(inside.all(axis=1))
     if not len(near):
         return none
+    corners = nodes[1][side.corners[asked]]
+    middle = corners.mean(axis=1)
+    came = middle - nodes[0][side.corners[asked]].mean(axis=1)
+    radius = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
     slopes = side.shape(np.tile(side.midpoint, (len(asked), 1)))[1]
     normal = side.normals(nodes[1], asked, slopes)
     found = []

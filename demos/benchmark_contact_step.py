@@ -35,7 +35,7 @@ from fenicsx_contact import (
     mesh_from_gmsh,
     neo_hookean,
 )
-from fenicsx_contact.output.report import environment, write_summary
+from fenicsx_contact.output.report import whence, write_summary, write_table
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
 RESULTS = Path("results") / "benchmark_contact_step"
@@ -156,30 +156,36 @@ def cases(quick: bool) -> list[dict[str, Any]]:
     return result
 
 
-def main(quick: bool = False) -> dict[str, Any]:
-    """Everything; returns the summary that is also written."""
-    steps = 5 if quick else 15
-    measured = []
-    print("| solids | unknowns | points | | step | in flight | ratio | Newton |")
-    print("|---|---|---|---|---|---|---|---|")
-    for case in cases(quick):
-        found = measure(steps, **case)
-        measured.append(found)
+def table(measured: list[dict[str, Any]]) -> str:
+    """The cases as Markdown."""
+    rows = ["| solids | unknowns | points | | step | in flight | ratio | Newton |"]
+    rows.append("|---|---|---|---|---|---|---|---|")
+    for found in measured:
         what = f"{found['kind']}, {found['dim']}D" + (", two" if found["pair"] else "")
-        print(
+        rows.append(
             f"| {what} | {found['unknowns']} | {found['points']} "
             f"| {'slides' if found['slide'] else 'lands'} | {1e3 * found['step_s']:.2f} ms "
             f"| {1e3 * found['flight_s']:.2f} ms | {found['ratio']:.2f} "
             f"| {found['newton_per_step']:.1f} |"
         )
+    return "\n".join(rows)
+
+
+def main(quick: bool = False) -> dict[str, Any]:
+    """Everything; returns the summary that is also written."""
+    steps = 5 if quick else 15
+    measured = []
+    for case in cases(quick):
+        measured.append(measure(steps, **case))
+        print(table(measured[-1:]).splitlines()[-1], flush=True)
     summary = {"cases": measured}
     write_summary(RESULTS, summary)
+    write_table(RESULTS, table(measured), quick)
     spans = []
     for kind in ("linear", "hyperelastic"):
         ratios = [found["ratio"] for found in measured if found["kind"] == kind]
         spans.append(f"{kind} {min(ratios):.2f} to {max(ratios):.2f}")
-    where = ", ".join(f"{key} {value}" for key, value in environment().items())
-    print(f"a step with contact over one in flight: {'; '.join(spans)}; {where}")
+    print(f"a step with contact over one in flight: {'; '.join(spans)}; {whence()}")
     return summary
 
 

@@ -26,7 +26,7 @@ from typing import Any
 
 from ironing import MATERIALS, iron
 
-from fenicsx_contact.output.report import environment, write_summary
+from fenicsx_contact.output.report import whence, write_summary, write_table
 
 RESULTS = Path("results") / "benchmark_ironing"
 PEER = Path(__file__).resolve().parent / "peers" / "ironing_getfem.py"
@@ -47,6 +47,10 @@ def getfem(material: str, n: int, drag_steps: int) -> dict[str, Any] | str:
     return dict(json.loads(line))
 
 
+HEAD = """| material | unknowns | code | Newton a step | most | a step | tangential/normal |
+|---|---|---|---|---|---|---|"""
+
+
 def row(figures: dict[str, Any]) -> str:
     """Figures of a run as cells of a table."""
     return (
@@ -59,26 +63,25 @@ def main(quick: bool = False) -> dict[str, Any]:
     """Everything; returns the summary that is also written."""
     meshes, drag_steps = ((4,), 10) if quick else ((12, 24), 30)
     summary: dict[str, Any] = {}
-    compared = []
-    print("| material | unknowns | code | Newton a step | most | a step | tangential/normal |")
-    print("|---|---|---|---|---|---|---|")
+    compared, rows = [], [HEAD]
     for material in MATERIALS:
         for n in meshes:
             ours, _ = iron(n, material, drag_steps)
             theirs = getfem(material, n, drag_steps)
             summary[f"{material}, n = {n}"] = {"ours": ours, "getfem": theirs}
             what = f"{material} | {ours['unknowns']}"
-            print(f"| {what} | fenicsx_contact | {row(ours)} |")
+            rows.append(f"| {what} | fenicsx_contact | {row(ours)} |")
             if isinstance(theirs, str):
-                print(f"| {what} | GetFEM {theirs} | | | | |")
+                rows.append(f"| {what} | GetFEM {theirs} | | | | |")
                 continue
-            print(f"| {what} | GetFEM | {row(theirs)} |")
+            rows.append(f"| {what} | GetFEM | {row(theirs)} |")
             ratio = ours["seconds_per_step"] / theirs["seconds_per_step"]
             summary[f"{material}, n = {n}"]["ratio"] = ratio
             compared.append(f"{material}, {ours['unknowns']} unknowns: {ratio:.2f}")
     write_summary(RESULTS, summary)
-    where = ", ".join(f"{key} {value}" for key, value in environment().items())
-    print(f"our time over GetFEM's: {'; '.join(compared) or 'not compared'}; {where}")
+    write_table(RESULTS, "\n".join(rows), quick)
+    print(*rows, sep="\n")
+    print(f"our time over GetFEM's: {'; '.join(compared) or 'not compared'}; {whence()}")
     return summary
 
 

@@ -43,7 +43,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fenicsx_contact import Contact, ElasticSolid, QuasiStatic, Scene, mesh_from_gmsh
-from fenicsx_contact.output.report import environment, write_summary
+from fenicsx_contact.output.report import whence, write_summary, write_table
 from fenicsx_contact.references.hertz import PointContact, effective_modulus
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
@@ -120,12 +120,8 @@ def exponent(rows: list[dict[str, Any]]) -> float:
     return float(np.polyfit(size, time, 1)[0])
 
 
-def speed_up(one: dict[str, Any]) -> dict[str, float]:
-    """What two processes gain over the one that a row of the table was measured with."""
-    if shutil.which("mpirun") is None:
-        return {}
-    two = measured(one["setting"]["n"], "iterative", processes=2)
-    _print(two)
+def speed_up(one: dict[str, Any], two: dict[str, Any]) -> dict[str, float]:
+    """What two processes gain over one."""
     gains = {
         phase: one["phases_s"][phase] / two["phases_s"][phase]
         for phase in ("solids", "pairing", "linear solve")
@@ -149,43 +145,52 @@ def draw(summary: dict[str, Any]) -> None:
     plots.save(fig, RESULTS / "time.png")
 
 
+HEAD = """| solver | processes | unknowns | Newton | Krylov, mean | linear solves | all | memory |
+|---|---|---|---|---|---|---|---|"""
+
+
+def row_of(found: dict[str, Any]) -> str:
+    """A run as a row of the table."""
+    krylov = f"{np.mean(found['krylov']):.1f}" if found["krylov"] else ""
+    return (
+        f"| {found['setting']['solver']} | {found['setting']['processes']} | {found['unknowns']} "
+        f"| {found['newton']} | {krylov} | {found['phases_s']['linear solve']:.3g} s "
+        f"| {found['run_time_s']:.3g} s | {found['memory_mb']:.0f} MB |"
+    )
+
+
+def table(summary: dict[str, Any]) -> str:
+    """All runs, as Markdown."""
+    runs = [*summary["iterative"], *summary.get("two_processes", []), *summary["monolithic"]]
+    return "\n".join([HEAD, *map(row_of, runs)])
+
+
 def main(quick: bool = False) -> dict[str, Any]:
     """Everything; returns the summary that is also written."""
     sizes = [3, 4] if quick else [14, 20, 29, 41, 50]
     factored = [3, 4] if quick else [6, 10, 14]
     summary: dict[str, Any] = {"iterative": [], "monolithic": []}
-    print(
-        "| solver | processes | unknowns | Newton | Krylov, mean | linear solves | all | memory |"
-    )
-    print("|---|---|---|---|---|---|---|---|")
     for solver, each in (("iterative", sizes), ("monolithic", factored)):
         for n in each:
             summary[solver].append(measured(n, solver))
-            _print(summary[solver][-1])
+            print(row_of(summary[solver][-1]), flush=True)
             write_summary(RESULTS, summary)
     rows = summary["iterative"]
     summary["counts_ratio"] = float(np.mean(rows[-1]["krylov"]) / np.mean(rows[0]["krylov"]))
     summary["exponent"] = exponent(rows)
-    summary["speed_up"] = speed_up(rows[-1])
+    if shutil.which("mpirun"):
+        two = measured(rows[-1]["setting"]["n"], "iterative", processes=2)
+        print(row_of(two), flush=True)
+        summary["two_processes"], summary["speed_up"] = [two], speed_up(rows[-1], two)
     write_summary(RESULTS, summary)
+    write_table(RESULTS, table(summary), quick)
     draw(summary)
-    where = ", ".join(f"{key} {value}" for key, value in environment().items())
     print(
         f"Krylov counts, {rows[0]['unknowns']} to {rows[-1]['unknowns']} unknowns: "
         f"x {summary['counts_ratio']:.2f}; time of the solves ~ n^{summary['exponent']:.2f}; "
-        f"two processes: {summary['speed_up']}; {where}"
+        f"two processes: {summary.get('speed_up')}; {whence()}"
     )
     return summary
-
-
-def _print(row: dict[str, Any]) -> None:
-    krylov = f"{np.mean(row['krylov']):.1f}" if row["krylov"] else ""
-    print(
-        f"| {row['setting']['solver']} | {row['setting']['processes']} | {row['unknowns']} "
-        f"| {row['newton']} | {krylov} | {row['phases_s']['linear solve']:.3g} s "
-        f"| {row['run_time_s']:.3g} s | {row['memory_mb']:.0f} MB |",
-        flush=True,
-    )
 
 
 # %%

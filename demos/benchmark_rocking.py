@@ -24,7 +24,7 @@ import numpy as np
 from problems.rocking import BLOCK
 from problems.studies import STUDIES
 
-from fenicsx_contact.output.report import environment, write_summary
+from fenicsx_contact.output.report import whence, write_summary, write_table
 from fenicsx_contact.references.housner import rocking
 from fenicsx_contact.references.swings import swings
 from fenicsx_contact.study import Study, ladder, measure
@@ -85,23 +85,30 @@ def cheapest(rows: Any, error: float) -> float:
     return min(times, default=np.nan)
 
 
+def table(summary: dict[str, Any]) -> str:
+    """All runs, as Markdown."""
+    lines = ["| code | setting | error of three maxima | run time | steps | per step |"]
+    lines.append("|---|---|---|---|---|---|")
+    for name, rows in summary.items():
+        if isinstance(rows, str):
+            lines.append(f"| {name} | {rows} | | | | |")
+            continue
+        for row in rows:
+            setting = ", ".join(f"{k} = {row['setting'][k]:.3g}" for k in list(row["setting"])[:1])
+            lines.append(
+                f"| {name} | {setting} | {row['error']:.2g} | {row['run_time_s']:.2g} s "
+                f"| {row['steps']} | {row['us_per_step']:.0f} µs |"
+            )
+    return "\n".join(lines)
+
+
 def main(quick: bool = False) -> dict[str, Any]:
     """Everything; returns the summary that is also written."""
     summary: dict[str, Any] = {"fenicsx_contact, impacts located": ours(quick)}
     for name in ("siconos", "mujoco"):
         summary[name] = peer(name, quick)
-    print("| code | setting | error of three maxima | run time | steps | per step |")
-    print("|---|---|---|---|---|---|")
-    for name, rows in summary.items():
-        if isinstance(rows, str):
-            print(f"| {name} | {rows} | | | | |")
-            continue
-        for row in rows:
-            setting = ", ".join(f"{k} = {row['setting'][k]:.3g}" for k in list(row["setting"])[:1])
-            print(
-                f"| {name} | {setting} | {row['error']:.2g} | {row['run_time_s']:.2g} s "
-                f"| {row['steps']} | {row['us_per_step']:.0f} µs |"
-            )
+    text = table(summary)
+    print(text)
     own = cheapest(summary["fenicsx_contact, impacts located"], OURS)
     times = {f"ours to {OURS:g}": own}
     for name in ("siconos", "mujoco"):
@@ -109,8 +116,8 @@ def main(quick: bool = False) -> dict[str, Any]:
             times[f"{name} to {THEIRS:g}"] = cheapest(summary[name], THEIRS)
     summary["compared_s"] = times
     write_summary(RESULTS, summary)
-    where = ", ".join(f"{key} {value}" for key, value in environment().items())
-    print("; ".join(f"{what}: {time:.3g} s" for what, time in times.items()) + f"; {where}")
+    write_table(RESULTS, text, quick)
+    print("; ".join(f"{what}: {time:.3g} s" for what, time in times.items()) + f"; {whence()}")
     return summary
 
 

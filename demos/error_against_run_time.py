@@ -33,7 +33,7 @@ from typing import Any
 
 from problems.studies import STUDIES
 
-from fenicsx_contact.output.report import environment, write_summary
+from fenicsx_contact.output.report import whence, write_summary, write_table
 from fenicsx_contact.study import Sample, Study, measure, pareto, rate, table
 
 RESULTS = Path("results") / "error_against_run_time"
@@ -72,10 +72,27 @@ def draw(study: Study, samples: list[Sample]) -> None:
     plots.save(fig, RESULTS / f"{study.name}.png")
 
 
+HEAD = """| scene | method | coarse: error, time | fine: error, time | rate |
+|---|---|---|---|---|"""
+
+
+def ends(study: Study, samples: list[Sample]) -> list[str]:
+    """The coarsest and the finest run of each method on the front, as rows of a table."""
+    rows: list[str] = []
+    for method in dict.fromkeys(sample.method for sample in pareto(samples)):
+        mine = [s for s in samples if s.method == method and s.error == s.error]
+        title = "" if rows else study.title
+        first, last = mine[0], mine[-1]
+        cells = [f"{s.error:.2g}, {s.run_time_s:.2g} s" for s in (first, last)]
+        rows.append(f"| {title} | {method} | {' | '.join(cells)} | {rate(mine, study.over):.1f} |")
+    return rows
+
+
 def main(quick: bool = False) -> dict[str, Any]:
     """All studies; returns the summary that is also written: for each study and method a list of
     samples, and beside the studies the rates and fronts of all."""
     summary: dict[str, Any] = {"rates": {}, "front": {}}
+    rows = [HEAD]
     for study in STUDIES.values():
         samples = run(study, quick)
         draw(study, samples)
@@ -89,9 +106,12 @@ def main(quick: bool = False) -> dict[str, Any]:
         }
         summary["front"][study.name] = [(s.method, s.setting) for s in pareto(samples)]
         print(f"\n### {study.title}: error of {study.quantity}\n\n{table(samples, study.over)}")
+        rows += ends(study, samples)
         write_summary(RESULTS, summary)
-    where = ", ".join(f"{key} {value}" for key, value in environment().items())
-    print(f"\nmedians of {1 if quick else 3} runs; * on the front; {where}; figures in {RESULTS}")
+        write_table(RESULTS, "\n".join(rows), quick)
+    print(
+        f"\nmedians of {1 if quick else 3} runs; * on the front; {whence()}; figures in {RESULTS}"
+    )
     return summary
 
 

@@ -45,7 +45,7 @@ from fenicsx_contact import (
     mesh_from_gmsh,
     neo_hookean,
 )
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import write_summary, write_table
 from fenicsx_contact.references.hertz import LineContact, PointContact, effective_modulus
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
@@ -335,6 +335,29 @@ def von_mises(E: float) -> Any:
     return stress
 
 
+def rows(summary: dict[str, Any]) -> str:
+    """Errors of every scene, as Markdown."""
+    lines = ["| scene | half width, radius | peak | profile in L2 | Newton iterations |"]
+    lines.append("|---|---|---|---|---|")
+    light = {k: v[-1] for k, v in summary["convergence"].items() if k != "rate"}
+    lightly = f"light load, {light['elements']} (order {summary['convergence']['rate']:.2f})"
+    scenes = {
+        f"cylinder on block, {summary['elements']} elements over the half width": summary,
+        "the same, neo-Hookean": summary["neo_hookean"],
+        lightly: light,
+        **{f"half cylinder on a plane, {k}": v for k, v in summary["peers"].items()},
+        **{f"sphere on block, {ball['unknowns']} unknowns": ball for ball in summary["sphere"]},
+    }
+    for title, found in scenes.items():
+        width = found.get("half_width_error", found.get("radius_error"))
+        newton = found.get("newton", "")
+        lines.append(
+            f"| {title} | {width:+.2%} | {found['peak_pressure_error']:+.2%} "
+            f"| {found['profile_l2_error']:.2%} | {newton if isinstance(newton, int) else ''} |"
+        )
+    return "\n".join(lines)
+
+
 def main(quick: bool = False) -> dict[str, Any]:
     """Everything; returns the summary that is also written."""
     n = 20 if quick else 40
@@ -351,6 +374,7 @@ def main(quick: bool = False) -> dict[str, Any]:
         "sphere": [sphere(k) for k in ([4] if quick else [4, 6, 8])],
     }
     write_summary(RESULTS, summary)
+    write_table(RESULTS, rows(summary), quick)
     draw(pressed, table)
     picture(10 if quick else 20)
     ball = summary["sphere"][-1]

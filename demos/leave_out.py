@@ -42,7 +42,7 @@ from fenicsx_contact import (
     ThetaScheme,
     mesh_from_gmsh,
 )
-from fenicsx_contact.output.report import environment, write_summary
+from fenicsx_contact.output.report import whence, write_summary
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
 RESULTS = Path("results") / "leave_out"
@@ -218,10 +218,9 @@ def main(quick: bool = False) -> dict[str, Any]:
         print(f"\n{name}:\n{summary[name]['lean']['describe']}")
     summary["imports"] = imports()
     write_summary(RESULTS, summary)
-    where = ", ".join(f"{key} {value}" for key, value in environment().items())
     print(
         f"\nimporting the package takes {summary['imports']['package_s']:.2g} s, pictures would "
-        f"add {summary['imports']['pictures_s']:.2g} s; {where}"
+        f"add {summary['imports']['pictures_s']:.2g} s; {whence()}"
     )
     return summary
 

@@ -57,7 +57,7 @@ from fenicsx_contact import (
     ThetaScheme,
     mesh_from_gmsh,
 )
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import write_summary, write_table
 from fenicsx_contact.references.housner import Block, rocking
 from fenicsx_contact.references.swings import swings
 
@@ -325,6 +325,7 @@ def main(quick: bool = False) -> dict[str, Any]:
     summary["elastic"] = stiff
     summary["error_against_run_time"] = times
     write_summary(RESULTS, summary)
+    write_table(RESULTS, table(summary), quick)
     draw_energy(histories)
     draw_studies(times, stiff)
     draw_block(quick)

@@ -49,7 +49,7 @@ from fenicsx_contact import (
     Velocity,
     axis_mesh,
 )
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import write_summary, write_table
 from fenicsx_contact.references.rod import one_dof_drop
 from fenicsx_contact.rods import Card, ForceMap, Guide, GuideContact, Sine, Tube, settle
 from fenicsx_contact.theory.formulations import Formulation
@@ -348,6 +348,7 @@ def main(quick: bool = False) -> dict[str, Any]:
     summary["velocity_over_lagrange"] = velocity["run_time_s"] / lagrange["run_time_s"]
 
     write_summary(RESULTS, summary)
+    write_table(RESULTS, table(summary), quick)
     draw_speeds(drops, bent["velocity"], straight)
     for name, map_ in forces.items():
         draw_forces(map_, RESULTS / f"contact_force_{name}.png")

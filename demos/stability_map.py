@@ -36,7 +36,7 @@ from typing import Any
 import numpy as np
 from problems.maps import MAPS
 
-from fenicsx_contact.output.report import environment, write_summary
+from fenicsx_contact.output.report import whence, write_summary, write_table
 from fenicsx_contact.study import Map, Verdict, run_maps, summary
 
 RESULTS = Path("results") / "stability_map"
@@ -104,15 +104,15 @@ def main(quick: bool = False) -> dict[str, Any]:
         "not_good": bad,
     }
     write_summary(RESULTS, result)
+    write_table(RESULTS, table(maps, verdicts), quick)
     draw(maps, verdicts)
     print(table(maps, verdicts))
     for row in bad:
         print(f"{row['map']} {row['cell']}: {row['class']}, {row['reason']}")
     good = counts["within_error"] + counts["refused"]
-    where = ", ".join(f"{key} {value}" for key, value in environment().items())
     print(
         f"{counts['cells']} cells, {100 * good / counts['cells']:.1f} % within the stated error or "
-        f"refused; {where}; maps in {RESULTS}"
+        f"refused; {whence()}; maps in {RESULTS}"
     )
     return result
 

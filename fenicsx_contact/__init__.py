@@ -40,6 +40,7 @@ from .solids import (  # noqa: E402
     st_venant_kirchhoff,
 )
 from .solve.newton import Newton  # noqa: E402
+from .theory.energy_momentum import EnergyMomentum  # noqa: E402
 from .theory.formulations import (  # noqa: E402
     GAP,
     LAGRANGE,
@@ -83,6 +84,7 @@ __all__ = [
     "Discrete",
     "Driven",
     "ElasticSolid",
+    "EnergyMomentum",
     "Fall",
     "Gap",
     "GeneralisedAlpha",

@@ -79,15 +79,27 @@ def test_error_of_a_smooth_swing_is_proportional_to_the_tolerance():
     assert 0.8 < slope(tolerances, errors) < 1.2
 
 
-def test_error_over_impacts_is_proportional_to_the_tolerance():
+@pytest.fixture(scope="module")
+def over_impacts():
+    """Tolerances, errors and numbers of rows of a block that rocks through three impacts."""
     exact = rocking(BLOCK, 0.1, impacts=3)
     until = exact.impact_times[-1] * 1.01
     tolerances = [1e-3, 1e-4, 1e-5]
     runs = [rock(0.1, until, until / 4, tolerance) for tolerance in tolerances]
-    errors = [maxima(history, exact) for history in runs]
+    return tolerances, [maxima(h, exact) for h in runs], [len(h) for h in runs]
+
+
+def test_error_over_impacts_is_proportional_to_the_tolerance(over_impacts):
+    tolerances, errors, rows = over_impacts
     assert 0.8 < slope(tolerances, errors) < 1.3
     assert errors[1] < 1e-3
-    assert slope([len(history) for history in runs], errors) < -1.7  # of second order or better
+    assert slope(rows, errors) < -1.7  # of second order or better
+
+
+@pytest.mark.open  # -2.31
+def test_error_over_impacts_is_of_second_order(over_impacts):
+    _, errors, rows = over_impacts
+    assert -2.3 < slope(rows, errors) < -1.7
 
 
 def test_ten_impacts():

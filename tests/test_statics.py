@@ -188,8 +188,9 @@ def test_strap_round_a_drum(law, start):
     the slip of some round and round."""
     case = solved(strap(start=start, law=law), law, force=0.01)
     drawn, pulled = case.scene.contacts[0].force.sum(axis=0)
-    # the load; a gap law sees round-off of places, 1e-16 m, times rho, 1e10 N/m
-    assert pulled == pytest.approx(case.forces["c"][1], rel=1e-7)
+    # a gap law sees round-off of places, 1e-16 m, times rho, 1e10 N/m
+    digits = {"velocity": 1e-8, "gap": 1e-7}[law]
+    assert pulled == pytest.approx(case.forces["c"][1], rel=digits)
     assert drawn / pulled == pytest.approx(np.exp(0.3 * np.pi / 2), rel=0.01)
 
 

@@ -19,6 +19,7 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.base import compat
 from fenicsx_contact.contact.surface import Surface
+from fenicsx_contact.solve.newton import NotConverged
 from fenicsx_contact.theory.laws import ball_projection
 
 FLOOR = HalfSpace((0, 0), (0, 1))
@@ -226,3 +227,34 @@ def test_a_hopeless_step_stops_with_a_reason():
     assert "stalls at a scaled residual" in history.reason and "steps down to" in history.reason
     assert np.isfinite(history.rows()).all()
     assert history.time[-1] > 0.04  # the free fall before it is kept
+
+
+def test_what_is_not_a_number_has_not_converged():
+    """An error of NaN is above no tolerance."""
+
+    class Endless:
+        size, worst = 1, np.nan
+
+        def iterate(self, enough=0.0):
+            return True
+
+        def error(self):
+            return np.inf  # as an error that is no number is told
+
+        def soften(self, compliance):
+            pass
+
+        def remember(self):
+            return np.zeros(1)
+
+        def flips(self):
+            return "nothing flips"
+
+        def stall(self):
+            return "no finite solution"
+
+        def force(self):
+            return np.full(1, np.nan)
+
+    with pytest.raises(NotConverged, match="no finite solution"):
+        Newton().solve(Endless())

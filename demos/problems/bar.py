@@ -11,6 +11,7 @@ import numpy as np
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
+    EnergyMomentum,
     HalfSpace,
     History,
     HyperelasticSolid,
@@ -58,6 +59,7 @@ def bar_at_wall(
     speed: float = 1 / 3,
     aspect: float = 1.0,
     hyperelastic: bool = False,
+    along_strain: bool = False,
     normal_augmentation: float = 1.0,
     allow_growth: bool = False,
 ) -> Problem:
@@ -75,6 +77,7 @@ def bar_at_wall(
         speed: of the bar over that of its waves.
         aspect: length over height of a cell.
         hyperelastic: neo-Hooke's law in place of Hooke's.
+        along_strain: the energy-momentum scheme in place of theta.
     """
     length, c = 10.0, 30.0
     height = length / cells / aspect
@@ -103,8 +106,9 @@ def bar_at_wall(
 
     nonlinear = 3 * speed if hyperelastic else 0.0
     dt = length / cells / c * cfl
+    scheme = EnergyMomentum() if along_strain else ThetaScheme(theta, forces)
     return Problem(
-        Scene([bar], [contact], ThetaScheme(theta, forces), allow_growth=allow_growth),
+        Scene([bar], [contact], scheme, allow_growth=allow_growth),
         until=1.5 * contact_time,
         dt=dt,
         error=lambda history: impulse_error(history, "wall", 0, exact, reaction * contact_time),

@@ -56,7 +56,7 @@ def sliding_rigid(
         error,
         bound=2 * share**2 + EXACT if stops else EXACT,
         probes={"x": lambda: float(block.place[0]) - start},
-        deepest=1e-6 + 1e-15 * speed * 1.2 * rest,  # by the last digits of the velocity
+        deepest=1e-6 + 1e-15 * way,  # what the last digit of the way is
     )
 
 

@@ -123,6 +123,13 @@ MAPS: list[Map] = [
         Axis("cfl", [0.1, 0.3, 1.0], CFL.label),
         Axis("speed", decades(-6, 0, 7), "speed / wave speed [-]"),
     ),
+    Map(
+        "bar_speed_along_strain",
+        "Neo-Hookean bar at a wall, velocity, energy-momentum",
+        partial(problems.bar_at_wall, cells=20, hyperelastic=True, along_strain=True),
+        Axis("cfl", [0.1, 0.3, 1.0], CFL.label),
+        Axis("speed", decades(-6, 0, 7), "speed / wave speed [-]"),
+    ),
     Map("squeezed_young_nu", "Square between planes", problems.squeezed, YOUNG, NU),
     Map("squeezed_aspect_nu", "Block between planes", problems.squeezed, ASPECT, NU),
     Map(

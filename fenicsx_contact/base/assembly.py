@@ -12,10 +12,12 @@ from dolfinx.fem import petsc
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from .compiling import compiled
+
 
 def assemble_petsc_matrix(form: Any) -> PETSc.Mat:
     """Assemble a form, compiled or not, into a new PETSc matrix."""
-    matrix = petsc.assemble_matrix(fem.form(form))
+    matrix = petsc.assemble_matrix(compiled(form))
     matrix.assemble()
     return matrix
 

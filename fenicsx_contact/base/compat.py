@@ -12,6 +12,8 @@ import ufl
 from dolfinx import fem, geometry
 from mpi4py import MPI
 
+from .compiling import compiled, quiet_compiler
+
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 MODERN = VERSION >= (0, 8)  # elements come from basix.ufl, wrappers hold a _cpp_object
 
@@ -74,8 +76,7 @@ def cell_geometry(mesh: Any) -> np.ndarray:
     """Geometry nodes of the local cells, (m, k)."""
     if VERSION >= (0, 11):
         return np.asarray(mesh.geometry.dofmaps[0])
-    dofmap = mesh.geometry.dofmap
-    return np.asarray(dofmap) if MODERN else _table(dofmap)
+    return np.asarray(mesh.geometry.dofmap) if MODERN else _table(mesh.geometry.dofmap)
 
 
 def num_local_cells(mesh: Any) -> int:
@@ -96,6 +97,7 @@ def given_nodes(mesh: Any) -> np.ndarray:
 # -- function spaces ----------------------------------------------------------------------------
 
 
+@quiet_compiler()
 def lagrange_space(mesh: Any, degree: int = 1, shape: tuple[int, ...] = ()) -> Any:
     """Continuous Lagrange space of scalars (``shape=()``) or vectors (``shape=(d,)``)."""
     if MODERN:
@@ -105,6 +107,7 @@ def lagrange_space(mesh: Any, degree: int = 1, shape: tuple[int, ...] = ()) -> A
     return fem.FunctionSpace(mesh, ("Lagrange", degree))
 
 
+@quiet_compiler()
 def component_space(mesh: Any, components: int) -> Any:
     """A mixed space of ``components`` scalar P1 fields (never blocked, so that any of them can
     stand in a native sparse matrix)."""
@@ -115,6 +118,7 @@ def component_space(mesh: Any, components: int) -> Any:
     return fem.FunctionSpace(mesh, ufl.MixedElement([scalar] * components))
 
 
+@quiet_compiler()
 def _cellwise(mesh: Any, dim: int = 0) -> Any:
     """Space of scalars, or vectors of ``dim`` components, that are constant in each cell."""
     if MODERN:
@@ -126,8 +130,7 @@ def _cellwise(mesh: Any, dim: int = 0) -> Any:
 
 def cell_dofs(space: Any) -> np.ndarray:
     """Dofs of the local cells, (m, k); of a sub-space: numbered in its parent."""
-    dofs = space.dofmap.list
-    return np.asarray(dofs) if MODERN else _table(dofs)
+    return np.asarray(space.dofmap.list) if MODERN else _table(space.dofmap.list)
 
 
 def _table(lists: Any) -> np.ndarray:
@@ -161,12 +164,9 @@ def nodal_facet_measures(mesh: Any, *parts: np.ndarray) -> list[ufl.Measure]:
     tags = dolfinx.mesh.meshtags(mesh, mesh.topology.dim - 1, facets[order], marks[order])
     rule: dict[str, Any] = {"quadrature_rule": "GLL", "quadrature_degree": 1}
     if cell_name(mesh) == "tetrahedron":
-        rule = {
-            "quadrature_rule": "custom",
-            "quadrature_degree": 1,
-            "quadrature_points": np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]),
-            "quadrature_weights": np.full(3, 1 / 6),
-        }
+        points = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+        rule |= {"quadrature_rule": "custom", "quadrature_points": points}
+        rule["quadrature_weights"] = np.full(3, 1 / 6)
     ds = ufl.Measure("ds", mesh, subdomain_data=tags, metadata=rule)
     return [ds(i + 1) for i in range(len(parts))]
 
@@ -175,7 +175,7 @@ class _Assembler:
     """A form, compiled once, with what an assembly of it needs."""
 
     def __init__(self, form: ufl.Form) -> None:
-        self._form = fem.form(form)
+        self._form = compiled(form)
         self._cpp = self._form._cpp_object if MODERN else self._form
         self.refresh_constants()
 
@@ -230,7 +230,8 @@ class PointExpression:
             points = points()  # a method before 0.10
         if not ufl.domain.extract_domains(expression):  # numbers know no mesh
             expression = fem.Constant(mesh, 1.0) * expression
-        self._expression = fem.Expression(expression, points)
+        with quiet_compiler():
+            self._expression = fem.Expression(expression, points)
         self._cells = np.arange(num_local_cells(mesh), dtype=np.int32)
         self._mesh = mesh
 
@@ -278,8 +279,7 @@ class PointValues:
         make = geometry.bb_tree if MODERN else geometry.BoundingBoxTree
         tree = make(mesh, mesh.topology.dim, padding=reach)
         collide = geometry.compute_collisions_points if MODERN else geometry.compute_collisions
-        near = collide(tree, self._points)
-        cells = geometry.compute_colliding_cells(mesh, near, self._points)
+        cells = geometry.compute_colliding_cells(mesh, collide(tree, self._points), self._points)
         found = [cells.links(i)[:1] for i in range(len(points))]
         if not all(map(len, found)):
             raise ValueError("points of the contact are outside of its mesh")
@@ -289,8 +289,8 @@ class PointValues:
 
     def __call__(self) -> np.ndarray:
         """The values now, (n,)."""
-        values = np.asarray(self._function.eval(self._points, self._cells))
-        return values.reshape(len(self._points), -1).squeeze(axis=1)
+        values = self._function.eval(self._points, self._cells)
+        return np.asarray(values).reshape(len(self._points), -1).squeeze(axis=1)
 
 
 def cell_constants(mesh: Any, values: np.ndarray) -> Any:

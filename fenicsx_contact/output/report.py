@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Summaries of computed figures: JSON with the versions and the machine they come from."""
+"""Summaries and tables of computed figures, with the date, versions and machine they come from."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import json
 import math
 import os
 import platform
+from datetime import datetime, timezone
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ import numpy as np
 
 
 def environment() -> dict[str, str]:
-    """Versions and machine."""
+    """Versions, machine and date."""
     import dolfinx
     from petsc4py import PETSc
 
@@ -30,7 +31,13 @@ def environment() -> dict[str, str]:
         "numpy": np.__version__,
         "python": platform.python_version(),
         "system": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
+        "date": datetime.now(timezone.utc).date().isoformat(),
     }
+
+
+def whence() -> str:
+    """The environment in a line."""
+    return ", ".join(f"{key} {value}" for key, value in environment().items())
 
 
 def write_summary(directory: Path, figures: dict[str, Any]) -> None:
@@ -41,6 +48,18 @@ def write_summary(directory: Path, figures: dict[str, Any]) -> None:
     directory.mkdir(parents=True, exist_ok=True)
     plain = _plain({**figures, "environment": environment()})
     (directory / "summary.json").write_text(json.dumps(plain, indent=1, allow_nan=False))
+
+
+def write_table(directory: Path, table: str, quick: bool = False) -> None:
+    """Write ``table.md``: a table in Markdown and, below it, whence it comes.
+
+    Args:
+        directory: the results of a demo, named like it.
+        table: its rows.
+        quick: whether it was made with ``--quick``.
+    """
+    command = f"./run demos/{directory.name}.py{' --quick' if quick else ''}"
+    (directory / "table.md").write_text(f"{table}\n\n`{command}`: {whence()}.\n")
 
 
 def _plain(value: Any) -> Any:

@@ -73,6 +73,8 @@ class DeformableSolid(BalancedSolid):
     distributed: tuple[str, ...] = ("displacement", "velocity", "momentum", "memory")
     #: Only contact holds it: its matrix is singular.
     floating = False
+    #: Its matrix is symmetric.
+    symmetric = True
     #: What a mesh in the plane may stand for.
     planes: tuple[str, ...] = ("strain",)
     plane: Whole

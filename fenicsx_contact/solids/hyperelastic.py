@@ -4,11 +4,12 @@
 Each linearisation is a Newton step of the solid; the scene's outer loop repeats it together with
 the contact until the momentum balance holds. The scheme says at which points of a step's way the
 internal forces are taken: at theta = 1/2 their mean conserves the energy, and the angular momentum
-to second order (the midpoint has it the other way round).
+to second order (the midpoint has it the other way round); the energy-momentum scheme keeps both.
 """
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from ..base import assembly, checks, compat
+from ..base.compiling import compiled
 from ..base.constants import MADE, ROUND_OFF
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
@@ -24,6 +26,7 @@ from .damping import StiffnessDamper
 from .deformable import DeformableSolid
 from .energies import Energy, in_space
 from .factor import Factorisation
+from .strain_way import StrainWay
 from .viscous import ViscousStress
 
 #: Cost: the share of the error that each correction by an old tangent may leave.
@@ -47,10 +50,12 @@ class HyperelasticSolid(DeformableSolid):
         if not callable(energy):
             raise checks.InputError(f"energy = {energy!r}: must be a function of F, in UFL")
         super().__init__(mesh, **{"name": "hyperelastic", **others})
+        self._energy = energy
         self._field = u = fem.Function(self.space)
         v, du = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
         F = in_space(ufl.Identity(self.dim) + ufl.grad(u))
-        dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 2 * self.degree})
+        degree = {"quadrature_degree": 2 * self.degree}
+        self._volume = dx = ufl.Measure("dx", domain=mesh.mesh, metadata=degree)
         density = energy(F)
         if getattr(density, "ufl_shape", None) != ():
             raise checks.InputError(f"energy = {energy!r}: must give a scalar of F, in UFL")
@@ -58,10 +63,10 @@ class HyperelasticSolid(DeformableSolid):
         residual = ufl.derivative(potential, u, v)
         self.parameters += f", energy {potential.signature()[:8]}"
         self._volume_ratio = compat.PointExpression(ufl.det(F), compat.lagrange_space(mesh.mesh))
-        self._potential_form = fem.form(potential)
-        self._force_form = fem.form(residual)
+        self._potential_form = compiled(potential)
+        self._force_form = compiled(residual)
         self._weight = fem.Constant(mesh.mesh, 1.0)
-        self._tangent_form = fem.form(self._weight * ufl.derivative(residual, u, du))
+        self._tangent_form = compiled(self._weight * ufl.derivative(residual, u, du))
         # force and energy are kept with the displacement that they belong to, that very array
         self._last = np.empty(0), np.empty(0)
         self._stored = np.empty(0), 0.0
@@ -106,9 +111,23 @@ class HyperelasticSolid(DeformableSolid):
 
     def _internal_forces(self, step: Step) -> np.ndarray:
         if self._last[0] is not self.trial_displacement:
-            force = step.mean_force(lambda share: self.internal_force(self._at(share)))
+            if step.along_strain:
+                force = self._strain_way.force(step, self.displacement, self.trial_displacement)
+                middle = step.linear_mean(self.displacement, self.trial_displacement)
+                force += sum(foundation.times(middle) for foundation in self.foundations)
+            else:
+                force = step.mean_force(lambda share: self.internal_force(self._at(share)))
             self._last = self.trial_displacement, force
         return self._last[1]
+
+    @cached_property
+    def _strain_way(self) -> StrainWay:
+        return StrainWay(self.vectors, self._energy, self._volume)
+
+    @property
+    def symmetric(self) -> bool:  # type: ignore[override]
+        """Whether the matrix of the step is."""
+        return not self._linearised[0].along_strain
 
     def _stored_energy(self, displacement: np.ndarray) -> float:
         self._set(displacement)
@@ -155,9 +174,14 @@ class HyperelasticSolid(DeformableSolid):
         (step, _), self._taken = self._linearised, self._way
         start, end = self._way
         self._tangent.zeroEntries()
-        for share, weight in step.scheme.force_points:
-            if share:
-                self._add_stiffness(share * end + (1 - share) * start, weight * share)
+        if step.along_strain:
+            self._strain_way.add_tangent(self._tangent, step, start, end)
+            for foundation in self.foundations:
+                foundation.add_to(self._tangent, step.scheme.linear_weights[1])
+        else:
+            for share, weight in step.scheme.force_points:
+                if share:
+                    self._add_stiffness(share * end + (1 - share) * start, weight * share)
         if self._factor is None:
             self._factor = Factorisation(self._tangent.copy(), self.name)
         matrix, structure = self._factor.matrix, PETSc.Mat.Structure

@@ -12,6 +12,7 @@ import ufl
 from dolfinx import fem
 
 from ..base import assembly, checks
+from ..base.compiling import compiled
 from .coefficients import Field, arguments, field, is_field, is_function
 from .vector_space import VectorSpace
 
@@ -103,7 +104,7 @@ class Loads:
         vectors, d = self._vectors, self._vectors.dim
         test, units = ufl.TestFunction(vectors.space), np.empty((d, vectors.owned))
         direction = fem.Constant(vectors.mesh.mesh, np.zeros(d))
-        form = fem.form(self._breadth * ufl.dot(direction, test) * measure)
+        form = compiled(self._breadth * ufl.dot(direction, test) * measure)
         for i, load in enumerate(units):
             direction.value[:] = np.eye(d)[i]
             assembly.assemble_owned(form, load)
@@ -111,7 +112,7 @@ class Loads:
             raise checks.InputError(f"{what}: none of these facets is on the boundary of the mesh")
         if _varies_in_space(what, value):
             given = field(what, value, vectors.mesh, (d,))
-            of = fem.form(self._breadth * ufl.dot(given.expression, test) * measure)
+            of = compiled(self._breadth * ufl.dot(given.expression, test) * measure)
             self._parts.append(_InSpace(what, given, of, vectors))
         else:
             self._parts.append(_Uniform(what, value, units))

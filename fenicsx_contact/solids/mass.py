@@ -14,6 +14,7 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from ..base import assembly
+from ..base.compiling import compiled
 from .coefficients import Scalar, constant, scalar
 from .mass_redistribution import move_mass_inwards
 from .vector_space import VectorSpace
@@ -62,7 +63,7 @@ class Mass:
         g, v = fem.Constant(self._vectors.mesh.mesh, acceleration), self._vectors.space
         load = np.zeros(self._vectors.owned)
         form = self._rho * ufl.dot(g, ufl.TestFunction(v)) * self._dx
-        assembly.assemble_owned(fem.form(form), load)
+        assembly.assemble_owned(compiled(form), load)
         return load
 
     def times(self, velocity: np.ndarray) -> np.ndarray:

@@ -10,6 +10,7 @@ import ufl
 from dolfinx import fem
 
 from ..base import assembly
+from ..base.compiling import compiled
 from ..base.mesh import NamedMesh
 
 
@@ -25,7 +26,7 @@ def moments(mesh: NamedMesh) -> tuple[float, np.ndarray, np.ndarray]:
     y = ufl.SpatialCoordinate(domain) - origin
     terms = [1, *(y[i] for i in range(d)), *(y[i] * y[j] for i, j in pairs)]
     dx = ufl.Measure("dx", domain=domain, metadata={"quadrature_degree": 3})
-    form = fem.form(sum(coefficients[k] * term for k, term in enumerate(terms)) * dx)
+    form = compiled(sum(coefficients[k] * term for k, term in enumerate(terms)) * dx)
 
     def integral(term: int) -> float:
         coefficients.value[:] = 0.0

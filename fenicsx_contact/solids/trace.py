@@ -28,6 +28,7 @@ class TracedSolid(Protocol):
         fixed_unknowns: those of the owned unknowns that are held.
         trial_displacement, trial_velocity: of the trial state, m and m/s.
         linearisation: counts the changes of the matrix A of the step.
+        symmetric: whether A is.
         factorisation: of A.
         free_load: b of ``A v+ = b + J' f``, N.
     """
@@ -38,6 +39,9 @@ class TracedSolid(Protocol):
     trial_velocity: np.ndarray
     floating: bool
     linearisation: int
+
+    @property
+    def symmetric(self) -> bool: ...
 
     @property
     def factorisation(self) -> Factorisation: ...
@@ -123,9 +127,9 @@ class DeformableTrace(MonolithicTrace):
 
     def free_jump(self) -> np.ndarray:
         solid, size = self._solid, self._spreading.shape[1]
-        if size > FEW:
+        if size > FEW or not solid.symmetric:
             return self._sum(self._operator @ solid.free_velocity())
-        # J A^-1 b = (A^-1 J')' b, for A is symmetric: no solve, and round-off like that of W
+        # J A^-1 b = (A^-1 J')' b where A is symmetric: no solve, and round-off like that of W
         self._solve_for(np.arange(size))
         held = self._held @ solid.trial_velocity
         return self._sum(self._columns.T @ solid.free_load + held)

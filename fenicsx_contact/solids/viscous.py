@@ -9,6 +9,7 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from ..base import assembly
+from ..base.compiling import compiled
 from ..theory.theta import Step
 from .energies import Energy, in_space
 from .vector_space import VectorSpace
@@ -40,8 +41,8 @@ class ViscousStress:
         v, dv = ufl.TestFunction(space), ufl.TrialFunction(space)
         second = ufl.derivative(ufl.derivative(at_rest, rest, v), rest, dv)
         weight = fem.Constant(vectors.mesh.mesh, time)
-        self._force_form = fem.form(weight * ufl.action(second, self._rate))
-        self._matrix_form = fem.form(weight * second)
+        self._force_form = compiled(weight * ufl.action(second, self._rate))
+        self._matrix_form = compiled(weight * second)
         self._matrix = assembly.assemble_petsc_matrix(self._matrix_form)
 
     def _place(self, step: Step, start: np.ndarray, end: np.ndarray) -> None:

@@ -83,7 +83,7 @@ class Newton:
         remark = system.flips()
         steps = method_of_multipliers(system, self.tolerance)
         remark += f"; method of multipliers took over, {steps} steps"
-        if system.worst > self.tolerance:
+        if not system.worst <= self.tolerance:  # NaN is not
             raise NotConverged(f"{system.stall()}; {remark}")
         return Solution(system.force(), iterations + steps, system.worst, [remark])
 

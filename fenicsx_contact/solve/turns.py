@@ -34,7 +34,8 @@ class Turns:
             self._settles = error < self._last and 2 * error > self._failed
             self._patience = Patience(error, gain=1.0)
         else:
-            if min(error, self._patience.best) < 1:
+            best = self._patience.best
+            if min(error, best) < 1 and not best <= error < self._last:  # on its way down
                 self._patience.see(error)
             if not self._patience.lasts:
                 self._settles, self._failed = True, self._patience.best

@@ -27,7 +27,9 @@ Points = Sequence[tuple[float, float]]
 class Scheme(Protocol):
     """A one-step scheme. Arrays are those of a solid's n unknowns; forces are means over a step.
 
-    A class of your own needs no base class. It must be comparable and have a ``repr`` that tells
+    A class of your own needs no base class. With an attribute ``along_strain`` that is True a
+    hyperelastic solid takes its stress as a mean over the way of its strain, see
+    :mod:`~.energy_momentum`. It must be comparable and have a ``repr`` that tells
     its parameters (a frozen dataclass is and has), for runs are resumed only with the same one.
     """
 
@@ -223,6 +225,12 @@ class Step:
         rest at its end."""
         weight = self.scheme.force_weight
         return 2 * min(weight, 1 - weight)
+
+    @property
+    def along_strain(self) -> bool:
+        """Whether stresses of nonlinear solids are means over the way of the strain, with the
+        ``force_points`` as places on it, in place of means over that of the displacement."""
+        return bool(getattr(self.scheme, "along_strain", False))
 
     @property
     def force_time(self) -> float:

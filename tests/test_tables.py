@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The README's tables are what the demos wrote."""
+
+import importlib.util
+import re
+from pathlib import Path
+
+DEMOS = Path(__file__).resolve().parent.parent / "demos"
+spec = importlib.util.spec_from_file_location("tables", DEMOS / "tables.py")
+tables = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(tables)
+
+
+def test_the_readme_shows_what_the_demos_wrote():
+    readme = tables.README.read_text()
+    assert tables.filled(readme) == readme
+    shown = {match[1] for match in tables.BLOCK.finditer(readme)}
+    assert shown == {file.stem for file in tables.TABLES.glob("*.md")}
+    assert {"rocking_block", "error_against_run_time", "stability_map"} <= shown
+
+
+def test_every_table_tells_whence_it_comes():
+    for file in tables.TABLES.glob("*.md"):
+        last = file.read_text().strip().splitlines()[-1]
+        assert last.startswith(f"`./run demos/{file.stem}.py`: ")
+        assert re.search(r"dolfinx \d.*system .*date \d{4}-\d\d-\d\d", last)
+
+
+def test_full_runs_are_taken_over_and_quick_ones_are_not(tmp_path, monkeypatch):
+    monkeypatch.setattr(tables, "TABLES", tmp_path / "tables")
+    monkeypatch.setattr(tables, "RESULTS", tmp_path / "results")
+    tables.TABLES.mkdir()
+    for name, command in (("full", "./run demos/full.py"), ("quick", "./run demos/x.py --quick")):
+        (tables.RESULTS / name).mkdir(parents=True)
+        (tables.RESULTS / name / "table.md").write_text(f"| 1 |\n\n`{command}`: here.\n")
+    assert tables.collect() == ["full"]
+    text = "a\n<!-- full -->\nold\n<!-- end -->\nb\n"
+    assert (
+        tables.filled(text)
+        == "a\n<!-- full -->\n| 1 |\n\n`./run demos/full.py`: here.\n<!-- end -->\nb\n"
+    )

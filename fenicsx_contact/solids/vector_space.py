@@ -102,7 +102,7 @@ class VectorSpace:
         return float(self.comm.allreduce(value)) if self.comm.size > 1 else float(value)
 
     @cached_property
-    def _numbers(self) -> np.ndarray:
+    def numbers(self) -> np.ndarray:
         """Of the owned unknowns among all, numbered as they come in the cells of the mesh as it was
         given, whatever the processes, (owned,)."""
         mesh, blocks = self.mesh.mesh, self.space.dofmap.index_map
@@ -120,7 +120,7 @@ class VectorSpace:
     def whole(self, values: np.ndarray) -> np.ndarray:
         """Values of all unknowns as the mesh was given, on the first process, from those of the
         owned unknowns, (..., owned)."""
-        parts = self.comm.gather((self._numbers, values))
+        parts = self.comm.gather((self.numbers, values))
         result = np.empty((*values.shape[:-1], self.unknowns if parts else 0))
         for numbers, some in parts or ():
             result[..., numbers] = some
@@ -128,7 +128,7 @@ class VectorSpace:
 
     def part(self, whole: np.ndarray) -> np.ndarray:
         """Values of the owned unknowns from those of all, (..., unknowns)."""
-        return np.ascontiguousarray(whole[..., self._numbers])
+        return np.ascontiguousarray(whole[..., self.numbers])
 
     def diagonal(self, matrix: PETSc.Mat) -> np.ndarray:
         """The diagonal of a matrix of the space, (owned,)."""

@@ -84,7 +84,7 @@ def draw_speeds(drops: dict[str, Drop]) -> None:
 
 def main(quick: bool = False) -> dict[str, Any]:
     """Everything; returns the summary that is also written."""
-    coarse, dt = (2e-3, 2e-3) if quick else (1e-3, 2e-4)
+    coarse, dt = (4e-3, 4e-3) if quick else (1e-3, 2e-4)
     value = calibrate(coarse, 2e-5 if quick else 2e-6)
     bent = Assumed(kinked=True, amplitude=value)
     forces = ForceMap()

@@ -98,7 +98,7 @@ def two_contacts():
 def test_runs_are_the_same(make, monkeypatch):
     histories = []
     for many in (10**9, 0):
-        monkeypatch.setattr(system, "MANY", many)
+        monkeypatch.setattr(system, "MANY", (many, many))
         history = make().run(0.025, 2e-4)
         assert history.finished and history["c.bearing"].max() > 1
         histories.append(history)

@@ -106,7 +106,7 @@ def test_states_of_fdnl100():
 
 def test_the_axial_budget_closes():
     """Recomputed from the course of the fall alone: (M - m_w) g z = kinetic + drag + added mass."""
-    drop = demo.drop(STRAIGHT, dt=2.5e-4, scheme=ThetaScheme(0.5))
+    drop = demo.drop(STRAIGHT, dt=1e-3, scheme=ThetaScheme(0.5))
     h, water, M = drop.history, GuideTubeWater(), drop.rod.mass
     t, z, v = h.time, h["travel"], h["speed"]
     drag = np.array([water.drag(x)[0] for x in z]) * v**3
@@ -168,7 +168,7 @@ def test_drop_in_smooth_and_kinked_tubes(smooth, kinked):
 def test_one_dof_law_fed_with_static_forces(case, smooth, kinked):
     """Lateral dynamics hardly matter: mu N(z) and the walls' push of a slow insertion give T5."""
     drop, a = {"smooth": (smooth, SMOOTH), "kinked": (kinked, KINKED)}[case]
-    slow = slowly.insertion(replace(a, friction=0.0))
+    slow = slowly.insertion(replace(a, friction=0.0), step=3e-3)
     assert slow.finished
     steps = slow["dt"] > 0  # in impacts the forces are percussions
     travel, normal, wall = (slow[name][steps] for name in ("travel", "normal", "wall"))

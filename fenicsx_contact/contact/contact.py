@@ -227,7 +227,8 @@ class Contact:
         where hardly anything presses."""
         status = self.equations.statuses()
         along = self.trial_jump - dot(self.trial_jump, self.normal)[:, None] * self.normal
-        status = np.where(np.linalg.norm(along, axis=1) <= resolution, status.clip(max=1), status)
+        still = np.linalg.norm(along, axis=1) <= resolution
+        status = np.where(still, np.minimum(status, 1.0), status)
         hardly = self.units(step)[0] * self.equations.weight * resolution
         return np.where(np.abs(dot(self.force, self.normal)) <= hardly, 0.0, status)
 

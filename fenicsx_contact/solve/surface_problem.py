@@ -27,8 +27,9 @@ from .yielding import COMPLIANCE, FIRM, Yielding
 #: Speeds below this share of those that the contact forces stand for are not resolved: where forces
 #: balance each other, as in a squeezed body, jumps are far smaller, down to round-off.
 SLOW = 1e-4
-#: Cost: above so many unknowns those of the points are condensed first.
-MANY = 60
+#: Cost: above so many unknowns those of the points are condensed first: where W is that of the last
+#: problem, for which factors are kept, and where it is new.
+MANY = 60, 250
 
 
 class _Place(NamedTuple):
@@ -59,6 +60,7 @@ class SurfaceSystem(Statuses):
         self._revision = -1
         self._solver = PointwiseSolver(COMPLIANCE)
         self._sizes = np.empty(0), np.empty(0)
+        self.W, self._nodal = np.empty((0, 0)), False
         self.worst = 0.0
         self._firm = COMPLIANCE if hyperstatic else FIRM
         self._compliance, self._centre = self._firm, np.empty(0)
@@ -74,6 +76,8 @@ class SurfaceSystem(Statuses):
 
     def begin(self, free: np.ndarray, compliance: np.ndarray) -> None:
         """Take up the free velocities (flat) and W of the active points, after `arrange`."""
+        new = compliance.shape != self.W.shape or not np.array_equal(compliance, self.W)
+        self._many = self._nodal and self.size > MANY[new]
         self.W, self.free = compliance, free
         self.worst = 0.0
         self._yielding.restart()
@@ -101,7 +105,7 @@ class SurfaceSystem(Statuses):
                 columns[place], rows[place] = part.scales()
             self._columns, self._rows = columns, rows
             nodal = all(part is part.equations for part in self.parts)
-            self._many = nodal and not self._hyperstatic and m > MANY
+            self._nodal = nodal and not self._hyperstatic
             self._scaling = np.empty(0)  # made where all unknowns are solved for together
 
     def _gather(self, arrays: Sequence[np.ndarray]) -> np.ndarray:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.constants import ROUND_OFF
 from ..theory.formulations import Formulation, StepData
 from ..theory.theta import Step
 from .equations import SurfaceEquations
@@ -43,10 +44,11 @@ class Candidates:
         """Take up what is near in the trial state."""
         self._equations.choose(self.allowed & self._asked & self._coupling.near())
 
-    def narrow(self, bore: np.ndarray, jump: np.ndarray, step: Step, noise: float) -> None:
-        """Ask only what bore, (n,) of bool, and what jumps (n, d) without contact, known to
-        ``noise``, m/s, may ask for."""
-        self._asked = bore | self._violate(jump, step, noise)
+    def narrow(self, bore: np.ndarray, free: np.ndarray, step: Step) -> None:
+        """Ask only what bore, (n,) of bool, and what velocities of the traces' points without
+        contact, flat, ask for; what falls alike meets or parts by round-off."""
+        noise = ROUND_OFF * float(np.abs(free).max(initial=0.0))
+        self._asked = bore | self._violate(self._coupling.to_jump(free), step, noise)
         self.choose()
 
     def widen(self, jump: np.ndarray, step: Step) -> bool:

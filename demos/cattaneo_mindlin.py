@@ -41,7 +41,7 @@ from fenicsx_contact import (
     Velocity,
     mesh_from_gmsh,
 )
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import write_summary, write_table
 from fenicsx_contact.references.hertz import LineContact, ShearedLine, effective_modulus
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
@@ -178,6 +178,14 @@ def main(quick: bool = False) -> dict[str, Any]:
         "velocity": velocity,
     }
     write_summary(RESULTS, summary)
+    rows = ["| elements, half width | stick, in elements | shear, L2 | pressure, L2 | Newton |"]
+    rows.append("|---|---|---|---|---|")
+    rows += [
+        f"| {k} | {r['stick_error_in_elements']:+.2f} | {r['shear_l2_error']:.1%} "
+        f"| {r['pressure_l2_error']:.1%} | {r['newton']} |"
+        for k, r in by_mesh.items()
+    ]
+    write_table(RESULTS, "\n".join(rows), quick)
     draw(contact)
     print(
         f"Q = {found['utilisation']:.3f} mu P, {n} elements: stuck half width within "

@@ -37,7 +37,7 @@ import numpy as np
 from problems.maps import MAPS
 
 from fenicsx_contact.output.report import whence, write_summary, write_table
-from fenicsx_contact.study import Map, Verdict, run_maps, summary
+from fenicsx_contact.study import CLASSES, Map, Verdict, run_maps, summary
 
 RESULTS = Path("results") / "stability_map"
 
@@ -87,6 +87,17 @@ def table(maps: list[Map], verdicts: dict[str, list[Verdict]]) -> str:
     return "\n".join(rows)
 
 
+def totals(result: dict[str, Any]) -> str:
+    """The counts of all maps, and the cells that are not good, as Markdown."""
+    rows = [f"| {result['cells']} cells in {len(result['maps'])} maps | |", "|---|---|"]
+    rows += [f"| {kind.replace('_', ' ')} | {result[kind]} |" for kind in CLASSES]
+    for bad in result["not_good"]:
+        cell = ", ".join(f"{key} = {value}" for key, value in bad["cell"].items())
+        reason = "" if bad["reason"] == "finished" else bad["reason"]
+        rows.append(f"| {bad['class']}: {bad['map']}, {cell} | {reason} |")
+    return "\n".join(rows)
+
+
 def main(quick: bool = False) -> dict[str, Any]:
     """Everything; returns the summary that is also written."""
     maps, verdicts = run(quick)
@@ -104,7 +115,7 @@ def main(quick: bool = False) -> dict[str, Any]:
         "not_good": bad,
     }
     write_summary(RESULTS, result)
-    write_table(RESULTS, table(maps, verdicts), quick)
+    write_table(RESULTS, totals(result), quick)
     draw(maps, verdicts)
     print(table(maps, verdicts))
     for row in bad:

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A solid that touches itself: two of its surfaces before each other."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from corpus_meshes import ring_mesh
+from mpi4py import MPI
+from scenes import check_energies, total_energy
+
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    HyperelasticSolid,
+    LevelSet,
+    QuasiStatic,
+    Scene,
+    name_facets,
+    neo_hookean,
+)
+from fenicsx_contact.base import compat
+
+R, THICK = 1.0, 0.08
+
+
+def ring(n=40, layers=0):
+    """Mesh of a ring, or of so many layers of it in space; its inner side in two halves."""
+    flat = ring_mesh(R, THICK, n).mesh
+    rim = R * np.cos(np.pi / n)
+
+    def outer(p):
+        return np.hypot(p[0], p[1]) > rim - THICK / 2
+
+    names = {
+        "top": lambda p: outer(p) & (p[1] > 0.95 * R),
+        "bottom": lambda p: outer(p) & (p[1] < -0.95 * R),
+        "above": lambda p: ~outer(p) & (p[1] > 0),
+        "below": lambda p: ~outer(p) & (p[1] < 0),
+    }
+    if not layers:
+        return name_facets(flat, names)
+    # in the plane of x and z, layers along y
+    deep, k, i = 0.1 * layers, np.arange(layers + 1), np.arange(n)
+    around = 2 * np.pi * i / n
+    at = [np.stack([r * np.sin(around), -r * np.cos(around)], axis=1) for r in (R - THICK, R)]
+    points = np.array([[p[0], 0.1 * j, p[1]] for j in k for pair in zip(*at) for p in pair])
+    ends = np.stack([2 * i, 2 * i + 1, 2 * ((i + 1) % n), 2 * ((i + 1) % n) + 1], axis=1)
+    cells = [np.hstack([ends + 2 * n * j, ends + 2 * n * (j + 1)]) for j in k[:-1]]
+    mesh = compat.create_mesh(MPI.COMM_SELF, np.concatenate(cells), points, "hexahedron")
+
+    def inside(name):
+        return lambda p: names[name](p[[0, 2]])
+
+    sides = {"front": lambda p: np.isclose(p[1], 0), "back": lambda p: np.isclose(p[1], deep)}
+    return name_facets(mesh, {**{name: inside(name) for name in names}, **sides})
+
+
+def squashed(mesh, solver="monolithic", friction=0.0, mirror=False, steps=30):
+    """A ring between two plates that come together: its last state and its history. With ``mirror``
+    it meets a plane half way between them in place of itself."""
+    d, way = mesh.dim, 2 * R - 2.2 * THICK
+    free = [0.0, *[None] * (d - 2)]
+    held = {"top": lambda t: [*free, -t], "bottom": [*free, 0.0]}
+    if d == 3:
+        held |= {"front": (None, 0.0, None), "back": (None, 0.0, None)}
+    body = HyperelasticSolid(mesh, energy=neo_hookean(1e3, 0.3), density=1.0, prescribed=held)
+    planes = {
+        "above": LevelSet(lambda x, t: x[d - 1] + t / 2, d),
+        "below": LevelSet(lambda x, t: -x[d - 1] - t / 2, d),
+    }
+    others = planes if mirror else {"above": (body, "below")}
+    contacts = [
+        Contact(body, side, other, "gap", friction=friction, name=side)
+        for side, other in others.items()
+    ]
+    scene = Scene([body], contacts, QuasiStatic(), geometry="newton", solver=solver)
+    history = scene.run(way, way / steps, progress=False)
+    assert history.finished, history.reason
+    return body, contacts, history
+
+
+@pytest.mark.parametrize("solver", ["condensed", "monolithic", "iterative"])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_a_squashed_ring_touches_itself(solver, friction):
+    """Every solver comes to the same; what is alike does not slip, and friction changes little."""
+    _, _, history = squashed(ring(), solver, friction)
+    assert history["above.bearing"][-1] >= 3 and history["above.bearing"][5] == 0
+    assert history["above.penetration"].max() < 1e-9
+    pressed = history["above.force_y"][-1]
+    assert abs(history["above.force_x"][-1]) < 1e-6 * pressed
+    _, _, expected = plain(friction)
+    assert pressed == pytest.approx(expected["above.force_y"][-1], rel=1e-6)
+
+
+@cache
+def plain(friction):
+    return squashed(ring(), friction=friction)
+
+
+def test_as_it_would_touch_a_plane_between_its_halves():
+    """The mortar means of one half make it differ by the square of the size of the elements."""
+    errors = []
+    for n in (80, 160):
+        (body, _, history), (other, _, plane) = squashed(ring(n)), squashed(ring(n), mirror=True)
+        pressed = plane["above.force_y"][-1]
+        assert pressed == pytest.approx(-plane["below.force_y"][-1], rel=1e-6)
+        errors.append(abs(history["above.force_y"][-1] / pressed - 1))
+    assert errors[0] < 0.05 and errors[1] < errors[0] / 3
+    assert np.abs(body.displacement - other.displacement).max() < 0.01 * R
+
+
+def test_in_space_it_is_the_same():
+    (flat, _, plane), (deep, _, space) = squashed(ring()), squashed(ring(layers=1))
+    assert space["above.force_z"][-1] == pytest.approx(0.1 * plane["above.force_y"][-1], rel=1e-3)
+    assert np.abs(deep.displacement).max() == pytest.approx(
+        np.abs(flat.displacement).max(), rel=1e-5
+    )
+
+
+def fork():
+    """Two arms of three cells each, joined at their left end; a slit of 5 mm between them."""
+    cells, points = [], {}
+
+    def corner(i, y):
+        return points.setdefault((0.1 * i, y), len(points))
+
+    for y, h, columns in ((0.0, 0.02, 4), (0.02, 0.005, 1), (0.025, 0.02, 4)):
+        for i in range(columns):
+            cells.append([corner(i + a, y + b * h) for b in (0, 1) for a in (0, 1)])
+    mesh = compat.create_mesh(
+        MPI.COMM_SELF, np.array(cells), np.array(list(points)), "quadrilateral"
+    )
+    arm = lambda y: lambda x: np.isclose(x[1], y) & (x[0] > 0.101)  # noqa: E731
+    return name_facets(
+        mesh, {"upper": arm(0.025), "lower": arm(0.02), "end": lambda x: np.isclose(x[0], 0)}
+    )
+
+
+@pytest.mark.parametrize(
+    ("law", "locate"), [("velocity", False), ("velocity", True), ("gap", False)]
+)
+def test_the_arms_of_a_fork_clap(law, locate):
+    """Linear, condensed: what the arms do to each other goes through the one matrix of the solid.
+    They meet in the middle, alike; nothing is gained, and momentum across stays none."""
+    fast = lambda x: np.stack([0 * x[0], np.where(x[1] > 0.0225, -1.0, 1.0) * x[0] ** 2 * 8])  # noqa: E731
+    solid = ElasticSolid(
+        fork(), youngs_modulus=1e8, poisson_ratio=0.3, density=1000.0, fixed=["end"], velocity=fast
+    )
+    contact = Contact(solid, "upper", (solid, "lower"), law, name="slit")
+    history = Scene([solid], [contact], locate_impacts=locate).run(0.03, 2e-4)
+    assert history.finished, history.reason
+    assert history["slit.bearing"].max() >= 1 and history["slit.force_y"].max() > 0
+    # arms that turn give and take a little, as two solids do
+    total = total_energy(history)
+    check_energies(history, 1e-9, slack=2e-4 * total[0])
+    assert history["impact"][-1] < -0.1 * total[0] and total.max() < (1 + 1e-4) * total[0]
+    u = solid.displacement.reshape(-1, 2)
+    x = solid.space.tabulate_dof_coordinates()[:, :2].round(9)
+    order = np.lexsort((x[:, 0], x[:, 1])), np.lexsort((x[:, 0], -x[:, 1]))
+    mirror = u[order[0]] * [1, -1]
+    np.testing.assert_allclose(u[order[1]], mirror, rtol=0, atol=0.01 * np.abs(u).max())
+    assert history["slit.penetration"].max() < (1e-9 if law == "gap" else 5e-4)

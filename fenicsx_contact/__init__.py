@@ -5,6 +5,10 @@ from .base.environment import require_dolfinx
 
 require_dolfinx()
 
+from .base.processes import end_together  # noqa: E402
+
+end_together()
+
 from .base.checks import InputError  # noqa: E402
 from .base.mesh import NamedMesh, mesh_from_gmsh, name_facets, name_points  # noqa: E402
 from .base.mesh_files import mesh_from_file  # noqa: E402

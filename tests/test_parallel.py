@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Two processes give the numbers of one."""
+"""Several processes give the numbers of one."""
 
 from __future__ import annotations
 
@@ -72,9 +72,13 @@ def finish(process: subprocess.Popen, directory: Path) -> History:
     return read_history(directory)
 
 
-@pytest.mark.parametrize("name", RUNS)
-def test_two_processes_give_the_numbers_of_one(name, tmp_path):
-    one, two = (finish(start(name, n, tmp_path / str(n)), tmp_path / str(n)) for n in (1, 2))
+@pytest.mark.parametrize(
+    ("name", "processes"),
+    [*((name, 2) for name in RUNS), ("light_footed_block", 3), ("two_blocks", 4)],
+)
+def test_several_processes_give_the_numbers_of_one(name, processes, tmp_path):
+    counts = 1, processes
+    one, two = (finish(start(name, n, tmp_path / str(n)), tmp_path / str(n)) for n in counts)
     assert one.columns == two.columns and len(one) == len(two)
     assert one["c.bearing"].max() > 0
     energy = max(one["kinetic"].max(), one["strain"].max())

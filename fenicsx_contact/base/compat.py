@@ -76,13 +76,22 @@ def cell_geometry(mesh: Any) -> np.ndarray:
     """Geometry nodes of the local cells, (m, k)."""
     if VERSION >= (0, 11):
         return np.asarray(mesh.geometry.dofmaps[0])
-    dofmap = mesh.geometry.dofmap
-    return np.asarray(dofmap) if MODERN else _table(dofmap)
+    return np.asarray(mesh.geometry.dofmap) if MODERN else _table(mesh.geometry.dofmap)
 
 
 def num_local_cells(mesh: Any) -> int:
     """Number of cells this process owns."""
     return mesh.topology.index_map(mesh.topology.dim).size_local
+
+
+def given_cells(mesh: Any) -> np.ndarray:
+    """Numbers of the owned cells in the mesh as it was given, the same on any processes, (m,)."""
+    return np.asarray(mesh.topology.original_cell_index, dtype=np.int64)[: num_local_cells(mesh)]
+
+
+def given_nodes(mesh: Any) -> np.ndarray:
+    """Numbers of the local geometry nodes in the mesh as it was given, (n,)."""
+    return np.asarray(mesh.geometry.input_global_indices, dtype=np.int64)
 
 
 # -- function spaces ----------------------------------------------------------------------------
@@ -92,8 +101,7 @@ def num_local_cells(mesh: Any) -> int:
 def lagrange_space(mesh: Any, degree: int = 1, shape: tuple[int, ...] = ()) -> Any:
     """Continuous Lagrange space of scalars (``shape=()``) or vectors (``shape=(d,)``)."""
     if MODERN:
-        element = basix.ufl.element("Lagrange", mesh.basix_cell(), degree, shape=shape)
-        return fem.functionspace(mesh, element)
+        return fem.functionspace(mesh, ("Lagrange", degree, shape))
     if shape:
         return fem.VectorFunctionSpace(mesh, ("Lagrange", degree), dim=shape[0])
     return fem.FunctionSpace(mesh, ("Lagrange", degree))
@@ -122,8 +130,7 @@ def _cellwise(mesh: Any, dim: int = 0) -> Any:
 
 def cell_dofs(space: Any) -> np.ndarray:
     """Dofs of the local cells, (m, k); of a sub-space: numbered in its parent."""
-    dofs = space.dofmap.list
-    return np.asarray(dofs) if MODERN else _table(dofs)
+    return np.asarray(space.dofmap.list) if MODERN else _table(space.dofmap.list)
 
 
 def _table(lists: Any) -> np.ndarray:
@@ -157,12 +164,9 @@ def nodal_facet_measures(mesh: Any, *parts: np.ndarray) -> list[ufl.Measure]:
     tags = dolfinx.mesh.meshtags(mesh, mesh.topology.dim - 1, facets[order], marks[order])
     rule: dict[str, Any] = {"quadrature_rule": "GLL", "quadrature_degree": 1}
     if cell_name(mesh) == "tetrahedron":
-        rule = {
-            "quadrature_rule": "custom",
-            "quadrature_degree": 1,
-            "quadrature_points": np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]),
-            "quadrature_weights": np.full(3, 1 / 6),
-        }
+        points = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+        rule |= {"quadrature_rule": "custom", "quadrature_points": points}
+        rule["quadrature_weights"] = np.full(3, 1 / 6)
     ds = ufl.Measure("ds", mesh, subdomain_data=tags, metadata=rule)
     return [ds(i + 1) for i in range(len(parts))]
 
@@ -233,10 +237,8 @@ class PointExpression:
 
     def __call__(self) -> np.ndarray:
         """Values, (cells, vertices x components)."""
-        if MODERN:
-            values = self._expression.eval(self._mesh, self._cells)
-        else:
-            values = self._expression.eval(self._cells)
+        mesh = (self._mesh,) if MODERN else ()
+        values = self._expression.eval(*mesh, self._cells)
         return np.asarray(values).reshape(len(self._cells), -1)
 
 
@@ -277,8 +279,7 @@ class PointValues:
         make = geometry.bb_tree if MODERN else geometry.BoundingBoxTree
         tree = make(mesh, mesh.topology.dim, padding=reach)
         collide = geometry.compute_collisions_points if MODERN else geometry.compute_collisions
-        near = collide(tree, self._points)
-        cells = geometry.compute_colliding_cells(mesh, near, self._points)
+        cells = geometry.compute_colliding_cells(mesh, collide(tree, self._points), self._points)
         found = [cells.links(i)[:1] for i in range(len(points))]
         if not all(map(len, found)):
             raise ValueError("points of the contact are outside of its mesh")
@@ -288,13 +289,12 @@ class PointValues:
 
     def __call__(self) -> np.ndarray:
         """The values now, (n,)."""
-        values = np.asarray(self._function.eval(self._points, self._cells))
-        return values.reshape(len(self._points), -1).squeeze(axis=1)
+        values = self._function.eval(self._points, self._cells)
+        return np.asarray(values).reshape(len(self._points), -1).squeeze(axis=1)
 
 
 def cell_constants(mesh: Any, values: np.ndarray) -> Any:
     """A coefficient that is constant in each cell, from values (cells,) (one process)."""
-    space = _cellwise(mesh)
-    function = fem.Function(space)
-    function.x.array[cell_dofs(space).ravel()] = values
+    function = fem.Function(_cellwise(mesh))
+    function.x.array[cell_dofs(function.function_space).ravel()] = values
     return function

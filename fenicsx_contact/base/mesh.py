@@ -91,19 +91,21 @@ class NamedMesh:
         return facets
 
     def boundary(self, name: str) -> tuple[np.ndarray, np.ndarray, str]:
-        """The named facets, whole on every process: points (n, d), cells (m, k), cell name."""
+        """The named facets, whole on every process and in the same order on any number of them:
+        points (n, d), cells (m, k), cell name."""
         mesh, comm = self.mesh, self.mesh.comm
         facets = self.facets(name)
         owned = mesh.topology.index_map(mesh.topology.dim - 1).size_local
         cell = _FACET_CELL[compat.cell_name(mesh)]
         corners = {"interval": 2, "triangle": 3, "quadrilateral": 4}[cell]
         nodes = compat.facet_geometry(mesh, facets[facets < owned])[:, :corners]
-        ids = mesh.geometry.index_map().local_to_global(np.ascontiguousarray(nodes.ravel()))
+        ids = compat.given_nodes(mesh)[nodes.ravel()]
         x = mesh.geometry.x[nodes.ravel(), : self.dim]
         all_ids = np.concatenate(comm.allgather(np.asarray(ids)))
         all_x = np.concatenate(comm.allgather(x))
         _, first, cells = np.unique(all_ids, return_index=True, return_inverse=True)
-        return all_x[first], cells.reshape(-1, corners), cell
+        cells = cells.reshape(-1, corners)
+        return all_x[first], cells[np.lexsort(np.sort(cells).T)], cell
 
     def behind(self, name: str) -> np.ndarray:
         """For each named facet its midpoint and that of the cell behind it, (m, 2, d), whole on

@@ -119,7 +119,7 @@ def _tagged(mesh: Any, named: dict[str, np.ndarray]) -> NamedMesh:
     mesh.topology.create_entities(fdim)
     index_map = mesh.topology.index_map(fdim)
     local = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
-    numbers = np.asarray(mesh.geometry.input_global_indices, dtype=np.int64)
+    numbers = compat.given_nodes(mesh)
     vertices = np.sort(numbers[compat.facet_geometry(mesh, local)], axis=1)
     names: dict[str, int] = {}
     tag = np.zeros(len(local), dtype=np.int32)

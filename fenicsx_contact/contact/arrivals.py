@@ -24,6 +24,26 @@ def arrival(contact: Contact) -> tuple[float, float, float]:
     return float(gap[deepest]), rate, float(contact.gap[deepest])
 
 
+def missed(contact: Contact, closing: bool) -> str:
+    """Why a step is too long for the contact to see what its points meet, in the trial state of it,
+    or nothing: a free point goes through the other side and out again, or one is farther within
+    than the surface is large; if none may close (not ``closing``), one that may bear."""
+    if contact.coupling.encloses:
+        return ""
+    gaps = contact.coupling.gaps()
+    asked = contact.chosen & (contact.status == 0)
+    deepest = contact.coupling.deepest(asked, contact.gap, gaps)
+    through = asked & (deepest > np.maximum(gaps, 0.0) + contact.tolerance)
+    if through.any():
+        free = (contact.equations.statuses() == 0) & ~contact.touching()
+        if (through & free).any():
+            return f"a point of contact {contact.name!r} goes through what it meets"
+    asked = contact.chosen & (closing | contact.candidates.allowed)
+    if (gaps > np.maximum(contact.gap, contact.surface.extent))[asked].any():
+        return f"contact {contact.name!r} goes deeper than its surface is large"
+    return ""
+
+
 def depth(contact: Contact) -> float:
     """Gap [m] in the trial state of the deepest point that was open at the start of the step."""
     opened = contact.chosen & ~contact.touching()

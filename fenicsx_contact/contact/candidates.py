@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.constants import ROUND_OFF
 from ..theory.formulations import Formulation, StepData
 from ..theory.theta import Step
 from .equations import SurfaceEquations
@@ -43,9 +44,11 @@ class Candidates:
         """Take up what is near in the trial state."""
         self._equations.choose(self.allowed & self._asked & self._coupling.near())
 
-    def narrow(self, bore: np.ndarray, jump: np.ndarray, step: Step) -> None:
-        """Ask only what bore, (n,) of bool, and what jumps (n, d) without contact ask for."""
-        self._asked = bore | self._violate(jump, step)
+    def narrow(self, bore: np.ndarray, free: np.ndarray, step: Step) -> None:
+        """Ask only what bore, (n,) of bool, and what velocities of the traces' points without
+        contact, flat, ask for; what falls alike meets or parts by round-off."""
+        noise = ROUND_OFF * float(np.abs(free).max(initial=0.0))
+        self._asked = bore | self._violate(self._coupling.to_jump(free), step, noise)
         self.choose()
 
     def widen(self, jump: np.ndarray, step: Step) -> bool:
@@ -71,10 +74,10 @@ class Candidates:
             )
         )
 
-    def _violate(self, jump: np.ndarray, step: Step) -> np.ndarray:
-        """Points whose jump (n, d) is more than the law allows, (n,) of bool."""
+    def _violate(self, jump: np.ndarray, step: Step, noise: float = 0.0) -> np.ndarray:
+        """Points whose jump (n, d) is more than the law allows less ``noise``, (n,) of bool."""
         k, limit = self._equations.fields, self.limit(step)
-        approach = dot(jump, k.normal.x.array.reshape(jump.shape))
+        approach = dot(jump, k.normal.x.array.reshape(jump.shape)) + noise
         if limit is None:  # springs know no limit, but what they do not touch
             limit = -k.gap.x.array / step.gap_rate if step.gap_rate else np.inf * approach
             return (approach > limit) | (self._gap > 0)

@@ -147,7 +147,7 @@ class Contact:
         contact, from the free velocities of the traces' points, flat: no others bear, unless
         :meth:`grow` finds that the contact made them."""
         bore = (self.status > 0) | self.equations.fields.held
-        self.candidates.narrow(bore, self.coupling.to_jump(free), step)
+        self.candidates.narrow(bore, free, step)
         if self._paired:  # its operators are those of the candidates
             self.coupling.linearise(step, False, self.formulation.gap_share)
 

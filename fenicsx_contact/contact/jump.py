@@ -17,6 +17,7 @@ from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .mortar import Pairing, Side
 from .mortar.matrices import by_component, square
+from .mortar.passing import passed
 from .pair_equations import PairedEquations
 from .part import Part
 from .surface import Surface
@@ -30,6 +31,7 @@ class Coupling(ABC):
         part: the equations, in the velocities of the traces' points.
         fixed_normal: whether the normals never change.
         driven: whether the other side moves as it is told.
+        encloses: whether it is around the slave, which then passes through nothing.
         time: of the trial state, s.
         recess: how far the surface has worn back, (n,) in m, or 0.
     """
@@ -39,6 +41,7 @@ class Coupling(ABC):
     part: Part
     fixed_normal: bool
     driven = False
+    encloses = False
     time = 0.0
     recess: np.ndarray | float = 0.0
 
@@ -57,6 +60,12 @@ class Coupling(ABC):
     @abstractmethod
     def _depths(self) -> np.ndarray:
         """Those of a surface without wear."""
+
+    def deepest(self, asked: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """The largest gap of the points that are ``asked``, (n,) of bool, on their ways from the
+        start of the step to the followed state, as far as that can be told, from the gaps at both,
+        (n,) in m."""
+        return end
 
     @abstractmethod
     def normals(self) -> np.ndarray:
@@ -181,6 +190,24 @@ class MortarJump(Coupling):
 
     def _depths(self) -> np.ndarray:
         return self.pairing.gap
+
+    def deepest(self, asked: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+        # nobody knows how deep a point was that went through and has no partner now
+        pair = self.pairing
+        alone = asked & ~pair.paired
+        lost = np.flatnonzero(alone)
+        if not len(lost):
+            return end
+        last = len(pair.slave.nodes)
+        mine = self._start[:last], pair.places[:last]
+        theirs = self._start[last:], pair.places[last:]
+        facets = np.arange(len(pair.master.cells))
+        into = passed((mine[0][lost], mine[1][lost]), pair.master, theirs, facets)
+        facets = np.flatnonzero(alone[pair.slave.corners].any(axis=1))
+        out = passed(theirs, pair.slave, mine, facets)
+        through = np.zeros(self._n, dtype=bool)
+        through[lost[into[:, 0]]] = through[pair.slave.corners[out[:, 1]]] = True
+        return np.where(through & alone, np.inf, end)
 
     def normals(self) -> np.ndarray:
         return self.pairing.normal

@@ -12,6 +12,7 @@ from ..solids import Solid, Trace
 from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .jump import Coupling
+from .surface import dot
 from .wall import Obstacle, Wall
 
 
@@ -76,8 +77,9 @@ class NodalJump(Coupling):
 
     def accept(self) -> None:
         super().accept()
-        if self.driven:
+        if self.driven or not self.fixed_normal:
             self._start_positions = self.positions()
+        if self.driven:
             self._before = self._end if self._step else self._before
 
     def _depths(self) -> np.ndarray:
@@ -132,6 +134,35 @@ class NodalJump(Coupling):
 
     def near(self) -> np.ndarray:
         return np.ones(self._shape[0], dtype=bool)
+
+    def deepest(self, asked: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+        if self.fixed_normal:
+            return end
+        last, wall, time = self.positions(), self.wall, self.time
+        way = last - self._start_positions
+        if self._step:  # as seen from a wall that moves
+            way = way - self._step.dt * self.carried(self._step)
+        # what moves less than it was and is away goes through nothing
+        asked = asked & (np.linalg.norm(way, axis=1) > -np.minimum(start, end))
+        if not asked.any():
+            return end
+
+        # the gap is largest where the point, which came nearer, begins to leave
+        def place(share: np.ndarray) -> np.ndarray:
+            return last - (1 - share)[:, None] * way
+
+        def leaves(share: np.ndarray) -> np.ndarray:
+            return dot(wall.normals(place(share), time), way) > 0
+
+        near, far = np.zeros(len(end)), np.ones(len(end))
+        turns = asked & ~leaves(near) & leaves(far)
+        if not turns.any():
+            return end
+        for _ in range(np.finfo(float).nmant // 2):  # there gaps hardly change
+            middle = 0.5 * (near + far)
+            back = leaves(middle)
+            near, far = np.where(back, near, middle), np.where(back, middle, far)
+        return np.where(turns, -wall.distance(place(near), time) - self.recess, end)
 
     def mobility(self) -> np.ndarray:
         return self.traces[0].mobility().reshape(self._shape)

@@ -30,7 +30,8 @@ def nonlinearity(contact: Contact, step: Step) -> tuple[float, float, float]:
 
 def violation(contact: Contact, step: Step) -> float:
     """By how much the rows of the candidates fail with the jumps and gaps of the trial state,
-    in shares of the speeds of the step and of the forces that stop them."""
+    in shares of the speeds of the step and of the forces that stop them. What meets nothing there
+    bears nothing."""
     e, k, share = contact.equations, contact.equations.fields, contact.formulation.gap_share
     if not len(e.candidates):
         return 0.0
@@ -44,8 +45,10 @@ def violation(contact: Contact, step: Step) -> float:
     n = len(e.active_jumps)
     rows = e.active_residual()[n:] * e.scales()[1][n:]
     e.values, k.gap.x.array[:] = before, gap
-    pushed = contact.push(-e.residual()[e.active_jumps], step)
-    return float(np.abs(rows).max(initial=0.0)) * e.speed / max(e.speed, pushed)
+    force = e.residual()[e.active_jumps].reshape(len(e.candidates), -1)
+    pushed = contact.push(force, step)
+    lost = contact.push(force[~contact.coupling.near()[e.candidates]], step)
+    return max(float(np.abs(rows).max(initial=0.0)) * e.speed, lost) / max(e.speed, pushed)
 
 
 def trial_work(contact: Contact, step: Step) -> tuple[float, float]:

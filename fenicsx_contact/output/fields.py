@@ -13,12 +13,13 @@ from xml.sax.saxutils import quoteattr
 import meshio
 import numpy as np
 
-from ..base import compat
+from ..base import checks, compat
 from ..base.mesh import FRAME
 from ..base.mesh_files import TO_MESHIO
+from ..base.processes import on_first
 from ..contact.contact import Contact
 from ..solids import Solid
-from .storage import replace_file
+from .storage import NotWritten, replace_file, writing
 
 #: VTK's order with the other orientation.
 _REVERSED = {
@@ -68,35 +69,44 @@ class FieldWriter:
         self._path = directory / "fields"
         self._path.mkdir(parents=True, exist_ok=True)
         # a process without cells of a solid writes nothing of it
-        self._parts = {}
+        self._parts: dict[str, list[int]] = {contact.name: [0] for contact in contacts}
         for solid in solids:
             cells = self._comm.allgather(compat.num_local_cells(solid.mesh.mesh))
             self._parts[solid.name] = [rank for rank, n in enumerate(cells) if n]
-        self._times: list[float] = []
+        # the times, and who wrote what: a resumed run may have other processes
+        self._times: list[tuple[float, dict[str, list[int]]]] = []
+        self._failure = ""
         self._index = self._path / "times.json"
-        if resumed is not None and self._index.is_file():
-            kept = json.loads(self._index.read_text())
-            self._times = [t for t in kept if t <= resumed]
+        if resumed is not None and on_first(self._comm, self._index.is_file):
+            kept = on_first(self._comm, self._kept)
+            self._times = [(time, parts) for time, parts in kept if time <= resumed]
         else:
             self.write(time)
 
+    def _kept(self) -> Any:
+        try:
+            kept = json.loads(self._index.read_text())
+            return [(float(time), dict(parts)) for time, parts in kept]
+        except (OSError, ValueError, TypeError) as failure:
+            raise checks.InputError(f"{self._index} cannot be read ({failure})") from None
+
     def write(self, time: float) -> None:
-        """Write the present state."""
+        """Write the present state.
+
+        Raises:
+            NotWritten: on every process, a full disk of one, for one.
+        """
         number = len(self._times)
-        self._times.append(time)
+        self._times.append((time, self._parts))
         for solid in self._solids:
             x, fields = solid.mesh.mesh.geometry.x, solid.fields()  # asks every process
             if self._comm.rank in self._parts[solid.name]:
                 self._write(solid.name, number, x, vtk_cells(solid.mesh.mesh), fields)
         for contact in self._contacts:
             self._write_contact(contact, number)
-        if self._comm.rank == 0:
-            replace_file(self._index, json.dumps(self._times).encode())
-            for solid in self._solids:
-                self._collect(solid.name, self._parts[solid.name])
-            for contact in self._contacts:
-                self._collect(contact.name, [0])
-        self._comm.barrier()
+        for failure in filter(None, self._comm.allgather(self._failure)):
+            raise NotWritten(failure)
+        on_first(self._comm, self._collect)
 
     def _write_contact(self, contact: Contact, number: int) -> None:
         surface = contact.surface
@@ -119,24 +129,31 @@ class FieldWriter:
     ) -> None:
         padded = {k: _three(v) if v.ndim == 2 else v for k, v in data.items()}
         mesh = meshio.Mesh(_three(points), cells, point_data=padded)
-        mesh.write(self._path / self._file(name, number, self._comm.rank), file_format="vtu")
+        path = self._path / self._file(name, number, self._comm.rank)
+        try:
+            with writing(path):
+                mesh.write(path, file_format="vtu")
+        except NotWritten as failure:  # told when no process waits for this one
+            self._failure = self._failure or str(failure)
 
     @staticmethod
     def _file(name: str, number: int, rank: int) -> str:
         return f"{name}_{number:06d}_{rank}.vtu"
 
-    def _collect(self, name: str, parts: Sequence[int]) -> None:
-        lines = [
-            '<?xml version="1.0"?>',
-            '<VTKFile type="Collection" version="0.1">',
-            "<Collection>",
-        ]
-        for number, time in enumerate(self._times):
-            for part in parts:
-                file = self._file(name, number, part)
-                lines.append(f'<DataSet timestep="{time!r}" part="{part}" file={quoteattr(file)}/>')
-        lines += ["</Collection>", "</VTKFile>", ""]
-        replace_file(self._path / f"{name}.pvd", "\n".join(lines).encode())
+    def _collect(self) -> None:
+        replace_file(self._index, json.dumps(self._times).encode())
+        for name in self._parts:
+            lines = [
+                '<?xml version="1.0"?>',
+                '<VTKFile type="Collection" version="0.1">',
+                "<Collection>",
+            ]
+            for number, (time, parts) in enumerate(self._times):
+                for part in parts[name]:
+                    file = quoteattr(self._file(name, number, part))
+                    lines.append(f'<DataSet timestep="{time!r}" part="{part}" file={file}/>')
+            lines += ["</Collection>", "</VTKFile>", ""]
+            replace_file(self._path / f"{name}.pvd", "\n".join(lines).encode())
 
 
 def _three(values: np.ndarray) -> np.ndarray:

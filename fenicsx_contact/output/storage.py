@@ -2,117 +2,253 @@
 """Runs on disk: written as they go, resumable after a kill. Plain data, no pickles.
 
 ``history.json`` holds the columns, ``history.f64`` the rows as little-endian doubles, ``state.npz``
-the last checkpoint, ``end.json`` how the run ended. Rows are written before the checkpoint that
-counts them, and the checkpoint replaces its predecessor in one move: whenever a run is killed,
-the files agree.
+the last checkpoint and ``state.old.npz`` the one before, ``end.json`` how the run ended. Rows are
+written before the checkpoint that counts them and knows their checksum, and the checkpoint replaces
+its predecessor in one move: whenever a run is killed, the files agree. ``lock`` is locked while a
+run goes on; the lock goes with the process that holds it.
 """
 
 from __future__ import annotations
 
+import fcntl
+import io
 import json
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
+from zlib import crc32
 
 import numpy as np
 
 from ..base import checks
+from ..base.processes import on_first
 from .history import History
+
+#: A checkpoint, and the last but one.
+LAST, BEFORE = "state.npz", "state.old.npz"
+
+
+class NotWritten(RuntimeError):
+    """A file that cannot be written; the message names it and says why."""
 
 
 class RunDirectory:
-    """The directory of one run (only rank 0 writes)."""
+    """The directory of one run. The first process reads and writes; what it meets, all raise.
 
-    def __init__(self, path: str | Path) -> None:
-        self.path = Path(path)
-        self._written = 0
+    Args:
+        path: where.
+        comm: the processes of the run.
+
+    Raises:
+        InputError: it cannot be made, or another run is at work there.
+    """
+
+    def __init__(self, path: str | Path, comm: Any) -> None:
+        self.path, self._comm = Path(path), comm
+        self._written, self._sum = 0, 0  # rows, and their checksum
+        self._lock: int | None = None
+        on_first(comm, self._hold)
+
+    def _hold(self) -> None:
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+            self._lock = os.open(self.path / "lock", os.O_RDWR | os.O_CREAT, 0o666)
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            self.close()
+            raise checks.InputError(
+                f"directory = {str(self.path)!r}: another run is at work there"
+            ) from None
+        except OSError as failure:
+            raise checks.InputError(
+                f"directory = {str(self.path)!r}: cannot be written ({failure})"
+            ) from None
+
+    def close(self) -> None:
+        """Let another run in."""
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
 
     def begin(self, history: History, fingerprint: str) -> None:
-        """Start a new run here; an old one is overwritten."""
-        self.path.mkdir(parents=True, exist_ok=True)
-        for old in ("state.npz", "history.f64", "end.json"):
-            (self.path / old).unlink(missing_ok=True)
+        """Start a new run here; an old one is overwritten.
+
+        Raises:
+            NotWritten: a full disk, for one.
+        """
+        on_first(self._comm, lambda: self._begin(history, fingerprint))
+
+    def _begin(self, history: History, fingerprint: str) -> None:
+        with writing(self.path):
+            for old in (LAST, BEFORE, "history.f64", "end.json"):
+                (self.path / old).unlink(missing_ok=True)
         head = {"columns": history.columns, "scene": fingerprint}
         replace_file(self.path / "history.json", json.dumps(head, indent=1).encode())
-        self._written = 0
 
     def save(self, history: History, state: dict[str, np.ndarray]) -> None:
-        """Write the rows that are new and a checkpoint."""
-        with open(self.path / "history.f64", "ab") as file:
+        """Write the rows that are new and a checkpoint.
+
+        Raises:
+            NotWritten: a full disk, for one; the last checkpoint stays.
+        """
+        on_first(self._comm, lambda: self._save(history, state))
+
+    def _save(self, history: History, state: dict[str, np.ndarray]) -> None:
+        rows = history.rows(self._written).astype("<f8").tobytes()
+        path = self.path / "history.f64"
+        with writing(path), open(path, "ab") as file:
             file.truncate(self._written * len(history.columns) * 8)
-            file.write(history.rows(self._written).astype("<f8").tobytes())
+            file.write(rows)
             file.flush()
             os.fsync(file.fileno())
-        self._written = len(history)
-        temporary = self.path / "state.npz.new"
-        with open(temporary, "wb") as file:
-            remarks = np.array(json.dumps(history.remarks))
-            np.savez(file, **state, rows=np.array(self._written), remarks=remarks)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, self.path / "state.npz")
+        count, checksum = len(history), crc32(rows, self._sum)
+        remarks = np.array(json.dumps(history.remarks))
+        content = io.BytesIO()
+        np.savez(content, **state, rows=np.array([count, checksum]), remarks=remarks)
+        replace_file(self.path / LAST, content.getvalue(), self.path / BEFORE)
+        self._written, self._sum = count, checksum
 
     def finish(self, history: History) -> None:
-        """Write how the run ended."""
+        """Write how the run ended.
+
+        Raises:
+            NotWritten: a full disk, for one.
+        """
         end = {**history.summary(), "remarks": history.remarks}
-        replace_file(self.path / "end.json", json.dumps(end, indent=1).encode())
+        content = json.dumps(end, indent=1).encode()
+        on_first(self._comm, lambda: replace_file(self.path / "end.json", content))
 
-    @property
-    def has_checkpoint(self) -> bool:
-        """Whether a run can be resumed here."""
-        return (self.path / "state.npz").is_file()
-
-    def load(self, history: History, fingerprint: str) -> dict[str, np.ndarray]:
-        """Fill a history and return the state of the last checkpoint.
+    def load(self, history: History, fingerprint: str) -> dict[str, np.ndarray] | None:
+        """Fill a history and return the state of the last checkpoint that can be read; None if no
+        run has begun here.
 
         Raises:
             InputError: the run here is of another scene, or damaged.
         """
-        try:
-            head = json.loads((self.path / "history.json").read_text())
-            with np.load(self.path / "state.npz", allow_pickle=False) as data:
-                state = dict(data)
-            rows = np.fromfile(self.path / "history.f64", dtype="<f8")
-            same = head["scene"] == fingerprint and tuple(head["columns"]) == history.columns
-            self._written, remarks = int(state.pop("rows")), str(state.pop("remarks"))
-        except (OSError, ValueError, KeyError, BadZipFile) as failure:
-            raise checks.InputError(
-                f"directory = {str(self.path)!r}: holds no run that can be read ({failure})"
-            ) from None
-        if not same:
+        found, state, self._sum = on_first(self._comm, lambda: self._load(history, fingerprint))
+        if state is not None:
+            for row in found.rows():
+                history.append(row)
+            history.remarks, self._written = found.remarks, len(history)
+        return state
+
+    def _load(
+        self, history: History, fingerprint: str
+    ) -> tuple[History, dict[str, np.ndarray] | None, int]:
+        if not any((self.path / name).exists() for name in ("history.json", LAST, BEFORE)):
+            return history, None, 0
+        head = _head(self.path)
+        if head["scene"] != fingerprint or tuple(head["columns"]) != history.columns:
             raise checks.InputError(
                 f"directory = {str(self.path)!r}: holds a run of another scene, {head['scene']}"
             )
-        width = len(history.columns)
-        if len(rows) < self._written * width:
-            raise checks.InputError(
-                f"directory = {str(self.path)!r}: history.f64 lacks rows that the checkpoint counts"
-            )
-        for row in rows[: self._written * width].reshape(-1, width):
-            history.append(row)
-        history.remarks = [(float(t), text) for t, text in json.loads(remarks)]
+        found, state, checksum = _last(self.path, history.columns)
+        if found.reason and state is not None:  # what is damaged must not become the last but one
+            os.replace(self.path / BEFORE, self.path / LAST)
         (self.path / "end.json").unlink(missing_ok=True)
-        return state
+        return found, state, checksum
 
 
 def read_history(path: str | Path) -> History:
-    """The history of a run on disk, finished or not."""
+    """The history of a run on disk, finished or not, up to its last good checkpoint.
+
+    Raises:
+        InputError: no run, or one that is damaged; the message names the file.
+    """
     directory = Path(path)
-    columns = json.loads((directory / "history.json").read_text())["columns"]
-    history = History(tuple(columns), reason="not finished")
-    rows = np.fromfile(directory / "history.f64", dtype="<f8")
-    for row in rows[: len(rows) // len(columns) * len(columns)].reshape(-1, len(columns)):
-        history.append(row)
-    if (directory / "end.json").is_file():
-        end: dict[str, Any] = json.loads((directory / "end.json").read_text())
-        history.reason, history.times = end["reason"], end["times_s"]
-        history.remarks = [(float(t), text) for t, text in end["remarks"]]
+    history, _, _ = _last(directory, tuple(_head(directory)["columns"]))
+    damaged, history.reason = history.reason, "not finished"
+    if not damaged and (directory / "end.json").is_file():
+        with _reading(directory, "end.json"):
+            end: dict[str, Any] = json.loads((directory / "end.json").read_text())
+            history.reason, history.times = end["reason"], end["times_s"]
+            history.remarks = [(float(t), text) for t, text in end["remarks"]]
     return history
 
 
-def replace_file(path: Path, content: bytes) -> None:
-    """Write a file in one move: it is old or new at any time."""
+def _head(path: Path) -> dict[str, Any]:
+    with _reading(path, "history.json"):
+        head = json.loads((path / "history.json").read_text())
+        return {"columns": list(head["columns"]), "scene": str(head["scene"])}
+
+
+def _last(
+    path: Path, columns: tuple[str, ...]
+) -> tuple[History, dict[str, np.ndarray] | None, int]:
+    """The rows that the last good checkpoint counts, its state and the checksum of the rows. The
+    reason of the history says what damage it had to pass over; a remark, too."""
+    problems = []
+    for name in (LAST, BEFORE):
+        try:
+            history, state, checksum = _checkpoint(path, name, columns)
+        except checks.InputError as problem:
+            problems.append(str(problem))
+            continue
+        history.reason = "; ".join(problems)
+        if problems:
+            remark = f"went back to the checkpoint before: {history.reason}"
+            history.remarks.append((float(history.time[-1]), remark))
+        return history, state, checksum
+    # the first row is written before the first checkpoint, later ones when there is one
+    rows = path / "history.f64"
+    missing = not any((path / name).exists() for name in (LAST, BEFORE))
+    if missing and (not rows.exists() or rows.stat().st_size <= 8 * len(columns)):
+        return History(columns, reason=""), None, 0
+    raise checks.InputError(problems[0])
+
+
+def _checkpoint(
+    path: Path, name: str, columns: tuple[str, ...]
+) -> tuple[History, dict[str, np.ndarray], int]:
+    with _reading(path, name), np.load(path / name, allow_pickle=False) as data:
+        state = dict(data)
+        count, checksum = map(int, state.pop("rows"))
+        remarks = [(float(t), text) for t, text in json.loads(str(state.pop("remarks")))]
+    with _reading(path, "history.f64"):
+        content = (path / "history.f64").read_bytes()[: count * len(columns) * 8]
+        if len(content) < count * len(columns) * 8:
+            raise ValueError(f"it lacks rows that {name} counts")
+        if crc32(content) != checksum:
+            raise ValueError(f"its rows are not those that {name} counts")
+    history = History(columns, remarks=remarks)
+    for row in np.frombuffer(content, dtype="<f8").reshape(count, len(columns)):
+        history.append(row)
+    return history, state, checksum
+
+
+@contextmanager
+def _reading(path: Path, name: str) -> Iterator[None]:
+    try:
+        yield
+    except Exception as failure:  # damaged archives raise almost anything
+        raise checks.InputError(
+            f"directory = {str(path)!r}: {name} cannot be read ({failure})"
+        ) from None
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Within it a file is written: an error of the system becomes one that names the file."""
+    try:
+        yield
+    except OSError as failure:
+        raise NotWritten(f"{path} cannot be written: {failure.strerror or failure}") from failure
+
+
+def replace_file(path: Path, content: bytes, keep: Path | None = None) -> None:
+    """Write a file in one move: it is old or new at any time. ``keep``: where the old one goes."""
     temporary = path.with_suffix(path.suffix + ".new")
-    temporary.write_bytes(content)
-    os.replace(temporary, path)
+    try:
+        with writing(path), open(temporary, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+    except NotWritten:
+        temporary.unlink(missing_ok=True)  # it fills the disk
+        raise
+    with writing(path):
+        if keep is not None and path.exists():
+            os.replace(path, keep)
+        os.replace(temporary, path)

@@ -32,6 +32,8 @@ DEEPEST = 0.05
 class GuideCoupling(NodalJump):
     """Points of a rod and stations of its guide: the stations see it by its slope, too."""
 
+    encloses = True
+
     def __init__(
         self, contact: GuideContact, trace: BeamTrace | PairTrace, turn: np.ndarray
     ) -> None:

@@ -70,6 +70,8 @@ class DeformableSolid(BalancedSolid):
     parameters: str  # for describe()
     factorisation: Factorisation
     free_load: np.ndarray
+    #: Arrays of the state that hold owned unknowns.
+    distributed: tuple[str, ...] = ("displacement", "velocity", "momentum", "memory")
     #: Only contact holds it: its matrix is singular.
     floating = False
     #: Its matrix is symmetric.

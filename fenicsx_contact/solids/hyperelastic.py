@@ -44,6 +44,7 @@ class HyperelasticSolid(DeformableSolid):
     """
 
     linear = False
+    distributed = (*DeformableSolid.distributed, "tangent.start", "tangent.end")
 
     def __init__(self, mesh: NamedMesh, *, energy: Energy, **others: Any) -> None:
         if not callable(energy):

@@ -67,6 +67,9 @@ def move_mass_inwards(
     near[fixed // d] = 0.0
     behind = np.flatnonzero(near)
     places = np.concatenate(comm.allgather(x[behind]))
+    # of the many ways to spread the mass the same, however many processes there are
+    order = np.concatenate(comm.allgather(vectors.numbers[behind * d])).argsort()
+    places = places[order]
     if not len(places):
         raise checks.InputError("mass_redistribution: no free nodes behind the boundary")
     origin = places.mean(axis=0)
@@ -87,6 +90,7 @@ def move_mass_inwards(
     off = [f[:, a] * f[:, b] - lost[a, b] / lost[0, 0] for a, b in pairs[1:]]
     gained, _ = nnls(np.array([f[:, 0], *off]), np.eye(len(pairs))[0])
     gained *= lost[0, 0] / gained.sum()
+    gained[order] = gained.copy()
     first = sum(comm.allgather(len(behind))[: comm.rank])
     added = np.zeros(vectors.owned)
     for k in range(d):

@@ -7,6 +7,7 @@ Arrays of values hold the owned unknowns, (owned,): all components of a node, no
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -99,6 +100,35 @@ class VectorSpace:
     def sum(self, value: float) -> float:
         """The sum over all processes."""
         return float(self.comm.allreduce(value)) if self.comm.size > 1 else float(value)
+
+    @cached_property
+    def numbers(self) -> np.ndarray:
+        """Of the owned unknowns among all, numbered as they come in the cells of the mesh as it was
+        given, whatever the processes, (owned,)."""
+        mesh, blocks = self.mesh.mesh, self.space.dofmap.index_map
+        cells = compat.cell_dofs(self.space)[: compat.num_local_cells(mesh)]
+        given = compat.given_cells(mesh)
+        places = given[:, None] * cells.shape[1] + np.arange(cells.shape[1])
+        nodes = np.asarray(blocks.local_to_global(cells.ravel().astype(np.int32)))
+        first = np.full(blocks.size_global, np.iinfo(np.int64).max)
+        for some, at in self.comm.allgather((nodes, places.ravel())):
+            np.minimum.at(first, some, at)
+        numbers = np.empty(len(first), dtype=np.int64)
+        numbers[first.argsort()] = np.arange(len(first))
+        return self.at(numbers[slice(*blocks.local_range)])
+
+    def whole(self, values: np.ndarray) -> np.ndarray:
+        """Values of all unknowns as the mesh was given, on the first process, from those of the
+        owned unknowns, (..., owned)."""
+        parts = self.comm.gather((self.numbers, values))
+        result = np.empty((*values.shape[:-1], self.unknowns if parts else 0))
+        for numbers, some in parts or ():
+            result[..., numbers] = some
+        return result
+
+    def part(self, whole: np.ndarray) -> np.ndarray:
+        """Values of the owned unknowns from those of all, (..., unknowns)."""
+        return np.ascontiguousarray(whole[..., self.numbers])
 
     def diagonal(self, matrix: PETSc.Mat) -> np.ndarray:
         """The diagonal of a matrix of the space, (owned,)."""

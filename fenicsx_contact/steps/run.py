@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing, nullcontext
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Protocol
@@ -14,12 +15,14 @@ import numpy as np
 
 from ..base import checks
 from ..base.checks import StepFailed
+from ..base.processes import any_of
 from ..contact.contact import Contact
 from ..output.history import History
-from ..output.storage import RunDirectory
+from ..output.storage import NotWritten, RunDirectory
 from ..solids import Solid
 from ..theory.scheme import Scheme
 from .adaptive import AdaptivePace, ErrorControl, StepTooLong
+from .checkpoint import collect, spread
 from .pace import Pace
 from .step import Stepper, StepTaker
 
@@ -83,57 +86,122 @@ def run(
         raise checks.InputError(f"directory = {directory!r}: must be the path of a directory")
     if directory is None and (resume or fields_every):
         raise checks.InputError("directory = None: resume and fields_every need a directory")
-    if resume and scene.comm.size > 1:
-        raise checks.InputError("resume = True: only a run on one process can be resumed")
 
     pace = Pace(scene.stepper, dt, shortest)
     if step_error is not None:
         pace = AdaptivePace(ErrorControl(scene.stepper, scene.scheme, step_error), dt, shortest)
-    first, done = scene.time, 0
     history = History((*scene.columns, *probes))
-    files = RunDirectory(directory) if directory is not None and scene.comm.rank == 0 else None
-    fingerprint = _fingerprint(scene, dt, step_error)
-    if files and resume and files.has_checkpoint:
-        state = files.load(history, fingerprint)
-        done = int(state.pop("run.steps"))
-        scene.restore(state)
-        pace.restore(state)
-    else:
-        history.append([*scene.stepper.row(), *_measure(probes)])
-        if files:
-            files.begin(history, fingerprint)
-    steps = max(1, round((until - first) / dt))
-    writer = _field_writer(scene, directory, fields_every, first + done * dt if done else None)
-    bar = _bar(steps, done, progress, scene.comm.rank)
-    checkpoint = perf_counter()
-    history.reason = "finished"
-    for k in range(done, steps):
+    files = RunDirectory(directory, scene.comm) if directory is not None else None
+    with closing(files) if files else nullcontext():
+        course = _Course(scene, history, pace, probes, files)
+        course.begin(resume, _fingerprint(scene, dt, step_error))
+        course.go(until, fields_every, stop_when, progress)
+    return history
+
+
+class _Course:
+    """A run as it goes."""
+
+    def __init__(
+        self,
+        scene: Runnable,
+        history: History,
+        pace: Pace,
+        probes: Mapping[str, Callable[[], float]],
+        files: RunDirectory | None,
+    ) -> None:
+        self.scene, self.history, self.pace, self.files = scene, history, pace, files
+        self.probes = probes
+        self.first, self.done = scene.time, 0  # of the grid: its start, the steps crossed
+
+    def begin(self, resume: bool, fingerprint: str) -> None:
+        """Take up the run on disk, or start one."""
+        state = self.files.load(self.history, fingerprint) if self.files and resume else None
+        if state is not None:
+            self.done = int(state.pop("run.steps"))
+            state = spread(self.scene.solids, state)
+            self.scene.restore(state)
+            self.pace.restore(state)
+            return
+        self.history.append([*self.scene.stepper.row(), *_measure(self.probes)])
+        if self.files:
+            try:
+                self.files.begin(self.history, fingerprint)
+                self.save(0)
+            except NotWritten as failure:
+                raise checks.InputError(
+                    f"directory = {str(self.files.path)!r}: {failure}"
+                ) from failure
+
+    def save(self, steps: int) -> None:
+        """A checkpoint, after so many steps of the grid."""
+        if self.files:
+            state = {**self.scene.state(), **self.pace.state(), "run.steps": np.array(steps)}
+            self.files.save(self.history, collect(self.scene.solids, state))
+
+    def go(
+        self,
+        until: float,
+        fields_every: int,
+        stop_when: Callable[[], bool] | None,
+        progress: bool | None,
+    ) -> None:
+        """Cross the steps that are left; the history says how it ended."""
+        scene, history = self.scene, self.history
+        steps = max(1, round((until - self.first) / self.pace.dt))
+        bar = _bar(steps, self.done, progress, scene.comm.rank)
+        history.reason = "finished"
         try:
-            # a run that stopped within a step of the grid resumes there
-            reached = (scene.time - (first + k * dt)) / dt if k == done else 0.0
-            _cross(scene, history, pace, probes, reached)
-        except StepFailed as failure:
+            self._go(steps, fields_every, stop_when, bar)
+        except (StepFailed, NotWritten) as failure:
             history.reason = f"stopped at t = {scene.time:.9g} s: {failure}"
-            _save(scene, files, history, k, pace)
-            break
-        scene.stepper.time = history.rows()[-1, 0] = first + (k + 1) * dt  # no sum of round-off
-        if writer and (k + 1) % fields_every == 0:
-            writer.write(scene.time)
-        over = stop_when is not None and stop_when()
-        if perf_counter() - checkpoint > CHECKPOINT_EVERY or k + 1 == steps or over:
-            _save(scene, files, history, k + 1, pace)
-            checkpoint = perf_counter()
-            bar.update(k + 1 - bar.n)
-        if over:
-            break
-    else:
+        bar.close()
+        history.times = dict(scene.stepper.times)
+        if self.files:
+            try:
+                self.files.finish(history)
+            except NotWritten as failure:  # what is there can be read and resumed
+                history.remarks.append((scene.time, str(failure)))
+
+    def _go(
+        self, steps: int, fields_every: int, stop_when: Callable[[], bool] | None, bar: Any
+    ) -> None:
+        scene, history, pace, first = self.scene, self.history, self.pace, self.first
+        writer = self._field_writer(fields_every)
+        checkpoint = perf_counter()
+        for k in range(self.done, steps):
+            try:
+                # a run that stopped within a step of the grid resumes there
+                reached = (scene.time - (first + k * pace.dt)) / pace.dt if k == self.done else 0.0
+                _cross(scene, history, pace, self.probes, reached)
+            except StepFailed as failure:
+                history.reason = f"stopped at t = {scene.time:.9g} s: {failure}"
+                self.save(k)
+                return
+            # no sum of round-off
+            scene.stepper.time = history.rows()[-1, 0] = first + (k + 1) * pace.dt
+            if writer and (k + 1) % fields_every == 0:
+                writer.write(scene.time)
+            due = perf_counter() - checkpoint > CHECKPOINT_EVERY
+            # the clocks of processes differ, and so may what they are asked
+            due, over = any_of(scene.comm, due, stop_when is not None and bool(stop_when()))
+            if due or k + 1 == steps or over:
+                self.save(k + 1)
+                checkpoint = perf_counter()
+                bar.update(k + 1 - bar.n)
+            if over:
+                return
         if stop_when is not None:
             history.reason = f"what it was to stop at did not happen by t = {scene.time:.9g} s"
-    bar.close()
-    history.times = dict(scene.stepper.times)
-    if files:
-        files.finish(history)
-    return history
+
+    def _field_writer(self, every: int) -> Any:
+        if not every or self.files is None:
+            return None
+        from ..output.fields import FieldWriter
+
+        resumed = self.first + self.done * self.pace.dt if self.done else None
+        scene = self.scene
+        return FieldWriter(scene.solids, scene.contacts, self.files.path, scene.time, resumed)
 
 
 def _check_probes(scene: Runnable, probes: Mapping[str, Callable[[], float]]) -> None:
@@ -159,7 +227,9 @@ def _fingerprint(scene: Runnable, dt: float, step_error: float | None) -> str:
     """What must be the same for a run to be resumed: parameters, place, energies at the start."""
     lines = [scene.describe(), f"dt = {dt!r}, from {scene.time!r}, {scene.scheme}"]
     lines.append(f"impacts located: {scene.locate_impacts}, step_error: {step_error!r}")
-    lines.append("energies " + ", ".join(f"{energy:.9g}" for energy in scene.stepper.energies))
+    most = max(map(abs, scene.stepper.energies))  # their round-off depends on the processes
+    shares = ", ".join(f"{energy / (most or 1.0) + 0.0:.6f}" for energy in scene.stepper.energies)
+    lines.append(f"energies {shares} of {most:.9g}")
     for contact in scene.contacts:
         lines.append(
             f"{contact.name}: {contact.formulation}, friction {contact.friction_law!r}, "
@@ -194,24 +264,6 @@ def _cross(
         history.remarks += [(scene.time, remark) for remark in scene.remarks]
         done = end
         pace.lengthen(done)
-
-
-def _save(
-    scene: Runnable, files: RunDirectory | None, history: History, steps: int, pace: Pace
-) -> None:
-    if files:
-        state = {**scene.state(), **pace.state(), "run.steps": np.array(steps)}
-        files.save(history, state)
-
-
-def _field_writer(
-    scene: Runnable, directory: str | Path | None, every: int, resumed: float | None
-) -> Any:
-    if not every or directory is None:
-        return None
-    from ..output.fields import FieldWriter
-
-    return FieldWriter(scene.solids, scene.contacts, Path(directory), scene.time, resumed)
 
 
 def _bar(steps: int, done: int, progress: bool | None, rank: int) -> Any:

@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from ..base.checks import StepFailed
+from ..contact.arrivals import missed
 from ..contact.contact import Contact
 from ..contact.percussion import approaching, strikes
 from ..contact.work import counts, work
@@ -126,6 +127,9 @@ class Stepper:
                 hold_gaps(self.contacts, step)
             for solid in self.solids:
                 if reason := solid.unsound(step):
+                    raise StepFailed(reason)
+            for contact in self.contacts:
+                if reason := missed(contact, closing):
                     raise StepFailed(reason)
             certificate = self._certify(step)
             if certificate.refusal:

@@ -16,7 +16,7 @@ from .clipping import gauss
 from .partners import Partners
 from .pieces import Pieces
 from .search import Near, Spheres
-from .side import Side
+from .side import Side, unit_and_length
 
 #: Points on a piece of a line.
 PIECE_POINTS = {1: 2, 2: 4}
@@ -58,9 +58,7 @@ class Lines:
         values, slopes = slave.shape(points.xi)
         corner = values if slave.degree == 1 else slave.linear_shape(points.xi)
         x = np.einsum("qk,qkj->qj", values, xs[slave.cells[points.facet]])
-        normal = slave.normals(xs, points.facet, slopes)
-        length = np.sqrt((normal**2).sum(axis=1))
-        unit = normal / length[:, None]
+        unit, length = unit_and_length(slave.normals(xs, points.facet, slopes))
         hits = self._partners.meet(x, unit, points.facet, reach, (xs, xm))
 
         on = hits.ray

@@ -22,7 +22,7 @@ from .clipping import areas, clip, covers, cross, fans, gauss, points
 from .partners import FACING, inverses
 from .pieces import Brink, Pieces
 from .search import Near, Spheres, counted, first_of_each, in_tubes
-from .side import Side
+from .side import Side, unit_and_length
 
 #: Cost: a facet covered more than once by this share is searched for what lies behind.
 TWICE = 1e-9
@@ -173,15 +173,14 @@ class _Planes:
         self.places = nodes[side.cells]
         self.slopes = side.shape(side.midpoint[None])[1]
         g = side.middle_tangents(nodes)
-        normal = side.normal(g, np.arange(len(side.cells)))
-        self.length = np.sqrt((normal**2).sum(axis=1))
-        self.unit = normal / self.length[:, None]
-        basis = np.empty((len(normal), 3, 3))
+        every = np.arange(len(side.cells))
+        self.unit, self.length = unit_and_length(side.normal(g, every))
+        basis = np.empty((len(every), 3, 3))
         basis[..., :2] = np.moveaxis(g, 0, 2)
         basis[..., 2] = self.unit
         self._inverse = np.swapaxes(inverses(basis), 1, 2)
         self._middle = self.places.mean(axis=1, keepdims=True)
-        self.corners = self.see(self.places, np.arange(len(normal)))
+        self.corners = self.see(self.places, every)
         self.low, self.high = self.corners.min(axis=1), self.corners.max(axis=1)
         self.size = areas(self.corners[:, OUTLINE[side.cell], :2])
 

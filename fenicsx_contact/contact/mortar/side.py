@@ -10,6 +10,8 @@ import basix
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ...base.checks import StepFailed
+
 _CELLS = {
     "interval": basix.CellType.interval,
     "triangle": basix.CellType.triangle,
@@ -17,6 +19,18 @@ _CELLS = {
 }
 #: Rotation by -90 degrees: from the tangent of a line to its normal.
 _TURN = np.array([[0.0, 1.0], [-1.0, 0.0]])
+
+
+def unit_and_length(normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Unit normals and the lengths of normals (n, d) of facets.
+
+    Raises:
+        StepFailed: one has none.
+    """
+    length = np.sqrt((normals**2).sum(axis=1))
+    if not (np.isfinite(length) & (length > 0)).all():
+        raise StepFailed("facets of a contact collapse, or are nowhere")
+    return normals / length[:, None], length
 
 
 class Side:

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Several processes: what one of them meets, all of them end with."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any, TypeVar
+
+from mpi4py import MPI
+
+T = TypeVar("T")
+
+
+def on_first(comm: Any, action: Callable[[], T]) -> T:
+    """What an action returns or raises on the first process, on every process."""
+    if comm.size == 1:
+        return action()
+    result: Any = None
+    failure: Exception | None = None
+    if comm.rank == 0:
+        try:
+            result = action()
+        except Exception as problem:  # whatever it is, the others wait
+            failure = problem
+    result, failure = comm.bcast((result, failure))
+    if failure is not None:
+        raise failure
+    return result
+
+
+def any_of(comm: Any, *truths: bool) -> list[bool]:
+    """Of each of these, whether it holds on any process."""
+    if comm.size == 1:
+        return list(truths)
+    return [any(each) for each in zip(*comm.allgather(truths))]
+
+
+def end_together() -> None:
+    """Let an error that nobody catches on one process end all of them: the others would wait for
+    it for ever. Its message is printed first. Sessions with a prompt stay as they are."""
+    if MPI.COMM_WORLD.size == 1 or hasattr(sys, "ps1") or sys.flags.interactive:
+        return
+    shown = sys.excepthook
+
+    def hook(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        shown(kind, error, trace)
+        sys.stdout.flush()
+        sys.stderr.flush()
+        MPI.COMM_WORLD.Abort(1)
+
+    sys.excepthook = hook

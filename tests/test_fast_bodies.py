@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What would pass through another body within a step is caught, whatever its speed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from problems import stacked
+from scenes import rectangle
+
+from fenicsx_contact import (
+    Circle,
+    Contact,
+    Discrete,
+    ElasticSolid,
+    HalfSpace,
+    LevelSet,
+    Moved,
+    RigidSolid,
+    Scene,
+)
+from fenicsx_contact.contact.candidates import Candidates
+
+SIDE, DT, STEPS = 0.2, 1e-3, 4
+LAWS = ["velocity", "gap", "printed", "lagrange", Discrete(stiffness=1e13)]
+OBSTACLES = {
+    "plane": HalfSpace((0, 0), (0, 1)),
+    "disc": Circle((0, -0.05), 0.05),
+    "level set": LevelSet(lambda x, t: x[0] ** 2 + (x[1] + 0.05) ** 2 - 0.05**2, dim=2),
+    "wheel": Moved(Circle((0, -0.05), 0.05), lambda t: (0.0, 100.0 * t)),
+}
+
+
+def thrown(kind: str, speed: float, slant: float = 0.0, height: float = 0.01):
+    """A block that would meet the origin with the middle of its base."""
+    mesh, velocity = rectangle((2, 2), (SIDE, SIDE)), speed * np.array([slant, -1.0])
+    place = height * np.array([-slant, 1.0])
+    if kind == "rigid":
+        block = RigidSolid(mesh, mass=40.0, velocity=velocity)
+        block.restore({**block.state(), "place": block.place + place})
+        return block
+    return ElasticSolid(
+        mesh,
+        youngs_modulus=1e9,
+        poisson_ratio=0.3,
+        density=1000.0,
+        displacement=lambda x: np.outer(place, np.ones(x.shape[1])),
+        velocity=lambda x: np.outer(velocity, np.ones(x.shape[1])),
+        name="block",
+    )
+
+
+def check(history):
+    """It is struck, or the run stops with a reason; nothing is passed in silence."""
+    assert history["c.bearing"].max() > 0 or not history.finished, history
+    assert history["c.penetration"].max() <= SIDE
+
+
+@pytest.mark.parametrize("located", [False, True], ids=["uniform", "located"])
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: getattr(law, "name", law))
+@pytest.mark.parametrize("kind", ["rigid", "elastic"])
+@pytest.mark.parametrize("obstacle", OBSTACLES)
+def test_nothing_passes_through_an_obstacle(obstacle, kind, law, located):
+    if located and law != "velocity":
+        pytest.skip("only the velocity law locates impacts")
+    block = thrown(kind, 1e4)
+    contact = Contact(block, "base", OBSTACLES[obstacle], law, name="c")
+    check(Scene([block], [contact], locate_impacts=located).run(STEPS * DT, DT))
+
+
+def slab(width: float) -> ElasticSolid:
+    """Thin, its top at y = 0, held at its ends."""
+    mesh = rectangle((4, 1), (width, 0.02))
+    mesh.mesh.geometry.x[:, 1] -= 0.02
+    return ElasticSolid(
+        mesh,
+        youngs_modulus=1e9,
+        poisson_ratio=0.3,
+        density=8000.0,
+        fixed=["left", "right"],
+        name="slab",
+    )
+
+
+@pytest.mark.parametrize("seed", range(1, 10))
+def test_nothing_passes_through_a_thin_solid(seed):
+    """Straight or aslant, narrower than the body or wider, by any law."""
+    generator = np.random.default_rng(seed)
+    kind, law = ["rigid", "elastic"][seed % 2], ["velocity", "gap", "lagrange"][seed % 3]
+    speed, slant = 10 ** generator.uniform(2.5, 4), generator.uniform(-0.5, 0.5)
+    block = thrown(kind, speed, slant, 10 ** generator.uniform(-3, -1))
+    plate = slab(float(generator.choice([0.1, 0.4])))
+    contact = Contact(block, "base", (plate, "top"), law, name="c")
+    located = law == "velocity" and seed % 4 == 0
+    check(Scene([block, plate], [contact], locate_impacts=located).run(STEPS * DT, DT))
+
+
+@pytest.mark.parametrize("dt", [0.3, 1.0, 3.0])
+@pytest.mark.parametrize("ratio", [1e2, 1e3, 1e4])
+def test_what_falls_alike_without_contact_stays_together(ratio, dt):
+    """Round-off alone would tell which points of two blocks on a floor are to be asked first; one
+    of them would let the upper block swing round in a long step, to where it meets nothing."""
+    problem = stacked(mass_ratio=ratio, dt=dt, steps=3)
+    history = problem.run()
+    assert history.finished and not history.remarks
+    assert problem.error(history) < problem.bound
+    assert history["newton"].max() <= 10
+
+
+def test_what_meets_nothing_bears_nothing(monkeypatch):
+    """The same with one point: no such step is accepted."""
+    narrow = Candidates.narrow
+
+    def first(self, bore, *others):
+        narrow(self, bore, *others)
+        if len(bore) == 4:  # the seam
+            self._asked = np.arange(4) == 2
+            self.choose()
+
+    monkeypatch.setattr(Candidates, "narrow", first)
+    problem = stacked(mass_ratio=1e4, dt=1.0, steps=2)
+    history = problem.run()
+    assert "no certificate: relative error of contact" in history.remarks[0][1]
+    assert not history.finished or problem.error(history) < problem.bound
+
+
+@pytest.mark.parametrize("passes", [0.099, 0.101])
+def test_what_passes_beside_is_not_held_up(passes):
+    """A block that flies past a disc: no step is cut, but where it goes through."""
+    block = thrown("rigid", 1e3)
+    obstacle = Circle((passes + 0.05, -0.5), 0.05)
+    contact = Contact(block, "base", obstacle, name="c")
+    history = Scene([block], [contact]).run(STEPS * DT, DT)
+    struck = passes < 0.5 * SIDE
+    assert bool(history["c.bearing"].max()) is struck
+    assert bool(history.remarks) is struck

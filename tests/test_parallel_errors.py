@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What one process meets, all end with: no process waits for another for ever. And a process may
+have nothing to do."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from processes import HANGS, mpirun, output_of
+
+pytestmark = pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
+
+START = """
+import errno, os, signal, sys
+sys.path.insert(0, {tests!r})
+import meshio, scenes
+from mpi4py import MPI
+from fenicsx_contact import InputError
+world = MPI.COMM_WORLD
+
+def on_last():
+    if world.rank == world.size - 1:
+        {failure}
+    return 0.0
+
+"""
+
+
+def code(script: str, directory: Path, failure: str = "pass") -> str:
+    about = {"tests": str(Path(__file__).parent), "directory": str(directory)}
+    return (START + script).format(failure=failure, **about)
+
+
+@pytest.mark.parametrize(
+    ("failure", "message"),
+    [
+        ("raise ValueError('only here')", "ValueError: only here"),
+        ("os.kill(os.getpid(), signal.SIGINT)", "KeyboardInterrupt"),
+        ("os.kill(os.getpid(), signal.SIGKILL)", "ignal 9"),
+    ],
+    ids=["error", "interrupt", "kill"],
+)
+def test_an_end_of_one_process_ends_all(failure, message, tmp_path):
+    script = "scenes.elastic_block().run(1e-2, 1e-3, probes={{'own': on_last}})"
+    process = mpirun(code(script, tmp_path, failure), 2)
+    try:
+        output, _ = process.communicate(timeout=HANGS)
+    finally:
+        process.terminate()
+    assert process.returncode != 0
+    assert message in output
+
+
+SHARED = """
+def run(**others):
+    return scenes.elastic_block().run(4e-3, 1e-3, **others)
+
+with open("{directory}/file", "w"):
+    pass
+try:  # only the first process looks
+    run(directory="{directory}/file/run")
+    problem = ""
+except InputError as error:
+    problem = str(error)
+assert all("cannot be written" in each for each in world.allgather(problem))
+
+write = meshio.Mesh.write
+def full(self, path, **others):
+    if path.name == "elastic_000001_1.vtu":
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    write(self, path, **others)
+meshio.Mesh.write = full
+reasons = world.allgather(run(directory="{directory}/fields", fields_every=2).reason)
+assert len(set(reasons)) == 1 and "elastic_000001_1.vtu cannot be written" in reasons[0], reasons
+meshio.Mesh.write = write
+
+over = run(stop_when=lambda: world.rank == 1 and True)
+assert world.allgather(over.steps) == [1] * world.size
+
+for name, until, dt in ("elastic_cell", 0.04, 1e-3), ("soft_block", 5e-3, 5e-4), (
+    "two_blocks", 5e-3, 5e-4), ("pressed_blocks", 2.0, 1.0):
+    scene = getattr(scenes, name)()
+    if name == "elastic_cell":
+        assert min(world.allgather(scene.solids[0].owned)) == 0
+    directory = f"{directory}/{{name}}"
+    history = scene.run(until, dt, directory=directory, fields_every=2)
+    assert history.finished, history.reason
+    assert history["c.bearing"].max() > 0, name
+    again = getattr(scenes, name)().run(until + dt, dt, directory=directory, resume=True)
+    assert again.finished and again.steps == history.steps + 1
+"""
+
+
+def test_errors_of_one_process_are_those_of_all_and_some_have_no_cells(tmp_path):
+    output_of(mpirun(code(SHARED, tmp_path), 4))

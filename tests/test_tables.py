@@ -16,7 +16,7 @@ def test_the_readme_shows_what_the_demos_wrote():
     assert tables.filled(readme) == readme
     shown = {match[1] for match in tables.BLOCK.finditer(readme)}
     assert shown == {file.stem for file in tables.TABLES.glob("*.md")}
-    assert {"rocking_block", "error_against_run_time", "stability_map"} <= shown
+    assert {"rocking_block", "hertz"} <= shown
 
 
 def test_every_table_tells_whence_it_comes():

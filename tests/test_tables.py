@@ -34,8 +34,6 @@ def test_full_runs_are_taken_over_and_quick_ones_are_not(tmp_path, monkeypatch):
         (tables.RESULTS / name).mkdir(parents=True)
         (tables.RESULTS / name / "table.md").write_text(f"| 1 |\n\n`{command}`: here.\n")
     assert tables.collect() == ["full"]
-    text = "a\n<!-- full -->\nold\n<!-- end -->\nb\n"
-    assert (
-        tables.filled(text)
-        == "a\n<!-- full -->\n| 1 |\n\n`./run demos/full.py`: here.\n<!-- end -->\nb\n"
-    )
+    blocks = 2 * "a\n<!-- full -->\n{0}<!-- end -->\nb\n"  # a block ends where it ends
+    new = "| 1 |\n\n`./run demos/full.py`: here.\n"
+    assert tables.filled(blocks.format("old\n")) == blocks.format(new)

@@ -5,9 +5,18 @@ from math import radians
 
 import numpy as np
 import pytest
-from scenes import FLOOR, rectangle
+from scenes import FLOOR, G, rectangle
 
-from fenicsx_contact import Contact, ElasticSolid, InputError, RigidSolid, Scene, ThetaScheme
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    HyperelasticSolid,
+    InputError,
+    RigidSolid,
+    Scene,
+    ThetaScheme,
+    neo_hookean,
+)
 from fenicsx_contact.references.housner import Block, rocking
 from fenicsx_contact.theory.theta import Step
 
@@ -130,3 +139,28 @@ def test_only_for_the_velocity_law():
     block = RigidSolid(rectangle(), mass=10.0)
     with pytest.raises(InputError, match=r"locate_impacts = True.*gap"):
         Scene([block], [Contact(block, "base", FLOOR, "gap")], locate_impacts=True)
+
+
+@pytest.mark.parametrize("solver", ["condensed", "monolithic", "iterative"])
+@pytest.mark.parametrize("friction", [0.0, 0.4])
+def test_what_an_impact_stops_is_solved_by_every_solver(solver, friction):
+    """A hyperelastic block that lands flat: nothing at its base moves afterwards, and errors are
+    judged by the speed that it had."""
+
+    def land(geometry, solver):
+        block = HyperelasticSolid(
+            rectangle((3, 3)),
+            energy=neo_hookean(1e6, 0.3),
+            density=1000.0,
+            velocity=lambda x: np.stack([0 * x[0], 0 * x[1] - 2]),
+            gravity=(0, -G),
+        )
+        contact = Contact(block, "base", FLOOR, friction=friction)
+        scene = Scene([block], [contact], geometry=geometry, solver=solver)
+        history = scene.run(0.01, 1e-3)
+        assert history.reason == "finished" and not history.remarks
+        return history["kinetic"]
+
+    expected = land("fixed point", "condensed")
+    found = land("newton", solver)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6 * expected[0])

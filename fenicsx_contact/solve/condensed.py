@@ -86,14 +86,10 @@ class Condensed:
 
     def iterate(self, step: Step) -> bool:
         """Solve, and move the solids; False if the system is singular."""
-        for solid in self._all.solids:
-            solid.drop_forces()
-        if self._surfaces.size:
-            if not self._surfaces.iterate():
-                return False
-            self._all.spread(self._surfaces.linear_force)
-        for solid in self._all.solids:
-            solid.correct(step)
+        surfaces = self._surfaces
+        if surfaces.size and not surfaces.iterate():
+            return False
+        self.carry(step, surfaces.linear_force if surfaces.size else surfaces.force())
         return True
 
     def stall(self) -> str:

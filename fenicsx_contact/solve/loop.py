@@ -210,11 +210,16 @@ class StepSolver:
             contact.linearise(step, exact=exact or len(contact.solids) == 1)
 
     def _speed(self, step: Step) -> float:
-        """The largest speed at the contacts, m/s, or that which their forces resolve, or else, at
-        the start of a drive, anywhere in the solids; 0 where nothing moves yet."""
+        """The largest speed at the contacts, m/s, at the start of the step where it counts (what an
+        impact stops has none at its end), or that which their forces resolve, or else, at the start
+        of a drive, anywhere in the solids; 0 where nothing moves yet."""
         contacts = self._all.contacts
-        solids = [contact.coupling.speeds("trial_velocity") for contact in contacts]
-        speed = max((float(np.abs(v).max(initial=0.0)) for v in solids), default=0.0)
+
+        def largest(which: str) -> float:
+            speeds = (contact.coupling.speeds(which) for contact in contacts)
+            return max((float(np.abs(v).max(initial=0.0)) for v in speeds), default=0.0)
+
+        speed = max(largest("trial_velocity"), step.scheme.inertia * largest("velocity"))
         pushed = max((c.push(c.force, step) for c in contacts), default=0.0)
         loaded = max((solid.load_speed() for solid in self._floating), default=0.0)
         if speed or pushed or loaded:

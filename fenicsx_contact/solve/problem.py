@@ -74,7 +74,9 @@ class Assembly:
         return W
 
     def spread(self, force: np.ndarray) -> None:
-        """Add forces on the points, flat in N, to those on the solids."""
+        """Let forces on the points, flat in N, act on the solids in place of those that did."""
+        for solid in self.solids:
+            solid.drop_forces()
         for (_, trace), part in zip(self.sides, self.slices):
             trace.spread(force[part])
 

@@ -11,6 +11,7 @@ nothing of what will. So do rounds that follow corrections which gain no more (t
 from __future__ import annotations
 
 import numpy as np
+from mpi4py import MPI
 
 from ..base.checks import StepFailed
 from ..contact.trial import nonlinearity
@@ -68,6 +69,9 @@ class StepSolver:
         self._all, self._newton = problem, newton
         self._settles = geometry == "fixed point"
         self._floating = floating
+        self._comm = problem.solids[0].mesh.mesh.comm
+        self._bodies = [s for s in problem.solids if isinstance(s, DeformableSolid)]
+        self._start: tuple[Step | None, float] = None, 0.0
         self.errors: list[float] = []
         self.reached = 0.0
         self.system = SYSTEMS[solver](problem)
@@ -210,24 +214,37 @@ class StepSolver:
             contact.linearise(step, exact=exact or len(contact.solids) == 1)
 
     def _speed(self, step: Step) -> float:
-        """The largest speed at the contacts, m/s, at the start of the step where it counts (what an
-        impact stops has none at its end), or that which their forces resolve, or else, at the start
-        of a drive, anywhere in the solids; 0 where nothing moves yet."""
+        """The largest speed at the contacts, m/s, or one that inertia knew as the step began, or
+        that which their forces resolve, or else, at the start of a drive, anywhere in the solids; 0
+        where nothing moves yet."""
         contacts = self._all.contacts
-
-        def largest(which: str) -> float:
-            speeds = (contact.coupling.speeds(which) for contact in contacts)
-            return max((float(np.abs(v).max(initial=0.0)) for v in speeds), default=0.0)
-
-        speed = max(largest("trial_velocity"), step.scheme.inertia * largest("velocity"))
+        speed = self._fastest("trial_velocity")
+        if step.scheme.inertia:
+            speed = max(speed, self._brought(step))
         pushed = max((c.push(c.force, step) for c in contacts), default=0.0)
         loaded = max((solid.load_speed() for solid in self._floating), default=0.0)
         if speed or pushed or loaded:
             return max(speed, SLOW * pushed, loaded)
-        bodies = [solid for solid in self._all.solids if isinstance(solid, DeformableSolid)]
-        inside = [float(np.abs(solid.trial_velocity).max(initial=0.0)) for solid in bodies]
-        comm = self._all.solids[0].mesh.mesh.comm
-        return max((max(each) for each in comm.allgather([0.0, *inside])), default=0.0)
+        inside = [float(np.abs(b.trial_velocity).max(initial=0.0)) for b in self._bodies]
+        return max(map(max, self._comm.allgather([0.0, *inside])))
+
+    def _fastest(self, which: str) -> float:
+        speeds = [contact.coupling.speeds(which) for contact in self._all.contacts]
+        return max((float(np.abs(v).max(initial=0.0)) for v in speeds), default=0.0)
+
+    def _brought(self, step: Step) -> float:
+        """The largest speed at the contacts at the start of the step, m/s, which an impact stops,
+        or difference of velocities within a solid, which after an impact is yet to arrive there."""
+        if step is not self._start[0]:
+            bounds = np.full((2, len(self._bodies), 3), -np.inf)
+            for i, body in enumerate(self._bodies):
+                for sign, bound in zip((1.0, -1.0), bounds):
+                    v = sign * body.velocity.reshape(-1, body.dim)
+                    bound[i, : body.dim] = v.max(axis=0, initial=-np.inf)
+            high, low = self._comm.allreduce(bounds, op=MPI.MAX)
+            deforming = float((high + low).max(initial=0.0))
+            self._start = step, max(self._fastest("velocity"), deforming)
+        return self._start[1]
 
     def _advance(self, step: Step, clock: Clock) -> None:
         """One correction, shortened where it would invert an element."""

@@ -14,8 +14,9 @@ from .statics import stands
 
 #: Cost: components of surface points above which no dense system is formed.
 LARGE_SURFACE = 1500
-#: Cost: components up to which nonlinear solids in motion enter by their compliance: it is made
-#: anew when a tangent is, and above that costs more than it saves.
+#: Cost: components up to which full Newton takes nonlinear solids in motion by their compliance: it
+#: is made anew when a tangent is, at the cost of a few factorisations whatever the mesh, and full
+#: Newton needs few; the fixed point needs more, of which the compliance saves all but the first.
 SMALL_SURFACE = 150
 #: Cost: unknowns of solids in space above which nothing is factored (demos/benchmark_iterative.py).
 LARGE_SOLIDS = 10_000
@@ -50,7 +51,7 @@ def choose(
         floats = not scheme.inertia and not all(stands(solid) for solid in solids)
         in_space = sum(solid.unknowns for solid in deformable if solid.dim == 3)
         # the tangent of a nonlinear solid in motion serves for many steps, and so does a compliance
-        keeps = scheme.inertia and places <= SMALL_SURFACE
+        keeps = scheme.inertia and (geometry == "fixed point" or places <= SMALL_SURFACE)
         if not large and not floats and (keeps or not nonlinear):
             solver = "condensed"
         elif len(deformable) == len(solids) and in_space > LARGE_SOLIDS:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..base.constants import ROUND_OFF
+from ..base.sizes import largest
 from ..theory.formulations import Formulation, StepData
 from ..theory.theta import Step
 from .equations import SurfaceEquations
@@ -47,7 +48,7 @@ class Candidates:
     def narrow(self, bore: np.ndarray, free: np.ndarray, step: Step) -> None:
         """Ask only what bore, (n,) of bool, and what velocities of the traces' points without
         contact, flat, ask for; what falls alike meets or parts by round-off."""
-        noise = ROUND_OFF * float(np.abs(free).max(initial=0.0))
+        noise = ROUND_OFF * largest(free)
         self._asked = bore | self._violate(self._coupling.to_jump(free), step, noise)
         self.choose()
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..base import checks
 from ..base.constants import ROUND_OFF
+from ..base.sizes import largest
 from ..solids import Solid
 from ..theory.formulations import Formulation
 from ..theory.formulations import formulation as as_formulation
@@ -237,16 +238,15 @@ class Contact:
         Args:
             force: on the traces' points, flat, N.
             step: that was solved.
-            resolution: speeds below it are none, m/s.
+            resolution: speeds below it are none, m/s; so is round-off of those of the points.
         """
         self.equations.release()
         self._moved = step.dt
-        speeds = self.coupling.velocities("trial_velocity")  # where a wall moves, not small
-        resolution = max(resolution, ROUND_OFF * float(np.abs(speeds).max(initial=0.0)))
+        own = largest(self.coupling.velocities("trial_velocity"))
+        self.resolution = resolution = max(resolution, ROUND_OFF * own)
         self.force = self.coupling.force(force)
         self.status = self._statuses(step, resolution)
         self._springs.accept(step, self.force, self.normal, self.status == 1)
-        self.resolution = resolution
         self.memory.advance(self.equations, self.trial_jump, step.dt)
         self.coupling.accept()
         self.gap, self.jump = self.coupling.gaps(), self.trial_jump

@@ -7,6 +7,7 @@ from math import frexp
 
 import numpy as np
 
+from ..base.sizes import largest
 from ..theory.theta import Step
 from .jump import Coupling
 
@@ -45,7 +46,7 @@ class Scales:
     def speed(self, force: np.ndarray) -> float:
         """The speed that forces on the points (N) would give to one alone, m/s, by the last
         units."""
-        return float(np.abs(force).max(initial=0.0)) * self._mobility
+        return largest(force) * self._mobility
 
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically."""

@@ -232,4 +232,4 @@ class SurfaceFields(LawFields):
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Scalar products of vectors (n, d), point by point, (n,)."""
-    return np.asarray((a * b).sum(axis=1))
+    return np.asarray(np.einsum("ij,ij->i", a, b))

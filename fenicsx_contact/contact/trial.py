@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.sizes import largest
 from ..theory.theta import Step
 from .contact import Contact
 from .surface import dot
@@ -48,7 +49,7 @@ def violation(contact: Contact, step: Step) -> float:
     force = e.residual()[e.active_jumps].reshape(len(e.candidates), -1)
     pushed = contact.push(force, step)
     lost = contact.push(force[~contact.coupling.near()[e.candidates]], step)
-    return max(float(np.abs(rows).max(initial=0.0)) * e.speed, lost) / max(e.speed, pushed)
+    return max(largest(rows) * e.speed, lost) / max(e.speed, pushed)
 
 
 def trial_work(contact: Contact, step: Step) -> tuple[float, float]:

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from ..base.sizes import largest
+
 #: Columns of every history; each contact adds those of :func:`contact_columns`.
 COLUMNS = (
     "time",
@@ -135,7 +137,7 @@ class History:
             "geometry": float(self["geometry"].sum()),
             "run_time_s": self.run_time,
             "times_s": dict(self.times),
-            "balance": float(np.abs(self["balance"]).max(initial=0.0)),
+            "balance": largest(self["balance"]),
         }
 
     def __repr__(self) -> str:

@@ -10,6 +10,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from ..base.constants import ROUND_OFF
+from ..base.sizes import largest
 from ..theory.theta import Step
 from .base import MonolithicSolid
 from .boundary import Supports
@@ -106,7 +107,7 @@ class BalancedSolid(MonolithicSolid):
         # against what acts, not against internal forces, which may be absurd
         contact, inertia, *others = terms
         acting = [contact, inertia, *others[1:], reaction]
-        own = [np.abs(term).max(initial=0.0) for term in (total, *acting)]
+        own = [largest(term) for term in (total, *acting)]
         residual, *sizes = np.max(self.comm.allgather(own), axis=0)
         return float(residual / max(sizes)) if max(sizes) > noise else 0.0
 

@@ -18,6 +18,7 @@ from petsc4py import PETSc
 
 from ..base import checks
 from ..base.mesh import NamedMesh
+from ..base.sizes import largest
 from ..theory.theta import Step
 from .balance import BalancedSolid
 from .boundary import Motion, Supports
@@ -241,13 +242,13 @@ class DeformableSolid(BalancedSolid):
     def load_size(self) -> float:
         free = self.free_load.copy()
         free[self.fixed_unknowns] = 0.0
-        return float(max(np.abs(free).max(initial=0.0), np.abs(self._force).max(initial=0.0)))
+        return float(max(largest(free), largest(self._force)))
 
     def load_speed(self) -> float:
         """The largest speed that the loads of the step give to a node alone, m/s: a scale."""
         free = self.free_load / self.vectors.diagonal(self.factorisation.matrix)
         free[self.fixed_unknowns] = 0.0
-        own = float(np.abs(free).max(initial=0.0))
+        own = largest(free)
         return max(self.comm.allgather(own))
 
     def linear_residual(self) -> np.ndarray:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..base import checks
 from ..base.constants import SAME
+from ..base.sizes import largest
 from .vector_space import VectorSpace
 
 #: A name of facets or of a point; several names of facets for the points that they share, an edge
@@ -52,7 +53,7 @@ def _node(vectors: VectorSpace, point: Any, what: str, shown: str) -> np.ndarray
     place, comm = checks.vector(what, point, vectors.dim), vectors.comm
     far = np.linalg.norm(vectors.places - place, axis=1)
     nearest = min(comm.allgather((float(far.min(initial=np.inf)), comm.rank)))
-    size = max(comm.allgather(float(np.abs(vectors.places).max(initial=0.0))))
+    size = max(comm.allgather(largest(vectors.places)))
     if nearest[0] > SAME * size:
         own = vectors.places[far.argmin()].tolist() if comm.rank == nearest[1] else None
         raise checks.InputError(

@@ -20,6 +20,7 @@ from scipy.optimize import nnls
 
 from ..base import checks
 from ..base.constants import ROUND_OFF
+from ..base.sizes import largest
 from .factor import Factorisation
 from .vector_space import VectorSpace
 
@@ -129,7 +130,7 @@ def relax(
     start = None
     for _ in range(corrections):
         residual = force(displacement)[unknowns]
-        size = max(comm.allgather(float(np.abs(residual).max(initial=0.0))))
+        size = max(comm.allgather(largest(residual)))
         start = size if start is None else start
         block = tangent(displacement).createSubMatrix(rows, rows)
         factorisation = Factorisation(block, "relax")

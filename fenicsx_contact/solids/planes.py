@@ -11,6 +11,7 @@ import ufl
 
 from ..base import checks
 from ..base.constants import SAME
+from ..base.sizes import largest
 from .vector_space import VectorSpace
 
 
@@ -70,7 +71,7 @@ class Axisymmetric(Whole):
 
     def axis(self, vectors: VectorSpace) -> np.ndarray:
         radius, comm = vectors.places[:, 0], vectors.comm
-        size = max(comm.allgather(float(np.abs(radius).max(initial=0.0))))
+        size = max(comm.allgather(largest(radius)))
         least = min(comm.allgather(float(radius.min(initial=np.inf))))
         if least < -SAME * size:
             raise checks.InputError(

@@ -168,8 +168,8 @@ class RigidSolid(RigidMotion):
         self._terms += np.abs(force)
 
     def drop_forces(self) -> None:
-        self._force = np.zeros_like(self.velocity)
-        self._terms = np.zeros_like(self.velocity)  # the same without regard to signs
+        n = len(self.velocity)
+        self._force, self._terms = np.zeros(n), np.zeros(n)  # the latter without regard to signs
 
     def go(self, velocity: np.ndarray, step: Step) -> None:
         self.trial_velocity = velocity

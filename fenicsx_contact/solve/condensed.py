@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..base.checks import InputError
+from ..base.sizes import largest
 from ..solids import Solid
 from ..theory.theta import Step
 from .problem import Assembly
@@ -81,7 +82,7 @@ class Condensed:
         """By how much the last correction changed the forces, over the largest. Where a fine mesh
         of a stiff solid meets a soft one, small errors of gaps hide large ones of forces."""
         before, self._force = self._force, force
-        size = np.abs(force).max(initial=0.0)
+        size = largest(force)
         return float(np.abs(force - before).max() / size) if size > self._all.noise() else 0.0
 
     def iterate(self, step: Step) -> bool:

@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from mpi4py import MPI
 
+from ..base.sizes import largest
 from ..contact.part import Part
 from ..solids import MonolithicSolid
 from ..theory.theta import Step
@@ -123,11 +124,11 @@ class FrozenContact(Statuses):
     def error(self) -> float:
         """The largest error of any row; of the momentum balances relative to their terms."""
         system = self._system
-        rows = [float(np.abs(r).max(initial=0.0)) for r in system.rows]
+        rows = [largest(r) for r in system.rows]
         momentum = [0.0]
         for solid in system.solids:
             left, size = solid.linear_residual(), solid.load_size()
-            momentum.append(float(np.abs(left).max(initial=0.0)) / (size or 1.0))
+            momentum.append(largest(left) / (size or 1.0))
         errors = system.comm.allreduce(max(momentum), op=MPI.MAX)
         self.worst = max([errors, *rows])
         return self.worst if np.isfinite(self.worst) else np.inf

@@ -14,6 +14,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ..base.checks import StepFailed
+from ..base.sizes import largest
 from ..contact.trial import nonlinearity
 from ..solids import DeformableSolid
 from ..theory.theta import Step
@@ -225,12 +226,12 @@ class StepSolver:
         loaded = max((solid.load_speed() for solid in self._floating), default=0.0)
         if speed or pushed or loaded:
             return max(speed, SLOW * pushed, loaded)
-        inside = [float(np.abs(b.trial_velocity).max(initial=0.0)) for b in self._bodies]
+        inside = [largest(b.trial_velocity) for b in self._bodies]
         return max(map(max, self._comm.allgather([0.0, *inside])))
 
     def _fastest(self, which: str) -> float:
         speeds = [contact.coupling.speeds(which) for contact in self._all.contacts]
-        return max((float(np.abs(v).max(initial=0.0)) for v in speeds), default=0.0)
+        return max((largest(v) for v in speeds), default=0.0)
 
     def _brought(self, step: Step) -> float:
         """The largest speed at the contacts at the start of the step, m/s, which an impact stops,

@@ -17,6 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.sparse as sp
 
+from ..base.sizes import largest
 from ..solids import MonolithicSolid
 from ..theory.theta import Step
 from .frozen import FrozenContact
@@ -65,7 +66,7 @@ class Monolithic(ABC):
         """Residual of the present state: its largest relative error, and the forces on all points
         (flat, N)."""
         self.assemble()
-        errors = [0.0, *(float(np.abs(rows).max(initial=0.0)) for rows in self.rows)]
+        errors = [0.0, *(largest(rows) for rows in self.rows)]
         errors += self.assembly.imbalances(step, self.solids)
         self._errors = errors
         return float(np.max(errors)), self.force
@@ -89,7 +90,7 @@ class Monolithic(ABC):
     def iterate(self, step: Step) -> bool:
         """Solve, and move the solids; False if the system is singular."""
         if self._hyperstatic and not self.held:
-            self._yielding.next(max(float(np.abs(rows).max(initial=0.0)) for rows in self.rows))
+            self._yielding.next(max(largest(rows) for rows in self.rows))
             self._softness = self._yielding.compliance
         change = self._solve()
         if not np.isfinite(change).all():

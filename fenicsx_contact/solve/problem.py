@@ -9,6 +9,7 @@ from time import perf_counter
 import numpy as np
 
 from ..base.checks import StepFailed
+from ..base.sizes import largest
 from ..contact.contact import Contact
 from ..solids import Solid, Trace
 from ..theory.theta import Step
@@ -112,7 +113,7 @@ class Assembly:
 def _largest(contact: Contact, velocities: np.ndarray) -> float:
     if contact.coupling.driven:
         velocities = contact.coupling.to_jump(velocities).ravel()
-    return float(np.abs(velocities[contact.part.active_places]).max(initial=0.0))
+    return largest(velocities[contact.part.active_places])
 
 
 def scale_of(speed: float) -> float:

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import lapack
 
+from ..base.sizes import largest
 from ..contact.part import Part
 from .pointwise import PointwiseSolver, PointwiseStep
 from .statuses import Statuses
@@ -243,8 +244,7 @@ class SurfaceSystem(Statuses):
             1.0, slow * (self._absolute() @ np.abs(self.assembled[:nw])) * self._rows[:nw]
         )
         self.worst = max(
-            float(np.abs(part.equations.natural(scaled[place])).max(initial=0.0))
-            for part, place in self.placed
+            largest(part.equations.natural(scaled[place])) for part, place in self.placed
         )
         return self.worst if np.isfinite(self.worst) else np.inf
 

@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from ..base.checks import StepFailed
+from ..base.sizes import largest
 from ..contact.arrivals import missed
 from ..contact.contact import Contact
 from ..contact.percussion import approaching, strikes
@@ -204,7 +205,7 @@ class Stepper:
         for contact, part in zip(self.contacts, self._assembly.parts):
             contact.accept(trial.force[part], step, self.resolution)
             if step.dt:
-                self._pushed = max(self._pushed, float(np.abs(contact.force).max(initial=0.0)))
+                self._pushed = max(self._pushed, largest(contact.force))
             normal, tangential, moved = work(contact, means, step)
             impact, friction, driven = impact + normal, friction + tangential, driven + moved
         old, self.energies = self.energies, self.sum_energies()

@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...base.sizes import largest
 from .clipping import areas, clip, covers, cross, fans, gauss, points
 from .partners import FACING, inverses
 from .pieces import Brink, Pieces
@@ -225,6 +226,6 @@ def _on_facet(
         step /= cross(g[0], g[1])[..., None]
         # nobody is far from a facet, but by a fold in a crooked one
         xi = np.clip(xi + step, -5.0, 6.0)
-        if np.abs(step).max(initial=0.0) < 1e-13:
+        if largest(step) < 1e-13:
             break
     return (xi, *_fields(side, xi))

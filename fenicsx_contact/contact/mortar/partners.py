@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...base.sizes import largest
 from .search import Near, Spheres, candidates, first_of_each
 from .side import Side
 
@@ -93,7 +94,7 @@ def _intersect(
         # far from the facet a curved one need not be met: do not run away
         xi = xi + step[:, :-1] if side.straight else np.clip(xi + step[:, :-1], -5.0, 6.0)
         alpha = alpha + step[:, -1]
-        if np.abs(step[:, :-1]).max(initial=0.0) < 1e-13:
+        if largest(step[:, :-1]) < 1e-13:
             break
     if not side.straight:
         miss = np.abs(step[:, :-1]).max(axis=1, initial=0.0) > 1e-9

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...base.sizes import largest
 from .side import Side
 
 #: Places (n, d) at the start and at the end of a step.
@@ -25,7 +26,7 @@ def passed(points: Ways, side: Side, nodes: Ways, asked: np.ndarray) -> np.ndarr
     """
     none = np.empty((0, 2), dtype=int)
     way = points[1] - points[0]
-    moved = np.abs(way).max(initial=0.0) + np.abs(nodes[1] - nodes[0]).max(initial=0.0)
+    moved = largest(way) + largest(nodes[1] - nodes[0])
     if moved <= side.sizes.min() or not len(asked):
         return none
     swept = np.concatenate(nodes)

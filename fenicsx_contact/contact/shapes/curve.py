@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from ...base import checks
 from ...base.constants import SAME
+from ...base.sizes import largest
 
 
 class Curve:
@@ -108,7 +109,7 @@ class Curve:
             slope = square - (off * turn).sum(axis=1)
             # beyond a centre of curvature the foot is none of the nearest: go on along the tangent
             way = (off * tangent).sum(axis=1) / np.where(slope > 0, slope, square)
-            last, change = change, float(np.abs(way).max(initial=0.0))
+            last, change = change, largest(way)
             place, falls = place + way, change < last
         speed = np.sqrt(square)
         normals = _left(tangent / speed[:, None])

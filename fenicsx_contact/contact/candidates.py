@@ -11,12 +11,11 @@ from __future__ import annotations
 import numpy as np
 
 from ..base.constants import ROUND_OFF
-from ..base.sizes import largest
+from ..base.vectors import dot, largest
 from ..theory.formulations import Formulation, StepData
 from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .jump import Coupling
-from .surface import dot
 
 
 class Candidates:

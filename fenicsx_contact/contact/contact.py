@@ -10,7 +10,7 @@ import numpy as np
 
 from ..base import checks
 from ..base.constants import ROUND_OFF
-from ..base.sizes import largest
+from ..base.vectors import dot, largest
 from ..solids import Solid
 from ..theory.formulations import Formulation
 from ..theory.formulations import formulation as as_formulation
@@ -22,7 +22,7 @@ from .jump import Coupling
 from .pairing import Master, acting_points, check_master, couple, worn
 from .scales import Scales
 from .springs import TangentialSprings
-from .surface import Surface, dot
+from .surface import Surface
 
 
 class Contact:

@@ -185,8 +185,7 @@ class MortarJump(Coupling):
         for trace in self.traces:
             trace.follow()
         places = self._places()
-        moved = float(np.abs(places - self._start).max())
-        self.pairing.update(places, moved)
+        self.pairing.update(places, float(np.abs(places - self._start).max()))
 
     def _depths(self) -> np.ndarray:
         return self.pairing.gap

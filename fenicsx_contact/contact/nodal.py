@@ -8,11 +8,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..base.constants import BRIEF
+from ..base.vectors import dot
 from ..solids import Solid, Trace
 from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .jump import Coupling
-from .surface import dot
 from .wall import Obstacle, Wall
 
 

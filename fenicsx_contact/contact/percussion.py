@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.vectors import dot
 from ..theory.theta import Step
 from .contact import Contact
-from .surface import dot
 
 
 def approaching(contact: Contact, step: Step, where: np.ndarray) -> np.ndarray:

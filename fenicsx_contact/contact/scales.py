@@ -7,7 +7,7 @@ from math import frexp
 
 import numpy as np
 
-from ..base.sizes import largest
+from ..base.vectors import largest
 from ..theory.theta import Step
 from .jump import Coupling
 

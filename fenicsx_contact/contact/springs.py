@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.vectors import dot
 from ..theory.formulations import Formulation
 from ..theory.theta import Step
 from .equations import SurfaceEquations
-from .surface import dot
 
 
 class TangentialSprings:

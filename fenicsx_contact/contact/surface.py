@@ -17,6 +17,7 @@ from dolfinx import fem
 from mpi4py import MPI
 
 from ..base import compat
+from ..base.vectors import cross
 from ..theory.friction import FrictionBound
 from .law_fields import LawFields
 
@@ -194,7 +195,7 @@ class SurfaceFields(LawFields):
         if self._tangent is not None and not self._framed:
             self._framed = True
             # the coordinate axis least aligned with n gives it
-            first = np.cross(np.eye(3)[np.abs(normal).argmin(axis=1)], normal)
+            first = cross(np.eye(3)[np.abs(normal).argmin(axis=1)], normal)
             self.set_tangent(first / np.linalg.norm(first, axis=1)[:, None])
 
     def set_tangent(self, tangent: np.ndarray) -> None:
@@ -227,9 +228,4 @@ class SurfaceFields(LawFields):
         first = self._tangent.x.array.reshape(-1, 3)
         first = first - np.einsum("ij,ij->i", first, normal)[:, None] * normal
         first /= np.linalg.norm(first, axis=1)[:, None]
-        return normal, np.stack([first, np.cross(normal, first)])
-
-
-def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Scalar products of vectors (n, d), point by point, (n,)."""
-    return np.asarray(np.einsum("ij,ij->i", a, b))
+        return normal, np.stack([first, cross(normal, first)])

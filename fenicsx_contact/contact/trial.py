@@ -5,10 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base.sizes import largest
+from ..base.vectors import dot, largest
 from ..theory.theta import Step
 from .contact import Contact
-from .surface import dot
 
 
 def nonlinearity(contact: Contact, step: Step) -> tuple[float, float, float]:

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ..base.vectors import dot
 from ..theory.theta import Step
 from .contact import Contact
-from .surface import dot
 
 
 def work(

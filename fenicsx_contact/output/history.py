@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.sizes import largest
+from ..base.vectors import largest
 
 #: Columns of every history; each contact adds those of :func:`contact_columns`.
 COLUMNS = (

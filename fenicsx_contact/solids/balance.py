@@ -10,7 +10,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from ..base.constants import ROUND_OFF
-from ..base.sizes import largest
+from ..base.vectors import largest
 from ..theory.theta import Step
 from .base import MonolithicSolid
 from .boundary import Supports

@@ -18,7 +18,7 @@ from petsc4py import PETSc
 
 from ..base import checks
 from ..base.mesh import NamedMesh
-from ..base.sizes import largest
+from ..base.vectors import largest
 from ..theory.theta import Step
 from .balance import BalancedSolid
 from .boundary import Motion, Supports

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..base import checks
 from ..base.constants import SAME
-from ..base.sizes import largest
+from ..base.vectors import largest
 from .vector_space import VectorSpace
 
 #: A name of facets or of a point; several names of facets for the points that they share, an edge

@@ -20,7 +20,7 @@ from scipy.optimize import nnls
 
 from ..base import checks
 from ..base.constants import ROUND_OFF
-from ..base.sizes import largest
+from ..base.vectors import largest
 from .factor import Factorisation
 from .vector_space import VectorSpace
 

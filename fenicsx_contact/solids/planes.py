@@ -11,7 +11,7 @@ import ufl
 
 from ..base import checks
 from ..base.constants import SAME
-from ..base.sizes import largest
+from ..base.vectors import largest
 from .vector_space import VectorSpace
 
 

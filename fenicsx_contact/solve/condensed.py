@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..base.checks import InputError
-from ..base.sizes import largest
+from ..base.vectors import largest
 from ..solids import Solid
 from ..theory.theta import Step
 from .problem import Assembly

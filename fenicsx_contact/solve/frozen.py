@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from mpi4py import MPI
 
-from ..base.sizes import largest
+from ..base.vectors import largest
 from ..contact.part import Part
 from ..solids import MonolithicSolid
 from ..theory.theta import Step

@@ -14,7 +14,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ..base.checks import StepFailed
-from ..base.sizes import largest
+from ..base.vectors import largest
 from ..contact.trial import nonlinearity
 from ..solids import DeformableSolid
 from ..theory.theta import Step

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.sparse as sp
 
-from ..base.sizes import largest
+from ..base.vectors import largest
 from ..solids import MonolithicSolid
 from ..theory.theta import Step
 from .frozen import FrozenContact

@@ -9,7 +9,7 @@ from time import perf_counter
 import numpy as np
 
 from ..base.checks import StepFailed
-from ..base.sizes import largest
+from ..base.vectors import largest
 from ..contact.contact import Contact
 from ..solids import Solid, Trace
 from ..theory.theta import Step

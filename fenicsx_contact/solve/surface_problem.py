@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import lapack
 
-from ..base.sizes import largest
+from ..base.vectors import largest
 from ..contact.part import Part
 from .pointwise import PointwiseSolver, PointwiseStep
 from .statuses import Statuses

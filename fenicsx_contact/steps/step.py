@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from ..base.checks import StepFailed
-from ..base.sizes import largest
+from ..base.vectors import largest
 from ..contact.arrivals import missed
 from ..contact.contact import Contact
 from ..contact.percussion import approaching, strikes

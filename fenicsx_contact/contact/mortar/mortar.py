@@ -64,6 +64,7 @@ class Pairing:
         np.maximum.at(self._sizes, slave.corners, slave.sizes[:, None])
         self._common: Lines | Overlaps = (Lines if slave.dim == 2 else Overlaps)(slave, master)
         self.brink: Brink | None = None
+        self.places, self._way = np.empty((0, slave.dim)), np.nan
         self._rule = rule = whole(slave)
         phi, self.rule_slopes = slave.linear_shape(rule.xi), slave.shape(rule.xi)[1]
         measure = slave.reference_measure(rule.facet, self.rule_slopes)
@@ -96,6 +97,9 @@ class Pairing:
     def update(self, places: np.ndarray, way: float) -> None:
         """Take up new places (N, d) of the nodes, whose longest ``way`` [m] in the step tells how
         far partners are sought."""
+        if way == self._way and np.array_equal(places, self.places):  # at rest
+            return
+        self._way = way
         reach = FACETS * self.slave.sizes + 4 * way
         self.reach = FACETS * self._sizes + 4 * way
         self.places = places

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...base.sizes import largest
+from ...base.vectors import largest
 from .clipping import areas, clip, covers, cross, fans, gauss, points
 from .partners import FACING, inverses
 from .pieces import Brink, Pieces

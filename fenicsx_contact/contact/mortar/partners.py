@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...base.sizes import largest
+from ...base.vectors import cross, largest
 from .search import Near, Spheres, candidates, first_of_each
 from .side import Side
 
@@ -106,11 +106,14 @@ def inverses(matrix: np.ndarray) -> np.ndarray:
     """Inverses (..., d, d) by Cramer's rule; a ray along a facet, which has none, gives a far-away
     point."""
     if matrix.shape[-1] == 2:
-        (a, b), (c, d) = np.moveaxis(matrix, (-2, -1), (0, 1))
-        adjugate = np.stack([d, -b, -c, a], axis=-1).reshape(matrix.shape)
+        adjugate = np.empty_like(matrix)
+        adjugate[..., 0, 0], adjugate[..., 0, 1] = matrix[..., 1, 1], -matrix[..., 0, 1]
+        adjugate[..., 1, 0], adjugate[..., 1, 1] = -matrix[..., 1, 0], matrix[..., 0, 0]
     else:
-        a, b, c = np.moveaxis(matrix, -1, 0)
-        adjugate = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-2)
+        a, b, c = matrix[..., 0], matrix[..., 1], matrix[..., 2]
+        adjugate = np.empty_like(matrix)
+        for row, (left, right) in enumerate(((b, c), (c, a), (a, b))):
+            adjugate[..., row, :] = cross(left, right)
     determinant = (adjugate[..., 0, :] * matrix[..., :, 0]).sum(axis=-1)
     singular = np.abs(determinant) < 1e-300
     adjugate[singular] = np.eye(matrix.shape[-1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base.sizes import largest
+from ...base.vectors import largest
 from .side import Side
 
 #: Places (n, d) at the start and at the end of a step.

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...base.checks import StepFailed
+from ...base.vectors import cross
 
 _CELLS = {
     "interval": basix.CellType.interval,
@@ -133,7 +134,7 @@ class Side:
 
     def normal(self, g: np.ndarray, facets: np.ndarray) -> np.ndarray:
         """The same from the tangents g (d - 1, q, d) at the points."""
-        normal = g[0] @ _TURN.T if self.dim == 2 else np.cross(g[0], g[1])
+        normal = g[0] @ _TURN.T if self.dim == 2 else cross(g[0], g[1])
         return normal * self.sign[facets, None]
 
     def normal_rates(self, nodes: np.ndarray, facets: np.ndarray, slopes: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from ...base import checks
 from ...base.constants import SAME
-from ...base.sizes import largest
+from ...base.vectors import largest
 
 
 class Curve:

@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 
 from ...base import checks
 from ...base.constants import SAME
+from ...base.vectors import cross
 
 
 class Triangles:
@@ -35,7 +36,7 @@ class Triangles:
         self.cells = number.reshape(-1, 3)
         self.corners = x = self.points[self.cells]
         self.edges = np.roll(x, -1, axis=1) - x
-        area = np.cross(self.edges[:, 0], self.edges[:, 1])
+        area = cross(self.edges[:, 0], self.edges[:, 1])
         size, longest = np.linalg.norm(area, axis=1), np.linalg.norm(self.edges, axis=2).max(axis=1)
         flat = np.flatnonzero(size <= SAME * longest**2)
         if len(flat):
@@ -71,7 +72,7 @@ class Triangles:
     def _angle_weighted(self) -> np.ndarray:
         """Sums at the points of the normals, weighted by their triangles' angles there, (v, 3)."""
         ahead, back = self.edges, -np.roll(self.edges, 1, axis=1)
-        sine = np.linalg.norm(np.cross(ahead, back), axis=2)
+        sine = np.linalg.norm(cross(ahead, back), axis=2)
         angle = np.arctan2(sine, (ahead * back).sum(axis=2))
         return self.at_points(angle[:, :, None] * self.normals[:, None])
 
@@ -101,7 +102,7 @@ class Triangles:
         """Of the place in each triangle that is nearest to each point, (n, 3)."""
         edges, off = self.edges[cells], points[:, None] - self.corners[cells]
         # of the foot on the plane: what lies beyond the edge between two is the third one's
-        part = np.einsum("nid,nd->ni", np.cross(edges, off), self.normals[cells])
+        part = np.einsum("nid,nd->ni", cross(edges, off), self.normals[cells])
         inside = (part > 0).all(axis=1)
         foot = np.roll(part, -1, axis=1) / part.sum(axis=1)[:, None]
         # else of the nearest of the feet on its edges

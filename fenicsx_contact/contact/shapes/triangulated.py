@@ -12,6 +12,7 @@ import numpy as np
 from ...base import checks
 from ...base.constants import ROUND_OFF, SAME
 from ...base.mesh_files import read_mesh
+from ...base.vectors import cross
 from .triangles import Triangles, first_of_each
 
 
@@ -63,7 +64,7 @@ class Triangulated:
         """Unit normals at the corners of the triangles, (m, 3, 3)."""
         t = self._triangles
         square = (t.edges**2).sum(axis=2)
-        area = np.cross(t.edges[:, 0], t.edges[:, 1])
+        area = cross(t.edges[:, 0], t.edges[:, 1])
         weight = 1 / (square * np.roll(square, 1, axis=1))  # of the two edges that meet there
         total = t.at_points(weight[:, :, None] * area[:, None])[t.cells]
         folded = (np.einsum("mid,md->mi", total, t.normals) <= 0).any(axis=1)
@@ -134,9 +135,7 @@ class Triangulated:
             level = x + D[:, None, None] * n
             mean = np.einsum("ni,nid->nd", b, n)
             first, second = level[:, 1] - level[:, 0], level[:, 2] - level[:, 0]
-            rows = np.stack(
-                [np.cross(second, mean), np.cross(mean, first), np.cross(first, second)], axis=1
-            )
+            rows = np.stack([cross(second, mean), cross(mean, first), cross(first, second)], axis=1)
             det = (rows[:, 0] * first).sum(axis=1)
             rows = rows / np.where(det == 0, np.inf, det)[:, None, None]
             way = np.einsum("nij,nj->ni", rows, points - np.einsum("ni,nid->nd", b, level))

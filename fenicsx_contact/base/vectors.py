@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Of arrays of numbers and vectors, what is asked for often: by few calls, for arrays are small."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def largest(values: np.ndarray) -> float:
+    """The largest absolute value; 0 of none, NaN where there is one."""
+    return float(np.maximum.reduce(np.abs(values), axis=None, initial=0.0))
+
+
+def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Scalar products of vectors (n, d), point by point, (n,)."""
+    return np.asarray(np.einsum("ij,ij->i", a, b))
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Vector products a x b of vectors (..., 3)."""
+    result = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        np.subtract(a[..., j] * b[..., k], a[..., k] * b[..., j], out=result[..., i])
+    return result

@@ -170,6 +170,27 @@ def test_hertz(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.strip().splitlines()[-1].startswith("20 elements: half width")
 
 
+def test_friction_truth(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for peer in ("MUJOCO", "DRAKE", "SICONOS"):
+        monkeypatch.setenv(f"{peer}_PYTHON", "/nowhere/python")
+    demo = load("friction_truth")
+    summary = demo.main(quick=True)
+    assert list(summary["codes"]) == ["ours"] and len(summary["missing"]) == 3
+    found = summary["codes"]["ours"]
+    assert list(found) == list(demo.SCENES)
+    for figures in found.values():
+        assert figures.get("creep", 0.0) < 1e-12 and figures.get("lift", 0.0) < 1e-12
+    assert found["threshold"]["error"] < 1e-11 and found["against a wall"]["error"] < 1e-11
+    # the step in which the cube stops, and turns within a step: of second order in it
+    assert found["launched"]["error"] < 1e-5
+    _, finer = demo.spinning_disc(demo.NUMBERS | {"dt": 2e-3})
+    finer = demo.judged("spinning disc", finer, demo.NUMBERS)["error"]
+    assert 3.6 < found["spinning disc"]["error"] / finer < 4.4 and finer < 3e-4
+    assert (demo.RESULTS / "friction_truth.png").stat().st_size > 5000
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("ours: errors up to")
+
+
 def test_rigid_shapes(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     demo = load("rigid_shapes")

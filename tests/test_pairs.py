@@ -136,6 +136,12 @@ def test_pairs(group):
     assert not (text := faults([(*group, *rest) for rest in sample(group)])), "\n" + text
 
 
+def test_springs_have_no_multipliers():
+    """Where Newton's method cycles the method of multipliers takes over, of which springs see only
+    the bound of friction that is known."""
+    assert not fault("rigid", "rigid", 3, "springs", 0.3, "monolithic", "theta 1/2")
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("group", GROUPS, ids=lambda g: "-".join(map(str, g)))
 def test_all_pairs(group):

@@ -160,7 +160,7 @@ class SurfaceEquations:
     def project_multipliers(self) -> None:
         """Let the multipliers be what bears in the jump rows: S g_n and P_b(g_t)."""
         more = self.fields.components - self._surface.dim - 1
-        rho = np.vstack([self.rho[:1], *[self.rho[1:]] * more])
+        rho = np.vstack([self.rho[:1], *[self.rho[1:]] * more])[: more + 1]  # springs have none
         bears = rho / np.where(self.weight > 0, self.weight, 1.0)
         values = self.values
         values[self.jumps :] += bears.ravel() * self.residual()[self.jumps :]

@@ -38,6 +38,7 @@ class NodalJump(Coupling):
         self.traces = [trace or solid.trace(equations.fields.surface.points)]
         self.fixed_normal, self.driven = self.wall.flat, self.wall.moving
         self._shape = equations.fields.surface.points.shape
+        self._everywhere = np.ones(self._shape[0], dtype=bool)
         self._step: Step | None = None
         # velocities of the obstacle: before the begun step, in it at the start and at the end
         self._before: np.ndarray | None = None
@@ -133,7 +134,7 @@ class NodalJump(Coupling):
         return self.equations.fields.surface.area
 
     def near(self) -> np.ndarray:
-        return np.ones(self._shape[0], dtype=bool)
+        return self._everywhere
 
     def deepest(self, asked: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         if self.fixed_normal:

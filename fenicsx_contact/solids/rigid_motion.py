@@ -13,7 +13,7 @@ from ..theory.theta import Step
 from .base import MonolithicSolid
 from .rigid_forces import without
 from .rigid_trace import RigidTrace
-from .rotations import cross, rotation_matrix
+from .rotations import EYE, cross, rotation_matrix
 
 
 class RigidMotion(MonolithicSolid):
@@ -50,7 +50,7 @@ class RigidMotion(MonolithicSolid):
         self.trial_place = self._place + increment[: self.dim]
         turn = rotation_matrix(increment[self.dim :]) @ self._turn
         if self.dim == 3:  # products of many rotations would lose orthogonality, momentum with it
-            turn = turn @ (1.5 * np.eye(3) - 0.5 * turn.T @ turn)
+            turn = turn @ (1.5 * EYE - 0.5 * turn.T @ turn)
         self.trial_turn = turn
 
     def _spatial(self, tensor: np.ndarray, turn: np.ndarray) -> np.ndarray:

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from math import factorial
+from functools import reduce
+from math import factorial, sin, sqrt
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from ..base import checks
 
+EYE = np.eye(3)
 #: (w - sin w)/w³ in powers of w², the highest first: to round-off within a turn.
 CUBIC = [(-1) ** k / factorial(2 * k + 3) for k in reversed(range(20))]
 
@@ -38,9 +40,11 @@ def cross_matrix(a: np.ndarray) -> np.ndarray:
 def turning(way: np.ndarray) -> np.ndarray:
     """By what rotation in space a change of a rotation vector turns further, (3, 3):
     I + (1 - cos w)/w² [w] + (w - sin w)/w³ [w]²."""
-    angle, W = float(np.linalg.norm(way)), cross_matrix(way)
-    half = np.sinc(angle / (2 * np.pi))
-    return np.eye(3) + 0.5 * half**2 * W + np.polyval(CUBIC, angle**2) * W @ W
+    square, W = float(way @ way), cross_matrix(way)
+    half = 0.5 * sqrt(square)
+    once = sin(half) / half if half else 1.0
+    cubic = reduce(lambda total, each: total * square + each, CUBIC)
+    return EYE + 0.5 * once**2 * W + cubic * W @ W
 
 
 def cross(spin: np.ndarray, arm: np.ndarray) -> np.ndarray:

@@ -40,7 +40,7 @@ class VectorSpace:
     """
 
     def __init__(self, mesh: NamedMesh, degree: int) -> None:
-        if degree not in (1, 2):
+        if checks.whole_number("degree", degree, at_least=1) > 2:
             raise checks.InputError(f"degree = {degree!r}: must be 1 or 2")
         self.mesh, self.degree, self.dim = mesh, degree, mesh.dim
         self.comm, d = mesh.mesh.comm, mesh.dim
@@ -81,7 +81,8 @@ class VectorSpace:
             InputError: a name that the mesh lacks, or that no facet bears.
         """
         blocks = [np.empty(0, dtype=np.int32)]
-        for name in [names] if isinstance(names, str) else names:
+        given = [names] if isinstance(names, str) else checks.listed(what, names, "names of facets")
+        for name in given:
             facets = self.facets(name, what)
             blocks.append(fem.locate_dofs_topological(self.space, self.dim - 1, facets))
         nodes = np.unique(np.concatenate(blocks)).astype(np.int64)
@@ -148,7 +149,8 @@ class VectorSpace:
         function = fem.Function(self.space)
 
         def values_at(x: np.ndarray) -> np.ndarray:
-            values = np.asarray(field(x), dtype=float)  # type: ignore[misc]
+            problem = f"{what}: must be a function of x (3, n) with values ({self.dim}, n), finite"
+            values = checks.table(problem, checks.called(what, field, x))  # type: ignore[arg-type]
             if values.shape != (self.dim, x.shape[1]):
                 raise checks.InputError(
                     f"{what}: gives values of shape {values.shape} at x of shape {x.shape}; must "
@@ -157,7 +159,7 @@ class VectorSpace:
             return values
 
         if field is not None:
-            if not callable(field):
+            if not checks.is_function(field):
                 raise checks.InputError(f"{what} = {field!r}: must be a function of x (3, n)")
             function.interpolate(values_at)  # the owned values are right without the ghosts
         values = function.x.array[: self.owned].copy()

@@ -15,10 +15,12 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from ..base import checks, compat
+from ..base.expressions import is_expression
 from ..base.mesh import NamedMesh
+from .coefficients import field as in_ufl
 
-#: A field given as a function of ``x`` (3, n) with values (d, n).
-Field = Callable[[np.ndarray], np.ndarray]
+#: A field given as a function of ``x`` (3, n) with values (d, n), or in UFL on the mesh.
+Field = Callable[[np.ndarray], np.ndarray] | Any
 
 
 class VectorSpace:
@@ -141,11 +143,13 @@ class VectorSpace:
 
         Args:
             what: the argument that gave it, for messages.
-            field: the field.
+            field: the field: a function of x, or UFL on the mesh (a Function, a Constant).
 
         Raises:
-            InputError: no function, values of another shape, or not finite.
+            InputError: no such field, values of another shape, or not finite.
         """
+        if isinstance(field, fem.Constant):
+            return np.tile(checks.vector(what, field, self.dim), self.owned // self.dim)
         function = fem.Function(self.space)
 
         def values_at(x: np.ndarray) -> np.ndarray:
@@ -158,7 +162,13 @@ class VectorSpace:
                 )
             return values
 
-        if field is not None:
+        if is_expression(field):
+            given = in_ufl(what, field, self.mesh, (self.dim,)).expression
+            nodes = compat.cell_dofs(self.space)[: compat.num_local_cells(self.mesh.mesh)]
+            scalars = compat.lagrange_space(self.mesh.mesh, self.degree)
+            at_nodes = compat.PointExpression(given, scalars)().reshape(-1, self.dim)
+            function.x.array.reshape(-1, self.dim)[nodes.ravel()] = at_nodes
+        elif field is not None:
             if not checks.is_function(field):
                 raise checks.InputError(f"{what} = {field!r}: must be a function of x (3, n)")
             function.interpolate(values_at)  # the owned values are right without the ghosts

@@ -342,6 +342,7 @@ for d, ball in ((2, fc.Circle), (3, fc.Sphere)):
     subject(
         f"HalfSpace {d}",
         lambda zero=zero, up=up, **k: fc.HalfSpace(**{"point": zero, "normal": up, **k}),
+        {"point": ("point", "normal")},
         point=numbers(d),
         normal=directions(d),
     )
@@ -355,6 +356,7 @@ for d, ball in ((2, fc.Circle), (3, fc.Sphere)):
     subject(
         f"Box {d}",
         lambda zero=zero, d=d, **k: fc.Box(**{"center": zero, "size": (1.0,) * d, **k}),
+        {"center": ("center", "size")},
         center=numbers(d),
         size=st.tuples(*[sized(-1, 1)] * d),
         rotation=st.floats(-7, 7) if d == 2 else numbers(3, 7),
@@ -578,6 +580,7 @@ AXIS = fc.axis_mesh((0, 0), (0, 1), rod=(1.0, 2))
 subject(
     "axis_mesh",
     lambda **k: fc.axis_mesh(**{"origin": (0, 0), "direction": (0, 1), "rod": (1.0, 2), **k}),
+    {"origin": ("origin", "direction")},
     origin=numbers(2),
     direction=directions(2),
     rod=st.tuples(sized(-3, 3), st.integers(1, 5)) | fixed([0.0, 0.1, 0.5]),

@@ -360,7 +360,14 @@ def test_whatever_its_numbers_a_scene_runs_or_says_why_not(count):
         try:
             sound(thrown(*scene), scene)
         except InputError as refusal:
-            words = ["density", "youngs_modulus", "poisson_ratio", "gravity", "friction", "dt"]
+            words = [
+                "density",
+                "youngs_modulus",
+                "poisson_ratio",
+                "gravity",
+                "friction",
+                "velocity",
+            ]
             assert any(word in str(refusal) for word in words), str(refusal)
 
     each(count, scenes(), check)

@@ -245,7 +245,7 @@ class Scene:
             fields_every=fields_every,
             progress=progress,
             shortest=shortest,
-            probes=probes or {},
+            probes=checks.mapping("probes", probes, "of functions"),
             stop_when=stop_when,
         )
 

@@ -24,7 +24,13 @@ QUICK = (
 )
 
 #: Generated tests: one of so many is in the default suite, spread evenly; the rest are long.
-SAMPLED = {"test_points": 10, "test_statics": 4, "test_pairs": 6, "test_obstacles": 3}
+SAMPLED = {
+    "test_points": 10,
+    "test_statics": 4,
+    "test_pairs": 6,
+    "test_obstacles": 3,
+    "test_kinds": 9,
+}
 
 
 @pytest.hookimpl(tryfirst=True)  # before marks are selected by

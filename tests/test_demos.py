@@ -146,6 +146,25 @@ def test_own_laws(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.strip().startswith("Tresca: distance")
 
 
+def test_reliability(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("fenicsx_contact.steps.run.CHECKPOINT_EVERY", 2.0)  # put back after it
+    demo = load("reliability")
+    summary = demo.main(quick=True)
+    assert json.loads((demo.RESULTS / "summary.json").read_text())["kills"] == 2
+    assert summary["kills_survived"] == summary["kills"] == 2
+    assert summary["faults_withstood"] == len(summary["faults"]) == 16
+    mended = [what for what, became in summary["faults"].items() if became == "mended"]
+    assert {f"state.npz {how}" for how in ("empty", "cut", "missing")} <= set(mended)
+    assert not summary["inputs"]["anything else"]
+    assert sum(summary["inputs"].values()) > 800 and summary["inputs"]["built"] > 20
+    assert summary["pairs"] == 12 and not summary["pairs_failed"]
+    assert summary["pairs_run"] >= 10
+    assert abs(summary["memory_bytes_a_step"]) < 20_000  # a page now and then, in so short a run
+    assert (demo.RESULTS / "reliability.png").stat().st_size > 5000
+    assert capsys.readouterr().out.strip().startswith("kills survived 2 of 2")
+
+
 def test_hertz(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     demo = load("hertz")

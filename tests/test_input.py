@@ -6,28 +6,38 @@ from __future__ import annotations
 from pathlib import Path
 
 import dolfinx
+import meshio
 import numpy as np
 import pytest
+import ufl
 from mpi4py import MPI
 from scenes import FLOOR, FLOOR_3D, box, rectangle
 
 from fenicsx_contact import (
+    BeamSolid,
+    Circle,
     Contact,
+    Cylinder,
     Discrete,
     ElasticSolid,
     HalfSpace,
     HyperelasticSolid,
     InputError,
     Lagrange,
+    Moved,
     NamedMesh,
     Newton,
     QuasiStatic,
     RigidSolid,
     Scene,
+    Section,
     ThetaScheme,
     Velocity,
+    axis_mesh,
+    mesh_from_file,
     mesh_from_gmsh,
     name_facets,
+    name_points,
     neo_hookean,
     st_venant_kirchhoff,
 )
@@ -476,3 +486,154 @@ def test_gmsh_script_that_gives_no_solid(script, words, tmp_path):
     file.write_text(script)
     refused(lambda: mesh_from_gmsh(file), "file", str(file), words)
     assert mesh_from_gmsh(BLOCK).dim == 2  # gmsh is left as it was
+
+
+# -- what the fuzz tests found --
+
+
+def a_vector():
+    return dolfinx.fem.Constant(rectangle().mesh, (0.0, 1.0))
+
+
+@pytest.mark.parametrize("value", [10**400, np.datetime64("2020-01-01"), np.ma.masked])
+def test_what_is_no_float(value):
+    refused(lambda: rigid(mass=value), "mass")
+
+
+def test_a_vector_with_a_masked_number():
+    refused(lambda: rigid(gravity=np.ma.masked_array([0.0, 1.0], [True, False])), "gravity")
+
+
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [(rigid, "force"), (elastic, "prescribed"), (rigid, "springs"), (elastic, "springs")],
+)
+def test_ufl_where_floats_are_asked_for_is_refused_at_once(make, name):
+    """It was asked for its components without end."""
+    x = dolfinx.fem.Function(compat.lagrange_space(rectangle().mesh))
+    given = x if name == "force" else {(0.0, 0.0): x} if name == "springs" else {"top": [x, x]}
+    refused(lambda: make(**{name: given}), name)
+    assert rigid(force=a_vector())
+
+
+@pytest.mark.parametrize(
+    "function", [lambda: 1.0, lambda a, b: a, lambda t: "much", len, lambda t: [a_vector()] * 2]
+)
+@pytest.mark.parametrize("name", ["force", "torque"])
+def test_functions_of_time_that_are_none(name, function):
+    refused(lambda: rigid(**{name: function}), f"{name}(0)")
+
+
+@pytest.mark.parametrize("value", [3, None, {"base"}, [3], object()])
+@pytest.mark.parametrize("name", ["fixed", "mass_redistribution"])
+def test_lists_of_names(name, value):
+    refused(lambda: elastic(**{name: value}), name)
+
+
+@pytest.mark.parametrize("value", [0, "", [], np.eye(2)])
+@pytest.mark.parametrize("name", ["springs", "tractions", "prescribed"])
+def test_dicts(name, value):
+    refused(lambda: elastic(**{name: value}), name, "dict")
+
+
+def test_a_cylinder_without_an_axis_is_no_ball():
+    refused(lambda: Cylinder((0, 0, 0), None, 1.0), "axis = None")
+
+
+@pytest.mark.parametrize("value", ["no", 1, None])
+def test_inside_of_a_circle(value):
+    refused(lambda: Circle((0, 0), 1.0, inside=value), f"inside = {value!r}")
+
+
+def test_a_motion_that_is_ufl():
+    refused(lambda: Moved(FLOOR, a_vector()), "motion")
+
+
+def test_a_friction_that_is_not_a_number_leaves_no_broken_compiler_cache():
+    refused(lambda: contact(friction=lambda x: NAN), "friction", "nan")
+
+
+def test_energies_of_other_meshes():
+    x = dolfinx.fem.Constant(box().mesh, 1e6) + ufl.SpatialCoordinate(box().mesh)[0]
+    refused(lambda: hyperelastic(energy=neo_hookean(x, 0.3)), "energy", "another mesh")
+
+
+def test_a_run_that_no_clock_could_count():
+    refused(lambda: run(until=1e59, dt=1e-3), "dt = 0.001", "round-off")
+
+
+@pytest.mark.parametrize("stop_when", [lambda x: True, lambda: "yes", 3])
+def test_stop_when(stop_when):
+    refused(lambda: run(stop_when=stop_when), "stop_when")
+
+
+def test_a_probe_that_raises():
+    refused(lambda: run(probes={"p": lambda: 1 / 0}), "probes['p']", "ZeroDivisionError")
+
+
+@pytest.mark.parametrize("value", [3, None, b"block.geo"])
+@pytest.mark.parametrize("read", [mesh_from_gmsh, mesh_from_file])
+def test_files_that_are_no_paths(read, value):
+    refused(lambda: read(value), f"file = {value!r}", "a path")
+
+
+@pytest.mark.parametrize("where", [None, {"a": lambda x: x[0]}, {"a": lambda x: 1 / 0}, {3: len}])
+def test_where(where):
+    mesh = rectangle().mesh
+    if where is None:
+        assert name_facets(mesh, where).names == {}
+    else:
+        refused(lambda: name_facets(mesh, where), "where")
+
+
+def test_parts_of_a_named_mesh():
+    mesh = rectangle()
+    refused(lambda: NamedMesh("mesh", mesh.facet_tags, mesh.names), "mesh = 'mesh'")
+    refused(lambda: NamedMesh(mesh.mesh, None, mesh.names), "facet_tags = None")
+    refused(lambda: NamedMesh(mesh.mesh, mesh.facet_tags, {"a": "b"}), "names['a'] = 'b'")
+    refused(lambda: name_points(mesh, {"p": (NAN, 0.0)}), "points['p']")
+    refused(lambda: name_points(mesh.mesh, {}), "mesh")
+
+
+def quadrilaterals(cells):
+    x = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [2.0, 0.0], [2.0, 1.0]])
+    return compat.create_mesh(MPI.COMM_WORLD, np.array(cells), x, "quadrilateral")
+
+
+def test_a_cell_that_is_there_twice():
+    cells = [[0, 1, 2, 3], [1, 4, 3, 5], [1, 4, 3, 5]]
+    refused(lambda: name_facets(quadrilaterals(cells), {}), "mesh", "twice")
+
+
+def test_a_cell_that_is_turned_over_at_a_vertex():
+    mesh = quadrilaterals([[0, 1, 2, 3], [1, 4, 3, 5]])
+    mesh.geometry.x[np.argmax(mesh.geometry.x @ [1, 1, 0])] = [1.2, 0.2, 0.0]
+    refused(lambda: name_facets(mesh, {}), "mesh", "turned over")
+
+
+def test_cells_of_a_file_that_are_there_twice(tmp_path):
+    x = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [-1, 0.2, 0]])
+    for cells, words in (
+        ([[0, 1, 2], [2, 1, 0]], "twice"),
+        ([[0, 1, 2], [1, 2, 3], [1, 2, 4]], "3 of its cells share one facet"),
+    ):
+        meshio.Mesh(x, [("triangle", np.array(cells))]).write(tmp_path / "m.vtk")
+        refused(lambda: mesh_from_file(tmp_path / "m.vtk"), "m.vtk", words)
+
+
+def test_beams():
+    axis = axis_mesh((0, 0), (0, 1), rod=(1.0, 2))
+
+    def beam(**others):
+        return BeamSolid(axis, **{"sections": Section(1.0, 1.0), **others})
+
+    refused(lambda: beam(sections=3), "sections = 3")
+    refused(lambda: beam(masses=[1.0]), "masses")
+    refused(lambda: beam(supports=[1.0]), "supports")
+    for name in ("displacement", "lateral_load"):
+        refused(lambda name=name: beam(**{name: lambda s: s}), name)
+        refused(lambda name=name: beam(**{name: "much"}), name)
+    refused(lambda: beam(displacement=lambda s: s[None], slope=lambda s: NAN * s[None]), "slope")
+    refused(lambda: beam(sections=Section(lambda s: NAN * s, 1.0)), "mass")
+    constant = dolfinx.fem.Constant(axis.mesh, 2.0)
+    assert beam(sections=Section(constant, 1.0)).mass == pytest.approx(2.0)

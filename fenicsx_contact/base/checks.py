@@ -7,8 +7,9 @@ And the exception of a step that cannot be taken.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeGuard
 
 import numpy as np
 import ufl
@@ -26,18 +27,29 @@ class StepFailed(RuntimeError):
     """A step that cannot be taken at its length; the message is the reason."""
 
 
-def _plain(value: Any) -> Any:
-    """The value of a ``fem.Constant``, as it is now, None for another expression of UFL: numpy and
-    ``float`` would ask it for its components without end."""
-    return getattr(value, "value", None) if isinstance(value, ufl.core.expr.Expr) else value
+def plain(value: Any) -> Any:
+    """The value of a ``fem.Constant``, as it is now, None for another expression of UFL, in lists
+    and arrays too: numpy and ``float`` would ask it for its components without end."""
+    if isinstance(value, ufl.core.expr.Expr):
+        return getattr(value, "value", None)
+    if isinstance(value, np.ndarray) and value.dtype == object:
+        value = value.tolist()
+    return [plain(each) for each in value] if isinstance(value, (list, tuple)) else value
 
 
 def floats(value: Any) -> np.ndarray:
-    """The value as floats; text and truth values are no numbers."""
-    array = np.asarray(_plain(value))
-    if array.dtype.kind in "bSUc":
+    """The value as floats; text, truth values, times and what is masked are no numbers.
+
+    Raises:
+        TypeError, ValueError: it cannot be had.
+    """
+    array = np.asarray(plain(value))
+    if array.dtype.kind in "bSUcmM" or np.ma.is_masked(value):
         raise TypeError("no real numbers")
-    return np.array(array, dtype=float)
+    try:
+        return np.array(array, dtype=float)
+    except Exception as problem:  # of a number of the user's, or an int that is too large
+        raise TypeError(f"no real numbers: {problem}") from None
 
 
 def number(
@@ -70,6 +82,60 @@ def number(
             "in these units its powers overflow, choose others"
         )
     return result
+
+
+def keep(thing: Any, name: str, **limits: float) -> None:
+    """Check a number that a frozen dataclass was given, see :func:`number`, and let it hold the
+    float in place of a Constant, a fraction, an array of one number."""
+    object.__setattr__(thing, name, number(name, getattr(thing, name), **limits))
+
+
+def called(what: str, function: Callable, *arguments: Any) -> Any:
+    """What a function of the user's gives, or an :class:`InputError` with what it raises."""
+    try:
+        return function(*arguments)
+    except StepFailed:
+        raise
+    except Exception as problem:
+        raise InputError(
+            f"{what}: its function {function!r} raises {type(problem).__name__}: {problem}"
+        ) from problem
+
+
+def is_function(value: Any) -> TypeGuard[Callable[..., Any]]:
+    """Whether it is to be called; UFL may be called, too, but for other ends."""
+    return callable(value) and not isinstance(value, ufl.core.expr.Expr)
+
+
+def point(name: str, value: Any) -> tuple[int, np.ndarray]:
+    """The dimension of space and a point in it, from 2 or 3 finite numbers."""
+    try:
+        size = len(np.atleast_1d(floats(value)))
+    except (TypeError, ValueError):
+        size = 0
+    if size not in (2, 3):
+        raise InputError(f"{name} = {value!r}: must be 2 or 3 finite numbers")
+    return size, vector(name, value, size)
+
+
+def table(problem: str, value: Any) -> np.ndarray:
+    """The value as finite floats of any shape, or an :class:`InputError` that tells the problem."""
+    try:
+        result = floats(value)
+    except (TypeError, ValueError):
+        raise InputError(problem) from None
+    if not (np.abs(result) <= LARGEST).all():
+        raise InputError(problem)
+    return result
+
+
+def direction(name: str, value: Any, size: int) -> np.ndarray:
+    """A unit vector along this one."""
+    along = vector(name, value, size)
+    length = float(np.linalg.norm(along))
+    if length == 0:
+        raise InputError(f"{name} = {value!r}: must not be zero")
+    return along / length
 
 
 def vector(name: str, value: Any, size: int) -> np.ndarray:
@@ -109,9 +175,14 @@ def label(name: str, value: Any) -> str:
 def choice(name: str, value: Any, allowed: Iterable[str]) -> str:
     """``value`` if it is one of ``allowed``, else an :class:`InputError`."""
     options: Sequence[str] = list(allowed)
-    if value not in options:
+    if not isinstance(value, str) or value not in options:
         raise InputError(f"{name} = {value!r}: must be one of {', '.join(map(repr, options))}")
     return value
+
+
+def path(name: str, value: Any) -> Path:
+    """``value`` as a path, or an :class:`InputError`."""
+    return Path(instance(name, value, (str, Path), "a path"))
 
 
 def instance(name: str, value: Any, kind: type | tuple[type, ...], allowed: str) -> Any:
@@ -141,7 +212,22 @@ def _members(protocol: type) -> set[str]:
     return {n for n in names if not n.startswith("_")}
 
 
-def sequence(name: str, values: Any, kind: type, allowed: str) -> list[Any]:
+def listed(name: str, values: Any, allowed: str) -> list[Any]:
+    """``values`` as a list, whatever they are, or an :class:`InputError`."""
+    plain = isinstance(values, (list, tuple)) or (isinstance(values, np.ndarray) and values.ndim)
+    if not plain:
+        raise InputError(f"{name} = {values!r}: must be a list of {allowed}")
+    return list(values)
+
+
+def mapping(name: str, value: Any, allowed: str) -> Mapping:
+    """``value`` if it is a dict, {} for None, else an :class:`InputError`."""
+    if value is not None and not isinstance(value, Mapping):
+        raise InputError(f"{name} = {value!r}: must be a dict {allowed}")
+    return {} if value is None else value
+
+
+def sequence(name: str, values: Any, kind: Any, allowed: str) -> list[Any]:
     """``values`` as a list of things of one class, or an :class:`InputError`."""
     if not isinstance(values, (list, tuple)) or not all(isinstance(v, kind) for v in values):
         raise InputError(f"{name} = {values!r}: must be a list of {allowed}")

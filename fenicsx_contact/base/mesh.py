@@ -50,6 +50,12 @@ class NamedMesh:
     points: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        _check_mesh(self.mesh)
+        checks.mapping("points", self.points, "from names to coordinates")
+        for name, tag in checks.mapping("names", self.names, "from names to tags").items():
+            checks.whole_number(f"names[{name!r}]", tag, at_least=-(2**31))
+        if not hasattr(self.facet_tags, "find"):
+            raise checks.InputError(f"facet_tags = {self.facet_tags!r}: must be MeshTags")
         tdim, gdim = self.mesh.topology.dim, self.mesh.geometry.dim
         if tdim != gdim or gdim not in (2, 3):
             raise checks.InputError(
@@ -65,9 +71,18 @@ class NamedMesh:
         x = self.mesh.geometry.x[:, : self.dim]
         if not np.isfinite(x).all():
             return "has a node with a coordinate that is not finite"
-        cells = compat.cell_geometry(self.mesh)[:, FRAME[compat.cell_name(self.mesh)]]
-        edges = x[cells[:, 1:]] - x[cells[:, :1]]
-        return "" if volumes(edges).all() else "has a cell without volume"
+        cells, frame = compat.cell_geometry(self.mesh), FRAME[compat.cell_name(self.mesh)]
+        signs = np.sign(volumes(x[cells[:, frame[1:]]] - x[cells[:, frame[:1]]]))
+        if not signs.all():
+            return "has a cell without volume"
+        if len(np.unique(np.sort(cells, axis=1), axis=0)) < len(cells):
+            return "has a cell twice"
+        corners = range(1, 2**self.dim) if cells.shape[1] == 2**self.dim else ()
+        for at in corners:  # of boxes, whose vertices dolfinx counts in binary
+            edges = x[cells[:, [at ^ 2**i for i in range(self.dim)]]] - x[cells[:, [at]]]
+            if (np.sign(volumes(edges)) != signs * (-1) ** at.bit_count()).any():
+                return "has a cell that is turned over at a vertex"
+        return ""
 
     @property
     def dim(self) -> int:
@@ -80,7 +95,7 @@ class NamedMesh:
         Raises:
             InputError: the mesh has no such name, or no facet bears it.
         """
-        if name not in self.names:
+        if not isinstance(name, str) or name not in self.names:
             known = ", ".join(map(repr, sorted(self.names))) or "none"
             raise checks.InputError(
                 f"facets = {name!r}: the mesh has no such name (it has {known})"
@@ -122,6 +137,11 @@ class NamedMesh:
         return np.concatenate(mesh.comm.allgather(np.stack(ends, axis=1)))
 
 
+def _check_mesh(mesh: Any) -> None:
+    if not hasattr(mesh, "topology") or not hasattr(mesh, "geometry"):
+        raise checks.InputError(f"mesh = {mesh!r}: must be a mesh of dolfinx")
+
+
 def name_facets(mesh: Any, where: Mapping[str, Callable[[np.ndarray], np.ndarray]]) -> NamedMesh:
     """Names for the boundary facets of a dolfinx mesh.
 
@@ -129,12 +149,14 @@ def name_facets(mesh: Any, where: Mapping[str, Callable[[np.ndarray], np.ndarray
         mesh: the mesh.
         where: for each name a function of ``x`` (3, n) that is true on the facets meant.
     """
+    _check_mesh(mesh)
     fdim = mesh.topology.dim - 1
     mesh.topology.create_connectivity(fdim, mesh.topology.dim)
-    for name, f in where.items():
-        if not callable(f):
-            raise checks.InputError(f"where[{name!r}] = {f!r}: must be a function of x (3, n)")
-    found = [dolfinx.mesh.locate_entities_boundary(mesh, fdim, f) for f in where.values()]
+    where = checks.mapping("where", where, "from names to functions of x (3, n)")
+    found = [
+        dolfinx.mesh.locate_entities_boundary(mesh, fdim, _marker(name, f))
+        for name, f in where.items()
+    ]
     facets = np.concatenate([*found, np.empty(0, dtype=np.int32)]).astype(np.int32)
     values = np.repeat(np.arange(1, len(found) + 1), [len(f) for f in found]).astype(np.int32)
     if len(np.unique(facets)) != len(facets):
@@ -142,6 +164,22 @@ def name_facets(mesh: Any, where: Mapping[str, Callable[[np.ndarray], np.ndarray
     order = np.argsort(facets)
     tags = dolfinx.mesh.meshtags(mesh, fdim, facets[order], values[order])
     return NamedMesh(mesh, tags, {name: i for i, name in enumerate(where, start=1)})
+
+
+def _marker(name: str, f: Any) -> Callable[[np.ndarray], np.ndarray]:
+    """The function, its answers checked."""
+    what = f"where[{name!r}]"
+    problem = f"{what} = {f!r}: must be a function of x (3, n) that gives n truth values"
+    if not isinstance(name, str) or not checks.is_function(f):
+        raise checks.InputError(problem)
+
+    def marked(x: np.ndarray) -> np.ndarray:
+        answer = np.asarray(checks.plain(checks.called(what, f, x)))
+        if answer.dtype != bool or answer.shape != x.shape[1:]:
+            raise checks.InputError(problem)
+        return answer
+
+    return marked
 
 
 def name_points(mesh: NamedMesh, points: Mapping[str, Sequence[float]]) -> NamedMesh:
@@ -154,6 +192,8 @@ def name_points(mesh: NamedMesh, points: Mapping[str, Sequence[float]]) -> Named
     Raises:
         InputError: coordinates that are none, a name that the mesh has already.
     """
+    checks.instance("mesh", mesh, NamedMesh, "a NamedMesh (mesh_from_gmsh, name_facets)")
+    points = checks.mapping("points", points, "from names to coordinates")
     for name, place in points.items():
         checks.vector(f"points[{name!r}]", place, mesh.dim)
         if name in mesh.names:
@@ -177,7 +217,7 @@ def mesh_from_gmsh(
     """
     import gmsh
 
-    path = Path(file)
+    path = checks.path("file", file)
     if not path.is_file():
         raise checks.InputError(f"file = {str(file)!r}: no such file")
     declared = _declared(path) if path.suffix == ".geo" else set()

@@ -91,7 +91,7 @@ def mesh_from_file(
     Raises:
         InputError: no such file or not readable, cells of other kinds or distorted, no such name.
     """
-    path = Path(file)
+    path = checks.path("file", file)
     checks.instance("facets", facets, (Mapping, type(None)), "a dict from names, or None")
     read: tuple[str, _Solid | None] = ("", None)
     if comm.rank == 0:
@@ -194,10 +194,16 @@ def _solid(
     cells = cells.reshape(nodes.shape)
     points = _points(mesh, used, dim)
     _check_shape(points, cells, kind)
+    twice = len(cells) - len(np.unique(np.sort(cells, axis=1), axis=0))
+    if twice:
+        raise checks.InputError(f"{twice} of its {len(cells)} cells are there twice")
     new = np.full(len(mesh.points), -1, dtype=np.int64)
     new[used] = np.arange(len(used))
     all_facets = np.sort(cells[:, facet_vertices].reshape(-1, len(facet_vertices[0])), axis=1)
     all_facets, cells_of = np.unique(all_facets, axis=0, return_counts=True)
+    if cells_of.max() > 2:
+        at = points[all_facets[cells_of.argmax()]].mean(axis=0).tolist()
+        raise checks.InputError(f"{cells_of.max()} of its cells share one facet, at {at}")
     facets: dict[str, np.ndarray] = {}
     for label, elements in named_elements(mesh, dim - 1, wanted, data).items():
         if isinstance(elements, PointSet):

@@ -81,8 +81,8 @@ class Contact:
             checks.number("normal_augmentation", normal_augmentation, above=0),
             checks.number("tangential_augmentation", tangential_augmentation, above=0),
         )
-        self.name = checks.label("name", f"{solid.name}.{facets}" if name is None else name)
         self.surface = self._make_surface()
+        self.name = checks.label("name", f"{solid.name}.{facets}" if name is None else name)
         share = checks.number("gap_tolerance", gap_tolerance, at_least=0)
         self.tolerance = share * self.surface.extent
 

@@ -183,7 +183,7 @@ class LawFields:
         try:
             field = self._mirrored(value if is_expression(value) else self._call(value))
             start = at_points(self.surface, compat.PointExpression(field, self.surface.scalars))
-        except (TypeError, ValueError, compat.UFLError) as error:
+        except Exception as error:  # of the user's function, of UFL, of the compiler
             raise checks.InputError(f"{refusal}; {error}") from None
         fine = np.isfinite(start) & (start >= 0)
         if not fine.all():
@@ -195,7 +195,10 @@ class LawFields:
     def _call(self, value: Callable[..., Any]) -> Any:
         """A function of place and time in UFL; there is no time on the surface if it has none."""
         timed = len(inspect.signature(value).parameters) > 1
-        return ufl.as_ufl(value(self.place, self.t) if timed else value(self.place))
+        given = value(self.place, self.t) if timed else value(self.place)
+        if isinstance(given, Real) and not np.isfinite(float(given)):
+            raise ValueError(f"it is {given}")  # no compiler takes it
+        return ufl.as_ufl(given)
 
     def _mirrored(self, given: Any) -> Any:
         """An expression of another mesh, on the surface."""

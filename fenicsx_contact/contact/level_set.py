@@ -108,11 +108,13 @@ def _as_ufl(name: str, function: Any, x: Any, t: Any, shape: tuple[int, ...]) ->
     """What a function of the user's says in UFL, or a refusal."""
     kind = f"a vector of {shape[0]} components" if shape else "a scalar"
     problem = f"{name} = {function!r}: must be a function of (x, t) that gives {kind} in UFL"
+    if not checks.is_function(function):
+        raise checks.InputError(problem)
     try:
         value = function(x, t)
         value = ufl.as_vector(value) if shape and not hasattr(value, "ufl_shape") else value
         value = ufl.as_ufl(value)
-    except (TypeError, ValueError, compat.UFLError) as error:
+    except Exception as error:  # of the user's function, of UFL, of whatever kind
         raise checks.InputError(f"{problem}; {error}") from None
     if value.ufl_shape != shape:
         raise checks.InputError(f"{problem}; its shape is {value.ufl_shape}")

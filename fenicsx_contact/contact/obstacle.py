@@ -29,8 +29,8 @@ class HalfSpace:
     flat = True
 
     def __init__(self, point: Sequence[float], normal: Sequence[float]) -> None:
-        self.dim, self.point = as_point("point", point)
-        self.normal = as_direction("normal", normal, self.dim)
+        self.dim, self.point = checks.point("point", point)
+        self.normal = checks.direction("normal", normal, self.dim)
 
     def distance(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Signed distance of the points (n, d), positive outside."""
@@ -55,11 +55,12 @@ class _Round:
         center: Sequence[float],
         radius: float,
         inside: bool,
-        axis: Sequence[float] | None = None,
+        axis: np.ndarray | None = None,
     ) -> None:
         self.dim, self.center = dim, checks.vector("center", center, dim)
-        self.radius, self.inside = checks.number("radius", radius, above=0), bool(inside)
-        self.axis = None if axis is None else as_direction("axis", axis, dim)
+        self.radius = checks.number("radius", radius, above=0)
+        self.inside = checks.truth("inside", inside)
+        self.axis = axis
         self._across = np.eye(dim)
         if self.axis is not None:
             self._across -= np.outer(self.axis, self.axis)
@@ -132,7 +133,7 @@ class Cylinder(_Round):
         radius: float,
         inside: bool = False,
     ) -> None:
-        super().__init__(3, center, radius, inside, axis)
+        super().__init__(3, center, radius, inside, checks.direction("axis", axis, 3))
 
 
 class Moved:
@@ -151,18 +152,16 @@ class Moved:
     moving = True
 
     def __init__(self, obstacle: Obstacle, motion: Callable[[float], Any]) -> None:
+        if not checks.is_function(motion):
+            raise checks.InputError(f"motion = {motion!r}: must be a function of the time")
         self._wall, self._motion = Wall(obstacle), motion
         self.dim, self.flat = self._wall.dim, self._wall.flat
         self.displacement(0.0)
 
     def displacement(self, time: float) -> np.ndarray:
         """At a time, (d,) in m."""
-        problem = f"motion = {self._motion!r}: must give {self.dim} finite numbers at each time"
-        try:
-            given = [float(value) for value in self._motion(time)]
-        except (TypeError, ValueError):
-            raise checks.InputError(f"{problem}; at {time:g} s it does not") from None
-        return checks.vector(f"motion({time:g})", given, self.dim)
+        what = f"motion({time:g})"
+        return checks.vector(what, checks.called(what, self._motion, time), self.dim)
 
     def distance(self, points: np.ndarray, time: float) -> np.ndarray:
         """Signed distance of the points (n, d), positive outside."""
@@ -183,20 +182,3 @@ class Moved:
 
     def __repr__(self) -> str:
         return f"Moved({self._wall.describe()})"
-
-
-def as_point(name: str, value: Any) -> tuple[int, np.ndarray]:
-    """The dimension of space and a point in it."""
-    size = len(np.atleast_1d(np.asarray(value)))
-    if size not in (2, 3):
-        raise checks.InputError(f"{name} = {value!r}: must be 2 or 3 finite numbers")
-    return size, checks.vector(name, value, size)
-
-
-def as_direction(name: str, value: Any, size: int) -> np.ndarray:
-    """A unit vector along this one."""
-    vector = checks.vector(name, value, size)
-    length = float(np.linalg.norm(vector))
-    if length == 0:
-        raise checks.InputError(f"{name} = {value!r}: must not be zero")
-    return vector / length

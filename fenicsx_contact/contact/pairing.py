@@ -59,10 +59,7 @@ def acting_points(
     points = formulation.points
     if points is not None:
         problem = f"points = {points!r}: each must be a node of the facets {facets!r}"
-        try:
-            wanted = np.array(points, dtype=float)
-        except (TypeError, ValueError):
-            raise checks.InputError(problem) from None
+        wanted = checks.table(problem, points)
         if wanted.ndim != 2 or wanted.shape[1] != surface.dim or not len(wanted):
             raise checks.InputError(f"{problem}, {surface.dim} coordinates each")
         nodes = surface.nodes_at(wanted, 1e-6 * surface.extent)

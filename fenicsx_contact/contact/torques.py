@@ -36,7 +36,8 @@ def torques(
     d = contact.solid.dim
 
     def centre() -> np.ndarray:
-        return checks.vector("about", about() if callable(about) else about, d)
+        given = checks.called("about", about) if checks.is_function(about) else about
+        return checks.vector("about", given, d)
 
     def component(axis: int) -> Callable[[], float]:
         def torque() -> float:

@@ -49,14 +49,15 @@ class Wall:
 
     Args:
         obstacle: has the members of :class:`Obstacle`.
+        what: the argument that gave it, for messages.
 
     Raises:
         InputError: it has not.
     """
 
-    def __init__(self, obstacle: Obstacle) -> None:
+    def __init__(self, obstacle: Obstacle, what: str = "obstacle") -> None:
         checks.instance(
-            "obstacle", obstacle, Obstacle, "an obstacle (dim, distance and normals at least)"
+            what, obstacle, Obstacle, "an obstacle (dim, distance and normals at least)"
         )
         self.obstacle, self.dim = obstacle, obstacle.dim
         self.flat = bool(getattr(obstacle, "flat", False))
@@ -167,7 +168,7 @@ def _mean(velocity: Callable) -> Callable[[np.ndarray, float, float], np.ndarray
 
 
 def _finite(what: str, answer: Any, points: np.ndarray) -> np.ndarray:
-    answer = np.asarray(answer, dtype=float)
+    answer = checks.floats(answer)
     if not np.isfinite(answer).all():
         at = np.argwhere(~np.isfinite(answer))[0]
         raise checks.StepFailed(

@@ -157,7 +157,7 @@ def read_history(path: str | Path) -> History:
     Raises:
         InputError: no run, or one that is damaged; the message names the file.
     """
-    directory = Path(path)
+    directory = checks.path("path", path)
     history, _, _ = _last(directory, tuple(_head(directory)["columns"]))
     damaged, history.reason = history.reason, "not finished"
     if not damaged and (directory / "end.json").is_file():

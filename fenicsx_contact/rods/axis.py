@@ -96,7 +96,7 @@ class AxisMesh:
         Raises:
             InputError: there is no such stretch.
         """
-        if name not in self.stretches:
+        if not isinstance(name, str) or name not in self.stretches:
             known = ", ".join(map(repr, sorted(self.stretches)))
             raise checks.InputError(
                 f"stretch = {name!r}: the axis has no such stretch (it has {known})"
@@ -130,14 +130,8 @@ def axis_mesh(
     Raises:
         InputError: no stretch, lengths or cells out of range, places that do not rise.
     """
-    d = len(np.atleast_1d(np.asarray(origin)))
-    if d not in (2, 3):
-        raise checks.InputError(f"origin = {origin!r}: must be 2 or 3 finite numbers")
-    start = checks.vector("origin", origin, d)
-    along = checks.vector("direction", direction, d)
-    if not along.any():
-        raise checks.InputError(f"direction = {direction!r}: must not be zero")
-    along /= np.linalg.norm(along)
+    d, start = checks.point("origin", origin)
+    along = checks.direction("direction", direction, d)
     if not stretches:
         raise checks.InputError("stretches: an axis needs at least one")
     nodes, named = np.zeros(1), {}
@@ -157,9 +151,8 @@ def _places(name: str, value: Any) -> np.ndarray:
         return np.linspace(
             0.0, length, checks.whole_number(f"{name}: cells", value[1], at_least=1) + 1
         )
-    places = np.array(value, dtype=float)
+    problem = f"{name} = {value!r}: must be (length, cells) or places of nodes that rise from 0"
+    places = checks.table(problem, value)
     if places.ndim != 1 or len(places) < 2 or places[0] != 0 or not (np.diff(places) > 0).all():
-        raise checks.InputError(
-            f"{name} = {value!r}: must be (length, cells) or places of nodes that rise from 0"
-        )
+        raise checks.InputError(problem)
     return places

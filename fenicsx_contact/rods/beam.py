@@ -21,7 +21,7 @@ from ..theory.theta import Step
 from .axis import AxisMesh
 from .drive import AxialLaw, AxialMotion
 from .matrices import BeamMatrices
-from .sections import Lateral, Section, Support
+from .sections import Lateral, Section, Support, values_of
 from .trace import BeamTrace
 from .unknowns import BeamUnknowns
 
@@ -82,27 +82,25 @@ class BeamSolid(Solid):
         self.gravity = -float(g @ axis.direction)  # along the travel
         self.axial = AxialMotion(unknowns.mean, self.mass, self.gravity, held)
         self._load, self._lateral_load = unknowns.weight(g), lateral_load
+        if lateral_load is not None:
+            values_of("lateral_load", lateral_load, k.s, unknowns.planes)
         self.displacement, self.velocity = np.zeros((2, len(self._load)))
         if displacement is not None:
-            self._set_deflection(displacement(k.s), slope and slope(k.s))
+            w = values_of("displacement", displacement, k.s, unknowns.planes)
+            turned = slope and values_of("slope", slope, k.s, unknowns.planes)
+            self._set_deflection(w, turned)
         self.predictions = 0  # counts them, for those who follow
         self.law = law
         self._begin()
 
     def _set_deflection(self, w: np.ndarray, slope: np.ndarray | None) -> None:
-        w = np.asarray(w, dtype=float)
-        planes = self._unknowns.planes
-        if w.shape != (planes, len(self.matrices.s)) or not np.isfinite(w).all():
-            raise checks.InputError(
-                f"displacement: gives values of shape {w.shape}; must be a function of s (n,) with "
-                f"finite values ({planes}, n)"
-            )
         self.split(self.displacement)[0][:] = self.matrices.bent(w, slope)
 
     def deflect(self, deflection: np.ndarray) -> None:
         """Give the beam another deflection, (nodes, d - 1) in m in the order of s, at rest."""
         self.displacement = self.displacement.copy()
-        self._set_deflection(np.asarray(deflection).T, None)
+        w = np.asarray(deflection).T
+        self._set_deflection(values_of("deflection", lambda s: w, self.matrices.s, len(w)), None)
         self.rest()
 
     @property
@@ -187,7 +185,8 @@ class BeamSolid(Solid):
         assert self._lateral_load is not None
         k, self._flow_force = self.matrices, np.zeros_like(self._load)
         bending, along = self.split(self._flow_force)[0], self.split(self.displacement)[1]
-        bending[:, ::2] = self._lateral_load(k.s + along) * k.lengths
+        load = values_of("lateral_load", self._lateral_load, k.s + along, len(bending))
+        bending[:, ::2] = load * k.lengths
         return self._flow_force
 
     def bear(self, bending: np.ndarray, axial: np.ndarray, along: float) -> None:

@@ -115,13 +115,14 @@ class GuideContact(Contact):
         checks.instance("obstacle", obstacle, Guide, "a Guide")
         if obstacle.dim == solid.dim:
             _check_place(solid.rod, facets, obstacle)
+        share = checks.number("deepest", deepest, at_least=0)
         self.obstacle = obstacle
         self.step: Step | None = None
         super().__init__(solid, facets, obstacle, formulation, friction, **others)
         # what touches at the start bears: whether it opens is for the law to say
         self.status = (self.gap >= -self.tolerance).astype(float)
         worst = int(self.gap.argmax())
-        if self.gap[worst] > deepest * float(obstacle.clearance().min()):
+        if self.gap[worst] > share * float(obstacle.clearance().min()):
             depth = float(obstacle.depth(self.trace.positions())[worst])
             raise checks.InputError(
                 f"obstacle: the guide is too bent for its clearance where the rod starts: at the "

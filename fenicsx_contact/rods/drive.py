@@ -78,10 +78,10 @@ class Fall:
     def __post_init__(self) -> None:
         if self.water is not None:
             checks.instance("water", self.water, Water, "an object with buoyancy, added_mass, drag")
-        checks.number("drive_friction", self.drive_friction, at_least=0)
-        checks.number("stop_stiffness", self.stop_stiffness, above=0)
+        checks.keep(self, "drive_friction", at_least=0)
+        checks.keep(self, "stop_stiffness", above=0)
         if self.stop is not None:
-            checks.number("stop", self.stop)
+            checks.keep(self, "stop")
 
     def check(self, mass: float, gravity: float, held: bool) -> None:
         """Refuse a rod that would never fall."""
@@ -136,7 +136,7 @@ class Driven:
     stop: ClassVar[None] = None
 
     def __post_init__(self) -> None:
-        checks.number("speed", self.speed)
+        checks.keep(self, "speed")
 
     @property
     def prescribed(self) -> float:

@@ -50,19 +50,17 @@ class Guide:
         direction: Sequence[float] | None = None,
         plane: Sequence[float] | np.ndarray | None = None,
     ) -> None:
-        if not pieces or not all(isinstance(piece, (Tube, Card)) for piece in pieces):
-            raise checks.InputError(f"pieces = {pieces!r}: must be a list of Tube and Card")
-        self.dim = d = len(np.atleast_1d(np.asarray(origin)))
-        if d not in (2, 3):
-            raise checks.InputError(f"origin = {origin!r}: must be 2 or 3 finite numbers")
+        if not checks.sequence("pieces", pieces, (Tube, Card), "Tube and Card"):
+            raise checks.InputError("pieces = []: must be a list of Tube and Card, one at least")
         self.pieces = list(pieces)
-        self.origin = checks.vector("origin", origin, d)
+        d, self.origin = checks.point("origin", origin)
+        self.dim = d
         down = [0.0] * (d - 1) + [-1.0]
-        self.direction = _unit("direction", down if direction is None else direction, d)
+        self.direction = checks.direction("direction", down if direction is None else direction, d)
         if plane is None:  # the first coordinate that is across
             first = np.eye(d)[0 if abs(self.direction[0]) < 0.9 else 1]
             plane = first - (first @ self.direction) * self.direction
-        self.plane = _unit("plane", plane, d)
+        self.plane = checks.direction("plane", plane, d)
         if abs(self.plane @ self.direction) > SAME:
             raise checks.InputError(f"plane = {plane!r}: must be perpendicular to the direction")
         second = [np.cross(self.direction, self.plane)] if d == 3 else []
@@ -205,13 +203,6 @@ class Guide:
 
     def __repr__(self) -> str:
         return f"Guide({self.pieces!r}, {self.origin.tolist()}, {self.direction.tolist()})"
-
-
-def _unit(name: str, value: Sequence[float] | np.ndarray, size: int) -> np.ndarray:
-    result = checks.vector(name, value, size)
-    if not result.any():
-        raise checks.InputError(f"{name} = {value!r}: must not be zero")
-    return result / np.linalg.norm(result)
 
 
 def _polar(off: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -103,7 +103,8 @@ class BeamMatrices:
             form = field(values["axial"]) * rate(u) * rate(u_) * dx
             self.axial_stiffness = assembly.dense_matrix(form)[here]
 
-        for place, kilograms in masses:
+        for pair in checks.listed("masses", masses, "pairs (place, kg)"):
+            place, kilograms = checks.vector("masses", pair, 2)
             i = self._node("masses", place)
             self.bending_mass[2 * i] += checks.number("masses", kilograms, above=0)
             self.axial_mass[i] += kilograms
@@ -128,7 +129,7 @@ class BeamMatrices:
     def _ground(self, supports: Sequence[Support], stretches: bool) -> None:
         self.free_bending = np.ones(len(self.bending_mass), dtype=bool)
         self.free_axial = np.ones(len(self.axial_mass), dtype=bool)
-        for support in supports:
+        for support in checks.sequence("supports", supports, Support, "Support"):
             i = self._node("supports", support.at)
             k = i if stretches else 0
             for matrix, free, at, stiffness in (
@@ -201,7 +202,7 @@ def _values(
     """The numbers of the sections in each cell."""
     names = ("mass", "bending", "shear", "axial", "rotary")
     values = {name: np.full(len(middle), np.nan) for name in names}
-    for stretch, section in sections.items():
+    for stretch, section in checks.mapping("sections", sections, "from stretches").items():
         checks.instance(f"sections[{stretch!r}]", section, Section, "a Section")
         a, b = axis.stretch(stretch)
         inside = (middle > a) & (middle < b)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -32,6 +32,9 @@ class Straight:
 
     tilt: float = 0.0
 
+    def __post_init__(self) -> None:
+        checks.keep(self, "tilt")
+
     def offset(self, depth: np.ndarray) -> np.ndarray:
         return self.tilt * depth
 
@@ -55,8 +58,8 @@ class Sine:
     inlet: str = "tangent"
 
     def __post_init__(self) -> None:
-        checks.number("amplitude", self.amplitude)
-        checks.number("wavelength", self.wavelength, above=0)
+        checks.keep(self, "amplitude")
+        checks.keep(self, "wavelength", above=0)
         checks.choice("inlet", self.inlet, ["tangent", "kinked"])
 
     def offset(self, depth: np.ndarray) -> np.ndarray:
@@ -81,8 +84,8 @@ class Bow:
     length: float
 
     def __post_init__(self) -> None:
-        checks.number("sagitta", self.sagitta)
-        checks.number("length", self.length, above=0)
+        checks.keep(self, "sagitta")
+        checks.keep(self, "length", above=0)
 
     def offset(self, depth: np.ndarray) -> np.ndarray:
         return 0.5 * self.sagitta * (1 - np.cos(2 * np.pi / self.length * depth))
@@ -106,6 +109,11 @@ class AnyCurve:
         return self.derivative(depth)
 
 
+def _is_table(clearance: Any) -> bool:
+    array = isinstance(clearance, np.ndarray) and clearance.ndim > 0
+    return array or isinstance(clearance, (list, tuple))
+
+
 @dataclass(frozen=True)
 class Tube:
     """A continuous guide.
@@ -127,25 +135,33 @@ class Tube:
     kinks: Sequence[float] = ()
 
     def __post_init__(self) -> None:
-        top, bottom = checks.number("top", self.top), checks.number("bottom", self.bottom)
-        if top >= bottom:
-            raise checks.InputError(f"top = {top!r}, bottom = {bottom!r}: the top must be above")
-        checks.instance("curve", self.curve, Curve, "a curve (Straight, Sine, Bow, ...)")
-        if not isinstance(self.clearance, (list, tuple, np.ndarray)):
-            checks.number("clearance", self.clearance, above=0)
-            return
-        table = np.array(self.clearance, dtype=float)
-        if table.ndim != 2 or table.shape[1] != 2 or not (np.diff(table[:, 0]) > 0).all():
+        checks.keep(self, "top")
+        checks.keep(self, "bottom")
+        if self.top >= self.bottom:
             raise checks.InputError(
-                f"clearance = {self.clearance!r}: must be > 0, or pairs (depth, clearance) that "
-                "go downwards"
+                f"top = {self.top!r}, bottom = {self.bottom!r}: the top must be above"
             )
+        checks.offers("curve", self.curve, Curve, "a curve (Straight, Sine, Bow, ...)")
+        problem = f"kinks = {self.kinks!r}: must be a list of depths, finite numbers"
+        if checks.table(problem, self.kinks).ndim != 1:
+            raise checks.InputError(problem)
+        if not _is_table(self.clearance):
+            checks.keep(self, "clearance", above=0)
+            return
+        problem = (
+            f"clearance = {self.clearance!r}: must be > 0, or pairs (depth, clearance) that "
+            "go downwards"
+        )
+        table = checks.table(problem, self.clearance)
+        pairs = table.ndim == 2 and len(table) > 1 and table.shape[1] == 2
+        if not pairs or not (np.diff(table[:, 0]) > 0).all():
+            raise checks.InputError(problem)
         for value in table[:, 1]:
             checks.number("clearance", value, above=0)
 
     def table(self) -> tuple[np.ndarray, np.ndarray]:
         """Depths and clearances between which the clearance is linear."""
-        if isinstance(self.clearance, (list, tuple, np.ndarray)):
+        if not isinstance(self.clearance, float):
             depth, clearance = np.array(self.clearance, dtype=float).T
             return depth, clearance
         return np.array([self.top, self.bottom]), np.full(2, self.clearance, dtype=float)
@@ -178,9 +194,9 @@ class Card:
     centre: float = 0.0
 
     def __post_init__(self) -> None:
-        checks.number("depth", self.depth)
-        checks.number("centre", self.centre)
-        checks.number("clearance", self.clearance, above=0)
+        checks.keep(self, "depth")
+        checks.keep(self, "centre")
+        checks.keep(self, "clearance", above=0)
 
     def stations(self) -> list[float]:
         """Itself."""

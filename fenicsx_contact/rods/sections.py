@@ -41,21 +41,46 @@ class Section:
     def __post_init__(self) -> None:
         for name in ("mass", "bending", "shear", "axial", "rotary"):
             value = getattr(self, name)
-            if callable(value) or (value == math.inf and name in ("shear", "axial")):
+            if checks.is_function(value) or (name in ("shear", "axial") and _endless(value)):
                 continue
             if name in ("mass", "rotary"):
-                checks.number(name, value, at_least=0)
+                checks.keep(self, name, at_least=0)
             else:
-                checks.number(name, value, above=0)
+                checks.keep(self, name, above=0)
 
     def at(self, name: str, s: np.ndarray) -> np.ndarray:
         """One of the numbers at places s."""
         value = getattr(self, name)
-        values = np.broadcast_to(value(s) if callable(value) else value, s.shape).astype(float)
+        if not checks.is_function(value):
+            return np.full(s.shape, value, dtype=float)
+        problem = f"{name} = {value!r}: must be a function of s (n,) with finite values (n,)"
+        values = checks.table(problem, checks.called(name, value, s))
+        if values.shape not in ((), s.shape):
+            raise checks.InputError(f"{problem}, they are {values.shape}")
         least = 0.0 if name in ("mass", "rotary") else np.finfo(float).tiny
         if not (values >= least).all():
             raise checks.InputError(f"{name}: its function of s gives {values.min()!r}")
-        return values
+        return np.broadcast_to(values, s.shape)
+
+
+def values_of(what: str, field: Lateral, s: np.ndarray, planes: int) -> np.ndarray:
+    """A lateral field at places s, (planes, n).
+
+    Raises:
+        InputError: no function, or values that are not finite or of another shape.
+    """
+    problem = f"{what} = {field!r}: must be a function of s (n,) with finite values ({planes}, n)"
+    if not checks.is_function(field):
+        raise checks.InputError(problem)
+    values = checks.table(problem, checks.called(what, field, s))
+    if values.shape != (planes, len(s)):
+        raise checks.InputError(f"{problem}; they are of shape {values.shape}")
+    return values
+
+
+def _endless(value: Value) -> bool:
+    """Whether it is infinity: what it would make soft is left out."""
+    return isinstance(value, (float, int)) and value == math.inf
 
 
 @dataclass(frozen=True)
@@ -75,7 +100,7 @@ class Support:
     axial: float = 0.0
 
     def __post_init__(self) -> None:
-        checks.number("at", self.at)
+        checks.keep(self, "at")
         for name in ("lateral", "rotational", "axial"):
-            if getattr(self, name) != math.inf:
-                checks.number(name, getattr(self, name), at_least=0)
+            if not _endless(getattr(self, name)):
+                checks.keep(self, name, at_least=0)

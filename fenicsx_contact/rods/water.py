@@ -56,11 +56,11 @@ class GuideTubeWater:
 
     def __post_init__(self) -> None:
         for name in ("buoyancy", "mass", "before", "inside"):
-            checks.number(name, getattr(self, name), at_least=0)
+            checks.keep(self, name, at_least=0)
         for name in ("mass_travel", "dashpot", "ramp"):
-            checks.number(name, getattr(self, name), above=0)
+            checks.keep(self, name, above=0)
         for name in ("before_slope", "inside_slope"):
-            checks.number(name, getattr(self, name))
+            checks.keep(self, name)
 
     def added_mass(self, travel: float) -> float:
         """Mass of water that moves with the rod, kg."""

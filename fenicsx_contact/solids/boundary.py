@@ -11,6 +11,7 @@ from petsc4py import PETSc
 
 from ..base import checks
 from ..base.constants import BRIEF, SAME
+from ..base.expressions import is_expression
 from .locations import Location, nodes_at
 from .vector_space import VectorSpace
 
@@ -46,11 +47,8 @@ class Supports:
         axis: np.ndarray,
     ) -> None:
         self._vectors, self._comm, self._d = vectors, vectors.comm, vectors.dim
-        if not isinstance(prescribed, Mapping):
-            raise checks.InputError(
-                f"prescribed = {prescribed!r}: must be a dict from names of facets to motions"
-            )
-        places: list[Any] = [fixed] if isinstance(fixed, str) else list(fixed)
+        single = isinstance(fixed, str)
+        places: list[Any] = [fixed] if single else checks.listed("fixed", fixed, "names, or points")
         given: list[tuple[Location, Motion, np.ndarray]] = []
         for where in places:
             given.append((where, [0.0] * self._d, nodes_at(vectors, where, "fixed")))
@@ -73,14 +71,17 @@ class Supports:
         there = [bool((self.unknowns % self._d == i).any()) for i in range(self._d)]
         self.directions = np.any(self._comm.allgather(there), axis=0)
         self.moving = any(
-            callable(motion) or any(self._at(where, motion, 0.0)[i] for i in held)
+            checks.is_function(motion) or any(self._at(where, motion, 0.0)[i] for i in held)
             for where, motion, held, _ in self._motions
         )
         self.values(0.0)  # refuse now what can be refused
 
     def _at(self, where: Location, motion: Motion, time: float) -> list[float | None]:
-        values = motion(time) if callable(motion) else motion
-        what = f"prescribed[{where!r}]" + (f"({time:g})" if callable(motion) else "")
+        what = f"prescribed[{where!r}]"
+        if checks.is_function(motion):
+            what += f"({time:g})"
+            motion = checks.called(what, motion, time)
+        values: Any = checks.plain(motion) if is_expression(motion) else motion
         problem = f"{what} = {values!r}: must be {self._d} numbers, None for a free direction"
         if isinstance(values, str) or not np.iterable(values) or len(list(values)) != self._d:
             raise checks.InputError(problem)

@@ -20,6 +20,8 @@ import ufl
 from dolfinx import fem
 
 from ..base import checks, compat
+from ..base.checks import is_function
+from ..base.expressions import terminals_off
 from ..base.mesh import NamedMesh
 
 Expression = ufl.core.expr.Expr
@@ -30,11 +32,6 @@ Scalar = Any
 def is_field(value: Any) -> bool:
     """Whether it is UFL but no constant."""
     return isinstance(value, Expression) and not isinstance(value, fem.Constant)
-
-
-def is_function(value: Any) -> bool:
-    """Whether it is to be called; UFL may be called, too, but for other ends."""
-    return callable(value) and not isinstance(value, Expression)
 
 
 def arguments(function: Callable) -> list[str]:
@@ -154,19 +151,35 @@ def sampled(expression: Any, mesh: NamedMesh) -> np.ndarray | str:
     """Values at the corners and midpoints of the cells of this process, or what is wrong."""
     domain = mesh.mesh
     try:
-        own = ufl.domain.extract_domains(ufl.SpatialCoordinate(domain))
-        if any(d not in own for d in ufl.domain.extract_domains(expression)):
-            return "it lives on another mesh"
-        if ufl.algorithms.extract_arguments(expression):
-            return "it holds test or trial functions"
-        parts = [c.x.array for c in ufl.algorithms.extract_coefficients(expression)]
-        parts += [c.value for c in ufl.algorithms.analysis.extract_constants(expression)]
-        if any(np.iscomplexobj(part) for part in parts):
-            return "it is complex"
+        if problem := _strange(expression, mesh):
+            return problem
         here = fem.Constant(domain, 1.0) * expression  # what is the same everywhere has no mesh
         return compat.PointExpression(here, compat.lagrange_space(domain, 2))()
     except Exception as failure:  # of the form compiler, of whatever kind
         return str(failure) or repr(failure)
+
+
+def refuse_strange(what: str, given: Any, value: Any, mesh: NamedMesh) -> None:
+    """Refuse what a function of an unknown field gives, if a form cannot hold it.
+
+    Raises:
+        InputError: no scalar of UFL, one of another mesh, or with test or trial functions.
+    """
+    if getattr(value, "ufl_shape", None) != ():
+        raise checks.InputError(f"{what} = {given!r}: must give a scalar in UFL")
+    if problem := _strange(value, mesh):
+        raise checks.InputError(f"{what} = {given!r}: {problem}")
+
+
+def _strange(expression: Any, mesh: NamedMesh) -> str:
+    """Why a form on the mesh cannot hold an expression, or nothing."""
+    if terminals_off(mesh.mesh, expression):
+        return "it lives on another mesh"
+    if ufl.algorithms.extract_arguments(expression):
+        return "it holds test or trial functions"
+    parts = [c.x.array for c in ufl.algorithms.extract_coefficients(expression)]
+    parts += [c.value for c in ufl.algorithms.analysis.extract_constants(expression)]
+    return "it is complex" if any(np.iscomplexobj(part) for part in parts) else ""
 
 
 def number(what: str, value: Scalar, *, above: float, below: float = np.inf) -> Any:

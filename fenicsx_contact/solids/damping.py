@@ -51,8 +51,8 @@ class Rayleigh:
     beta: float = 0.0
 
     def __post_init__(self) -> None:
-        checks.number("alpha", self.alpha, at_least=0)
-        checks.number("beta", self.beta, at_least=0)
+        checks.keep(self, "alpha", at_least=0)
+        checks.keep(self, "beta", at_least=0)
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class KelvinVoigt:
     eta: float
 
     def __post_init__(self) -> None:
-        checks.number("eta", self.eta, at_least=0)
+        checks.keep(self, "eta", at_least=0)
 
     @property
     def alpha(self) -> float:

@@ -58,7 +58,7 @@ class DeformableSolid(BalancedSolid):
         mass_redistribution: names of facets whose mass is moved inwards, so that their impacts
             lose no energy; for laws of positions (GAP, ...).
         displacement, velocity: initial fields in m and m/s, functions of ``x`` (3, n) with values
-            (d, n).
+            (d, n), or UFL on the mesh: a Function, a Constant, an expression.
         name: for messages, files and the prefix of PETSc options.
 
     Attributes:
@@ -110,16 +110,16 @@ class DeformableSolid(BalancedSolid):
         self.plane = PLANES[plane]
         self.revolution = self.plane.revolution
         breadth = self.plane.breadth(ufl.SpatialCoordinate(mesh.mesh))
-        motions, axis = {} if prescribed is None else prescribed, self.plane.axis(self.vectors)
-        self.supports = Supports(self.vectors, fixed, motions, axis)
+        motions = checks.mapping("prescribed", prescribed, "from locations to motions")
+        tractions = checks.mapping("tractions", tractions, "from names of facets to tractions")
+        springs = checks.mapping("springs", springs, "from locations to stiffness")
+        self.supports = Supports(self.vectors, fixed, motions, self.plane.axis(self.vectors))
         self.fixed_unknowns, self.hold = self.supports.unknowns, self.supports.hold
         self.foundations = [Foundation(self.vectors, springs, breadth)] if springs else []
         holding = [self.supports.directions, *(f.directions for f in self.foundations)]
         self.supported = bool(np.any(holding))
         applied = tractions or body_force is not None
-        self._applied = (
-            Loads(self.vectors, tractions or {}, body_force, breadth) if applied else None
-        )
+        self._applied = Loads(self.vectors, tractions, body_force, breadth) if applied else None
         self._pull = self._applied.total(0.0) if self._applied else np.zeros(self.owned)
 
         self._inertia = Mass(

@@ -41,10 +41,6 @@ class Foundation:
     def __init__(
         self, vectors: VectorSpace, springs: Mapping[Location, Stiffness], breadth: Any
     ) -> None:
-        if not isinstance(springs, Mapping):
-            raise checks.InputError(
-                f"springs = {springs!r}: must be a dict from locations to stiffness"
-            )
         self._vectors, mesh, d = vectors, vectors.mesh, vectors.dim
         u, v = ufl.TrialFunction(vectors.space), ufl.TestFunction(vectors.space)
         ds = ufl.Measure("ds", domain=mesh.mesh, subdomain_data=mesh.facet_tags)
@@ -79,8 +75,7 @@ class Foundation:
 
     def _stiffness(self, what: str, given: Any) -> np.ndarray:
         d = self._vectors.dim
-        plain = getattr(given, "value", given)
-        if np.ndim(plain) == 0:
+        if np.ndim(checks.plain(given)) == 0:
             return np.full(d, checks.number(what, given, at_least=0))
         return np.array([checks.number(what, k, at_least=0) for k in checks.vector(what, given, d)])
 

@@ -22,6 +22,7 @@ from ..base.compiling import compiled
 from ..base.constants import MADE, ROUND_OFF
 from ..base.mesh import NamedMesh
 from ..theory.theta import Step
+from .coefficients import refuse_strange
 from .damping import StiffnessDamper
 from .deformable import DeformableSolid
 from .energies import Energy, in_space
@@ -47,7 +48,7 @@ class HyperelasticSolid(DeformableSolid):
     distributed = (*DeformableSolid.distributed, "tangent.start", "tangent.end")
 
     def __init__(self, mesh: NamedMesh, *, energy: Energy, **others: Any) -> None:
-        if not callable(energy):
+        if not checks.is_function(energy):
             raise checks.InputError(f"energy = {energy!r}: must be a function of F, in UFL")
         super().__init__(mesh, **{"name": "hyperelastic", **others})
         self._energy = energy
@@ -56,9 +57,8 @@ class HyperelasticSolid(DeformableSolid):
         F = in_space(ufl.Identity(self.dim) + ufl.grad(u))
         degree = {"quadrature_degree": 2 * self.degree}
         self._volume = dx = ufl.Measure("dx", domain=mesh.mesh, metadata=degree)
-        density = energy(F)
-        if getattr(density, "ufl_shape", None) != ():
-            raise checks.InputError(f"energy = {energy!r}: must give a scalar of F, in UFL")
+        density = checks.called("energy", energy, F)
+        refuse_strange("energy", energy, density, mesh)
         potential = density * dx
         residual = ufl.derivative(potential, u, v)
         self.parameters += f", energy {potential.signature()[:8]}"

@@ -12,8 +12,9 @@ import ufl
 from dolfinx import fem
 
 from ..base import assembly, checks
+from ..base.checks import is_function
 from ..base.compiling import compiled
-from .coefficients import Field, arguments, field, is_field, is_function
+from .coefficients import Field, arguments, field, is_field
 from .vector_space import VectorSpace
 
 #: d numbers, a Constant, a Function, an expression in UFL, or a function of t, of x, of x and t;
@@ -45,8 +46,8 @@ class _Uniform:
     def at(self, time: float) -> np.ndarray:
         value, what = self._value, self._what
         timed = is_function(value)
-        given = value(time) if timed else value
         what += f"({time:g})" if timed else ""
+        given = checks.called(what, value, time) if timed else value
         return checks.vector(what, given, len(self._units)) @ self._units
 
 
@@ -85,10 +86,6 @@ class Loads:
     def __init__(
         self, vectors: VectorSpace, tractions: Mapping[str, Load], body_force: Load, breadth: Any
     ) -> None:
-        if not isinstance(tractions, Mapping):
-            raise checks.InputError(
-                f"tractions = {tractions!r}: must be a dict from names of facets to tractions"
-            )
         self._vectors, self._breadth = vectors, breadth
         self._parts: list[_Part] = []
         mesh = vectors.mesh

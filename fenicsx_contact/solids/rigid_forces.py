@@ -39,12 +39,16 @@ class Applied:
 
     def at(self, time: float) -> np.ndarray:
         """Of all unknowns at a time, N and N m."""
-        (force, forced), (torque, turned) = (
-            (given(time), f"({time:g})") if callable(given) else (given, "")
-            for given in (self._force, self._torque)
-        )
-        pull = checks.vector(f"force{forced}", force, self._dim)
-        return np.concatenate([pull, angles(f"torque{turned}", torque, self._spins)])
+        pull = checks.vector(*_now("force", self._force, time), self._dim)
+        return np.concatenate([pull, angles(*_now("torque", self._torque, time), self._spins)])
+
+
+def _now(what: str, given: Any, time: float) -> tuple[str, Any]:
+    """What was given as it is at a time, and what to call it."""
+    if not checks.is_function(given):
+        return what, given
+    what = f"{what}({time:g})"
+    return what, checks.called(what, given, time)
 
 
 class Spring:
@@ -101,8 +105,7 @@ def springs(given: Mapping[Sequence[float], Any], centre: np.ndarray) -> list[Sp
     for point, stiffness in given.items():
         what = f"springs[{point!r}]"
         anchor = checks.vector(what, point, d)
-        plain: Any = getattr(stiffness, "value", stiffness)
-        single = np.ndim(plain) == 0
+        single = np.ndim(checks.plain(stiffness)) == 0
         ks = [stiffness] * d if single else checks.vector(what, stiffness, d)
         k = np.array([checks.number(what, each, at_least=0) for each in ks])
         made.append(Spring(anchor - centre, anchor, k))

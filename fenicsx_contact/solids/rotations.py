@@ -19,7 +19,8 @@ CUBIC = [(-1) ** k / factorial(2 * k + 3) for k in reversed(range(20))]
 
 def angles(name: str, value: Any, size: int) -> np.ndarray:
     """One number in 2D, a vector of three in 3D; a plain 0 is none in both."""
-    if size == 1 or (np.ndim(value) == 0 and value == 0):
+    plain = checks.plain(value)
+    if size == 1 or (isinstance(plain, (int, float)) and plain == 0):
         return np.full(size, checks.number(name, value))
     return checks.vector(name, value, size)
 

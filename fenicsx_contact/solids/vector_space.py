@@ -15,10 +15,12 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from ..base import checks, compat
+from ..base.expressions import is_expression
 from ..base.mesh import NamedMesh
+from .coefficients import field as in_ufl
 
-#: A field given as a function of ``x`` (3, n) with values (d, n).
-Field = Callable[[np.ndarray], np.ndarray]
+#: A field given as a function of ``x`` (3, n) with values (d, n), or in UFL on the mesh.
+Field = Callable[[np.ndarray], np.ndarray] | Any
 
 
 class VectorSpace:
@@ -40,7 +42,7 @@ class VectorSpace:
     """
 
     def __init__(self, mesh: NamedMesh, degree: int) -> None:
-        if degree not in (1, 2):
+        if checks.whole_number("degree", degree, at_least=1) > 2:
             raise checks.InputError(f"degree = {degree!r}: must be 1 or 2")
         self.mesh, self.degree, self.dim = mesh, degree, mesh.dim
         self.comm, d = mesh.mesh.comm, mesh.dim
@@ -81,7 +83,8 @@ class VectorSpace:
             InputError: a name that the mesh lacks, or that no facet bears.
         """
         blocks = [np.empty(0, dtype=np.int32)]
-        for name in [names] if isinstance(names, str) else names:
+        given = [names] if isinstance(names, str) else checks.listed(what, names, "names of facets")
+        for name in given:
             facets = self.facets(name, what)
             blocks.append(fem.locate_dofs_topological(self.space, self.dim - 1, facets))
         nodes = np.unique(np.concatenate(blocks)).astype(np.int64)
@@ -140,15 +143,18 @@ class VectorSpace:
 
         Args:
             what: the argument that gave it, for messages.
-            field: the field.
+            field: the field: a function of x, or UFL on the mesh (a Function, a Constant).
 
         Raises:
-            InputError: no function, values of another shape, or not finite.
+            InputError: no such field, values of another shape, or not finite.
         """
+        if isinstance(field, fem.Constant):
+            return np.tile(checks.vector(what, field, self.dim), self.owned // self.dim)
         function = fem.Function(self.space)
 
         def values_at(x: np.ndarray) -> np.ndarray:
-            values = np.asarray(field(x), dtype=float)  # type: ignore[misc]
+            problem = f"{what}: must be a function of x (3, n) with values ({self.dim}, n), finite"
+            values = checks.table(problem, checks.called(what, field, x))  # type: ignore[arg-type]
             if values.shape != (self.dim, x.shape[1]):
                 raise checks.InputError(
                     f"{what}: gives values of shape {values.shape} at x of shape {x.shape}; must "
@@ -156,8 +162,14 @@ class VectorSpace:
                 )
             return values
 
-        if field is not None:
-            if not callable(field):
+        if is_expression(field):
+            given = in_ufl(what, field, self.mesh, (self.dim,)).expression
+            nodes = compat.cell_dofs(self.space)[: compat.num_local_cells(self.mesh.mesh)]
+            scalars = compat.lagrange_space(self.mesh.mesh, self.degree)
+            at_nodes = compat.PointExpression(given, scalars)().reshape(-1, self.dim)
+            function.x.array.reshape(-1, self.dim)[nodes.ravel()] = at_nodes
+        elif field is not None:
+            if not checks.is_function(field):
                 raise checks.InputError(f"{what} = {field!r}: must be a function of x (3, n)")
             function.interpolate(values_at)  # the owned values are right without the ghosts
         values = function.x.array[: self.owned].copy()

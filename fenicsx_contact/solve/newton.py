@@ -63,7 +63,7 @@ class Newton:
     max_iterations: int = 30
 
     def __post_init__(self) -> None:
-        checks.number("tolerance", self.tolerance, above=0, at_most=1e-2)
+        checks.keep(self, "tolerance", above=0, at_most=1e-2)
         checks.whole_number("max_iterations", self.max_iterations, at_least=1)
 
     def solve(self, system: ContactProblem) -> Solution:

@@ -73,12 +73,16 @@ def run(
     checks.truth("resume", resume)
     if until <= scene.time:
         raise checks.InputError(f"until = {until!r}: must be > {scene.time:g}, the present time")
+    if until + dt / 2 == until:
+        raise checks.InputError(f"dt = {dt!r}: is lost in the round-off of until = {until!r}")
     if dt > (until - scene.time) * (1 + 1e-9):
         raise checks.InputError(
             f"dt = {dt!r}: must be <= {until - scene.time:g}, the length of the run"
         )
     _check_probes(scene, probes)
-    if stop_when is not None and not callable(stop_when):
+    if progress is not None:
+        checks.truth("progress", progress)
+    if stop_when is not None and not checks.is_function(stop_when):
         raise checks.InputError(f"stop_when = {stop_when!r}: must be a function")
     if directory is not None and (
         not isinstance(directory, (str, Path)) or Path(directory).is_file()
@@ -184,7 +188,7 @@ class _Course:
                 writer.write(scene.time)
             due = perf_counter() - checkpoint > CHECKPOINT_EVERY
             # the clocks of processes differ, and so may what they are asked
-            due, over = any_of(scene.comm, due, stop_when is not None and bool(stop_when()))
+            due, over = any_of(scene.comm, due, stop_when is not None and _happened(stop_when))
             if due or k + 1 == steps or over:
                 self.save(k + 1)
                 checkpoint = perf_counter()
@@ -205,22 +209,26 @@ class _Course:
 
 
 def _check_probes(scene: Runnable, probes: Mapping[str, Callable[[], float]]) -> None:
-    if not isinstance(probes, Mapping):
-        raise checks.InputError(f"probes = {probes!r}: must be a dict of functions")
     for name, probe in probes.items():
         if name in scene.columns:
             raise checks.InputError(f"probes: {name!r} is a column of every history already")
-        if not callable(probe):
+        if not checks.is_function(probe):
             raise checks.InputError(f"probes[{name!r}] = {probe!r}: must be a function")
 
 
 def _measure(probes: Mapping[str, Callable[[], float]]) -> Iterator[float]:
     for name, probe in probes.items():
-        value = probe()
+        what = f"probes[{name!r}]()"
+        value = checks.plain(checks.called(what, probe))
         try:
             yield float(value)
         except (TypeError, ValueError):
-            raise checks.InputError(f"probes[{name!r}]() = {value!r}: must be a number") from None
+            raise checks.InputError(f"{what} = {value!r}: must be a number") from None
+
+
+def _happened(stop_when: Callable[[], bool]) -> bool:
+    value = checks.called("stop_when", stop_when)
+    return checks.truth("stop_when()", value)
 
 
 def _fingerprint(scene: Runnable, dt: float, step_error: float | None) -> str:

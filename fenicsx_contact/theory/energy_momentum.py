@@ -42,7 +42,7 @@ class EnergyMomentum(ThetaScheme):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        checks.number("theta", self.theta, at_least=0.5, at_most=0.5)
+        checks.keep(self, "theta", at_least=0.5, at_most=0.5)
         checks.choice("forces", self.forces, ["theta"])
 
     @property

@@ -108,7 +108,7 @@ class Velocity:
     gap_share: ClassVar[float] = 0.0
 
     def __post_init__(self) -> None:
-        checks.number("drift_correction", self.drift_correction, at_least=0, at_most=1)
+        checks.keep(self, "drift_correction", at_least=0, at_most=1)
 
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Contact terms of (7) and the status of each point."""
@@ -223,15 +223,15 @@ class Discrete:
     gap_share: ClassVar[float] = 1.0
 
     def __post_init__(self) -> None:
-        checks.number("stiffness", self.stiffness, above=0)
-        checks.number("damping", self.damping, at_least=0)
-        checks.number("tangential_stiffness", self.stiffness_t, above=0)
+        checks.keep(self, "stiffness", above=0)
+        checks.keep(self, "damping", at_least=0)
+        if self.tangential_stiffness is not None:
+            checks.keep(self, "tangential_stiffness", above=0)
 
     @property
     def stiffness_t(self) -> float:
         """Tangential stiffness, N/m."""
-        given = self.tangential_stiffness
-        return self.stiffness if given is None else given
+        return self.stiffness if self.tangential_stiffness is None else self.tangential_stiffness
 
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Forces of the springs and the status of each point."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 from .laws import Expr
-from .parameter import Parameter, parameter, told, varies
+from .parameter import Parameter, keep_parameter, parameter, told, varies
 
 
 @runtime_checkable
@@ -46,7 +46,7 @@ class Coulomb:
     mu: Parameter
 
     def __post_init__(self) -> None:
-        parameter("friction", self.mu)
+        object.__setattr__(self, "mu", parameter("friction", self.mu))
 
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """mu times the pressure."""
@@ -71,7 +71,7 @@ class Tresca:
     stress: Parameter
 
     def __post_init__(self) -> None:
-        parameter("stress", self.stress)
+        keep_parameter(self, "stress")
 
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """s where the contact bears; in an impact, which takes no time, it does nothing."""

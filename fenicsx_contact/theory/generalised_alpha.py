@@ -59,7 +59,7 @@ class GeneralisedAlpha:
     bounds_work: ClassVar[bool] = False  # F is filtered: its works have no sign
 
     def __post_init__(self) -> None:
-        checks.number("rho_inf", self.rho_inf, at_least=0, at_most=1)
+        checks.keep(self, "rho_inf", at_least=0, at_most=1)
 
     @property
     def alpha_m(self) -> float:

@@ -31,6 +31,11 @@ def parameter(name: str, value: Parameter, *, above: float | None = None) -> Par
     return checks.number(name, value, at_least=0 if above is None else None, above=above)
 
 
+def keep_parameter(thing: Any, name: str, *, above: float | None = None) -> None:
+    """Check a parameter that a frozen dataclass was given, and let it hold a number as a float."""
+    object.__setattr__(thing, name, parameter(name, getattr(thing, name), above=above))
+
+
 def told(value: Parameter) -> str:
     """In a few words, without an address in memory."""
     if not varies(value):

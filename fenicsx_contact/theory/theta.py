@@ -39,7 +39,7 @@ class ThetaScheme:
     memory_rows: ClassVar[int] = 0
 
     def __post_init__(self) -> None:
-        checks.number("theta", self.theta, at_least=0, at_most=1)
+        checks.keep(self, "theta", at_least=0, at_most=1)
         checks.choice("forces", self.forces, ["theta", "end"])
 
     @property

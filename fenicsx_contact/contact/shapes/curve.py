@@ -37,11 +37,8 @@ class Curve:
 
     def __init__(self, points: Any, smooth: bool = False) -> None:
         problem = f"points = {points!r}: must be two or more points of the plane, (n, 2) numbers"
-        try:
-            x = checks.floats(points)
-        except (TypeError, ValueError):
-            raise checks.InputError(problem) from None
-        if x.ndim != 2 or x.shape[1] != 2 or len(x) < 2 or not np.isfinite(x).all():
+        x = checks.table(problem, points)
+        if x.ndim != 2 or x.shape[1] != 2 or len(x) < 2:
             raise checks.InputError(problem)
         lengths, extent = np.linalg.norm(np.diff(x, axis=0), axis=1), float(np.ptp(x, axis=0).max())
         if lengths.min() <= SAME * extent:

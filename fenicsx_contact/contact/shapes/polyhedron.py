@@ -13,7 +13,7 @@ from scipy.optimize import linprog
 from ...base import checks
 from ...base.constants import SAME
 from ...solids.rotations import angles, rotation_matrix
-from ..obstacle import HalfSpace, as_direction, as_point
+from ..obstacle import HalfSpace
 
 
 class Polyhedron:
@@ -132,7 +132,7 @@ class Box(Polyhedron):
         rotation: float | Sequence[float] = 0.0,
         rounding: float = 0.0,
     ) -> None:
-        d, middle = as_point("center", center)
+        d, middle = checks.point("center", center)
         sides = checks.vector("size", size, d)
         for i, side in enumerate(sides):
             checks.number(f"size[{i}]", side, above=0)
@@ -169,8 +169,8 @@ class Wedge(Polyhedron):
         edge: Sequence[float] | None = None,
         rounding: float = 0.0,
     ) -> None:
-        d, point = as_point("tip", tip)
-        ahead = as_direction("direction", direction, d)
+        d, point = checks.point("tip", tip)
+        ahead = checks.direction("direction", direction, d)
         half = checks.number("angle", angle, above=0) / 2
         if half >= np.pi / 2:
             raise checks.InputError(f"angle = {angle!r}: must be < pi")
@@ -178,13 +178,13 @@ class Wedge(Polyhedron):
             wanted = "None in 2D" if d == 2 else "3 finite numbers in 3D"
             raise checks.InputError(f"edge = {edge!r}: must be {wanted}")
         aside = np.array([-ahead[1], ahead[0]]) if d == 2 else _across(ahead, edge)
-        ahead = ahead if d == 2 else as_direction("direction", np.cross(aside, _unit(edge)), d)
+        ahead = ahead if d == 2 else checks.direction("direction", np.cross(aside, _unit(edge)), d)
         normals = [np.sin(half) * ahead + sign * np.cos(half) * aside for sign in (1.0, -1.0)]
         super().__init__([HalfSpace(list(point), list(normal)) for normal in normals], rounding)
 
 
 def _unit(edge: Any) -> np.ndarray:
-    return as_direction("edge", edge, 3)
+    return checks.direction("edge", edge, 3)
 
 
 def _across(ahead: np.ndarray, edge: Any) -> np.ndarray:

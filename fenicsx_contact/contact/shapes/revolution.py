@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...base import checks
-from ..obstacle import as_direction
 from ..wall import Obstacle, Wall
 
 
@@ -37,11 +36,11 @@ class Revolution:
     dim = 3
 
     def __init__(self, section: Obstacle, center: Sequence[float], axis: Sequence[float]) -> None:
-        self._wall = Wall(section)
+        self._wall = Wall(section, "section")
         if self._wall.dim != 2:
             raise checks.InputError(f"section = {section!r}: must be an obstacle of the plane")
         self.center = checks.vector("center", center, 3)
-        self.axis = as_direction("axis", axis, 3)
+        self.axis = checks.direction("axis", axis, 3)
         self.moving = self._wall.moving
         self._across = np.eye(3) - np.outer(self.axis, self.axis)
 

@@ -10,7 +10,7 @@ import ufl
 
 from ...base import checks
 from ..formulations import Formulation, formulation
-from ..parameter import Parameter, parameter, told
+from ..parameter import Parameter, keep_parameter, told
 from ..weak_form import ContactFields
 
 
@@ -40,7 +40,7 @@ class Adhesive:
     law: Any = "velocity"
 
     def __post_init__(self) -> None:
-        parameter("stress", self.stress)
+        keep_parameter(self, "stress")
         if not formulation(self.law).multipliers:
             raise checks.InputError(f"law = {self.law!r}: must be a formulation with multipliers")
 

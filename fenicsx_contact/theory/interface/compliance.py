@@ -12,7 +12,7 @@ import ufl
 
 from ...base import checks
 from ..formulations import StepData
-from ..parameter import Parameter, parameter
+from ..parameter import Parameter, keep_parameter
 from ..springs import spring_form
 from ..weak_form import ContactFields
 
@@ -54,11 +54,11 @@ class Compliance:
     gap_share: ClassVar[float] = 1.0
 
     def __post_init__(self) -> None:
-        parameter("coefficient", self.coefficient, above=0)
+        keep_parameter(self, "coefficient", above=0)
         if self.tangential_stiffness is not None:
-            checks.number("tangential_stiffness", self.tangential_stiffness, above=0)
-        checks.number("exponent", self.exponent, at_least=1)
-        checks.number("damping", self.damping, at_least=0)
+            checks.keep(self, "tangential_stiffness", above=0)
+        checks.keep(self, "exponent", at_least=1)
+        checks.keep(self, "damping", at_least=0)
 
     @property
     def stiffness_t(self) -> float:

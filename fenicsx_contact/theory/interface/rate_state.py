@@ -10,7 +10,7 @@ import ufl
 
 from ...base import checks
 from ..laws import Expr
-from ..parameter import Parameter, parameter, told
+from ..parameter import Parameter, keep_parameter, told, varies
 
 
 def ageing(theta: Expr, V: Expr, D: Expr, time: Expr) -> Expr:
@@ -75,19 +75,22 @@ class RateState:
 
     def __post_init__(self) -> None:
         for name in ("a", "distance", "speed"):
-            parameter(name, getattr(self, name), above=0)
+            keep_parameter(self, name, above=0)
         for name in ("b", "mu"):
-            parameter(name, getattr(self, name))
+            keep_parameter(self, name)
         checks.choice("law", self.law, LAWS)
         if self.theta is not None:
-            parameter("theta", self.theta, above=0)
+            keep_parameter(self, "theta", above=0)
 
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """By the speed of slip and the age that it leaves."""
         given = {name: k.field(name, getattr(self, name)) for name in ("a", "b", "mu", "speed")}
         a, b, mu, V0 = given.values()
         V, D = k.slip_speed, k.field("distance", self.distance)
-        start = self.distance / self.speed if self.theta is None else self.theta
+        start = self.theta
+        if start is None:  # functions have no quotient, numbers need no field
+            fields = varies(self.distance) or varies(self.speed)
+            start = D / V0 if fields else self.distance / self.speed
         theta = k.state("theta", start, lambda old, time: LAWS[self.law](old, V, D, time))
         z = V / (2 * V0) * ufl.exp((mu + b * ufl.ln(V0 * theta / D)) / a)
         return a * ufl.ln(z + ufl.sqrt(z**2 + 1)) * pressure

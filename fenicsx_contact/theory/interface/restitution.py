@@ -43,7 +43,7 @@ class Restitution(Velocity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        checks.number("coefficient", self.coefficient, at_least=0, at_most=1)
+        checks.keep(self, "coefficient", at_least=0, at_most=1)
 
     def allowed(self, k: ContactFields) -> Any:
         """What VELOCITY allows, or in a percussion of what is struck the rebound."""

@@ -10,7 +10,7 @@ import ufl
 
 from ...base import checks
 from ..laws import Expr
-from ..parameter import Parameter, parameter, told, varies
+from ..parameter import Parameter, keep_parameter, told, varies
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,8 @@ class StaticKinetic:
     kinetic: Parameter
 
     def __post_init__(self) -> None:
-        parameter("static", self.static)
-        parameter("kinetic", self.kinetic)
+        keep_parameter(self, "static")
+        keep_parameter(self, "kinetic")
         if not varies(self.static) and not varies(self.kinetic):
             checks.number("kinetic", self.kinetic, at_least=0, at_most=self.static)
 

@@ -10,7 +10,7 @@ import ufl
 
 from ...base import checks
 from ..laws import Expr
-from ..parameter import Parameter, parameter, told, varies
+from ..parameter import Parameter, keep_parameter, told, varies
 
 
 @dataclass(frozen=True)
@@ -43,13 +43,13 @@ class Stribeck:
     viscosity: Parameter = 0.0
 
     def __post_init__(self) -> None:
-        parameter("static", self.static)
-        parameter("kinetic", self.kinetic)
-        parameter("speed", self.speed, above=0)
-        parameter("viscosity", self.viscosity)
-        checks.number("exponent", self.exponent, at_least=1)
+        keep_parameter(self, "static")
+        keep_parameter(self, "kinetic")
+        keep_parameter(self, "speed", above=0)
+        keep_parameter(self, "viscosity")
+        checks.keep(self, "exponent", at_least=1)
         if not varies(self.static) and not varies(self.kinetic):
-            checks.number("kinetic", self.kinetic, at_least=0, at_most=self.static)
+            checks.keep(self, "kinetic", at_least=0, at_most=self.static)
 
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """By the speed of slip."""

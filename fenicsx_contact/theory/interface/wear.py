@@ -9,7 +9,7 @@ from typing import Any
 from ...base import checks
 from ..friction import FrictionBound, friction_bound
 from ..laws import Expr
-from ..parameter import Parameter, parameter, told
+from ..parameter import Parameter, keep_parameter, told
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,8 @@ class Archard:
     hardness: Parameter
 
     def __post_init__(self) -> None:
-        parameter("coefficient", self.coefficient)
-        parameter("hardness", self.hardness, above=0)
+        keep_parameter(self, "coefficient")
+        keep_parameter(self, "hardness", above=0)
         if friction_bound(self.friction) is None:
             raise checks.InputError(
                 f"friction = {self.friction!r}: must be > 0, or a law: without friction a contact "

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The ways to install name the same packages: run, pyproject.toml, Dockerfile, environment.yml."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+TOP = Path(__file__).resolve().parent.parent
+DOCKERFILE, ENVIRONMENT = TOP / "Dockerfile", TOP / "environment.yml"
+
+
+def shell_list(name):
+    """A list of packages that run declares."""
+    found = re.search(rf'^{name}="(.*?)"', (TOP / "run").read_text(), re.M | re.S)
+    assert found
+    return found[1].split()
+
+
+def project(name):
+    """A list of requirements of pyproject.toml."""
+    found = re.search(rf"^{name} = \[(.*?)\]", (TOP / "pyproject.toml").read_text(), re.M | re.S)
+    assert found
+    return re.findall(r'"([^"]+)"', found[1])
+
+
+def instructions():
+    """Those of the Dockerfile, with their arguments, continued lines joined."""
+    lines = [x for x in DOCKERFILE.read_text().splitlines() if x and not x.startswith("#")]
+    joined = re.sub(r"\\\n\s*", " ", "\n".join(lines))
+    return [tuple(line.split(maxsplit=1)) for line in joined.splitlines()]
+
+
+def bare(requirement):
+    """A package without its versions."""
+    return re.split(r"[<>=]", requirement)[0]
+
+
+def test_the_dockerfile_parses():
+    kinds = [kind for kind, _ in instructions()]
+    assert kinds[0] == "FROM" and kinds[-1] == "ENTRYPOINT"
+    assert set(kinds) <= {"FROM", "RUN", "COPY", "WORKDIR", "ENTRYPOINT"}
+    given = dict(instructions())
+    assert re.fullmatch(r"debian:\d+-slim", given["FROM"])
+    assert given["ENTRYPOINT"] == '["./run"]'
+    assert given["COPY"].split() == [".", given["WORKDIR"]]
+    for kind, line in instructions():
+        if kind == "RUN":
+            assert shlex.split(line)
+
+
+def test_the_dockerfile_installs_what_run_asks_for():
+    install = next(line for kind, line in instructions() if kind == "RUN")
+    words = shlex.split(install)
+    words = words[words.index("install") + 1 :]
+    packages = [word for word in words[: words.index("&&")] if not word.startswith("-")]
+    assert sorted(packages) == sorted(shell_list("debs"))
+
+
+def environment():
+    """The names of channels, and the packages of conda, in the order of the file."""
+    yaml = pytest.importorskip("yaml")
+    read = yaml.safe_load(ENVIRONMENT.read_text())
+    return read, [each for each in read["dependencies"] if isinstance(each, str)]
+
+
+def test_the_environment_holds_what_the_project_needs():
+    read, packages = environment()
+    assert read["name"] == "fenicsx_contact" and read["channels"] == ["conda-forge"]
+    wanted = {*project("dependencies"), *project("pictures"), *project("test")}
+    ours = {"python>=3.10", "fenics-dolfinx", "python-gmsh", "c-compiler", "pip"}
+    assert set(packages) == wanted | ours and len(packages) == len(set(packages))
+    text = (TOP / "pyproject.toml").read_text()
+    python = re.search(r'requires-python = "(.*?)"', text)
+    assert python and f"python{python[1]}" in packages
+    for said in ("fenics-dolfinx", "python-gmsh"):
+        assert said in (TOP / "run").read_text()
+
+
+def test_all_ways_bring_the_tests_and_the_pictures():
+    assert set(shell_list("wheels")) == set(project("pictures"))
+    third_party = set(shell_list("third_party"))
+    for package in (*project("dependencies"), *project("test")):
+        name = bare(package)
+        assert name in third_party or name == "numpy"  # comes with scipy
+        assert f"python3-{name}" in shell_list("debs") or name == "numpy"
+
+
+@pytest.mark.parametrize("file", [DOCKERFILE, ENVIRONMENT], ids=lambda f: f.name)
+def test_no_address_is_written_down(file):
+    assert "://" not in file.read_text()

@@ -170,6 +170,26 @@ def test_hertz(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.strip().splitlines()[-1].startswith("20 elements: half width")
 
 
+def test_elastic_impact(tmp_path, monkeypatch, capsys):
+    """Hertz within 1 %; Maw, Barber and Fawcett within 2 %."""
+    monkeypatch.chdir(tmp_path)
+    demo = load("elastic_impact")
+    demo.main(quick=True)
+    summary = json.loads((demo.RESULTS / "summary.json").read_text())
+    for found in (summary["plane"][-1], summary["two spheres"]):
+        assert abs(found["duration_error"]) < 0.01
+        assert abs(found["peak_force_error"]) < 0.01
+        assert found["restitution"] == pytest.approx(1, abs=1e-3)
+        assert found["energy_kept"] == pytest.approx(1, abs=1e-3)
+    for found in summary["oblique"]:
+        assert abs(found["tangential_error"]) < 0.02
+        assert abs(found["spin_error"]) < 0.02
+        assert found["steps_shortened"] == 0
+    for picture in ("force.png", "oblique.png"):
+        assert (demo.RESULTS / picture).stat().st_size > 5000
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("sphere on a plane, a/R")
+
+
 def test_rigid_shapes(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     demo = load("rigid_shapes")

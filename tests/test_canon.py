@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Canonical scenes of contact against exact numbers: impact of spheres, belts, discs."""
+"""Canonical scenes of contact against exact numbers: impact, stick and slip, rolling, ironing."""
 
 from __future__ import annotations
 
@@ -15,10 +15,12 @@ from test_shapes import disc
 from fenicsx_contact import (
     Contact,
     LevelSet,
+    QuasiStatic,
     RigidSolid,
     Scene,
     StaticKinetic,
     ThetaScheme,
+    mesh_from_gmsh,
 )
 from fenicsx_contact.references.impact import HertzImpact, ObliqueImpact
 
@@ -81,7 +83,7 @@ def belt(dt, k=100.0, N=10.0, m=1.0, V=0.1, static=0.5, kinetic=0.2):
 
 
 @pytest.mark.parametrize(
-    ("dt", "share"), [(4e-3, 0.015), pytest.param(1e-3, 0.004, marks=pytest.mark.long)]
+    ("dt", "share"), [(8e-3, 0.025), pytest.param(1e-3, 0.004, marks=pytest.mark.long)]
 )
 def test_stick_and_slip_times_on_a_belt(dt, share):
     """It sticks for 2 A/V and slips for 2 (pi - atan(A w/V))/w, w² = k/m, A = (mu_s - mu_k) N/k,
@@ -95,12 +97,13 @@ def test_stick_and_slip_times_on_a_belt(dt, share):
     assert (late >= -1e-9).all() and (late < dt * np.array([2, 3, 5, 6])).all(), late
     np.testing.assert_allclose(turns, exact, rtol=share)
     highest = 0.02 + sqrt(swing**2 + (V / omega) ** 2)
-    assert 0 <= u.max() - highest < V * dt
+    assert 0 <= u.max() - highest < V * late[0]  # carried so much farther
 
 
 # -- a disc on a slope --------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_a_disc_of_many_corners_rolls_down_a_slope():
     """With 2/3 g sin a, the better the rounder it is."""
     slope, errors = 0.1, []
@@ -125,3 +128,40 @@ def test_oblique_impact_of_a_ball(psi):
     assert found["steps_shortened"] == 0
     assert abs(found["tangential_error"]) < 0.02 and abs(found["spin_error"]) < 0.02
     assert found["rebound_degree"] == pytest.approx(found["rebound_degree_exact"], rel=0.02)
+
+
+# -- an arch, ironing in space ------------------------------------------------------------------
+
+
+@pytest.mark.long
+def test_an_arch_of_thirty_blocks_falls_where_statics_says():
+    """It stands 1 % below the tilt of its limit analysis, and falls 1 % above."""
+    found = load("rigid_shapes").tilted(30)
+    assert found["tilt_degree"] == pytest.approx(8.289, abs=1e-3)
+    assert found["below"] < 1e-9 and found["above"] > 1e-4
+
+
+def ironed(space, steps, n=2):
+    """Forces on the die of demos/ironing.py in the plane or, between rollers, 0.5 wide in space."""
+    demo, wide = load("ironing"), {"width": 0.5, "n_width": 1} if space else {}
+    meshes = [mesh_from_gmsh(demo.MESHES / f"{name}.geo", n=n, **wide) for name in ("die", "slab")]
+
+    def motion(t):
+        along = 0.1 * max(0.0, t - 5)
+        return (along, -demo.DEPTH * min(t / 5, 1.0), 0.0)[: 3 if space else 2]
+
+    rollers = {side: (None, None, 0.0) for side in ("front", "back")} if space else {}
+    die = demo.solid("neo-Hookean", meshes[0], 10.0, prescribed={"top": motion, **rollers})
+    held = {"fixed": ["bottom"], "prescribed": rollers, "name": "slab"}
+    slab = demo.solid("neo-Hookean", meshes[1], 1.0, **held)
+    contact = Contact(die, "bottom", (slab, "top"), "gap", friction=0.3, name="c")
+    history = Scene([die, slab], [contact], QuasiStatic()).run(5.0 + steps, 1.0)
+    assert history.finished, history.reason
+    return np.array([history["c.force_x"], history["c.force_y"]])
+
+
+@pytest.mark.parametrize("steps", [2, pytest.param(15, marks=pytest.mark.long)])
+def test_ironing_in_space_between_rollers_is_that_in_the_plane(steps):
+    plane, space = ironed(False, steps), ironed(True, steps) / 0.5
+    assert plane[1, -1] > 0.1 and abs(plane[0, -1]) > 0.2 * plane[1, -1]
+    np.testing.assert_allclose(space, plane, rtol=0, atol=1e-9 * plane[1].max())

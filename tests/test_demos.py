@@ -210,6 +210,47 @@ def test_friction_truth(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.strip().splitlines()[-1].startswith("ours: errors up to")
 
 
+def test_elastic_impact(tmp_path, monkeypatch, capsys):
+    """Hertz within 1 %; Maw, Barber and Fawcett within 2 %."""
+    monkeypatch.chdir(tmp_path)
+    demo = load("elastic_impact")
+    demo.main(quick=True)
+    summary = json.loads((demo.RESULTS / "summary.json").read_text())
+    for found in (summary["plane"][-1], summary["two spheres"]):
+        assert abs(found["duration_error"]) < 0.01
+        assert abs(found["peak_force_error"]) < 0.01
+        assert found["restitution"] == pytest.approx(1, abs=1e-3)
+        assert found["energy_kept"] == pytest.approx(1, abs=1e-3)
+    for found in summary["oblique"]:
+        assert abs(found["tangential_error"]) < 0.02
+        assert abs(found["spin_error"]) < 0.02
+        assert found["steps_shortened"] == 0
+    for picture in ("force.png", "oblique.png"):
+        assert (demo.RESULTS / picture).stat().st_size > 5000
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("sphere on a plane, a/R")
+
+
+def test_canon(tmp_path, monkeypatch, capsys):
+    """What is exact in a twist, a deep indentation and an O-ring, on coarse meshes."""
+    monkeypatch.chdir(tmp_path)
+    demo = load("canon")
+    demo.main(quick=True)
+    summary = json.loads((demo.RESULTS / "summary.json").read_text())
+    (twisted,) = summary["twist"].values()
+    assert abs(twisted["torque_error"]) < 0.03
+    for found in summary["indentation"].values():
+        assert abs(found["error"]) < 2e-4 and found["penetration"] < 1e-9
+        assert found["steps_shortened"] == 0
+    assert summary["indentation"]["friction 0.5"]["dissipated_share"] > 1e-4
+    assert abs(summary["indentation"]["without friction"]["dissipated_share"]) < 1e-12
+    ring = summary["o_ring"]
+    assert abs(ring["force_error"][1]) < 0.04 and ring["equilibrium"] < 1e-9
+    assert ring["groove_force"] > ring["free_force"] > 0 and ring["wall_force"] > 0
+    for picture in ("canon.png", "block.png", "ring.png"):
+        assert (demo.RESULTS / picture).stat().st_size > 5000
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("torque of slip +")
+
+
 def test_rigid_shapes(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     demo = load("rigid_shapes")

@@ -168,7 +168,8 @@ def _mean(velocity: Callable) -> Callable[[np.ndarray, float, float], np.ndarray
 
 
 def _finite(what: str, answer: Any, points: np.ndarray) -> np.ndarray:
-    answer = checks.floats(answer)
+    if getattr(answer, "dtype", None) != float or np.ma.isMaskedArray(answer):
+        answer = checks.floats(answer)
     if not np.isfinite(answer).all():
         at = np.argwhere(~np.isfinite(answer))[0]
         raise checks.StepFailed(

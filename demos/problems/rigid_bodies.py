@@ -2,6 +2,7 @@
 """Rigid bodies of the scenes of friction_truth.py."""
 
 import tempfile
+from collections.abc import Callable
 from math import pi
 from pathlib import Path
 from time import perf_counter
@@ -19,11 +20,13 @@ def box(size: tuple[float, float, float], low: tuple[float, float, float]) -> Na
     """A box of one cell from its lowest corner, its sides named by where they look."""
     corners, kind = [np.array(low), np.add(low, size)], dolfinx.mesh.CellType.hexahedron
     mesh = dolfinx.mesh.create_box(MPI.COMM_WORLD, corners, [1, 1, 1], kind)
-    sides = {"left": (0, 0), "right": (0, 1), "base": (2, 0), "top": (2, 1)}
-    return name_facets(
-        mesh,
-        {n: lambda x, i=i, k=k: np.isclose(x[i], corners[k][i]) for n, (i, k) in sides.items()},
-    )
+    named = {"left": (0, 0), "right": (0, 1), "base": (2, 0), "top": (2, 1)}
+    sides = {name: _plane(i, corners[k][i]) for name, (i, k) in named.items()}
+    return name_facets(mesh, sides)
+
+
+def _plane(i: int, value: float) -> Callable[[np.ndarray], np.ndarray]:
+    return lambda x: np.isclose(x[i], value)
 
 
 def disc(n: dict[str, Any]) -> NamedMesh:

@@ -168,7 +168,7 @@ def _mean(velocity: Callable) -> Callable[[np.ndarray, float, float], np.ndarray
 
 
 def _finite(what: str, answer: Any, points: np.ndarray) -> np.ndarray:
-    if getattr(answer, "dtype", None) != float or np.ma.isMaskedArray(answer):
+    if type(answer) is not np.ndarray or answer.dtype.kind != "f":  # it is asked often
         answer = checks.floats(answer)
     if not np.isfinite(answer).all():
         at = np.argwhere(~np.isfinite(answer))[0]

@@ -244,9 +244,6 @@ def test_what_is_not_a_number_has_not_converged():
         def soften(self, compliance):
             pass
 
-        def temper(self, share):
-            return True
-
         def remember(self):
             return np.zeros(1)
 

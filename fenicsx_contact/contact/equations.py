@@ -50,7 +50,7 @@ class SurfaceEquations:
         self._status = compat.PointExpression(status, surface.scalars)
 
         self._surface, self._chosen = surface, chosen
-        self.augmentation = np.array(augmentation)
+        self._augmentation = np.array(augmentation)
         self.weight = weight
         self.jumps = self.places = n * d
         self.size = k.components * n
@@ -60,7 +60,7 @@ class SurfaceEquations:
         self._z = k.unknowns.x.array
         self._key, self._speed, self._rates = b"", 0.0, (0.0, 0.0, 0.0, 0.0)
         self.carried = np.zeros(self.jumps)
-        self.rho = self.units = np.ones((2, n))  # normal, tangential
+        self.rho = self._units = np.ones((2, n))  # normal, tangential
         self._tresca = 0.0
         self.revision = 0  # counts the changes of candidates and scales
         self.choose(chosen)
@@ -91,8 +91,8 @@ class SurfaceEquations:
                 normal and its tangents, (2, n).
             speed: a typical speed of the step, m/s.
         """
-        self.units = units
-        rho = (self._tresca or self.augmentation[:, None]) * units
+        self._units = units
+        rho = (self._tresca or self._augmentation[:, None]) * units
         changed = not np.array_equal(rho, self.rho)
         if not changed and speed == self._speed:
             return
@@ -136,13 +136,13 @@ class SurfaceEquations:
     def natural(self, scaled: np.ndarray) -> np.ndarray:
         """What the scaled residuals of the active rows stand for: where a row says what a
         multiplier is (open points, friction that slips) it is divided by rho."""
-        if self._tresca or (self.augmentation == 1).all():
+        if self._tresca or (self._augmentation == 1).all():
             return scaled
         m, d = len(self.candidates), self._surface.dim
         status, result = self.statuses()[self.candidates], scaled.copy()
         rows = result[len(result) - m * (self.fields.components - d) :].reshape(-1, m)
-        rows[:1, status == 0] *= self.augmentation[0]
-        rows[1:, status != 1] *= self.augmentation[1]
+        rows[:1, status == 0] *= self._augmentation[0]
+        rows[1:, status != 1] *= self._augmentation[1]
         return result
 
     def freeze_bound(self, augmentation: float) -> None:
@@ -150,7 +150,7 @@ class SurfaceEquations:
         in it: Tresca's problem. It is solved with this augmentation; 0: no longer."""
         self._tresca = augmentation
         if self._speed:
-            self.set_scale(self.units, self._speed)
+            self.set_scale(self._units, self._speed)
         if self.size > self.tractions:
             k = self.fields
             k.frozen.value = float(augmentation > 0)

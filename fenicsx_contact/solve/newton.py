@@ -11,10 +11,6 @@ import numpy as np
 from ..base import checks
 from .multipliers import ROUGH, STALLS, method_of_multipliers
 
-#: Cost: the augmentation of friction is that of a point alone. Many that slip together yield more;
-#: where statuses cycle Newton's method is tried with so much of it before anything else.
-TEMPERED = 2.0**-4
-
 
 class NotConverged(RuntimeError):
     """The surface problem was not solved; the message says what stalls or flips."""
@@ -34,7 +30,6 @@ class ContactProblem(Protocol):
     def iterate(self, enough: float = 0.0) -> bool: ...
     def error(self) -> float: ...
     def soften(self, compliance: float) -> None: ...
-    def temper(self, share: float) -> bool: ...
     def remember(self) -> np.ndarray: ...
     def flips(self) -> str: ...
     def stall(self) -> str: ...
@@ -56,8 +51,7 @@ class Newton:
     """Settings of the Newton loop.
 
     Convergence is judged on the scaled residual of every row. When statuses come back that were
-    there before (ping-pong), it is tried with less augmentation of friction, and then the method of
-    multipliers takes over.
+    there before (ping-pong), the method of multipliers takes over.
 
     Args:
         tolerance: on the largest scaled residual of any row, and where solids, geometry and
@@ -86,12 +80,6 @@ class Newton:
         iterations, rough = self._iterate(system)
         if system.worst <= rough:
             return Solution(system.force(), iterations, system.worst)
-        if system.temper(TEMPERED):
-            more, rough = self._iterate(system)
-            iterations, solved = iterations + more, system.worst <= rough
-            system.temper(1 / TEMPERED)
-            if solved:
-                return Solution(system.force(), iterations, system.worst)
         remark = system.flips()
         steps = method_of_multipliers(system, self.tolerance)
         remark += f"; method of multipliers took over, {steps} steps"

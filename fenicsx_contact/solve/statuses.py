@@ -30,10 +30,6 @@ class Statuses:
         self._history.append(np.concatenate([part.statuses() for part in self.parts]))
         return self._history[-1]
 
-    def temper(self, share: float) -> bool:
-        """Multiply the augmentation of friction; whether there is one that may be."""
-        return False
-
     def flips(self) -> str:
         """Which points changed their status among the last iterations."""
         recent = np.array(self._history[-6:])

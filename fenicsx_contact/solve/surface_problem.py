@@ -142,17 +142,6 @@ class SurfaceSystem(Statuses):
             part.equations.freeze_bound(float(compliance > 0))
         self.update()
 
-    def temper(self, share: float) -> bool:
-        """Multiply the augmentation of friction of deformable solids; whether there is any."""
-        rubbing = [p.equations for p in self.parts if p.equations.size > p.equations.tractions]
-        if self._hyperstatic or not rubbing:
-            return False
-        for equations in rubbing:
-            equations.augmentation[1] *= share
-            equations.set_scale(equations.units, equations.speed)
-        self.update()
-        return True
-
     def iterate(self, enough: float = 0.0) -> bool:
         """One Newton step; False where the tangent is singular. A first one of a hyperstatic
         contact that makes the error worse is taken back, and another made if it was more than

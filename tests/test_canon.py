@@ -7,13 +7,14 @@ from math import atan, pi, sqrt
 
 import numpy as np
 import pytest
-from scenes import FLOOR, G, rectangle
+from scenes import FLOOR, FLOOR_3D, G, check_energies, rectangle
 from scipy.integrate import trapezoid
-from test_demos import load
+from test_demos import DEMOS, load
 from test_shapes import disc
 
 from fenicsx_contact import (
     Contact,
+    ElasticSolid,
     LevelSet,
     QuasiStatic,
     RigidSolid,
@@ -23,6 +24,8 @@ from fenicsx_contact import (
     mesh_from_gmsh,
 )
 from fenicsx_contact.references.impact import HertzImpact, ObliqueImpact
+
+MESHES = DEMOS.parent / "meshes"
 
 # -- the references -----------------------------------------------------------------------------
 
@@ -118,6 +121,30 @@ def test_a_disc_of_many_corners_rolls_down_a_slope():
 
 
 # -- spheres that strike ------------------------------------------------------------------------
+
+
+@pytest.mark.open
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+def test_slip_that_grows_from_the_edge_takes_no_shorter_steps(law):
+    """A coarse ball strikes obliquely: many points slip together, and yield more than each alone,
+    of which the augmentation of friction is. Newton's method goes round in every other step; with
+    ``tangential_augmentation=0.03`` it does not."""
+    mesh = mesh_from_gmsh(MESHES / "half_ball.geo", h=0.05, half_width=0.12, coarse=0.4)
+    exact = HertzImpact.of_contact_radius(0.1, 4 / 3 * pi, 1 / (1 - 0.49**2), 1.0)
+    ball = ElasticSolid(
+        mesh,
+        youngs_modulus=1.0,
+        poisson_ratio=0.49,
+        density=1.0,
+        prescribed={"y0": (None, 0.0, None)},
+        velocity=lambda x: exact.speed * np.array([[0.6], [0.0], [-1.0]]) + 0 * x,
+    )
+    contact = Contact(ball, "near", FLOOR_3D, law, friction=0.2, name="c")
+    scene = Scene([ball], [contact])
+    history = scene.run(1.05 * exact.duration, exact.duration / 20)
+    assert history.finished and not history.remarks
+    assert history["c.slipping"].max() > 5
+    check_energies(history, together=True, slack=1e-4 * history["kinetic"][0])
 
 
 @pytest.mark.long

@@ -18,7 +18,8 @@ from fenicsx_contact import NamedMesh, RigidSolid, Scene, mesh_from_file, name_f
 
 def box(size: tuple[float, float, float], low: tuple[float, float, float]) -> NamedMesh:
     """A box of one cell from its lowest corner, its sides named by where they look."""
-    corners, kind = np.array([low, np.add(low, size)]), dolfinx.mesh.CellType.hexahedron
+    corners = [np.array(low), np.array(low) + np.array(size)]
+    kind = dolfinx.mesh.CellType.hexahedron
     mesh = dolfinx.mesh.create_box(MPI.COMM_WORLD, corners, [1, 1, 1], kind)
     named = {"left": (0, 0), "right": (0, 1), "base": (2, 0), "top": (2, 1)}
     sides = {name: _plane(i, corners[k][i]) for name, (i, k) in named.items()}

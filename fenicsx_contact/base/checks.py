@@ -64,6 +64,7 @@ def number(
     limits = (">=", at_least), (">", above), ("<=", at_most)
     bounds = [f"{sign} {limit:g}" for sign, limit in limits if limit is not None]
     allowed = "a finite number" + (" " + " and ".join(bounds) if bounds else "")
+    value = value.item() if isinstance(value, np.generic) else value  # told as a plain number
     try:
         result = float(floats(value))
     except (TypeError, ValueError):

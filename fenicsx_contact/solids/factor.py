@@ -18,16 +18,67 @@ from petsc4py import PETSc
 LARGE = 1e6
 
 
-def direct_solver(matrix: PETSc.Mat, prefix: str, package: str = "mumps") -> PETSc.KSP:
-    """A direct solver for any regular matrix, with PETSc options of the prefix."""
-    solver = PETSc.KSP().create(matrix.comm)
-    solver.setOptionsPrefix(re.sub(r"\W+", "_", prefix) + "_")
-    solver.setType("preonly")
-    solver.getPC().setType("lu")
-    solver.getPC().setFactorSolverType(package)
-    solver.setOperators(matrix)
-    solver.setFromOptions()
-    return solver
+#: MUMPS' errors that stand for too little memory.
+LACKS = (-8, -9)
+#: Cost: the percentage by which MUMPS may need more memory than it estimates, at first.
+ROOM = 20
+
+
+class Direct:
+    """A direct solver for any regular matrix, with PETSc options of a prefix.
+
+    MUMPS estimates the memory that it needs; where that was too little it is asked again with twice
+    the room, for a matrix is not singular because of that.
+    """
+
+    def __init__(self, matrix: PETSc.Mat, prefix: str, package: str = "mumps") -> None:
+        self._matrix, self._prefix, self._package = matrix, re.sub(r"\W+", "_", prefix), package
+        self._room = ROOM
+        self._make()
+
+    def _make(self) -> None:
+        self._solver = solver = PETSc.KSP().create(self._matrix.comm)
+        solver.setOptionsPrefix(self._prefix + "_")
+        solver.setType("preonly")
+        solver.setOperators(self._matrix)
+        solver.getPC().setType("lu")
+        solver.getPC().setFactorSolverType(self._package)
+        solver.setFromOptions()
+        if self._by_mumps and self._room != ROOM:
+            solver.getPC().setFactorSetUpSolverType()
+            solver.getPC().getFactorMatrix().setMumpsIcntl(14, self._room)
+
+    @property
+    def _by_mumps(self) -> bool:
+        return str(self._solver.getPC().getFactorSolverType()) == "mumps"
+
+    def factor(self) -> None:
+        """Factor the matrix, if it has changed."""
+        self._solver.setUp()
+        while self._by_mumps and self._solver.getPC().getFactorMatrix().getMumpsInfog(1) in LACKS:
+            self._room *= 2
+            self._solver.destroy()
+            self._make()
+            self._solver.setUp()
+
+    def solve(self, right: PETSc.Vec, left: PETSc.Vec) -> bool:
+        """Whether there is a solution."""
+        self.factor()
+        self._solver.solve(right, left)
+        return bool(self._solver.getConvergedReason() >= 0)
+
+    def solve_many(self, right: PETSc.Mat, left: PETSc.Mat) -> None:
+        """For dense columns, on one process."""
+        self.factor()
+        self._solver.getPC().getFactorMatrix().matSolve(right, left)
+
+    def refactor(self) -> None:
+        """The matrix has new values; it is factored when it is next needed."""
+        self._solver.setOperators(self._matrix)
+
+    def destroy(self) -> None:
+        """Free what PETSc holds."""
+        self._solver.destroy()
 
 
 class Factorisation:
@@ -41,14 +92,13 @@ class Factorisation:
         self._matrix = matrix
         # PETSc's own LU solves in a third of the time of MUMPS, which scales in factoring
         large = matrix.comm.size > 1 or matrix.getInfo()["nz_used"] > LARGE
-        self._solver = direct_solver(matrix, name, "mumps" if large else "petsc")
+        self._solver = Direct(matrix, name, "mumps" if large else "petsc")
         self._x, self._b = matrix.createVecs()
 
     def solve(self, values: np.ndarray) -> np.ndarray:
         """A^-1 times the owned part of a vector."""
         self._b.setArray(values)
-        self._solver.solve(self._b, self._x)
-        if self._solver.getConvergedReason() < 0:
+        if not self._solver.solve(self._b, self._x):
             return np.full_like(values, np.nan)
         return self._x.array_r.copy()
 
@@ -57,7 +107,6 @@ class Factorisation:
         n, k = columns.shape
         if self._matrix.comm.size > 1 or k == 1:
             return np.stack([self.solve(columns[:, [i]].toarray().ravel()) for i in range(k)], 1)
-        self._solver.setUp()
         right = PETSc.Mat().createDense((n, k), comm=self._matrix.comm)
         left = PETSc.Mat().createDense((n, k), comm=self._matrix.comm)
         right.setUp()
@@ -65,7 +114,7 @@ class Factorisation:
         right.getDenseArray()[:] = columns.toarray()
         right.assemble()
         left.assemble()
-        self._solver.getPC().getFactorMatrix().matSolve(right, left)
+        self._solver.solve_many(right, left)
         result = left.getDenseArray().copy()
         right.destroy()
         left.destroy()
@@ -73,7 +122,7 @@ class Factorisation:
 
     def refactor(self) -> None:
         """The matrix has new values; it is factored when it is next needed."""
-        self._solver.setOperators(self._matrix)
+        self._solver.refactor()
 
     @property
     def matrix(self) -> PETSc.Mat:

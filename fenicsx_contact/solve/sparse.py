@@ -15,7 +15,7 @@ import numpy as np
 import scipy.sparse as sp
 from mpi4py import MPI
 
-from ..solids.factor import direct_solver
+from ..solids.factor import Direct
 from ..theory.theta import Step
 from .monolithic import Monolithic
 from .problem import Assembly
@@ -117,7 +117,7 @@ class _System:
     def __init__(self, solids: sp.csr_matrix, room: sp.csr_matrix, comm: MPI.Comm) -> None:
         self._room = room
         self._A = petsc_matrix(solids + room, comm)
-        self._solver = direct_solver(self._A, "monolithic")
+        self._solver = Direct(self._A, "monolithic")
         self._x, self._b = self._A.createVecs()
 
     def holds(self, contacts: sp.csr_matrix) -> bool:
@@ -134,10 +134,9 @@ class _System:
             self._A.setValuesCSR(*csr, addv=True)
         self._A.assemble()
         self._b.setArray(right)
-        self._solver.setOperators(self._A)
-        self._solver.solve(self._b, self._x)
-        failed = self._solver.getConvergedReason() < 0
-        return np.full(len(right), np.nan) if failed else self._x.array_r.copy()
+        self._solver.refactor()
+        solved = self._solver.solve(self._b, self._x)
+        return self._x.array_r.copy() if solved else np.full(len(right), np.nan)
 
     def destroy(self) -> None:
         """Free what PETSc holds."""

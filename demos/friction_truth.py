@@ -67,7 +67,7 @@ QUICK = {
     "held_until": 0.1,
     "threshold_until": 0.1,
     "pinch_until": 0.05,
-    "stack_until": 0.02,
+    "stack_until": 0.1,
 }
 Result = dict[str, float]
 FLOOR = HalfSpace((0, 0, 0), (0, 0, 1))

@@ -124,13 +124,19 @@ def test_slope_other_cells(cell, load, share):
 @pytest.mark.open
 @pytest.mark.parametrize("share", [0.9, 0.99, 0.999])
 @pytest.mark.parametrize("load", ["weight", "traction"])
-@pytest.mark.parametrize("n", [(4, 2), (8, 4), (3, 3, 2)])
-def test_slope_of_simplices_near_the_angle(n, load, share):
+@pytest.mark.parametrize("n", [(4, 2), (8, 4)])
+def test_slope_of_triangles_near_the_angle(n, load, share):
     """Where all points slip nothing holds the block but a weak spring in the matrix, which sends it
     far beyond where friction would; it comes back by steps of one length, and the run stops with
     that reason."""
-    cell = "triangle" if len(n) == 2 else "tetrahedron"
-    solved(block_on_floor(n=n, cell=cell, slope=share, load=load), "velocity")
+    solved(block_on_floor(n=n, cell="triangle", slope=share, load=load), "velocity")
+
+
+@pytest.mark.parametrize("load", ["weight", "traction"])
+def test_slope_of_many_tetrahedra(load):
+    """MUMPS takes more memory for it than it estimates."""
+    case = solved(block_on_floor(n=(3, 3, 2), cell="tetrahedron", slope=0.9, load=load), "velocity")
+    assert not case.scene.remarks
 
 
 def test_block_beyond_the_friction_angle_does_not_come_to_rest():

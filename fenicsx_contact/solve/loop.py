@@ -11,7 +11,6 @@ nothing of what will. So do rounds that follow corrections which gain no more (t
 from __future__ import annotations
 
 import numpy as np
-from mpi4py import MPI
 
 from ..base.checks import StepFailed
 from ..base.vectors import largest
@@ -242,7 +241,7 @@ class StepSolver:
                 for sign, bound in zip((1.0, -1.0), bounds):
                     v = sign * body.velocity.reshape(-1, body.dim)
                     bound[i, : body.dim] = v.max(axis=0, initial=-np.inf)
-            high, low = self._comm.allreduce(bounds, op=MPI.MAX)
+            high, low = np.max(self._comm.allgather(bounds), axis=0)
             deforming = float((high + low).max(initial=0.0))
             self._start = step, max(self._fastest("velocity"), deforming)
         return self._start[1]

@@ -101,6 +101,57 @@ def test_stations_are_where_a_guide_is_convex():
     guide = Guide(pieces)
     np.testing.assert_allclose(guide.stations, [-0.9, -0.5, 0, 0.3, 1.05, 2])
     np.testing.assert_allclose(guide.clearance(), [1e-4, C / 2, C / 2, C, C / 4, C / 4])
+    np.testing.assert_array_equal(guide.faces, [True, True, False, False, False, False])
+
+
+def beside(offset):
+    """A curve parallel to the axis."""
+    return AnyCurve(lambda x: 0 * x + offset, lambda x: 0 * x)
+
+
+def test_two_holes_side_by_side_are_two_stations():
+    """The tighter hole of two only if it lies within the other; whose edge is a face from above."""
+    for pieces in (1, -1):
+        tubes = [Tube(0, 1, C), Tube(1, 2, C, beside(C / 2))]
+        guide = Guide(tubes[::pieces])
+        np.testing.assert_allclose(guide.stations, [0, 1, 1, 2])
+        assert sum(guide.faces) == 2
+        guide = Guide([Tube(0, 1, C), Tube(1, 2, C / 2, beside(C / 4))][::pieces])
+        np.testing.assert_allclose(guide.clearance(), [C, C / 2, C / 2])
+        np.testing.assert_array_equal(guide.faces, [True, True, False])
+
+
+@pytest.mark.parametrize(
+    ("dim", "offset", "hole", "tilt", "clearance", "butts"),
+    [
+        (2, C / 2, 0.0, 0.0, C, False),  # the tip is in the middle
+        (2, 3e-3, 0.0, 0.0, C, True),
+        (3, 3e-3, 0.2, 0.0, C, True),
+        (2, 0.0, 0.2, 0.0, C, False),
+        (2, 0.0, 0.2, 0.01, C, True),  # sent beside it by a tube that leans
+        (3, 2e-3, 0.2, 0.0, [(0.2, 4e-3), (0.7, C), (4, C)], False),  # a funnel
+    ],
+)
+def test_a_tip_meets_the_next_tube(dim, offset, hole, tilt, clearance, butts):
+    """Aligned or funnelled it passes, and never inside a wall; beside the hole it butts, named."""
+    zero = (0.0,) * dim
+    pieces = [Tube(-2, 0, C, Straight(tilt)), Tube(hole, 4, clearance, beside(offset))]
+    guide = Guide(pieces, zero)
+    axis = axis_mesh((*zero[1:], 0.05), (*zero[1:], 1), rod=(1.8, 18))
+    law = Fall(drive_friction=5.0)
+    rod = BeamSolid(axis, ROD, gravity=(*zero[1:], -9.81), law=law)
+    settle(rod, "rod", guide)
+    contact = GuideContact(rod, "rod", guide, Velocity(0.1), 0.1, name="c")
+    scene = Scene([rod], [contact], ThetaScheme(0.6))
+    history = scene.run(
+        0.8, 2e-3, stop_when=lambda: rod.travel > 0.6, probes={"z": lambda: rod.travel}
+    )
+    assert history["c.penetration"].max() < 0.02 * C
+    if butts:
+        assert f"butts at the depth {hole:g} m" in history.reason
+        assert 0 <= 0.05 + hole - history["z"][-1] < 1e-5  # the way of the shortest step
+    else:
+        assert history.finished, history.reason
 
 
 # -- statics ------------------------------------------------------------------------------------

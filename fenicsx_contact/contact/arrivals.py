@@ -29,7 +29,7 @@ def missed(contact: Contact, closing: bool) -> str:
     or nothing: a free point goes through the other side and out again, or one is farther within
     than the surface is large; if none may close (not ``closing``), one that may bear."""
     if contact.coupling.encloses:
-        return ""
+        return contact.coupling.blocked
     gaps = contact.coupling.gaps()
     asked = contact.chosen & (contact.status == 0)
     deepest = contact.coupling.deepest(asked, contact.gap, gaps)

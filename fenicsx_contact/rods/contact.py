@@ -25,7 +25,8 @@ from .guide import Guide
 from .trace import BeamTrace
 from .tube import PairTrace, RodInTube
 
-#: Penetration that a rod may start or settle with, as a share of the smallest clearance.
+#: Penetration that a rod may start or settle with, or enter a hole with, as a share of the smallest
+#: clearance.
 DEEPEST = 0.05
 
 
@@ -40,6 +41,7 @@ class GuideCoupling(NodalJump):
         super().__init__(contact.solid, contact.equations, contact.obstacle, trace)
         self._guide, self._stations = contact.obstacle, contact.stations
         self._rod, self._trace, self._turn = contact.solid.rod, trace, turn
+        self._deepest, self._void = contact.deepest, trace.void.copy()
         self._at: np.ndarray | None = None
 
     def _look(self) -> None:
@@ -67,6 +69,25 @@ class GuideCoupling(NodalJump):
         # a station that the rod has passed meets nothing, though it bore a moment ago
         return ~self._trace.void
 
+    @property
+    def blocked(self) -> str:  # type: ignore[override]
+        """Where the tip would go into the face of a tube or card."""
+        rows, guide = self._stations, self._guide
+        reached = guide.faces & self._void[rows] & ~self._trace.void[rows]
+        within = np.where(reached, self.gaps()[rows], 0.0)
+        worst = int(within.argmax())
+        if within[worst] <= self._deepest:
+            return ""
+        return (
+            f"the tip of {self._rod.name!r} butts at the depth {guide.stations[worst]:.6g} m, "
+            f"{within[worst]:.3g} m beside the hole: align the tubes, or let the hole begin wider "
+            "(clearance = [(depth, clearance), ...])"
+        )
+
+    def accept(self) -> None:
+        super().accept()
+        self._void = self._trace.void.copy()
+
     def _depths(self) -> np.ndarray:
         self._look()
         return -self._distances
@@ -84,9 +105,11 @@ class GuideContact(Contact):
         facets: the name of the stretch of its axis that is guided.
         obstacle: the guide.
         formulation, friction, others: as for :class:`~fenicsx_contact.contact.contact.Contact`.
-        deepest: penetration that is accepted at the start, as a share of the smallest clearance.
+        deepest: penetration that is accepted at the start and where the tip enters a hole, as a
+            share of the smallest clearance.
 
     Attributes:
+        deepest: that penetration, m.
         step: the last one, None before the first.
 
     Raises:
@@ -117,12 +140,13 @@ class GuideContact(Contact):
             _check_place(solid.rod, facets, obstacle)
         share = checks.number("deepest", deepest, at_least=0)
         self.obstacle = obstacle
+        self.deepest = share * float(obstacle.clearance().min())
         self.step: Step | None = None
         super().__init__(solid, facets, obstacle, formulation, friction, **others)
         # what touches at the start bears: whether it opens is for the law to say
         self.status = (self.gap >= -self.tolerance).astype(float)
         worst = int(self.gap.argmax())
-        if self.gap[worst] > share * float(obstacle.clearance().min()):
+        if self.gap[worst] > self.deepest:
             depth = float(obstacle.depth(self.trace.positions())[worst])
             raise checks.InputError(
                 f"obstacle: the guide is too bent for its clearance where the rod starts: at the "

@@ -34,6 +34,8 @@ class Guide:
 
     Attributes:
         stations: depths of the stations, from the top down, (k,) in m.
+        faces: which stations have a face on which a tip from above may butt, (k,): cards, and tubes
+            into whose hole none leads.
         bottom: depth at which the last tube ends, m; infinite if there are only cards.
         far: the distance of points next to which there is no wall, m: more than the guide is long.
 
@@ -100,22 +102,33 @@ class Guide:
         self._which = which.astype(int)
 
     def _stations(self) -> None:
-        """Depth, clearance and centre of the stations; the tighter one where two coincide."""
-        found: list[tuple[float, float, np.ndarray]] = []
+        """Depth, clearance, centre and face of the stations; of two at one depth the one whose hole
+        lies within the other's."""
+        Station = tuple[float, float, np.ndarray, bool]
+
+        def within(a: Station, b: Station) -> bool:
+            return float(np.linalg.norm(a[2] - b[2])) + a[1] <= b[1] + self._same
+
+        found: list[Station] = []
         for piece in self.pieces:
-            for depth in piece.stations():
+            for i, depth in enumerate(piece.stations()):
                 clearance, place = piece.hole(depth)
-                found.append((depth, clearance, self._lateral(place)[0]))
+                found.append((depth, clearance, self._lateral(place)[0], i == 0))
         found.sort(key=lambda each: each[0])
         kept = found[:1]
         for each in found[1:]:
-            if each[0] - kept[-1][0] > self._same:
-                kept.append(each)
-            elif each[1] < kept[-1][1]:
+            same = each[0] - kept[-1][0] <= self._same
+            if same and within(each, kept[-1]) and not within(kept[-1], each):
                 kept[-1] = each
-        depths, clearances, centres = zip(*kept)
+            elif same and within(kept[-1], each):
+                # a hole that leads into its like has no face
+                face = kept[-1][3] and (each[3] or not within(each, kept[-1]))
+                kept[-1] = (*kept[-1][:3], face)
+            else:
+                kept.append(each)
+        depths, clearances, centres, faces = zip(*kept)
         self.stations, self._clearance = np.array(depths), np.array(clearances)
-        self._centre = np.array(centres)
+        self._centre, self.faces = np.array(centres), np.array(faces)
         self.bottom = self.tubes[-1].bottom if self.tubes else np.inf
 
     def _lateral(self, values: np.ndarray) -> np.ndarray:

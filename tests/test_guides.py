@@ -193,6 +193,36 @@ def test_one_wavelength_with_free_ends(amplitude, force):
     assert settle(rod, "rod", guide).normal_force() == pytest.approx(force, rel=5e-3)
 
 
+def coiled(amplitude):
+    """A helix round the axis."""
+    k = 2 * np.pi / L
+    return AnyCurve(
+        lambda x: amplitude * np.stack([np.cos(k * x) - 1, np.sin(k * x)], axis=1),
+        lambda x: amplitude * k * np.stack([-np.sin(k * x), np.cos(k * x)], axis=1),
+    )
+
+
+@pytest.mark.parametrize("axial", [math.inf, 1e8], ids=["inextensible", "extensible"])
+def test_rest_in_space(axial):
+    """A kinked bow lies in any plane as in its own; a helix presses as much in all planes."""
+
+    def force(dim, curve, plane=None):
+        zero = (0.0,) * dim
+        axis = axis_mesh((*zero[1:], -L), (*zero[1:], 1), rod=(L, 74))
+        rod = BeamSolid(axis, Section(mass=16.662, bending=EI, axial=axial))
+        contact = settle(rod, "rod", Guide([Tube(-2, 4, C, curve)], zero, plane=plane))
+        assert contact.depth() < 1e-6 * C
+        return contact
+
+    bow = Sine(0.01, L, "kinked")
+    flat, turned = force(2, bow), force(3, bow, (math.cos(0.5), math.sin(0.5), 0))
+    assert flat.normal_force() > 100
+    assert turned.normal_force() == pytest.approx(flat.normal_force(), rel=1e-6)
+    coil = force(3, coiled(0.01))
+    assert coil.normal_force() > flat.normal_force()
+    assert np.abs(coil.force[:, :2].sum(axis=0)).max() < 1e-3 * coil.normal_force()
+
+
 def test_no_contact_below_the_clearance():
     contact = half_wave(0.9 * C, 20)
     assert contact.normal_force() == 0

@@ -153,12 +153,31 @@ class Guide:
             local[inside, 1:] = self._lateral(tube.curve.offset(depth[inside]))
         return self.origin + local @ self._axes
 
-    def _look(self, points: np.ndarray) -> None:
-        """Distances and normals; kept, for both are asked for at the same points."""
-        if points is self._last:
-            return
+    def holes(
+        self, points: np.ndarray, stations: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The holes around points.
+
+        Args:
+            points: (n, d).
+            stations: which of them are at the stations, all of these from the top down.
+
+        Returns:
+            Places from the middle of the hole, in the lateral directions, (n, d - 1) in m, and
+            clearances (n,), ``far`` where there is no hole.
+        """
+        _, off, _, clearance, _, which = self._around(points)
+        clearance = np.where(which < 0, self.far, clearance)
+        if stations is not None:
+            local = (points[stations] - self.origin) @ self._axes.T
+            off[stations], clearance[stations] = local[:, 1:] - self._centre, self._clearance
+        return off, clearance
+
+    def _around(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Points in the frame of the guide (n, d); their places from its centre line and the slope
+        of that, (n, d - 1); the clearance, its slope and the tube there, (n,)."""
         local = (points - self.origin) @ self._axes.T
-        x, off = local[:, 0], local[:, 1:]
+        x, off = local[:, 0], local[:, 1:].copy()
         segment = self._bounds.searchsorted(x)
         clearance = self._value[segment] + self._taper[segment] * (x - self._begin[segment])
         which = self._which[segment]
@@ -169,8 +188,15 @@ class Guide:
                 depth = x[here]
                 off[here] -= self._lateral(tube.curve.offset(depth))
                 rate[here] = self._lateral(tube.curve.slope(depth))
+        return local, off, rate, clearance, self._taper[segment], which
+
+    def _look(self, points: np.ndarray) -> None:
+        """Distances and normals; kept, for both are asked for at the same points."""
+        if points is self._last:
+            return
+        local, off, rate, clearance, taper, which = self._around(points)
         size, across = _polar(off)
-        axial = (across * rate).sum(axis=1) + self._taper[segment]
+        axial = (across * rate).sum(axis=1) + taper
         steep = np.sqrt(1 + axial * axial)
         self._distance = np.where(which < 0, self.far, (clearance - size) / steep)
         local[:, 0], local[:, 1:] = axial / steep, across / -steep[:, None]

@@ -1,6 +1,13 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Rods at rest in their guides: where a fall has to start, for a velocity law keeps the gaps that
-it is given, violated ones too."""
+it is given, violated ones too.
+
+With its travel held and without friction a rod bends as little as its guide allows: the energy is
+convex, and so is the hole around each of its points, a disc in space. Where a rod is free to lie,
+rest is not unique; it is reached from the centre line by steps of implicit Euler, each from rest,
+which are those of the proximal point method: each has one solution, and they converge from
+anywhere (R. T. Rockafellar (1976), SIAM J. Control Optim. 14, 877-898).
+"""
 
 from __future__ import annotations
 
@@ -8,21 +15,27 @@ import numpy as np
 
 from ..base import checks
 from ..base.checks import LARGEST
-from ..scene import Scene
-from ..solve.newton import Newton
 from ..theory.formulations import Velocity
-from ..theory.theta import ThetaScheme
+from ..theory.theta import Step, ThetaScheme
 from .beam import BeamSolid
-from .contact import DEEPEST, GuideContact
+from .contact import GuideContact
 from .drive import Driven
 from .guide import Guide
 from .tube import RodInTube
 
-#: First length of a step as a share of the rod's slowest period, which is also the longest one, and
-#: its growth from block to block of steps.
-FIRST, GROWTH = 1e-4, 3.0
-#: In steps so long the stiffest bending leaves no more digits; what is left decays.
-LOOSE = Newton(tolerance=1e-7)
+#: How far a point may be left outside its hole, as a share of the clearance.
+OUTSIDE = 1e-9
+#: Cost: growth of the stiffness of the walls by which their forces are sought.
+STIFFER = 10.0
+#: Cost: rounds after which a search ends that has not come to its end; some ten are common.
+MOST = 100
+
+
+class Held(Driven):
+    """A drive that holds any rod, whether its axis stretches or not."""
+
+    def check(self, mass: float, gravity: float, held: bool) -> None:
+        """None is refused."""
 
 
 def lay_in(rod: BeamSolid, guide: Guide) -> None:
@@ -38,26 +51,22 @@ def settle(
     stretch: str,
     guide: Guide,
     *,
-    tolerance: float = 1e-4,
-    steps: int = 25,
-    blocks: int = 80,
+    tolerance: float = 1e-6,
+    steps: int = 200,
 ) -> GuideContact:
     """Bring a rod to rest in its guide, without friction, its travel held.
 
-    The rod is laid along the centre line and let go: the same velocity law as everywhere carries it
-    to the walls, in steps that damp (theta = 1) and grow until no motion is left.
-
     Args:
         solid: the rod, with its elastic tube if it has one; deflections change, the rod's law and
-            travel do not.
+            travel do not, nor does the stretch of its axis.
         stretch: of its axis that is guided.
         guide: around it.
-        tolerance: what is left of the motion, as a share of the smallest clearance.
-        steps: of a block, in which they are equally long.
-        blocks: after which there is no hope.
+        tolerance: what is left of the motion in a step as long as the rod's slowest period, as a
+            share of the smallest clearance.
+        steps: after which there is no hope.
 
     Returns:
-        The contact at rest, with its forces.
+        The contact at rest, with its ``force`` and ``status``.
 
     Raises:
         InputError: it finds no rest.
@@ -67,12 +76,18 @@ def settle(
     lay_in(rod, guide)
     solid.rest()
     if not supported:
-        rod.law = Driven(0.0)
+        rod.law = Held()
     try:
-        contact = _relax(solid, stretch, guide, tolerance, steps, blocks)
+        step = Step(rod.matrices.slowest_period(), ThetaScheme(1.0, forces="end"), 0.0)
+        force = _relax(solid, stretch, guide, step, tolerance, steps)
     finally:
         rod.law = law
     solid.rest()
+    contact = GuideContact(solid, stretch, guide, Velocity())
+    across = contact.normal - np.outer(contact.normal @ guide.direction, guide.direction)
+    size = np.einsum("ni,ni->n", force, across) / np.einsum("ni,ni->n", across, across)
+    contact.force = size[:, None] * contact.normal  # walls that are inclined push along them, too
+    contact.status = (size < 0).astype(float)
     return contact
 
 
@@ -80,38 +95,93 @@ def _relax(
     solid: BeamSolid | RodInTube,
     stretch: str,
     guide: Guide,
+    step: Step,
     tolerance: float,
     steps: int,
-    blocks: int,
-) -> GuideContact:
-    """Blocks of steps, each from rest."""
-
-    def touch() -> GuideContact:
-        # a centre line with corners, or coarse cells, may start the rod inside a wall
-        return GuideContact(solid, stretch, guide, Velocity(drift_correction=0.2), deepest=LARGEST)
-
-    contact, period = touch(), solid.rod.matrices.slowest_period()
-    clearance = float(guide.clearance().min())
-    share, longest = FIRST, 1.0
-    for _ in range(blocks):
+) -> np.ndarray:
+    """Steps from rest, until one moves nothing; the lateral forces in it, (n, d) in N."""
+    trace = (touch := GuideContact(solid, stretch, guide, Velocity(), deepest=LARGEST)).trace
+    d, clearance = solid.dim, float(guide.clearance().min())
+    for _ in range(steps):
         solid.rest()
-        start, dt = solid.displacement, share * period
-        scheme = ThetaScheme(1.0, forces="end")
-        scene = Scene([solid], [contact], scheme, newton=LOOSE, deepest=LARGEST)
-        history = scene.run(scene.time + steps * dt, dt, progress=False)
-        moved = float(np.abs(solid.displacement - start).max())
-        # in space a rod that leaves its place in the annular gap turns its own normal, which steps
-        # must resolve: else they are taken back, and stay shorter from then on
-        if not history.finished or (contact.depth() > DEEPEST * clearance and share > FIRST):
-            share = longest = share / (2 * GROWTH)
-            solid.displacement = start
-            solid.rest()
-            contact = touch()
-        elif moved * max(1.0, period / (steps * dt)) <= tolerance * clearance:
-            return contact
-        else:
-            share = min(GROWTH * share, longest)
+        solid.predict(step)
+        trace.follow()
+        solid.linearise(step)
+        trace.linearise(step)
+        off, wide = guide.holes(trace.positions(), touch.stations)
+        near = np.flatnonzero(~trace.void & (wide < guide.far))
+        rows = (near[:, None] * d + np.arange(d)).ravel()
+        W = trace.compliance(rows, trace, rows).reshape(len(near), d, len(near), d)
+        across = guide.lateral
+        G = step.dt * np.einsum("ai,minj,bj->manb", across, W, across)
+        free = off + step.dt * trace.free_jump().reshape(-1, d) @ across.T
+        force = np.zeros((len(off), d))
+        force[near] = walls(G, free[near], wide[near]) @ across
+        trace.spread(force.ravel())
+        solid.correct(step)
+        way = step.dt * solid.trial_velocity
+        solid.displacement = solid.displacement + way
+        if np.abs(way).max() <= tolerance * clearance:
+            return force
     raise checks.InputError(
-        f"guide = {guide!r}: the rod finds no rest in it; it still moves by {moved:.3g} m in "
-        f"{steps * dt:.3g} s"
+        f"guide = {guide!r}: the rod finds no rest in it; it still moves by "
+        f"{np.abs(way).max():.3g} m in {step.dt:.3g} s"
     )
+
+
+def walls(G: np.ndarray, free: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """The forces that keep points within discs.
+
+    The multipliers f of ``min 1/2 f.G f + f.z + sum r |f|``, z the free places: by the method of
+    multipliers, its inner problem (walls that are springs, shifted by f) smooth and convex, by
+    Newton's method with a line search.
+
+    Args:
+        G: compliance of the points, (n, k, n, k) in m/N, symmetric, not negative.
+        free: their places without forces, from the centres of the discs, (n, k) in m.
+        radius: of the discs, (n,) in m.
+
+    Returns:
+        (n, k) in N.
+    """
+    n, k = free.shape
+    if not n:
+        return free
+    matrix, identity = G.reshape(n * k, n * k), np.eye(k)
+    rho = n * k / np.trace(matrix)  # as stiff as the rod
+    close = OUTSIDE * radius.min()
+    held = np.zeros((n, k))
+
+    def pressed(f: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """What the springs lack to forces f, their directions, how far they are pressed."""
+        y = free + (matrix @ f.ravel()).reshape(n, k) - held / rho
+        size = np.linalg.norm(y, axis=1)
+        unit = y / np.where(size > 0, size, 1.0)[:, None]
+        out = np.maximum(size - radius, 0.0)
+        return f + rho * out[:, None] * unit, unit, out
+
+    def correction(f: np.ndarray) -> np.ndarray:
+        """Newton's, and forces after it on which the energy no longer falls steeply."""
+        lack, unit, out = pressed(f)
+        turns = (out / (out + radius))[:, None, None]
+        lines = unit[:, :, None] * unit[:, None, :]
+        H = rho * (out > 0)[:, None, None] * (turns * identity + (1 - turns) * lines)
+        rows = np.einsum("nij,njm->nim", H, G.reshape(n, k, -1)).reshape(n * k, -1)
+        way = -np.linalg.solve(np.eye(n * k) + rows, lack.ravel())
+        moved, way = matrix @ way, way.reshape(n, k)
+        share, slope = 1.0, float(moved @ lack.ravel())
+        while float(moved @ pressed(f + share * way)[0].ravel()) > -0.5 * slope > 0:
+            share /= 2
+        return f + share * way
+
+    for _ in range(MOST):
+        force = held
+        for _ in range(MOST):
+            if np.abs(pressed(force)[0]).max() <= rho * close:
+                break
+            force = correction(force)
+        change, held = np.abs(force - held).max(), force
+        if change <= rho * close:
+            return force
+        rho *= STIFFER
+    raise checks.InputError("guide: the forces of its walls were not found")

@@ -120,16 +120,32 @@ def test_springs_and_point_masses():
     assert beam.matrices.slowest_period() == pytest.approx(math.pi, rel=1e-7)
 
 
-def test_first_frequency_converges_at_second_order():
-    errors = []
+@pytest.mark.parametrize("share", [0.0, 2.0, -0.5])
+def test_first_frequency_converges_at_second_order(share):
+    """Under tension, as a share of Euler's load: omega² = (1 + share) (pi/L)⁴ EI/(rho A)."""
+    errors, tension = [], share * 7.0 * (math.pi / 2) ** 2
     for cells in (4, 8, 16):
         axis = axis_mesh((0, 0), (0, 1), all=(2.0, cells))
         pins = [Support(0.0, lateral=math.inf), Support(2.0, lateral=math.inf)]
-        beam = BeamSolid(axis, Section(mass=3.0, bending=7.0), supports=pins)
-        exact = (math.pi / 2) ** 2 * math.sqrt(7 / 3)
+        beam = BeamSolid(axis, Section(mass=3.0, bending=7.0, tension=tension), supports=pins)
+        exact = (math.pi / 2) ** 2 * math.sqrt((1 + share) * 7 / 3)
         errors.append(abs(2 * math.pi / beam.matrices.slowest_period() / exact - 1))
     assert errors[-1] < 1e-3
     assert rates(errors).min() > 1.9
+
+
+def test_a_column_buckles_beyond_eulers_load():
+    """Between -0.99 and -1.01 of it the slowest vibration begins to grow; steps towards rest are
+    then so short that their energy is convex."""
+    pins = [Support(0.0, lateral=math.inf), Support(2.0, lateral=math.inf)]
+    axis, euler = axis_mesh((0, 0), (0, 1), all=(2.0, 40)), 7.0 * (math.pi / 2) ** 2
+    for share, buckles in ((-0.99, False), (-1.01, True)):
+        beam = BeamSolid(axis, Section(mass=3.0, bending=7.0, tension=share * euler), supports=pins)
+        k = beam.matrices
+        inner = np.ix_(k.free_bending, k.free_bending)
+        assert (np.linalg.eigvalsh(k.bending_stiffness[inner])[0] < 0) == buckles
+        step = k.longest_step()
+        np.linalg.cholesky(np.diag(k.bending_mass)[inner] / step**2 + k.bending_stiffness[inner])
 
 
 @pytest.mark.parametrize("axial", [math.inf, 5e3])

@@ -3,10 +3,12 @@
 dimension."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from processes import killed_after
+from scenes import rates
 
 from fenicsx_contact import (
     BeamSolid,
@@ -157,11 +159,11 @@ def test_a_tip_meets_the_next_tube(dim, offset, hole, tilt, clearance, butts):
 # -- statics ------------------------------------------------------------------------------------
 
 
-def half_wave(amplitude, cells):
+def half_wave(amplitude, cells, tension=0.0):
     """Half a wavelength of an endless beam: held at the inflexions."""
     axis = axis_mesh((0, -L / 2), (0, 1), rod=(L / 2, cells))
     pins = [Support(0, lateral=math.inf, axial=math.inf), Support(L / 2, lateral=math.inf)]
-    rod = BeamSolid(axis, ROD, supports=pins)
+    rod = BeamSolid(axis, replace(ROD, tension=tension), supports=pins)
     guide = Guide([Tube(-0.01, L / 2 + 0.01, C, Sine(amplitude, L, "kinked"))])
     return settle(rod, "rod", guide)
 
@@ -182,6 +184,19 @@ def test_one_contact_per_crest_is_exact():
     contact = half_wave(0.004, 38)
     exact = 768 * EI * (0.004 - C) / L**3
     assert 2 * contact.normal_force() == pytest.approx(exact, rel=1e-6)
+
+
+def test_compression_softens_a_rod_in_a_bow():
+    """A beam-column on three points: (tan u - u)/u³ of its load bends it as much (600 N: -23 %);
+    the tension in the cells is uniform, their slope is not: second order."""
+    errors = []
+    for cells in (38, 76):
+        half, force = L / 2, half_wave(0.004, cells, tension=-600.0).normal_force()
+        u = half / 2 * math.sqrt(600.0 / EI)
+        exact = 48 * EI * (0.004 - C) / half**3 / (3 * (math.tan(u) - u) / u**3)
+        errors.append(abs(force / exact - 1))
+    assert exact < 0.78 * 48 * EI * (0.004 - C) / half**3
+    assert errors[0] < 1e-3 and rates(errors) == pytest.approx([2], abs=0.1)
 
 
 @pytest.mark.parametrize(
@@ -245,6 +260,64 @@ def test_a_rod_is_interpolated_at_cards():
     )
     # a load inside a cell deflects it by a little more than its nodes know
     np.testing.assert_allclose(forces[0], forces[1], rtol=3e-3)
+
+
+# -- buckling in a tube -------------------------------------------------------------------------
+
+
+def test_a_helix_presses_as_it_is_compressed():
+    """A weightless rod under F, wound with k² = F/(2EI): r F²/(4EI) per length (A. Lubinski,
+    W. S. Althouse, J. L. Logan (1962), J. Petrol. Technol. 14, 655-670), at second order."""
+    k, r, errors = 3.0, 5e-3, []
+    F, length = 2 * EI * k**2, 8 * math.pi / k
+    for cells in (60, 120):
+        rod = BeamSolid(
+            axis_mesh((0, 0, -length), (0, 0, 1), rod=(length, cells)),
+            Section(mass=16.662, bending=EI, tension=-F),
+        )
+        s = rod.matrices.s
+        rod.deflect(r * np.stack([np.cos(k * s), np.sin(k * s)], axis=1))
+        contact = GuideContact(rod, "rod", Guide([Tube(-1, length + 1, r)], (0.0,) * 3))
+        list(Scene([rod], [contact], ThetaScheme(1.0)).step(1e-4))
+        at = rod.axis.along(contact.surface.points)
+        middle = (at > length / 3) & (at < 2 * length / 3)
+        middle[contact.stations] = False
+        pressed = -np.einsum("ij,ij->i", contact.force, contact.normal)[middle]
+        assert np.ptp(pressed) < 1e-9 * pressed.mean()
+        errors.append(abs(pressed.mean() * cells / length / (r * F**2 / (4 * EI)) - 1))
+    assert errors[1] < 0.01 and rates(errors) == pytest.approx([2], abs=0.1)
+
+
+def test_a_rod_on_the_floor_of_a_tube_buckles_as_a_sine():
+    """At F = 2 sqrt(EI w / r), w the weight per length (R. Dawson, P. R. Paslay (1984), J. Petrol.
+    Technol. 36, 1734-1738): the square of its frequency along the wall falls to 0 there."""
+    weight, r = 160.0, 5e-3
+    k, critical = (weight / (r * EI)) ** 0.25, 2 * math.sqrt(EI * weight / r)
+    length, down = 2 * math.pi / k, (0, 0, -weight / ROD.mass)
+
+    def square(share):
+        axis = axis_mesh((-length, 0, 0), (1, 0, 0), rod=(length, 48))
+        pins = [Support(0, lateral=math.inf, axial=math.inf), Support(length, lateral=math.inf)]
+        section = replace(ROD, tension=-share * critical)
+        rod = BeamSolid(axis, section, supports=pins, gravity=down)
+        s, side = rod.matrices.s, 1e-4 * np.sin(k * rod.matrices.s)
+        place = np.stack([0 * s, side, r - np.sqrt(r**2 - side**2)], axis=1)
+        rod.deflect(place @ rod.frame.T)
+        tube = Guide([Tube(-0.1, length + 0.1, r)], (0, 0, r), direction=(-1, 0, 0))
+        contact = GuideContact(rod, "rod", tube)
+        slow = 2 * math.pi * math.sqrt(ROD.mass * r / (2 * weight * (1 - share)))
+
+        def swing():
+            sideways = rod.split(rod.displacement)[0][:, ::2].T @ rod.frame[:, 1]
+            return float(sideways @ side / (side @ side))
+
+        history = Scene([rod], [contact]).run(0.3 * slow, slow / 100, probes={"swing": swing})
+        assert history.finished, history.reason
+        zero = np.interp(0.0, -history["swing"], history.time)
+        return (math.pi / 2 / zero) ** 2
+
+    half, most = square(0.5), square(0.8)
+    assert 0.8 + 0.3 * most / (half - most) == pytest.approx(1, abs=0.02)
 
 
 # -- sliding ------------------------------------------------------------------------------------

@@ -4,7 +4,7 @@
 Sections are round: both planes of a beam in space bend alike. With the axis along s, deflection
 ``w`` and slope ``psi`` in a plane and axial displacement ``u``, the strain energy is::
 
-    1/2 int EI psi'^2 + GA* (w' - psi)^2 + EA u'^2 ds,      1/GA* = 1/GA + h^2/(12 EI)
+    1/2 int EI psi'^2 + GA* (w' - psi)^2 + T w'^2 + EA u'^2 ds,    1/GA* = 1/GA + h^2/(12 EI)
 
 with linear fields and the shear taken at the middle of each cell. The term with the length h of
 the cell is MacNeal's residual bending flexibility: it gives back to a cell the curvature that
@@ -88,9 +88,10 @@ class BeamMatrices:
         w, psi = ufl.TrialFunctions(pairs)
         w_, psi_ = ufl.TestFunctions(pairs)
         shear = field(1 / flexibility) * (rate(w) - psi) * (rate(w_) - psi_) * at_middle
-        self.bending_stiffness = assembly.dense_matrix(
-            field(values["bending"]) * rate(psi) * rate(psi_) * dx + shear
-        )[np.ix_(both, both)]
+        bending = field(values["bending"]) * rate(psi) * rate(psi_) * dx + shear
+        if values["tension"].any():
+            bending += field(values["tension"]) * rate(w) * rate(w_) * dx
+        self.bending_stiffness = assembly.dense_matrix(bending)[np.ix_(both, both)]
         self.bending_mass = assembly.dense_matrix(
             field(values["mass"]) * w * w_ * nodal + field(values["rotary"]) * psi * psi_ * nodal
         ).diagonal()[both]
@@ -164,12 +165,24 @@ class BeamMatrices:
 
     def slowest_period(self) -> float:
         """Period of the slowest bending vibration that is not rigid, s."""
+        return float(2 * np.pi / np.sqrt(self._squares()[1].min()))
+
+    def longest_step(self) -> float:
+        """Of implicit Euler towards rest, s: the slowest period; where compression makes a
+        deflection grow, so much less that the energy of a step is convex."""
+        growing, swinging = self._squares()
+        rate = np.sqrt(2 * -growing.min(initial=0.0))
+        slow = 2 * np.pi / np.sqrt(swinging.min())
+        return float(slow if slow * rate < 1 else 1 / rate)
+
+    def _squares(self) -> tuple[np.ndarray, np.ndarray]:
+        """Squares of the circular frequencies of bending, negative and positive, 1/s²."""
         follow = _following(self.bending_mass, self.bending_stiffness, self.free_bending)
         stiff = follow.T @ self.bending_stiffness @ follow
         root = 1 / np.sqrt(self.bending_mass[self.free_bending & (self.bending_mass > 0)])
         square = np.linalg.eigvalsh(root[:, None] * stiff * root)
         round_off = len(square) * np.finfo(float).eps * square[-1]  # as numpy's matrix_rank has it
-        return float(2 * np.pi / np.sqrt(square[square > round_off].min()))
+        return square[square < -round_off], square[square > round_off]
 
 
 def _flexibility(
@@ -200,7 +213,7 @@ def _values(
     axis: AxisMesh, sections: Mapping[str, Section], middle: np.ndarray
 ) -> dict[str, np.ndarray]:
     """The numbers of the sections in each cell."""
-    names = ("mass", "bending", "shear", "axial", "rotary")
+    names = ("mass", "bending", "shear", "axial", "rotary", "tension")
     values = {name: np.full(len(middle), np.nan) for name in names}
     for stretch, section in checks.mapping("sections", sections, "from stretches").items():
         checks.instance(f"sections[{stretch!r}]", section, Section, "a Section")

@@ -27,6 +27,8 @@ class Section:
         shear: k G A, N; infinite (default) leaves shear out (Bernoulli).
         axial: E A, N; infinite (default) makes the axis inextensible.
         rotary: rho I, kg m.
+        tension: axial force that it carries, N, compression negative: it stiffens bending by
+            1/2 int tension w'^2 ds. It is given: what the run adds to it is not.
 
     Raises:
         InputError: a number out of range.
@@ -37,13 +39,16 @@ class Section:
     shear: Value = math.inf
     axial: Value = math.inf
     rotary: Value = 0.0
+    tension: Value = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("mass", "bending", "shear", "axial", "rotary"):
+        for name in ("mass", "bending", "shear", "axial", "rotary", "tension"):
             value = getattr(self, name)
             if checks.is_function(value) or (name in ("shear", "axial") and _endless(value)):
                 continue
-            if name in ("mass", "rotary"):
+            if name == "tension":
+                checks.keep(self, name)
+            elif name in ("mass", "rotary"):
                 checks.keep(self, name, at_least=0)
             else:
                 checks.keep(self, name, above=0)
@@ -57,7 +62,7 @@ class Section:
         values = checks.table(problem, checks.called(name, value, s))
         if values.shape not in ((), s.shape):
             raise checks.InputError(f"{problem}, they are {values.shape}")
-        least = 0.0 if name in ("mass", "rotary") else np.finfo(float).tiny
+        least = {"tension": -math.inf, "mass": 0.0, "rotary": 0.0}.get(name, np.finfo(float).tiny)
         if not (values >= least).all():
             raise checks.InputError(f"{name}: its function of s gives {values.min()!r}")
         return np.broadcast_to(values, s.shape)

@@ -6,7 +6,8 @@ With its travel held and without friction a rod bends as little as its guide all
 convex, and so is the hole around each of its points, a disc in space. Where a rod is free to lie,
 rest is not unique; it is reached from the centre line by steps of implicit Euler, each from rest,
 which are those of the proximal point method: each has one solution, and they converge from
-anywhere (R. T. Rockafellar (1976), SIAM J. Control Optim. 14, 877-898).
+anywhere (R. T. Rockafellar (1976), SIAM J. Control Optim. 14, 877-898). A compressed rod may
+buckle: then the steps are short enough to be convex, and go downhill to where its walls hold it.
 """
 
 from __future__ import annotations
@@ -61,8 +62,8 @@ def settle(
             travel do not, nor does the stretch of its axis.
         stretch: of its axis that is guided.
         guide: around it.
-        tolerance: what is left of the motion in a step as long as the rod's slowest period, as a
-            share of the smallest clearance.
+        tolerance: what is left of the motion in a step (``BeamMatrices.longest_step``), as a share
+            of the smallest clearance.
         steps: after which there is no hope.
 
     Returns:
@@ -78,7 +79,7 @@ def settle(
     if not supported:
         rod.law = Held()
     try:
-        step = Step(rod.matrices.slowest_period(), ThetaScheme(1.0, forces="end"), 0.0)
+        step = Step(rod.matrices.longest_step(), ThetaScheme(1.0, forces="end"), 0.0)
         force = _relax(solid, stretch, guide, step, tolerance, steps)
     finally:
         rod.law = law

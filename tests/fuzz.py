@@ -593,6 +593,7 @@ subject(
     shear=POSITIVE | fixed(INF),
     axial=POSITIVE | fixed(INF),
     rotary=POSITIVE,
+    tension=sized(-3, 3),
 )
 subject(
     "Support",

@@ -211,6 +211,21 @@ def test_friction_truth(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.strip().splitlines()[-1].startswith("ours: errors up to")
 
 
+def test_fe_truth(tmp_path, monkeypatch, capsys):
+    """The profile within 4 % on some 900 cells, and a third of that on half the size; the patch."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("GETFEM_PYTHON", "/nowhere/python")
+    demo = load("fe_truth")
+    summary = demo.main(quick=True)
+    assert summary["missing"].startswith("left out")
+    assert all(list(case["codes"]) == ["ours"] for case in summary["cases"].values())
+    assert summary["cases"]["patch-1"]["codes"]["ours"]["error"] < 1e-12
+    coarse, fine = (demo.hertz(h)[0]["error"] for h in (0.01, 0.005))
+    assert fine < coarse / 3 < 0.04 / 3
+    assert (demo.RESULTS / "fe_truth.png").stat().st_size > 5000
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("ours: Hertz")
+
+
 def test_elastic_impact(tmp_path, monkeypatch, capsys):
     """Hertz within 1 %; Maw, Barber and Fawcett within 2 %."""
     monkeypatch.chdir(tmp_path)

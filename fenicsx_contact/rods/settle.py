@@ -16,6 +16,7 @@ import numpy as np
 
 from ..base import checks
 from ..base.checks import LARGEST
+from ..base.constants import SAME
 from ..theory.formulations import Velocity
 from ..theory.theta import Step, ThetaScheme
 from .beam import BeamSolid
@@ -24,8 +25,6 @@ from .drive import Driven
 from .guide import Guide
 from .tube import RodInTube
 
-#: How far a point may be left outside its hole, as a share of the clearance.
-OUTSIDE = 1e-9
 #: Cost: growth of the stiffness of the walls by which their forces are sought.
 STIFFER = 10.0
 #: Cost: rounds after which a search ends that has not come to its end; some ten are common.
@@ -150,7 +149,7 @@ def walls(G: np.ndarray, free: np.ndarray, radius: np.ndarray) -> np.ndarray:
         return free
     matrix, identity = G.reshape(n * k, n * k), np.eye(k)
     rho = n * k / np.trace(matrix)  # as stiff as the rod
-    close = OUTSIDE * radius.min()
+    close = SAME * radius.min()
     held = np.zeros((n, k))
 
     def pressed(f: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

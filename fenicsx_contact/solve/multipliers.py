@@ -6,8 +6,9 @@ springs in series, and friction the bound of the pressure that is known (Tresca)
 the problem is convex and its solution unique, Newton's method settles in a few steps, the more so
 the softer the springs; their centre is then moved to the multipliers found, and the bound with
 them, until nothing moves any more: the springs then bear nothing, and what is found solves the
-problem as it was. (M.J.D. Powell 1969, M.R. Hestenes 1969; R.T. Rockafellar, SIAM J. Control
-Optim. 14, 877-898, 1976.)
+problem as it was. The stiffer they are, the fewer rounds it takes: they are as stiff as lets the
+problem settle, softer where it does not, stiffer again where it does at once. (M.J.D. Powell 1969,
+M.R. Hestenes 1969; R.T. Rockafellar, SIAM J. Control Optim. 14, 877-898, 1976.)
 """
 
 from __future__ import annotations
@@ -16,8 +17,10 @@ from typing import Protocol
 
 import numpy as np
 
-#: The springs, in units of what the points themselves yield, from stiff to soft.
-COMPLIANCES = (1e-3, 1e-2, 1e-1, 1.0)
+#: The springs in units of what the points themselves yield: the stiffest, and the softest.
+STIFFEST, SOFTEST = 1e-3, 1.0
+#: Cost: how many times softer or stiffer the next ones are.
+CHANGE = 10.0
 #: So many Newton steps that do not halve the error are patience enough.
 STALLS = 3
 #: So many tolerances are accepted where iterations gain no more.
@@ -44,24 +47,28 @@ def method_of_multipliers(system: Softened, tolerance: float) -> int:
     Returns:
         The number of Newton steps. ``system.worst`` says whether they solved it.
     """
-    total = 0
-    for compliance in COMPLIANCES:
-        # multipliers may have to double, or errors to halve, as often as a number has digits
-        for _ in range(np.finfo(float).nmant):
-            system.soften(compliance)
-            inner = Patience(system.error())
-            while inner.lasts:
-                total += 1
-                if not system.iterate():
-                    break
-                inner.see(system.error())
-                if inner.best <= tolerance:
-                    break
-            system.soften(0.0)
-            if system.error() <= tolerance:
-                return total
-            if inner.best > ROUGH * tolerance:
+    total, compliance = 0, STIFFEST
+    # multipliers may have to double, or errors to halve, as often as a number has digits
+    for _ in range(4 * np.finfo(float).nmant):
+        system.soften(compliance)
+        inner, steps = Patience(system.error()), 0
+        while inner.lasts:
+            steps += 1
+            if not system.iterate():
                 break
+            inner.see(system.error())
+            if inner.best <= tolerance:
+                break
+        total += steps
+        system.soften(0.0)
+        if system.error() <= tolerance:
+            break
+        if inner.best <= tolerance:
+            compliance = max(compliance / CHANGE, STIFFEST) if steps <= STALLS else compliance
+        elif compliance < SOFTEST:
+            compliance *= CHANGE
+        elif inner.best > ROUGH * tolerance:
+            break
     return total
 
 

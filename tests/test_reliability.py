@@ -229,3 +229,37 @@ def test_a_directory_that_cannot_be_made(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match=r"directory = .* cannot be written"):
         run(directory=tmp_path / "file" / "run")
+
+
+def test_a_form_that_a_killed_run_left_half_compiled(tmp_path):
+    """A later run would wait for it, and give up; it is compiled anew once it is old."""
+    code = (
+        "import dolfinx, ufl; from mpi4py import MPI;"
+        "from fenicsx_contact.base.compiling import compiled;"
+        "mesh = dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, 1);"
+        "compiled(ufl.SpatialCoordinate(mesh)[0] ** 3 * ufl.dx)"
+    )
+    settings = tmp_path / "dolfinx"
+    settings.mkdir()
+    for name in ("dolfinx_jit_parameters.json", "dolfinx_jit_options.json"):  # before 0.6, since
+        (settings / name).write_text('{"timeout": 1}')
+    top = str(Path(__file__).parent.parent)
+    env = {**os.environ, "XDG_CONFIG_HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path)}
+
+    def run():
+        command = [sys.executable, "-c", code]
+        done = subprocess.run(
+            command, env={**env, "PYTHONPATH": top}, capture_output=True, text=True, check=False
+        )
+        return done.returncode, done.stderr
+
+    assert run()[0] == 0
+    (ready,) = (tmp_path / "fenics").glob("libffcx_forms_*.c.cached")
+    ready.unlink()
+    status, message = run()
+    assert status and "timed out" in message  # it may be under way elsewhere
+    source = ready.with_suffix("")
+    os.utime(source, (0, 0))
+    status, message = run()
+    assert status == 0, message
+    assert ready.exists()

@@ -1,21 +1,44 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Forms compiled in silence: the driver of the C compiler tells its commands to everyone's root
-logger, and a first use looks like a failure."""
+logger, and a first use looks like a failure. And what a killed run left half compiled, for which
+every later run would wait in vain, is compiled anew."""
 
 from __future__ import annotations
 
 import logging
+import os
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from functools import cache
 from typing import Any
 
 import ufl
-from dolfinx import fem
+from dolfinx import fem, jit
+
+#: Cost: age in seconds from which a form that is not compiled is taken for one that a killed run
+#: left; another run may be at work on a younger one.
+LEFT = 60.0
+
+
+@cache
+def forget_what_is_left() -> None:
+    """Remove the sources of forms of which no compilation is under way, once a process."""
+    options = getattr(jit, "get_options", None) or jit.get_parameters  # before 0.6
+    with suppress(OSError):  # no cache, or not ours
+        with os.scandir(options()["cache_dir"]) as found:
+            files = {file.name: file for file in found}
+        for name, file in files.items():
+            if name.endswith(".c") and f"{name}.cached" not in files:
+                with suppress(FileNotFoundError):  # another process was faster
+                    if time.time() - file.stat().st_mtime > LEFT:
+                        os.unlink(file.path)
 
 
 @contextmanager
 def quiet_compiler() -> Iterator[None]:
     """Let nobody log but warnings and errors."""
+    forget_what_is_left()
     before = logging.root.manager.disable
     logging.disable(max(before, logging.INFO))
     try:

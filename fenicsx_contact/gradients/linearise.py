@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The step that a scene has just solved, linearised whole: solids, contacts, and the instant at
+which it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..base import checks
+from ..contact.arrivals import arrival
+from ..scene import Scene
+from ..solve.yielding import COMPLIANCE
+from ..steps.step import Trial
+from ..theory.theta import QuasiStatic, Step, ThetaScheme
+from .blocks import Blocks, LinearStep
+from .hold import Shift, shift
+from .motion import Motion, RigidMotion, Row, motion
+from .parameters import Parameter
+from .surface import ContactRows
+
+
+class Linearisation:
+    """Linearises the steps of a scene.
+
+    The state is, solid by solid, q and v, and the time.
+
+    Args:
+        scene: the scene.
+        parameters: by which.
+
+    Attributes:
+        motions, contacts: the rows of its solids and contacts.
+        size: of the state.
+
+    Raises:
+        InputError: what is not supported, by name.
+    """
+
+    def __init__(self, scene: Scene, parameters: Sequence[Parameter]) -> None:
+        if type(scene.scheme) not in (ThetaScheme, QuasiStatic):
+            raise checks.InputError(f"gradients: the scheme {scene.scheme.describe()}")
+        for parameter in parameters:
+            parameter.check(scene.solids, scene.contacts)
+        self._scene, self._parameters = scene, parameters
+        self.motions = [motion(solid, scene.locate_impacts) for solid in scene.solids]
+        of = {id(m.solid): m for m in self.motions}
+        self.contacts = []
+        for contact in scene.contacts:
+            if len(contact.solids) > 1:
+                raise checks.InputError(
+                    f"gradients: contact {contact.name!r} is between two solids; only with "
+                    "obstacles"
+                )
+            self.contacts.append(ContactRows(contact, of[id(contact.solid)]))
+        self._q: dict[int, slice] = {}
+        self._v: dict[int, slice] = {}
+        self.size = 0
+        for m in self.motions:
+            self._q[id(m)], self.size = _next(self.size, m.size)
+            self._v[id(m)], self.size = _next(self.size, m.size)
+        self._t, self.size = _next(self.size, 1)
+        self._soft = COMPLIANCE if any(s.shiftable for s in scene.solids) else 0.0
+
+    def part(self, which: str, solid: Any) -> slice:
+        """Where a solid's ``"q"`` or ``"v"`` stands in the state."""
+        at = self._q if which == "q" else self._v
+        return next(at[id(m)] for m in self.motions if m.solid is solid)
+
+    @property
+    def time(self) -> slice:
+        """Where the time stands in the state."""
+        return self._t
+
+    def start(self) -> np.ndarray:
+        """Derivative of the present state by the parameters, as the initial one, (size, p)."""
+        state = np.zeros((self.size, len(self._parameters)))
+        for m in self.motions:
+            for i, parameter in enumerate(self._parameters):
+                state[self._q[id(m)], i], state[self._v[id(m)], i] = parameter.start(m.solid)
+        return state
+
+    def step(self, trial: Trial) -> LinearStep:
+        """The linearised step, after it was solved and before it is accepted."""
+        self._see(trial.step)
+        plus, minus, step = Blocks(), Blocks(), trial.step
+        by = np.zeros((self._unknowns, len(self._parameters)))
+        for m in self.motions:
+            self._move(m, step, plus, minus, by)
+        force = [self._bear(rows, plus, minus, by) for rows in self.contacts]
+        self._end(trial, plus, minus, by)
+        soft = np.zeros(self._unknowns)
+        for rows in self.contacts:
+            soft[self._m[id(rows)]] = rows.soft(self._soft)
+        n = self._unknowns
+        return LinearStep(plus.matrix((n, n)), minus.matrix((n, self.size)), by, soft, force)
+
+    def _see(self, step: Step) -> None:
+        """Take up the step, and where its unknowns stand."""
+        self._unknowns, self._before, self._m = self.size, dict(self._q), {}
+        for m in self.motions:
+            m.see(step)
+            if isinstance(m, RigidMotion):  # before what bears is put back to its gaps
+                self._before[id(m)], self._unknowns = _next(self._unknowns, m.size)
+        for rows in self.contacts:
+            rows.see(step)
+            self._m[id(rows)], self._unknowns = _next(self._unknowns, rows.unknowns)
+
+    def _move(
+        self, m: Motion, step: Step, plus: Blocks, minus: Blocks, by: np.ndarray
+    ) -> None:
+        """The rows of a solid but for the forces of contacts."""
+        before = self._before[id(m)]
+        self._add(before, m, m.kinematics(step), plus, minus)
+        self._add(self._v[id(m)], m, m.balance(step), plus, minus)
+        for i, parameter in enumerate(self._parameters):
+            by[self._v[id(m)], i] += m.by(parameter, step)
+        if isinstance(m, RigidMotion):
+            mine = [rows for rows in self.contacts if rows.motion is m]
+            one, here = m.one, self._q[id(m)]
+            plus.add(here, here, one)
+            plus.add(here, before, -one)
+            put = shift(m, mine, step, self._parameters)
+            if isinstance(put, Shift):
+                row = Row(-put.q, -put.v, -put.q_old, -put.v_old, -put.dt)
+                self._add(here, m, row, plus, minus)
+                by[here] -= put.by
+
+    def _add(self, at: slice, m: Motion, row: Row, plus: Blocks, minus: Blocks) -> None:
+        plus.add(at, self._before[id(m)], row.q)
+        plus.add(at, self._v[id(m)], row.v)
+        minus.add(at, self._q[id(m)], row.q_old)
+        minus.add(at, self._v[id(m)], row.v_old)
+        plus.add(at, self._t, row.dt[:, None])
+        minus.add(at, self._t, -row.dt[:, None])
+
+    def _bear(self, rows: ContactRows, plus: Blocks, minus: Blocks, by: np.ndarray) -> Any:
+        """The rows of a contact, and its forces on the solid; derivatives of their sum."""
+        m, d = rows.motion, rows.contact.surface.dim
+        if not len(rows.points):
+            nothing = sp.csc_matrix((d, self._unknowns)), sp.csc_matrix((d, self.size))
+            return (*nothing, np.zeros((d, len(self._parameters))))
+        ends = {"v": self._v[id(m)], "q": self._before[id(m)], "m": self._m[id(rows)]}
+        starts = {"v_old": self._v[id(m)], "q_old": self._q[id(m)]}
+        balance, total = self._v[id(m)], (Blocks(), Blocks())
+        everything = slice(0, d)
+        sums = np.tile(np.eye(d), len(rows.points))
+        for name, (multipliers, forces) in rows.derivatives().items():
+            into, where = (plus, ends) if name in ends else (minus, starts)
+            into.add(self._m[id(rows)], where[name], multipliers)
+            into.add(balance, where[name], -rows.spread(forces))
+            total[name in starts].add(everything, where[name], sums @ forces)
+        if turned := rows.turned():
+            minus.add(balance, self._q[id(m)], -turned[0])
+            plus.add(balance, self._before[id(m)], -turned[1])
+        by_force = np.zeros((d, len(self._parameters)))
+        for i, parameter in enumerate(self._parameters):
+            change, force = rows.by(parameter)
+            by[self._m[id(rows)], i] += change
+            by[balance, i] -= rows.spread(force)
+            by_force[:, i] = sums @ force
+        after, before = total
+        return (
+            after.matrix((d, self._unknowns)),
+            before.matrix((d, self.size)),
+            by_force,
+        )
+
+    def _end(self, trial: Trial, plus: Blocks, minus: Blocks, by: np.ndarray) -> None:
+        """When the step ends: where a point arrives, at once (an impact), or as the grid has it."""
+        t = self._t
+        if not trial.arrives:
+            plus.add(t, t, np.ones((1, 1)))
+            if not trial.step.dt:
+                minus.add(t, t, -np.ones((1, 1)))
+            return
+        rows = max(self.contacts, key=lambda rows: arrival(rows.contact)[0])
+        at = arriving(rows)
+        normal, d = rows.normal[at], rows.contact.surface.dim
+        gap = normal @ rows.new.place[at * d : (at + 1) * d]
+        plus.add(t, self._q[id(rows.motion)], gap[None])
+        for i, parameter in enumerate(self._parameters):
+            way = parameter.move(rows.contact)
+            by[t, i] -= 0.0 if way is None else float(normal @ way)
+
+
+def arriving(rows: ContactRows) -> int:
+    """The point of a contact that arrives where a step ends."""
+    contact = rows.contact
+    free = contact.chosen & ~contact.candidates.allowed
+    return int(np.where(free, contact.coupling.gaps(), -np.inf).argmax())
+
+
+def _next(first: int, size: int) -> tuple[slice, int]:
+    return slice(first, first + size), first + size

@@ -95,9 +95,11 @@ class _Bearing:
     ) -> None:
         contact, d = rows.contact, 2
         at = (points[:, None] * d + np.arange(d)).ravel()
+        new, old = rows.new, rows.old
+        assert new.bend is not None and old.bend is not None
         J, H, J_old, H_old = (
             each[at].reshape(len(points), d, 3)
-            for each in (rows.new.place, rows.new.bend, rows.old.place, rows.old.bend)
+            for each in (new.place, new.bend, old.place, old.bend)
         )
         n, n_old, w = rows.normal[points], rows.old_normal[points], rows.jump[points]
         w_old, C = rows.start_jump[points], rows.bend[points]
@@ -117,8 +119,8 @@ class _Bearing:
         )
         self.q -= rest * np.einsum("p,pi,pij->pj", starts, w_old, turned)
         self.v = -rate * self.G
-        old = np.einsum("pi,pij->pj", n_old, J_old)
-        self.q_old = -old - rest * starts[:, None] * np.einsum("pi,pij->pj", n, H_old)
+        away = np.einsum("pi,pij->pj", n_old, J_old)
+        self.q_old = -away - rest * starts[:, None] * np.einsum("pi,pij->pj", n, H_old)
         self.v_old = -rest * starts[:, None] * np.einsum("pi,pij->pj", n, J_old)
         theta = step.scheme.position_rate
         self.dt = -(theta * dot(w, n) + (1 - theta) * start)

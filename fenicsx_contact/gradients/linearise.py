@@ -5,6 +5,7 @@ which it ends."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..steps.step import Trial
 from ..theory.theta import QuasiStatic, Step, ThetaScheme
 from .blocks import Blocks, LinearStep
 from .hold import Shift, shift
+from .kinks import Kink, NoDerivative, alike, kinks, resolved
 from .motion import Motion, RigidMotion, Row, motion
 from .parameters import Parameter
 from .surface import ContactRows
@@ -109,9 +111,7 @@ class Linearisation:
             rows.see(step)
             self._m[id(rows)], self._unknowns = _next(self._unknowns, rows.unknowns)
 
-    def _move(
-        self, m: Motion, step: Step, plus: Blocks, minus: Blocks, by: np.ndarray
-    ) -> None:
+    def _move(self, m: Motion, step: Step, plus: Blocks, minus: Blocks, by: np.ndarray) -> None:
         """The rows of a solid but for the forces of contacts."""
         before = self._before[id(m)]
         self._add(before, m, m.kinematics(step), plus, minus)
@@ -179,12 +179,98 @@ class Linearisation:
             return
         rows = max(self.contacts, key=lambda rows: arrival(rows.contact)[0])
         at = arriving(rows)
+        self._refuse_grazing(rows, at, trial.step)
         normal, d = rows.normal[at], rows.contact.surface.dim
         gap = normal @ rows.new.place[at * d : (at + 1) * d]
-        plus.add(t, self._q[id(rows.motion)], gap[None])
+        plus.add(t, self._q[id(rows.motion)], np.asarray(gap).reshape(1, -1))
         for i, parameter in enumerate(self._parameters):
             way = parameter.move(rows.contact)
             by[t, i] -= 0.0 if way is None else float(normal @ way)
+
+    # -- where there is no derivative --------------------------------------------------------------
+
+    def kinks(
+        self, trial: Trial, resolution: float, x: np.ndarray | None, start: np.ndarray | None
+    ) -> list[Kink]:
+        """The kinks of the step that was linearised last; with its tangent x from that of the start
+        those that it meets, without all that there may be."""
+        found = []
+        for rows in self.contacts:
+            misses = partial(self._misses, rows, x, start)
+            found += kinks(rows, trial, resolution, misses)
+        if trial.arrives:
+            found += self._arrivals(trial, resolution, x)
+        return found
+
+    def _misses(
+        self,
+        rows: ContactRows,
+        x: np.ndarray | None,
+        start: np.ndarray | None,
+        point: int,
+        values: np.ndarray,
+    ) -> bool:
+        """Whether the tangent fails the rows of a point on the other side of its decision."""
+        if x is None or start is None:
+            return True
+        m, at = rows.motion, np.flatnonzero(rows.points == point)
+        changes = {
+            "v": x[self._v[id(m)]],
+            "q": x[self._before[id(m)]],
+            "v_old": start[self._v[id(m)]],
+            "q_old": start[self._q[id(m)]],
+        }
+        if len(at):
+            first, more = self._m[id(rows)].start, rows.unknowns // len(rows.points)
+            changes["m"] = x[first + at[0] * more : first + (at[0] + 1) * more]
+        sizes = {name: _largest(change) for name, change in changes.items()}
+        if len(at):  # multipliers of a kind are as large as the largest of all points
+            every = np.abs(x[self._m[id(rows)]]).reshape(len(rows.points), more, -1)
+            sizes["m"] = every.max(axis=0)
+        with rows.other(point, values) as other:
+            by = np.stack([other.by(parameter)[0] for parameter in self._parameters], axis=1)
+            derivatives = other.derivatives()
+        left, terms = by, np.abs(by)
+        for name, (multipliers, _) in derivatives.items():
+            if name in changes:
+                left = left + multipliers @ changes[name]
+                terms = terms + abs(multipliers) @ sizes[name]
+        return not alike(left, terms)
+
+    def _arrivals(self, trial: Trial, resolution: float, x: np.ndarray | None) -> list[Kink]:
+        """Points that arrive at the same instant as the one that ends the step, but would not."""
+        first = max(self.contacts, key=lambda rows: arrival(rows.contact)[0])
+        at, found = arriving(first), []
+        for rows in self.contacts:
+            contact, d = rows.contact, rows.contact.surface.dim
+            gaps, free = contact.coupling.gaps(), contact.chosen & ~contact.candidates.allowed
+            for point in np.flatnonzero(free & (np.abs(gaps) <= contact.tolerance)):
+                if rows is first and point == at:
+                    continue
+                row = rows.normal[point] @ rows.new.place[point * d : (point + 1) * d]
+                row = np.asarray(row).ravel()
+                if x is not None:
+                    way = x[self._q[id(rows.motion)]]
+                    moves = [parameter.move(contact) for parameter in self._parameters]
+                    by = [0.0 if c is None else rows.normal[point] @ c for c in moves]
+                    if alike(row @ way - by, np.abs(row) @ _largest(way) + np.abs(by)):
+                        continue
+                place = tuple(contact.surface.points[point].tolist())
+                what = "arrives at the same instant as another point"
+                found.append(Kink(contact.name, place, trial.step.end, what))
+        return found
+
+    def _refuse_grazing(self, rows: ContactRows, at: int, step: Step) -> None:
+        speed = resolved(rows, self._scene.stepper.resolution)
+        if rows.normal[at] @ rows.jump[at] <= speed:
+            place = tuple(rows.contact.surface.points[at].tolist())
+            kink = Kink(rows.contact.name, place, step.end, "arrives without speed: grazing")
+            raise NoDerivative(str(kink))
+
+
+def _largest(changes: np.ndarray) -> np.ndarray:
+    """The largest of each column everywhere: where little changes, round-off does."""
+    return np.broadcast_to(np.abs(changes).max(axis=0, initial=0.0), changes.shape)
 
 
 def arriving(rows: ContactRows) -> int:

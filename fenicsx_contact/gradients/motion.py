@@ -175,9 +175,9 @@ class DeformableMotion(Motion):
         if step.loaded:
             start, end = self._ends
             rows = rows - step.load_weight * parameter.load(solid)
-            rows = rows + step.mean_force(
-                lambda share: parameter.internal(solid, share * end + (1 - share) * start)
-            )
+            for share, weight in step.scheme.force_points:
+                place = share * end + (1 - share) * start
+                rows = rows + weight * parameter.internal(solid, place)
         return np.asarray(self._freeing @ rows)
 
 

@@ -80,7 +80,7 @@ class Law(Parameter):
         _among("Law", self.contact, contacts)
 
 
-class Obstacle(Parameter):
+class ObstacleShift(Parameter):
     """A shift of a contact's obstacle.
 
     Args:
@@ -96,11 +96,20 @@ class Obstacle(Parameter):
         return self.direction if contact is self.contact else None
 
     def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
-        _among("Obstacle", self.contact, contacts)
+        _among("ObstacleShift", self.contact, contacts)
+
+
+def _check_rigid(what: str, solid: Any) -> None:
+    if not isinstance(solid, RigidSolid) or solid.dim == 3:
+        name, kind = getattr(solid, "name", solid), type(solid).__name__
+        raise checks.InputError(
+            f"{what}: solid {name!r}, a {kind}, is not supported; only deformable solids, and "
+            "rigid ones in the plane"
+        )
 
 
 class _OfSolid(Parameter):
-    solid: Solid
+    solid: Any
 
     def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
         _among(type(self).__name__, self.solid, solids)
@@ -119,7 +128,7 @@ class Start(_OfSolid):
 
     def __init__(
         self,
-        solid: Solid,
+        solid: Any,
         *,
         place: Any = None,
         velocity: Any = None,
@@ -136,7 +145,7 @@ class Start(_OfSolid):
                 each[solid.fixed_unknowns] = 0.0
             self._place, self._velocity = fields
             return
-        assert isinstance(solid, RigidSolid)
+        _check_rigid("Start", solid)
         d, zero = solid.dim, np.zeros(solid.dim)
         turn, spin = checks.number("turn", turn), checks.number("spin", spin)
         moved = zero if place is None else checks.vector("place", place, d)
@@ -164,8 +173,8 @@ class Gravity(_OfSolid):
         if isinstance(solid, DeformableSolid):
             self._load = solid.inertia.weight(g)
         else:
-            assert isinstance(solid, RigidSolid)
-            self._load = np.append(solid.mass * g, 0.0)
+            _check_rigid("Gravity", solid)
+            self._load = np.append(solid.mass * g, 0.0)  # type: ignore[attr-defined]
 
     def load(self, solid: Solid) -> np.ndarray | float:
         return self._load if solid is self.solid else 0.0
@@ -176,6 +185,8 @@ class Mass(_OfSolid):
 
     def __init__(self, solid: Solid) -> None:
         self.solid = solid
+        if not isinstance(solid, DeformableSolid):
+            _check_rigid("Mass", solid)
 
     def momentum(self, solid: Solid, velocity: np.ndarray) -> np.ndarray | float:
         if solid is not self.solid:
@@ -207,7 +218,8 @@ class Modulus(_OfSolid):
 
     def __init__(self, solid: ElasticSolid, name: str = "youngs_modulus") -> None:
         checks.instance("solid", solid, ElasticSolid, "an ElasticSolid; see Energy")
-        self.solid, values = solid, dict(solid.moduli)
+        self.solid: ElasticSolid = solid
+        values = dict(solid.moduli)
         value = values[checks.choice("name", name, [*values])]
         if not isinstance(value, float):
             raise checks.InputError(f"Modulus: {name} = {value} varies in space")
@@ -244,7 +256,8 @@ class Material(_OfSolid):
         self, solid: HyperelasticSolid, energy: Callable[[Any], Energy], value: float
     ) -> None:
         checks.instance("solid", solid, HyperelasticSolid, "a HyperelasticSolid; see Modulus")
-        self.solid, self._u = solid, fem.Function(solid.space)
+        self.solid: HyperelasticSolid = solid
+        self._u = fem.Function(solid.space)
         number = _number(solid, checks.number("value", value))
         F = in_space(ufl.Identity(solid.dim) + ufl.grad(self._u))
         degree = {"quadrature_degree": 2 * solid.degree}
@@ -284,5 +297,3 @@ def _one(number: Any) -> Any:
 
 def _cells(solid: DeformableSolid) -> int:
     return compat.num_local_cells(solid.mesh.mesh)
-
-

@@ -8,7 +8,9 @@ and the jump at the start; here they meet the solid's kinematics.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -19,6 +21,7 @@ from ..base.vectors import dot
 from ..contact.contact import Contact
 from ..contact.nodal import NodalJump
 from ..contact.obstacle import Circle, Cylinder, HalfSpace, Sphere
+from ..solids import MonolithicTrace
 from ..theory.formulations import Gap, Velocity
 from ..theory.friction import Coulomb, Tresca
 from ..theory.theta import Step
@@ -108,6 +111,7 @@ class ContactRows:
             self.start_jump = (self.old.place @ solid.velocity).reshape(-1, d)
             self.jump = (self.new.place @ solid.trial_velocity).reshape(-1, d)
         else:
+            assert isinstance(trace, MonolithicTrace)
             J = trace.seeing()
             self.old = self.new = Kinematics(J)
             self._forces, self.places = J, x
@@ -118,10 +122,15 @@ class ContactRows:
         # what was put to zero there depends on nothing
         self._reads_gap = (k.gap.x.array != 0) * (1.0 - share)
         self.reads_start = (k.start_jump_n.x.array != 0).astype(float)
-        self._blocks = e.tangents.blocks(frozen=True).copy()
-        self._parameters = e.tangents.parameters().copy()
-        self._start = self._by_start()
+        self._linearise()
         self._force = -e.residual()[e.active_jumps]
+
+    def _linearise(self) -> None:
+        """Take up the derivatives of the form."""
+        tangents = self.contact.equations.tangents
+        self._blocks = tangents.blocks(frozen=True).copy()
+        self._parameters = tangents.parameters().copy()
+        self._start = self._by_start()
 
     def _normals(self, start: np.ndarray) -> None:
         """Normals at the start and the end, and the derivatives of the latter by the places."""
@@ -129,6 +138,19 @@ class ContactRows:
         self.normal, self.old_normal = self.contact.normal, -wall.normals(start, 0.0)
         bend = wall.curvature(self.places, 0.0)
         self.bend = np.zeros((*start.shape, self._d)) if bend is None else -bend
+
+    @contextmanager
+    def other(self, point: int, values: np.ndarray) -> Iterator[ContactRows]:
+        """The rows of one point with other unknowns, on the other side of a decision; the
+        equations have these unknowns meanwhile."""
+        e, other = self.contact.equations, copy(self)
+        mine = e.values
+        e.values, other.points = values, np.array([point])
+        other._linearise()
+        try:
+            yield other
+        finally:
+            e.values = mine
 
     # -- its rows ---------------------------------------------------------------------------------
 

@@ -4,16 +4,17 @@
     plus dx + minus ds + by dp = 0
 
 x: all unknowns of a step, the state at its end first; s: the state at its start; p: parameters.
-Tangents solve it for dx from ds and dp, adjoints solve it transposed.
+Tangents solve it for dx from ds and dp, adjoints solve it transposed: one solve with the matrix of
+each deformable solid a step and column, and a dense system of the contacts.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, Protocol
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
+from scipy.linalg import lu_factor, lu_solve
 
 
 class Blocks:
@@ -41,78 +42,103 @@ class Blocks:
         return sp.csc_matrix((data, (row, column)), shape)
 
 
-class LinearStep(NamedTuple):
+class Inner(Protocol):
+    """The rows of a solid among its own unknowns, for which it has a solver of its own."""
+
+    def solve(self, right: np.ndarray, transposed: bool) -> np.ndarray:
+        """Its unknowns from its rows, (rows, columns), or the other way round."""
+
+
+class LinearStep:
     """A linearised step.
 
-    Attributes:
+    Args:
         plus, minus: derivatives by the unknowns and by the state at the start, sparse.
         by: derivatives by the parameters, (unknowns, parameters).
         soft: a small compliance of the multipliers, (unknowns,), zero elsewhere: where solids have
             fewer unknowns than points ``plus`` is singular in what does not matter.
-        force: derivatives of each contact's force on its solid by the unknowns, the state at the
-            start and the parameters, [(d, unknowns), (d, state), (d, parameters)].
+        forces: where the forces of each contact stand among the unknowns, point by point.
+        inner: solids with solvers of their own, and where their unknowns stand; the others are
+            solved for together, dense.
     """
 
-    plus: sp.csc_matrix
-    minus: sp.csc_matrix
-    by: np.ndarray
-    soft: np.ndarray
-    force: list[tuple[sp.csc_matrix, sp.csc_matrix, np.ndarray]]
+    def __init__(
+        self,
+        plus: sp.csc_matrix,
+        minus: sp.csc_matrix,
+        by: np.ndarray,
+        soft: np.ndarray,
+        forces: list[slice],
+        inner: list[tuple[slice, Inner]],
+    ) -> None:
+        self._minus, self._by, self.forces, self._inner = minus, by, forces, inner
+        outer = np.ones(len(soft), dtype=bool)
+        for at, _ in inner:
+            outer[at] = False
+        self._outer = outer.nonzero()[0]
+        rows = plus.tocsr()
+        here = rows[self._outer]
+        matrix = here[:, self._outer].toarray()
+        # without the inner unknowns: each is solved for, for what joins it to the others
+        self._joints = []
+        for at, solid in inner:
+            into, out = here[:, at], rows[at][:, self._outer].tocsc()
+            joined = np.diff(out.indptr).nonzero()[0]
+            columns = solid.solve(out[:, joined].toarray(), False)
+            matrix[:, joined] -= into @ columns
+            self._joints.append((at, solid, into, joined, columns))
+        self._lapack(matrix, soft[self._outer])
 
-    def tangent(self, solver: Solver, start: np.ndarray) -> np.ndarray:
+    def _lapack(self, matrix: np.ndarray, soft: np.ndarray) -> None:
+        sizes = np.abs(matrix).max(axis=1, initial=0.0)
+        self._rows = 1 / np.where(sizes > 0, sizes, 1.0)
+        scaled = self._rows[:, None] * matrix
+        sizes = np.abs(scaled).max(axis=0, initial=0.0)
+        self._columns = 1 / np.where(sizes > 0, sizes, 1.0)
+        self._matrix = scaled * self._columns
+        self._soft = bool(soft.any())
+        self._factors = lu_factor(self._matrix - np.diag(self._rows * soft * self._columns))
+
+    def _solve(self, right: np.ndarray, transposed: bool) -> np.ndarray:
+        """The outer unknowns. What is soft is made hard by iteration (proximal point), what is
+        regular is corrected once."""
+        matrix = self._matrix.T if transposed else self._matrix
+        first, last = (self._columns, self._rows) if transposed else (self._rows, self._columns)
+        right = first[:, None] * right
+        result = lu_solve(self._factors, right, int(transposed))
+        change = np.inf
+        while True:
+            before = change
+            correction = lu_solve(self._factors, right - matrix @ result, int(transposed))
+            change = float(np.abs(correction).max(initial=0.0))
+            if not change < before:
+                break
+            result = result + correction
+            if not self._soft:
+                break
+        return last[:, None] * result
+
+    def tangent(self, start: np.ndarray) -> np.ndarray:
         """dx (unknowns, parameters) from ds (state, parameters)."""
-        return solver.solve(self, -(self.minus @ start + self.by))
+        right = -(self._minus @ start + self._by)
+        result, outer = np.zeros_like(right), right[self._outer]
+        for at, solid, into, _, _ in self._joints:
+            result[at] = solid.solve(right[at], False)
+            outer = outer - into @ result[at]
+        result[self._outer] = outer = self._solve(outer, False)
+        for at, _, _, joined, columns in self._joints:
+            result[at] -= columns @ outer[joined]
+        return result
 
-    def adjoint(self, solver: Solver, end: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def adjoint(self, end: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives of functionals by the state at the start, (state, functionals), and by the
         parameters in this step, (parameters, functionals), from those by the state at the end."""
-        right = np.zeros((len(self.soft), end.shape[1]))
+        right = np.zeros((len(self._by), end.shape[1]))
         right[: len(end)] = end
-        left = solver.solve(self, right, "T")
-        return -(self.minus.T @ left), -(self.by.T @ left)
-
-
-class Solver:
-    """Solves linearised steps; keeps the last factor, for matrices come again.
-
-    Attributes:
-        factors, solves: how many there were.
-    """
-
-    def __init__(self) -> None:
-        self.factors = self.solves = 0
-        self._last: sp.csc_matrix | None = None
-
-    def solve(self, step: LinearStep, right: np.ndarray, which: str = "N") -> np.ndarray:
-        """Solve with ``plus`` ("N") or its transpose ("T").
-
-        What is soft is made hard by iteration (proximal point), what is regular is corrected once.
-        """
-        self._factor(step)
-        matrix = step.plus if which == "N" else step.plus.T
-        result = self._lu.solve(right, which)
-        self.solves += 1
-        change, soft = np.inf, bool(step.soft.any())
-        while True:
-            last = change
-            correction = self._lu.solve(right - matrix @ result, which)
-            self.solves += 1
-            change = float(np.abs(correction).max(initial=0.0))
-            if not change < last:
-                return result
-            result = result + correction
-            if not soft:
-                return result
-
-    def _factor(self, step: LinearStep) -> None:
-        soft = step.soft.nonzero()[0]
-        new = step.plus
-        if len(soft):
-            new = new - sp.csc_matrix((step.soft[soft], (soft, soft)), new.shape)
-        last = self._last
-        if last is not None and new.shape == last.shape and new.nnz == last.nnz:
-            same = np.array_equal(new.indices, last.indices) and np.array_equal(new.data, last.data)
-            if same and np.array_equal(new.indptr, last.indptr):
-                return
-        self._last, self._lu = new, splu(new)
-        self.factors += 1
+        left, outer = np.zeros_like(right), right[self._outer]
+        for at, _, _, joined, columns in self._joints:
+            outer[joined] -= columns.T @ right[at]
+        left[self._outer] = outer = self._solve(outer, True)
+        for at, solid, into, _, _ in self._joints:
+            left[at] = solid.solve(right[at] - into.T @ outer, True)
+        return -(self._minus.T @ left), -(self._by.T @ left)

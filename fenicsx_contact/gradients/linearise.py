@@ -9,7 +9,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..base import checks
 from ..contact.arrivals import arrival
@@ -17,10 +16,10 @@ from ..scene import Scene
 from ..solve.yielding import COMPLIANCE
 from ..steps.step import Trial
 from ..theory.theta import QuasiStatic, Step, ThetaScheme
-from .blocks import Blocks, LinearStep
+from .blocks import Blocks, Inner, LinearStep
 from .hold import Shift, shift
 from .kinks import Kink, NoDerivative, alike, kinks, resolved
-from .motion import Motion, RigidMotion, Row, motion
+from .motion import DeformableMotion, Motion, RigidMotion, Row, motion
 from .parameters import Parameter
 from .surface import ContactRows
 
@@ -92,17 +91,26 @@ class Linearisation:
         by = np.zeros((self._unknowns, len(self._parameters)))
         for m in self.motions:
             self._move(m, step, plus, minus, by)
-        force = [self._bear(rows, plus, minus, by) for rows in self.contacts]
+        for rows in self.contacts:
+            self._bear(rows, plus, minus, by)
         self._end(trial, plus, minus, by)
         soft = np.zeros(self._unknowns)
         for rows in self.contacts:
             soft[self._m[id(rows)]] = rows.soft(self._soft)
-        n = self._unknowns
-        return LinearStep(plus.matrix((n, n)), minus.matrix((n, self.size)), by, soft, force)
+        n, forces = self._unknowns, [self._f[id(rows)] for rows in self.contacts]
+        inner: list[tuple[slice, Inner]] = []
+        for m in self.motions:
+            if isinstance(m, DeformableMotion):
+                inner.append((slice(self._q[id(m)].start, self._v[id(m)].stop), m.inner()))
+        return LinearStep(
+            plus.matrix((n, n)), minus.matrix((n, self.size)), by, soft, forces, inner
+        )
 
     def _see(self, step: Step) -> None:
         """Take up the step, and where its unknowns stand."""
-        self._unknowns, self._before, self._m = self.size, dict(self._q), {}
+        self._unknowns, self._before = self.size, dict(self._q)
+        self._m: dict[int, slice] = {}
+        self._f: dict[int, slice] = {}
         for m in self.motions:
             m.see(step)
             if isinstance(m, RigidMotion):  # before what bears is put back to its gaps
@@ -110,6 +118,8 @@ class Linearisation:
         for rows in self.contacts:
             rows.see(step)
             self._m[id(rows)], self._unknowns = _next(self._unknowns, rows.unknowns)
+            forces = len(rows.points) * rows.contact.surface.dim
+            self._f[id(rows)], self._unknowns = _next(self._unknowns, forces)
 
     def _move(self, m: Motion, step: Step, plus: Blocks, minus: Blocks, by: np.ndarray) -> None:
         """The rows of a solid but for the forces of contacts."""
@@ -137,37 +147,28 @@ class Linearisation:
         plus.add(at, self._t, row.dt[:, None])
         minus.add(at, self._t, -row.dt[:, None])
 
-    def _bear(self, rows: ContactRows, plus: Blocks, minus: Blocks, by: np.ndarray) -> Any:
-        """The rows of a contact, and its forces on the solid; derivatives of their sum."""
-        m, d = rows.motion, rows.contact.surface.dim
+    def _bear(self, rows: ContactRows, plus: Blocks, minus: Blocks, by: np.ndarray) -> None:
+        """The rows of a contact: of its multipliers, and of its forces, which act on the solid."""
         if not len(rows.points):
-            nothing = sp.csc_matrix((d, self._unknowns)), sp.csc_matrix((d, self.size))
-            return (*nothing, np.zeros((d, len(self._parameters))))
-        ends = {"v": self._v[id(m)], "q": self._before[id(m)], "m": self._m[id(rows)]}
+            return
+        m, at, force = rows.motion, self._m[id(rows)], self._f[id(rows)]
+        ends = {"v": self._v[id(m)], "q": self._before[id(m)], "m": at}
         starts = {"v_old": self._v[id(m)], "q_old": self._q[id(m)]}
-        balance, total = self._v[id(m)], (Blocks(), Blocks())
-        everything = slice(0, d)
-        sums = np.tile(np.eye(d), len(rows.points))
+        balance = self._v[id(m)]
         for name, (multipliers, forces) in rows.derivatives().items():
             into, where = (plus, ends) if name in ends else (minus, starts)
-            into.add(self._m[id(rows)], where[name], multipliers)
-            into.add(balance, where[name], -rows.spread(forces))
-            total[name in starts].add(everything, where[name], sums @ forces)
+            into.add(at, where[name], multipliers)
+            into.add(force, where[name], -forces)
+        one = np.eye(force.stop - force.start)
+        plus.add(force, force, one)
+        plus.add(balance, force, -rows.spread(one))
         if turned := rows.turned():
             minus.add(balance, self._q[id(m)], -turned[0])
             plus.add(balance, self._before[id(m)], -turned[1])
-        by_force = np.zeros((d, len(self._parameters)))
         for i, parameter in enumerate(self._parameters):
-            change, force = rows.by(parameter)
-            by[self._m[id(rows)], i] += change
-            by[balance, i] -= rows.spread(force)
-            by_force[:, i] = sums @ force
-        after, before = total
-        return (
-            after.matrix((d, self._unknowns)),
-            before.matrix((d, self.size)),
-            by_force,
-        )
+            change, forces = rows.by(parameter)
+            by[at, i] += change
+            by[force, i] -= forces
 
     def _end(self, trial: Trial, plus: Blocks, minus: Blocks, by: np.ndarray) -> None:
         """When the step ends: where a point arrives, at once (an impact), or as the grid has it."""

@@ -17,9 +17,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
+from petsc4py import PETSc
 
 from ..base import checks
+from ..base.constants import KEPT
 from ..solids import DeformableSolid, ElasticSolid, HyperelasticSolid, RigidSolid, Solid
+from ..solids.factor import Factorisation
 from ..solids.rotations import rotation_matrix
 from ..theory.theta import Step
 from .parameters import Parameter
@@ -132,6 +135,8 @@ class DeformableMotion(Motion):
         self.one = sp.identity(self.size, format="csr")
         self._holding, self._freeing = (sp.diags(each, format="csr") for each in (hold, 1 - hold))
         self._massive = self._freeing @ self._mass
+        self._factor = Factor(solid.name)
+        self._kept: dict[tuple[float, float], sp.csr_matrix] = {}
         self._none = sp.csr_matrix(self._mass.shape)
         self._own = None
         if isinstance(solid, ElasticSolid):
@@ -152,7 +157,24 @@ class DeformableMotion(Motion):
         by_dt = np.zeros(self.size)
         if step.dt and step.scheme.inertia:
             by_dt = self._freeing @ (-self._momentum / step.dt**2)
+        self._inner = self._make_inner(step, inertia, new)
         return Row(new, inertia + self._holding, old, -inertia, by_dt)
+
+    def _make_inner(self, step: Step, inertia: Any, stiffness: Any) -> Inner:
+        key = step.inertia_rate, step.gap_rate
+        matrix = self._kept.get(key) if self._own is None else None
+        if matrix is None:
+            whole = (inertia + step.gap_rate * stiffness) @ self._freeing + self._holding
+            matrix = sp.csr_matrix(whole)
+            if len(self._kept) >= KEPT:
+                self._kept.clear()
+            if self._own is None:  # of a linear solid it comes again
+                self._kept[key] = matrix
+        return Inner(self._factor, matrix, stiffness, step.gap_rate, self.held)
+
+    def inner(self) -> Inner:
+        """Its rows among its own unknowns, after :meth:`balance`."""
+        return self._inner
 
     def _stiffnesses(self, step: Step) -> tuple[Any, Any]:
         """Derivatives of the mean internal force by the displacements at both ends."""
@@ -179,6 +201,59 @@ class DeformableMotion(Motion):
                 place = share * end + (1 - share) * start
                 rows = rows + weight * parameter.internal(solid, place)
         return np.asarray(self._freeing @ rows)
+
+
+class Inner:
+    """The rows of a deformable solid among its own unknowns (q, v) in one step::
+
+        q - rate v = r_q           stiffness q + inertia v = r_v
+
+    Args:
+        factor: solves with matrices of the solid.
+        matrix: ``inertia + rate stiffness`` over what is not held, the identity elsewhere.
+        stiffness: over what is not held.
+        rate: derivative of q by v, s.
+        held: unknowns.
+    """
+
+    def __init__(
+        self, factor: Factor, matrix: Any, stiffness: Any, rate: float, held: np.ndarray
+    ) -> None:
+        self._factor, self._matrix, self._stiffness = factor, matrix, stiffness
+        self._rate, self._held = rate, held
+
+    def solve(self, right: np.ndarray, transposed: bool) -> np.ndarray:
+        """(q, v) from (r_q, r_v), (2 n, columns), or multipliers of the rows from columns."""
+        n = len(right) // 2
+        first, last = right[:n], right[n:]
+        K, rate = self._stiffness, self._rate
+        load = last + rate * first if transposed else last - K @ first
+        load[self._held] = 0.0  # nothing moves what is held
+        v = self._factor.solve(self._matrix, load)
+        return np.concatenate([first - K.T @ v if transposed else first + rate * v, v])
+
+
+class Factor:
+    """A direct factorisation of the last of the matrices that it was asked for."""
+
+    def __init__(self, name: str) -> None:
+        self._name, self._matrix = name, None
+        self._factor: Factorisation | None = None
+
+    def solve(self, matrix: sp.csr_matrix, right: np.ndarray) -> np.ndarray:
+        """For columns (n, k)."""
+        if matrix is not self._matrix:
+            if self._factor is not None:
+                self._factor.destroy()
+            parts = matrix.indptr, matrix.indices, matrix.data
+            made = PETSc.Mat().createAIJ(matrix.shape, csr=parts, comm=PETSc.COMM_SELF)
+            self._matrix, self._factor = matrix, Factorisation(made, f"{self._name}_gradients")
+        assert self._factor is not None
+        some = np.abs(right).max(axis=0, initial=0.0) > 0
+        result = np.zeros_like(right)
+        if some.any():
+            result[:, some] = self._factor.solve_many(sp.csc_matrix(right[:, some]))
+        return result
 
 
 def _scipy(matrix: Any) -> sp.csr_matrix:

@@ -21,7 +21,7 @@ from ..base.constants import SAME
 from ..output.history import History
 from ..scene import Scene
 from ..steps.step import Trial
-from .blocks import LinearStep, Solver
+from .blocks import LinearStep
 from .kinks import Kink, NoDerivative
 from .linearise import Linearisation
 from .parameters import Parameter
@@ -36,14 +36,11 @@ class Tangents:
         history: of the run; its probes are the quantities.
         parameters: their names.
         kinks: where the derivatives do not exist; they are then those of one side.
-        factors, solves: of linear systems.
     """
 
     history: History
     parameters: tuple[str, ...]
     kinks: list[Kink]
-    factors: int
-    solves: int
     _columns: dict[str, np.ndarray]
 
     def one_sided(self, column: str) -> np.ndarray:
@@ -135,7 +132,8 @@ def tangents(
     """
     quantities = _checked(scene, parameters, quantities or {})
     linear = Linearisation(scene, list(parameters.values()))
-    solver, found, state, first = Solver(), [], linear.start(), scene.time
+    found: list[Kink] = []
+    state, first = linear.start(), scene.time
     size = len(parameters)
     columns: dict[str, list[np.ndarray]] = {"time": [np.zeros(size)]}
     for name, quantity in quantities.items():
@@ -147,14 +145,13 @@ def tangents(
     def watch(trial: Trial) -> None:
         nonlocal state
         step = linear.step(trial)
-        x = step.tangent(solver, state)
+        x = step.tangent(state)
         found.extend(linear.kinks(trial, scene.stepper.resolution, x, state))
-        forces = [after @ x + before @ state + by for after, before, by in step.force]
         state = x[: linear.size]
         columns["time"].append(state[linear.time].ravel())
-        for each, force in zip(names, forces):
-            for name, row in zip(each, force):
-                columns[name].append(np.asarray(row).ravel())
+        for each, at in zip(names, step.forces):
+            for i, name in enumerate(each):  # point by point
+                columns[name].append(x[at][i :: len(each)].sum(axis=0))
         pending.append(state)
 
     def probe(name: str, quantity: Quantity) -> Callable[[], float]:
@@ -171,7 +168,7 @@ def tangents(
         history = scene.run(until, dt, probes=probes, stop_when=stop_when)
     _refuse_halved(scene, history, first, dt)
     arrays = {name: np.array(rows) for name, rows in columns.items()}
-    return Tangents(history, tuple(parameters), found, solver.factors, solver.solves, arrays)
+    return Tangents(history, tuple(parameters), found, arrays)
 
 
 def adjoints(
@@ -227,7 +224,6 @@ def adjoints(
     by = np.stack([_explicit(parameters, quantity) for quantity in quantities.values()], axis=1)
 
     found: list[Kink] = []
-    solver = Solver()
     for end, start in zip(reversed(ends), reversed(kept)):
         scene.restore(start)
         steps: list[LinearStep] = []
@@ -239,7 +235,7 @@ def adjoints(
         with _watching(scene, watch):
             scene.run(first + end * dt, dt, progress=False)
         for step in reversed(steps):
-            after, more = step.adjoint(solver, after)
+            after, more = step.adjoint(after)
             by = by + more
     scene.restore(last)
     gradient = by + begin.T @ after

@@ -198,10 +198,11 @@ class ContactRows:
             result += self._start[p] * started[:, None]
         return result[:, d:].ravel(), -result[:, :d].ravel()
 
-    def spread(self, forces: Any) -> Any:
+    def spread(self, forces: np.ndarray) -> Any:
         """Forces at the candidates as forces on the solid, (size, ...)."""
         places = (self.points[:, None] * self._d + np.arange(self._d)).ravel()
-        return self._forces[places].T @ forces
+        spreading = self._forces[places].T
+        return spreading @ (forces if isinstance(spreading, np.ndarray) else sp.csr_matrix(forces))
 
     def turned(self) -> tuple[Any, Any] | None:
         """Derivatives of J' f at fixed forces by q_old and q; None where J is constant."""

@@ -144,8 +144,9 @@ class Linearisation:
         plus.add(at, self._v[id(m)], row.v)
         minus.add(at, self._q[id(m)], row.q_old)
         minus.add(at, self._v[id(m)], row.v_old)
-        plus.add(at, self._t, row.dt[:, None])
-        minus.add(at, self._t, -row.dt[:, None])
+        if self._scene.locate_impacts:  # else instants do not depend on anything
+            plus.add(at, self._t, row.dt[:, None])
+            minus.add(at, self._t, -row.dt[:, None])
 
     def _bear(self, rows: ContactRows, plus: Blocks, minus: Blocks, by: np.ndarray) -> None:
         """The rows of a contact: of its multipliers, and of its forces, which act on the solid."""

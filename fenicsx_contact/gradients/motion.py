@@ -13,6 +13,7 @@ for those to tell.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -135,8 +136,7 @@ class DeformableMotion(Motion):
         self.one = sp.identity(self.size, format="csr")
         self._holding, self._freeing = (sp.diags(each, format="csr") for each in (hold, 1 - hold))
         self._massive = self._freeing @ self._mass
-        self._factor = Factor(solid.name)
-        self._kept: dict[tuple[float, float], sp.csr_matrix] = {}
+        self._kept: dict[tuple[float, float], Factor] = {}
         self._none = sp.csr_matrix(self._mass.shape)
         self._own = None
         if isinstance(solid, ElasticSolid):
@@ -162,15 +162,15 @@ class DeformableMotion(Motion):
 
     def _make_inner(self, step: Step, inertia: Any, stiffness: Any) -> Inner:
         key = step.inertia_rate, step.gap_rate
-        matrix = self._kept.get(key) if self._own is None else None
-        if matrix is None:
-            whole = (inertia + step.gap_rate * stiffness) @ self._freeing + self._holding
-            matrix = sp.csr_matrix(whole)
+        factor = self._kept.get(key) if self._own is None else None
+        if factor is None:
+            matrix = (inertia + step.gap_rate * stiffness) @ self._freeing + self._holding
+            factor = Factor(sp.csr_matrix(matrix), self.solid.name)
+        if self._own is None:  # of a linear solid it comes again
             if len(self._kept) >= KEPT:
                 self._kept.clear()
-            if self._own is None:  # of a linear solid it comes again
-                self._kept[key] = matrix
-        return Inner(self._factor, matrix, stiffness, step.gap_rate, self.held)
+            self._kept[key] = factor
+        return Inner(factor, stiffness, step.gap_rate, self.held)
 
     def inner(self) -> Inner:
         """Its rows among its own unknowns, after :meth:`balance`."""
@@ -209,18 +209,14 @@ class Inner:
         q - rate v = r_q           stiffness q + inertia v = r_v
 
     Args:
-        factor: solves with matrices of the solid.
-        matrix: ``inertia + rate stiffness`` over what is not held, the identity elsewhere.
+        factor: of ``inertia + rate stiffness`` over what is not held, the identity elsewhere.
         stiffness: over what is not held.
         rate: derivative of q by v, s.
         held: unknowns.
     """
 
-    def __init__(
-        self, factor: Factor, matrix: Any, stiffness: Any, rate: float, held: np.ndarray
-    ) -> None:
-        self._factor, self._matrix, self._stiffness = factor, matrix, stiffness
-        self._rate, self._held = rate, held
+    def __init__(self, factor: Factor, stiffness: Any, rate: float, held: np.ndarray) -> None:
+        self._factor, self._stiffness, self._rate, self._held = factor, stiffness, rate, held
 
     def solve(self, right: np.ndarray, transposed: bool) -> np.ndarray:
         """(q, v) from (r_q, r_v), (2 n, columns), or multipliers of the rows from columns."""
@@ -229,30 +225,39 @@ class Inner:
         K, rate = self._stiffness, self._rate
         load = last + rate * first if transposed else last - K @ first
         load[self._held] = 0.0  # nothing moves what is held
-        v = self._factor.solve(self._matrix, load)
+        v = self._factor.solve(load)
         return np.concatenate([first - K.T @ v if transposed else first + rate * v, v])
 
 
 class Factor:
-    """A direct factorisation of the last of the matrices that it was asked for."""
+    """A direct factorisation of a matrix, made when it is first asked; knows what it has solved for
+    points, which come again."""
 
-    def __init__(self, name: str) -> None:
-        self._name, self._matrix = name, None
-        self._factor: Factorisation | None = None
+    def __init__(self, matrix: sp.csr_matrix, name: str) -> None:
+        self._matrix, self._name = matrix, f"{name}_gradients"
+        self._known: dict[bytes, np.ndarray] = {}
 
-    def solve(self, matrix: sp.csr_matrix, right: np.ndarray) -> np.ndarray:
+    @cached_property
+    def _factor(self) -> Factorisation:
+        parts = self._matrix.indptr, self._matrix.indices, self._matrix.data
+        made = PETSc.Mat().createAIJ(self._matrix.shape, csr=parts, comm=PETSc.COMM_SELF)
+        return Factorisation(made, self._name)
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
         """For columns (n, k)."""
-        if matrix is not self._matrix:
-            if self._factor is not None:
-                self._factor.destroy()
-            parts = matrix.indptr, matrix.indices, matrix.data
-            made = PETSc.Mat().createAIJ(matrix.shape, csr=parts, comm=PETSc.COMM_SELF)
-            self._matrix, self._factor = matrix, Factorisation(made, f"{self._name}_gradients")
-        assert self._factor is not None
-        some = np.abs(right).max(axis=0, initial=0.0) > 0
-        result = np.zeros_like(right)
-        if some.any():
-            result[:, some] = self._factor.solve_many(sp.csc_matrix(right[:, some]))
+        result, missing, keys = np.zeros_like(right), [], []
+        for i, column in enumerate(right.T):
+            entries = column.nonzero()[0]
+            few = 2 * len(entries) < len(column)
+            key = entries.tobytes() + column[entries].tobytes() if few else b""
+            if key in self._known:
+                result[:, i] = self._known[key]
+            elif len(entries):
+                missing.append(i)
+                keys.append(key)
+        if missing:
+            result[:, missing] = self._factor.solve_many(sp.csc_matrix(right[:, missing]))
+        self._known |= {key: result[:, i].copy() for i, key in zip(missing, keys) if key}
         return result
 
 

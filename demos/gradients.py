@@ -292,9 +292,9 @@ def main(quick: bool = False) -> dict[str, Any]:
     summary = {
         "slide": slide(),
         "rocking": plateau(),
-        "teeth": teeth(6, 2e-3) if quick else teeth(60),
+        "teeth": teeth(5, 2e-3) if quick else teeth(40),
         "edge": on_the_edge(),
-        "cost": cost(8 if quick else 35),
+        "cost": cost(4, 20) if quick else cost(35),
     }
     write_summary(RESULTS, summary)
     draw(summary["rocking"], summary["teeth"])

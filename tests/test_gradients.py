@@ -410,6 +410,44 @@ def test_statics_and_tresca():
     check(build, asked, 3.0, 1.0, inside)
 
 
+KINDS = {
+    "second degree": {"degree": 2},
+    "plane stress": {"plane": "stress"},
+    "springs": {"springs": {"top": (1e4, 2e4)}},
+    "driven": {
+        "prescribed": {"top": lambda t: (0.2 * t, -0.2 * t)},
+        "displacement": None,
+        "velocity": None,
+    },
+    "revolution": {"plane": "axisymmetric"},
+}
+
+
+@LONG
+@pytest.mark.parametrize("kind", KINDS)
+def test_kinds_of_elastic_solids(kind):
+    """What is held and touches, too: on the axis of a solid of revolution."""
+
+    def build(mu, E):
+        mesh = rectangle((3, 3), (0.4, 0.4))
+        mesh.mesh.geometry.x[:, 0] += 0.2  # the axis of revolution is x = 0
+        given = {
+            "displacement": lambda x: np.stack([0 * x[0], 0.002 + 0.01 * x[0]]),
+            "velocity": lambda x: np.stack([x[0], -1.0 + 0 * x[0]]),
+            **KINDS[kind],
+        }
+        moduli = {"youngs_modulus": E, "poisson_ratio": 0.3, "density": 1000.0}
+        block = ElasticSolid(mesh, gravity=(0, -G), **moduli, **given)
+        return Scene([block], [Contact(block, "base", FLOOR, friction=mu, name="c")])
+
+    def corner(scene):
+        solid = solid_of(scene)
+        return {"x": At(solid, (0.4, 0.0), (1, 0)), "vy": Centre(solid, (0, 1), "velocity")}
+
+    asked = {"mu": (0.3, friction), "E": (1e6, lambda s: Modulus(solid_of(s)))}
+    check(build, asked, 0.01, 5e-4, corner)
+
+
 @LONG
 def test_a_block_in_space():
     def build(mu, E):

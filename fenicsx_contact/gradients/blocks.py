@@ -55,8 +55,9 @@ class LinearStep:
     Args:
         plus, minus: derivatives by the unknowns and by the state at the start, sparse.
         by: derivatives by the parameters, (unknowns, parameters).
-        soft: a small compliance of the multipliers, (unknowns,), zero elsewhere: where solids have
-            fewer unknowns than points ``plus`` is singular in what does not matter.
+        soft: a small compliance of the multipliers, (unknowns,), zero elsewhere: where points have
+            less freedom than rows (of rigid solids, held nodes, nodes of two contacts) ``plus`` is
+            singular in what does not matter.
         forces: where the forces of each contact stand among the unknowns, point by point.
         inner: solids with solvers of their own, and where their unknowns stand; the others are
             solved for together, dense.
@@ -96,26 +97,20 @@ class LinearStep:
         sizes = np.abs(scaled).max(axis=0, initial=0.0)
         self._columns = 1 / np.where(sizes > 0, sizes, 1.0)
         self._matrix = scaled * self._columns
-        self._soft = bool(soft.any())
         self._factors = lu_factor(self._matrix - np.diag(self._rows * soft * self._columns))
 
     def _solve(self, right: np.ndarray, transposed: bool) -> np.ndarray:
-        """The outer unknowns. What is soft is made hard by iteration (proximal point), what is
-        regular is corrected once."""
+        """The outer unknowns; what is soft is made hard by iteration (proximal point)."""
         matrix = self._matrix.T if transposed else self._matrix
         first, last = (self._columns, self._rows) if transposed else (self._rows, self._columns)
         right = first[:, None] * right
         result = lu_solve(self._factors, right, int(transposed))
-        change = np.inf
-        while True:
-            before = change
+        change, falls = np.inf, True
+        while falls:  # down to round-off
             correction = lu_solve(self._factors, right - matrix @ result, int(transposed))
-            change = float(np.abs(correction).max(initial=0.0))
-            if not change < before:
-                break
-            result = result + correction
-            if not self._soft:
-                break
+            before, change = change, float(np.abs(correction).max(initial=0.0))
+            falls = change < before
+            result = result + correction if falls else result
         return last[:, None] * result
 
     def tangent(self, start: np.ndarray) -> np.ndarray:

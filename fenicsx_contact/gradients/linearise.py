@@ -47,7 +47,8 @@ class Linearisation:
         for parameter in parameters:
             parameter.check(scene.solids, scene.contacts)
         self._scene, self._parameters = scene, parameters
-        self.motions = [motion(solid, scene.locate_impacts) for solid in scene.solids]
+        inertia, located = bool(scene.scheme.inertia), scene.locate_impacts
+        self.motions = [motion(solid, inertia, located) for solid in scene.solids]
         of = {id(m.solid): m for m in self.motions}
         self.contacts = []
         for contact in scene.contacts:
@@ -64,7 +65,6 @@ class Linearisation:
             self._q[id(m)], self.size = _next(self.size, m.size)
             self._v[id(m)], self.size = _next(self.size, m.size)
         self._t, self.size = _next(self.size, 1)
-        self._soft = COMPLIANCE if any(s.shiftable for s in scene.solids) else 0.0
 
     def part(self, which: str, solid: Any) -> slice:
         """Where a solid's ``"q"`` or ``"v"`` stands in the state."""
@@ -96,7 +96,7 @@ class Linearisation:
         self._end(trial, plus, minus, by)
         soft = np.zeros(self._unknowns)
         for rows in self.contacts:
-            soft[self._m[id(rows)]] = rows.soft(self._soft)
+            soft[self._m[id(rows)]] = rows.soft(COMPLIANCE)
         n, forces = self._unknowns, [self._f[id(rows)] for rows in self.contacts]
         inner: list[tuple[slice, Inner]] = []
         for m in self.motions:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import scipy.sparse as sp
@@ -138,11 +138,9 @@ class DeformableMotion(Motion):
         self._massive = self._freeing @ self._mass
         self._kept: dict[tuple[float, float], Factor] = {}
         self._none = sp.csr_matrix(self._mass.shape)
-        self._own = None
-        if isinstance(solid, ElasticSolid):
+        self._linear, self._own = isinstance(solid, ElasticSolid), cast(Any, None)
+        if self._linear:
             self._stiffness = self._freeing @ _scipy(solid.last_stiffness)
-        else:
-            self._own = solid.last_stiffness.duplicate()
 
     def see(self, step: Step) -> None:
         solid = self.solid
@@ -162,11 +160,11 @@ class DeformableMotion(Motion):
 
     def _make_inner(self, step: Step, inertia: Any, stiffness: Any) -> Inner:
         key = step.inertia_rate, step.gap_rate
-        factor = self._kept.get(key) if self._own is None else None
+        factor = self._kept.get(key) if self._linear else None
         if factor is None:
             matrix = (inertia + step.gap_rate * stiffness) @ self._freeing + self._holding
             factor = Factor(sp.csr_matrix(matrix), self.solid.name)
-        if self._own is None:  # of a linear solid it comes again
+        if self._linear:  # of a linear solid it comes again
             if len(self._kept) >= KEPT:
                 self._kept.clear()
             self._kept[key] = factor
@@ -178,11 +176,13 @@ class DeformableMotion(Motion):
 
     def _stiffnesses(self, step: Step) -> tuple[Any, Any]:
         """Derivatives of the mean internal force by the displacements at both ends."""
-        if self._own is None:
+        if self._linear:
             before, after = step.scheme.linear_weights
             return before * self._stiffness, after * self._stiffness
         old = new = self._none
         start, end = self._ends
+        if self._own is None:
+            self._own = self.solid.last_stiffness.duplicate()
         for share, weight in step.scheme.force_points:
             self._own.zeroEntries()
             self.solid.add_stiffness(self._own, share * end + (1 - share) * start, weight)
@@ -266,11 +266,12 @@ def _scipy(matrix: Any) -> sp.csr_matrix:
     return sp.csr_matrix((values, columns, pointers), matrix.getSize())
 
 
-def motion(solid: Solid, moving_time: bool) -> Motion:
+def motion(solid: Solid, inertia: bool, moving_time: bool) -> Motion:
     """The rows of a solid.
 
     Args:
         solid: the solid.
+        inertia: whether it has any.
         moving_time: whether instants depend on parameters.
 
     Raises:
@@ -288,6 +289,8 @@ def motion(solid: Solid, moving_time: bool) -> Motion:
         raise checks.InputError(f"gradients: {name} is a {kind}, which is not supported")
     if solid.comm.size > 1:
         raise checks.InputError(f"gradients: {name} is shared by processes; use one")
+    if not inertia and not solid.supported:
+        raise checks.InputError(f"gradients: {name} is held by contact alone, without inertia")
     if solid.dampers:
         raise checks.InputError(f"gradients: {name} has damping, which is not supported")
     if moving_time and (solid.applied or solid.supports.moving):

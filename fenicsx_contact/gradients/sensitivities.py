@@ -73,7 +73,7 @@ class Adjoints:
         history: of the run.
         values: of the quantities, at its end.
         parameters: their names.
-        kinks: where the derivatives may not exist; they are then those of one side.
+        kinks: where the derivatives may not exist; then they are of one side.
         kept: states that were kept on the way.
     """
 
@@ -145,7 +145,7 @@ def tangents(
     def watch(trial: Trial) -> None:
         nonlocal state
         step = linear.step(trial)
-        x = step.tangent(state)
+        x = _finite(trial, step.tangent(state))
         found.extend(linear.kinks(trial, scene.stepper.resolution, x, state))
         state = x[: linear.size]
         columns["time"].append(state[linear.time].ravel())
@@ -182,9 +182,8 @@ def adjoints(
 ) -> Adjoints:
     """Run a scene by uniform steps, and go back for the derivatives of quantities at its end.
 
-    States are kept every so many steps; from each the steps up to the next are run once more, and
-    their linearisations kept until they have been gone back through. So memory grows with the root
-    of the number of steps, and the run is done twice.
+    States are kept every so many steps; from each the steps up to the next are run once more and
+    gone back through. Memory grows with the root of the number of steps; the run is done twice.
 
     Args:
         scene: the scene; the derivatives are by its state as it is.
@@ -226,17 +225,17 @@ def adjoints(
     found: list[Kink] = []
     for end, start in zip(reversed(ends), reversed(kept)):
         scene.restore(start)
-        steps: list[LinearStep] = []
+        steps: list[tuple[Trial, LinearStep]] = []
 
-        def watch(trial: Trial, steps: list[LinearStep] = steps) -> None:
-            steps.append(linear.step(trial))
+        def watch(trial: Trial, steps: list[tuple[Trial, LinearStep]] = steps) -> None:
+            steps.append((trial, linear.step(trial)))
             found.extend(linear.kinks(trial, scene.stepper.resolution, None, None))
 
         with _watching(scene, watch):
             scene.run(first + end * dt, dt, progress=False)
-        for step in reversed(steps):
+        for trial, step in reversed(steps):
             after, more = step.adjoint(after)
-            by = by + more
+            by = _finite(trial, by + more)
     scene.restore(last)
     gradient = by + begin.T @ after
     gradients = {name: gradient[:, i] for i, name in enumerate(quantities)}
@@ -259,17 +258,22 @@ def _checked(
 
 
 def _refuse_halved(scene: Scene, history: History, first: float, dt: float) -> None:
-    """A part of a step ends at a share of it that is told, a halving of it; where a step failed
-    after an impact within it nobody tells of the rest."""
+    """Halves of a step end where they are told to; not those after an impact within it."""
     if not scene.locate_impacts:
         return
     for time, remark in history.remarks:
         parts = (time - first) / dt * 2.0**10  # of the shortest
         if remark.startswith("step halved") and abs(parts - round(parts)) > SAME * abs(parts):
             raise checks.InputError(
-                f"gradients: impacts are located, and a step was halved at t = {time:.9g} s, after "
-                "an impact within it; shorter steps help"
+                f"gradients: a step was halved at t = {time:.9g} s, after a located impact within "
+                "it; shorter steps help"
             )
+
+
+def _finite(trial: Trial, values: np.ndarray) -> np.ndarray:
+    if not np.isfinite(values).all():
+        raise NoDerivative(f"t = {trial.step.end:.9g} s: the linearised step is singular")
+    return values
 
 
 def _gradient(linear: Linearisation, quantity: Quantity) -> np.ndarray:

@@ -8,6 +8,8 @@ from math import atan, cos, sin
 
 import numpy as np
 import pytest
+import ufl
+from dolfinx import fem
 from scenes import FLOOR, FLOOR_3D, G, box, rectangle, rocking_block
 
 from fenicsx_contact import (
@@ -410,6 +412,32 @@ def test_statics_and_tresca():
     check(build, asked, 3.0, 1.0, inside)
 
 
+def test_constants_that_stand_in_ufl():
+    """Of a friction and a modulus that vary over the block."""
+
+    def build(mu, E):
+        mesh = rectangle((3, 3), (0.4, 0.4))
+        x = ufl.SpatialCoordinate(mesh.mesh)
+        build.mu, build.E = (fem.Constant(mesh.mesh, each) for each in (mu, E))
+        block = ElasticSolid(
+            mesh,
+            youngs_modulus=build.E * (1 + x[1]),
+            poisson_ratio=0.3,
+            density=1000.0,
+            gravity=(0, -G),
+            displacement=lambda x: np.stack([0 * x[0], 0.002 + 0.01 * x[0]]),
+            velocity=lambda x: np.stack([0.5 + 0 * x[0], -1.0 + 0 * x[0]]),
+        )
+        friction = build.mu * (1 + x[0])
+        return Scene([block], [Contact(block, "base", FLOOR, friction=friction, name="c")])
+
+    asked = {
+        "mu": (0.3, lambda s: Law(s.contacts[0], build.mu)),
+        "E": (1e6, lambda s: Modulus(solid_of(s), build.E)),
+    }
+    check(build, asked, 0.01, 5e-4, shares=[1e-4])
+
+
 KINDS = {
     "second degree": {"degree": 2},
     "plane stress": {"plane": "stress"},
@@ -576,7 +604,7 @@ def test_what_is_not_supported_is_refused_by_name():
     refused(on_floor(obstacle=still), match="contact 'c' has an obstacle that moves")
     refused(on_floor({"formulation": Discrete(1e5)}), match="formulation 'discrete'")
     refused(on_floor({"friction": Stribeck(0.3, 0.2, 0.1)}), match="law Stribeck")
-    refused(on_floor({"friction": lambda x: 0.1 + 0 * x[0]}), match="law that varies")
+    refused(on_floor({"friction": lambda x: 0.1 + 0 * x[0]}), match="law of place or time")
     refused(on_floor(scene={"scheme": GeneralisedAlpha(0.8)}), match="scheme")
     pushed = {"force": lambda t: (t, 0.0)}
     refused(on_floor(solid=pushed, scene={"locate_impacts": True}), match="forces in time")
@@ -602,7 +630,21 @@ def test_what_is_not_supported_is_refused_by_name():
         name="damped",
     )  # fmt: skip
     scene = Scene([damped], [Contact(damped, "base", FLOOR)])
-    refused(scene, {"E": weight(scene)}, "'damped' has damping")
+    refused(scene, {"g": weight(scene)}, "'damped' has damping")
+    light = ElasticSolid(
+        rectangle(), youngs_modulus=1e6, poisson_ratio=0.3, density=1.0, name="light",
+        mass_redistribution=["base"],
+    )  # fmt: skip
+    scene = Scene([light], [Contact(light, "base", FLOOR, "gap")])
+    refused(scene, {"g": weight(scene)}, "'light' has a boundary without mass")
+    held = Scene([ElasticSolid(rectangle(), youngs_modulus=1e6, poisson_ratio=0.3, density=1.0,
+                               fixed=["top"], name="held")], [])  # fmt: skip
+    with pytest.raises(InputError, match="stands in no modulus"):
+        Modulus(solid_of(held), fem.Constant(solid_of(held).mesh.mesh, 1.0))
+    low = ElasticSolid(rectangle(), youngs_modulus=1e6, poisson_ratio=0.3, density=1.0, name="low")
+    high = RigidSolid(rectangle(), mass=1.0, name="high")
+    pair = Scene([low, high], [Contact(low, "top", (high, "base"), name="pair")], deepest=3.0)
+    refused(pair, {"g": weight(pair)}, "contact 'pair' is between two solids")
 
 
 def test_a_run_with_tangents_is_the_run():

@@ -70,7 +70,8 @@ class LawFields:
 
     Attributes:
         memory: what laws remember.
-        numbers: the constants of the parameters that are numbers, by name.
+        numbers: the surface's constants of the parameters that are numbers, by name, and of the
+            constants of UFL that stand in parameters, by these.
         held: points that a law holds though nothing presses there, (n,) of bool; False: none.
     """
 
@@ -82,7 +83,7 @@ class LawFields:
         self.surface = surface
         self.memory = Memory(surface)
         self.held: np.ndarray | bool = False
-        self.numbers: dict[str, Any] = {}
+        self.numbers: dict[Any, Any] = {}
         self._constants: list[tuple[Any, Feed]] = []
         self._functions: list[tuple[Any, Feed]] = []
 
@@ -213,7 +214,9 @@ class LawFields:
         if is_coordinate(other):
             return self.x
         if hasattr(other, "value"):
-            return self._constant(lambda contact, step: float(other.value), float(other.value))
+            now = self._constant(lambda contact, step: float(other.value), float(other.value))
+            self.numbers[other] = now
+            return now
         values, mirror = compat.PointValues(other, self.surface.points), self.surface.scalar()
         mirror.x.array[:] = values()
         return self._function(lambda contact, step: values(), mirror)

@@ -3,7 +3,8 @@
 steps. What is not supported is refused by name, where a derivative does not exist it is told."""
 
 from .kinks import Kink, NoDerivative
-from .parameters import Gravity, Law, Mass, Material, Modulus, ObstacleShift, Parameter, Start
+from .materials import Material, Modulus
+from .parameters import Gravity, Law, Mass, ObstacleShift, Parameter, Start
 from .quantities import At, Centre, Kinetic, Quantity, Turn
 from .sensitivities import Adjoints, Tangents, adjoints, tangents
 

@@ -4,19 +4,14 @@ one unit changes there; everywhere else it changes nothing."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import ufl
-from dolfinx import fem
 
-from ..base import assembly, checks, compat
-from ..base.compiling import compiled
-from ..base.constants import SAME
+from ..base import checks
 from ..contact.contact import Contact
-from ..solids import DeformableSolid, ElasticSolid, HyperelasticSolid, RigidSolid, Solid
-from ..solids.energies import Energy, in_space
+from ..solids import DeformableSolid, RigidSolid, Solid
 from .forms import ByConstant
 
 
@@ -62,15 +57,18 @@ class Law(Parameter):
 
     Args:
         contact: the contact.
-        name: of the number: ``"friction"`` is Coulomb's coefficient, ``"stress"`` Tresca's.
+        name: of the number: ``"friction"`` is Coulomb's coefficient, ``"stress"`` Tresca's; or a
+            ``fem.Constant`` that stands in what the law was given in UFL.
 
     Raises:
-        InputError: the law has no such number, or it varies in space or time.
+        InputError: no such number stands in the law.
     """
 
-    def __init__(self, contact: Contact, name: str = "friction") -> None:
+    def __init__(self, contact: Contact, name: Any = "friction") -> None:
         numbers = contact.equations.fields.numbers
-        self.contact, self.name = contact, checks.choice("name", name, [*numbers])
+        self.contact = contact
+        if name not in numbers:
+            raise checks.InputError(f"name = {name!r}: must be one of {[*map(str, numbers)]}")
         self._derivative = ByConstant(contact, numbers[name])
 
     def rows(self, contact: Contact) -> np.ndarray | None:
@@ -108,14 +106,16 @@ def _check_rigid(what: str, solid: Any) -> None:
         )
 
 
-class _OfSolid(Parameter):
+class OfSolid(Parameter):
+    """What stands in a solid."""
+
     solid: Any
 
     def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
         _among(type(self).__name__, self.solid, solids)
 
 
-class Start(_OfSolid):
+class Start(OfSolid):
     """A change of the initial state of a solid.
 
     Args:
@@ -159,7 +159,7 @@ class Start(_OfSolid):
         return (self._place, self._velocity) if solid is self.solid else (0.0, 0.0)
 
 
-class Gravity(_OfSolid):
+class Gravity(OfSolid):
     """The acceleration of gravity of a solid.
 
     Args:
@@ -180,7 +180,7 @@ class Gravity(_OfSolid):
         return self._load if solid is self.solid else 0.0
 
 
-class Mass(_OfSolid):
+class Mass(OfSolid):
     """The whole mass of a solid, kg; how it is spread stays the same."""
 
     def __init__(self, solid: Solid) -> None:
@@ -203,97 +203,3 @@ class Mass(_OfSolid):
             return solid.weight / solid.mass
         assert isinstance(solid, RigidSolid)
         return np.append(solid.gravity, 0.0)
-
-
-class Modulus(_OfSolid):
-    """A modulus of an elastic solid.
-
-    Args:
-        solid: the solid.
-        name: ``"youngs_modulus"`` or ``"poisson_ratio"``, which must be a number there.
-
-    Raises:
-        InputError: another name, another solid, or a modulus that varies in space.
-    """
-
-    def __init__(self, solid: ElasticSolid, name: str = "youngs_modulus") -> None:
-        checks.instance("solid", solid, ElasticSolid, "an ElasticSolid; see Energy")
-        self.solid: ElasticSolid = solid
-        values = dict(solid.moduli)
-        value = values[checks.choice("name", name, [*values])]
-        if not isinstance(value, float):
-            raise checks.InputError(f"Modulus: {name} = {value} varies in space")
-        if solid.dampers:
-            raise checks.InputError(f"Modulus: solid {solid.name!r} has damping")
-        number = _number(solid, value)
-        form = solid.stiffness_form(**_named({**values, name: number}))
-        self._matrix = assembly.assemble_petsc_matrix(ufl.derivative(form, number, _one(number)))
-
-    def internal(self, solid: Solid, displacement: np.ndarray) -> np.ndarray | float:
-        if solid is not self.solid:
-            return 0.0
-        return self.solid.multiply(self._matrix, displacement)
-
-
-def _named(moduli: dict[str, Any]) -> dict[str, Any]:
-    return {"E": moduli["youngs_modulus"], "nu": moduli["poisson_ratio"]}
-
-
-class Material(_OfSolid):
-    """A number of the stored energy of a hyperelastic solid.
-
-    Args:
-        solid: the solid.
-        energy: from the number, in UFL, to the solid's energy, such as
-            ``lambda E: neo_hookean(E, 0.3)``.
-        value: the number.
-
-    Raises:
-        InputError: with this value it is not the energy of the solid.
-    """
-
-    def __init__(
-        self, solid: HyperelasticSolid, energy: Callable[[Any], Energy], value: float
-    ) -> None:
-        checks.instance("solid", solid, HyperelasticSolid, "a HyperelasticSolid; see Modulus")
-        self.solid: HyperelasticSolid = solid
-        self._u = fem.Function(solid.space)
-        number = _number(solid, checks.number("value", value))
-        F = in_space(ufl.Identity(solid.dim) + ufl.grad(self._u))
-        degree = {"quadrature_degree": 2 * solid.degree}
-        dx = ufl.Measure("dx", domain=solid.mesh.mesh, metadata=degree)
-        potential, test = energy(number)(F) * dx, ufl.TestFunction(solid.space)
-        force = ufl.derivative(potential, self._u, test)
-        self._form = compiled(ufl.derivative(force, number, _one(number)))
-        swollen = 1e-3 * solid.vectors.places.ravel()  # a small strain tells materials apart
-        solid.vectors.assign(self._u, swollen)
-        mine, theirs = np.empty((2, solid.owned))
-        assembly.assemble_owned(compiled(force), mine)
-        theirs = solid.internal_force(swollen)
-        theirs -= sum((f.times(swollen) for f in solid.foundations), np.zeros(solid.owned))
-        if np.abs(mine - theirs).max() > SAME * np.abs(theirs).max():
-            raise checks.InputError(f"Material: {value:g} does not make the energy of the solid")
-
-    def internal(self, solid: Solid, displacement: np.ndarray) -> np.ndarray | float:
-        if solid is not self.solid:
-            return 0.0
-        self.solid.vectors.assign(self._u, displacement)
-        force = np.empty(self.solid.owned)
-        assembly.assemble_owned(self._form, force)
-        return force
-
-
-def _number(solid: DeformableSolid, value: float) -> Any:
-    """A number as a field, by which UFL can differentiate."""
-    number = compat.cell_constants(solid.mesh.mesh, np.full(_cells(solid), value))
-    return number
-
-
-def _one(number: Any) -> Any:
-    one = fem.Function(number.function_space)
-    one.x.array[:] = 1.0
-    return one
-
-
-def _cells(solid: DeformableSolid) -> int:
-    return compat.num_local_cells(solid.mesh.mesh)

@@ -17,6 +17,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import checks
+from ..base.expressions import is_expression
 from ..base.vectors import dot
 from ..contact.contact import Contact
 from ..contact.nodal import NodalJump
@@ -267,7 +268,7 @@ def _refuse(contact: Contact) -> None:
     if law is not None and type(law) not in (Coulomb, Tresca):
         raise checks.InputError(f"{name} has the law {type(law).__name__}")
     number = getattr(law, "mu", getattr(law, "stress", 0.0))
-    if not isinstance(number, float):
-        raise checks.InputError(f"{name} has a law that varies: {number!r}")
+    if not isinstance(number, float) and not is_expression(number):
+        raise checks.InputError(f"{name} has a law of place or time: {number!r}")
     if contact.solid.dim == 2 and getattr(contact.solid, "degree", 1) > 2:
         raise checks.InputError(f"{name} is of higher degree")

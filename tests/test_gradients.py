@@ -580,6 +580,23 @@ def test_corners_that_arrive_together():
         result["y"]
 
 
+@pytest.mark.parametrize(("depth", "says"), [(1e-13, "grazing"), (-1e-13, "and no more")])
+def test_a_block_that_just_touches_a_ceiling(depth, says):
+    """Thrown up, it turns where the ceiling is: with a little more speed there is an impact."""
+    steps, dt = 20, 0.01
+    speed = G * steps * dt
+    block = RigidSolid(
+        rectangle(size=(0.4, 0.2)), mass=1.0, gravity=(0, -G), velocity=(0, speed), rotation=0.1
+    )
+    turned = np.array([[np.cos(0.1), -np.sin(0.1)], [np.sin(0.1), np.cos(0.1)]])
+    corner = block.place + turned @ [0.2, 0.1]
+    ceiling = HalfSpace((0, corner[1] + speed**2 / (2 * G) - depth), (0, -1))
+    scene = Scene([block], [Contact(block, "top", ceiling, name="c")], locate_impacts=True)
+    asked = {"speed": Start(block, velocity=(0, 1))}
+    with pytest.raises(NoDerivative, match=f"contact 'c', point .*0.2, 0.2.*: .*{says}"):
+        tangents(scene, 2 * steps * dt, dt, asked, centre(scene))["y"]
+
+
 # -- what is not supported --
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -200,8 +201,8 @@ class Linearisation:
         for rows in self.contacts:
             misses = partial(self._misses, rows, x, start)
             found += kinks(rows, trial, resolution, misses)
-        if trial.arrives:
-            found += self._arrivals(trial, resolution, x)
+        if self._scene.locate_impacts and trial.step.dt:
+            found += self._touches(trial, x)
         return found
 
     def _misses(
@@ -239,15 +240,16 @@ class Linearisation:
                 terms = terms + abs(multipliers) @ sizes[name]
         return not alike(left, terms)
 
-    def _arrivals(self, trial: Trial, resolution: float, x: np.ndarray | None) -> list[Kink]:
-        """Points that arrive at the same instant as the one that ends the step, but would not."""
-        first = max(self.contacts, key=lambda rows: arrival(rows.contact)[0])
-        at, found = arriving(first), []
+    def _touches(self, trial: Trial, x: np.ndarray | None) -> list[Kink]:
+        """Points that are open and just touch where the step ends, beside the one that ends it."""
+        found: list[Kink] = []
+        first = max(self.contacts, key=lambda rows: arrival(rows.contact)[0], default=None)
         for rows in self.contacts:
             contact, d = rows.contact, rows.contact.surface.dim
             gaps, free = contact.coupling.gaps(), contact.chosen & ~contact.candidates.allowed
+            ends = arriving(rows) if trial.arrives and rows is first else -1
             for point in np.flatnonzero(free & (np.abs(gaps) <= contact.tolerance)):
-                if rows is first and point == at:
+                if point == ends:
                     continue
                 row = rows.normal[point] @ rows.new.place[point * d : (point + 1) * d]
                 row = np.asarray(row).ravel()
@@ -258,13 +260,17 @@ class Linearisation:
                     if alike(row @ way - by, np.abs(row) @ _largest(way) + np.abs(by)):
                         continue
                 place = tuple(contact.surface.points[point].tolist())
-                what = "arrives at the same instant as another point"
-                found.append(Kink(contact.name, place, trial.step.end, what))
+                with_it = "at the same instant as another point" if trial.arrives else "and no more"
+                found.append(Kink(contact.name, place, trial.step.end, f"touches {with_it}"))
         return found
 
     def _refuse_grazing(self, rows: ContactRows, at: int, step: Step) -> None:
-        speed = resolved(rows, self._scene.stepper.resolution)
-        if rows.normal[at] @ rows.jump[at] <= speed:
+        """A point that arrives with no more speed than it loses within the tolerance of its place
+        may as well not arrive."""
+        speed = float(rows.normal[at] @ rows.jump[at])
+        change = abs(speed - float(rows.normal[at] @ rows.start_jump[at])) / step.dt
+        graze = sqrt(2 * change * rows.contact.tolerance)
+        if speed <= max(graze, resolved(rows, self._scene.stepper.resolution)):
             place = tuple(rows.contact.surface.points[at].tolist())
             kink = Kink(rows.contact.name, place, step.end, "arrives without speed: grazing")
             raise NoDerivative(str(kink))

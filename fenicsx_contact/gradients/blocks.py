@@ -18,28 +18,47 @@ from scipy.linalg import lu_factor, lu_solve
 
 
 class Blocks:
-    """A sparse matrix made of blocks that add up."""
+    """A sparse matrix made of blocks that add up, dense or sparse.
 
-    def __init__(self) -> None:
-        self._parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+    Args:
+        shape: of it.
+    """
+
+    def __init__(self, shape: tuple[int, int]) -> None:
+        self._shape = shape
+        self._parts: list[tuple[slice, slice, Any]] = []
 
     def add(self, rows: slice, columns: slice, block: Any) -> None:
-        """Add a block, dense or sparse, at these rows and columns."""
-        if isinstance(block, np.ndarray):
-            row, column = block.nonzero()
-            data = block[row, column]
-        else:
-            entries = block.tocoo()
-            row, column, data = entries.row, entries.col, entries.data
-        if len(data):
-            self._parts.append((row + rows.start, column + columns.start, data))
+        """Add a block at these rows and columns."""
+        self._parts.append((rows, columns, block))
 
-    def matrix(self, shape: tuple[int, int]) -> sp.csc_matrix:
+    def matrix(self) -> sp.csr_matrix:
         """What they make."""
-        if not self._parts:
-            return sp.csc_matrix(shape)
-        row, column, data = (np.concatenate(each) for each in zip(*self._parts))
-        return sp.csc_matrix((data, (row, column)), shape)
+        entries = [(np.empty(0, int), np.empty(0, int), np.empty(0))]
+        for rows, columns, block in self._parts:
+            if isinstance(block, np.ndarray):
+                row, column = block.nonzero()
+                data = block[row, column]
+            else:
+                coo = block.tocoo()
+                row, column, data = coo.row, coo.col, coo.data
+            entries.append((row + rows.start, column + columns.start, data))
+        row, column, data = (np.concatenate(each) for each in zip(*entries))
+        return sp.csr_matrix((data, (row, column)), self._shape)
+
+    def times(self, values: np.ndarray) -> np.ndarray:
+        """The product with columns."""
+        result = np.zeros((self._shape[0], values.shape[1]))
+        for rows, columns, block in self._parts:
+            result[rows] += block @ values[columns]
+        return result
+
+    def transposed(self, values: np.ndarray) -> np.ndarray:
+        """The product of its transpose with columns."""
+        result = np.zeros((self._shape[1], values.shape[1]))
+        for rows, columns, block in self._parts:
+            result[columns] += block.T @ values[rows]
+        return result
 
 
 class Inner(Protocol):
@@ -53,7 +72,8 @@ class LinearStep:
     """A linearised step.
 
     Args:
-        plus, minus: derivatives by the unknowns and by the state at the start, sparse.
+        plus, minus: derivatives by the unknowns and by the state at the start; the former without
+            those of the rows of inner solids by their own unknowns.
         by: derivatives by the parameters, (unknowns, parameters).
         soft: a small compliance of the multipliers, (unknowns,), zero elsewhere: where points have
             less freedom than rows (of rigid solids, held nodes, nodes of two contacts) ``plus`` is
@@ -65,8 +85,8 @@ class LinearStep:
 
     def __init__(
         self,
-        plus: sp.csc_matrix,
-        minus: sp.csc_matrix,
+        plus: Blocks,
+        minus: Blocks,
         by: np.ndarray,
         soft: np.ndarray,
         forces: list[slice],
@@ -77,7 +97,7 @@ class LinearStep:
         for at, _ in inner:
             outer[at] = False
         self._outer = outer.nonzero()[0]
-        rows = plus.tocsr()
+        rows = plus.matrix()
         here = rows[self._outer]
         matrix = here[:, self._outer].toarray()
         # without the inner unknowns: each is solved for, for what joins it to the others
@@ -115,7 +135,7 @@ class LinearStep:
 
     def tangent(self, start: np.ndarray) -> np.ndarray:
         """dx (unknowns, parameters) from ds (state, parameters)."""
-        right = -(self._minus @ start + self._by)
+        right = -(self._minus.times(start) + self._by)
         result, outer = np.zeros_like(right), right[self._outer]
         for at, solid, into, _, _ in self._joints:
             result[at] = solid.solve(right[at], False)
@@ -136,4 +156,4 @@ class LinearStep:
         left[self._outer] = outer = self._solve(outer, True)
         for at, solid, into, _, _ in self._joints:
             left[at] = solid.solve(right[at] - into.T @ outer, True)
-        return -(self._minus.T @ left), -(self._by.T @ left)
+        return -self._minus.transposed(left), -(self._by.T @ left)

@@ -88,7 +88,8 @@ class Linearisation:
     def step(self, trial: Trial) -> LinearStep:
         """The linearised step, after it was solved and before it is accepted."""
         self._see(trial.step)
-        plus, minus, step = Blocks(), Blocks(), trial.step
+        n, step = self._unknowns, trial.step
+        plus, minus = Blocks((n, n)), Blocks((n, self.size))
         by = np.zeros((self._unknowns, len(self._parameters)))
         for m in self.motions:
             self._move(m, step, plus, minus, by)
@@ -98,14 +99,12 @@ class Linearisation:
         soft = np.zeros(self._unknowns)
         for rows in self.contacts:
             soft[self._m[id(rows)]] = rows.soft(COMPLIANCE)
-        n, forces = self._unknowns, [self._f[id(rows)] for rows in self.contacts]
+        forces = [self._f[id(rows)] for rows in self.contacts]
         inner: list[tuple[slice, Inner]] = []
         for m in self.motions:
             if isinstance(m, DeformableMotion):
                 inner.append((slice(self._q[id(m)].start, self._v[id(m)].stop), m.inner()))
-        return LinearStep(
-            plus.matrix((n, n)), minus.matrix((n, self.size)), by, soft, forces, inner
-        )
+        return LinearStep(plus, minus, by, soft, forces, inner)
 
     def _see(self, step: Step) -> None:
         """Take up the step, and where its unknowns stand."""
@@ -141,8 +140,9 @@ class Linearisation:
                 by[here] -= put.by
 
     def _add(self, at: slice, m: Motion, row: Row, plus: Blocks, minus: Blocks) -> None:
-        plus.add(at, self._before[id(m)], row.q)
-        plus.add(at, self._v[id(m)], row.v)
+        if isinstance(m, RigidMotion):  # others have solvers of their own
+            plus.add(at, self._before[id(m)], row.q)
+            plus.add(at, self._v[id(m)], row.v)
         minus.add(at, self._q[id(m)], row.q_old)
         minus.add(at, self._v[id(m)], row.v_old)
         if self._scene.locate_impacts:  # else instants do not depend on anything

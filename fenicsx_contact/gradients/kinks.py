@@ -10,7 +10,7 @@ solid are such.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -54,12 +54,25 @@ def resolved(rows: ContactRows, resolution: float) -> float:
     return max(resolution, ROUND_OFF * own)
 
 
-def weak(rows: ContactRows, speed: float) -> dict[int, tuple[str, np.ndarray]]:
-    """The candidates whose status changes when their jumps change by ``speed``: what is undecided,
-    and the unknowns of the other side, by point."""
+class Edge(NamedTuple):
+    """Points that a small change of their jumps takes to another status.
+
+    Attributes:
+        points: their numbers, (k,).
+        what: is undecided, (k,).
+        values: the unknowns of the other side.
+    """
+
+    points: np.ndarray
+    what: list[str]
+    values: np.ndarray
+
+
+def weak(rows: ContactRows, speed: float) -> Iterator[Edge]:
+    """The candidates whose status changes when their jumps change by ``speed``."""
     e, k = rows.contact.equations, rows.contact.equations.fields
     if not len(rows.points):
-        return {}
+        return
     values, before = e.values.copy(), e.statuses()
     n, d = rows.normal.shape
     ways = [rows.normal]
@@ -69,46 +82,46 @@ def weak(rows: ContactRows, speed: float) -> dict[int, tuple[str, np.ndarray]]:
         along = np.where(size > 0, tau / np.where(size > 0, size, 1.0), 0.0)
         along[0, size == 0] = 1.0
         ways.append(np.einsum("tn,tnd->nd", along, k.frame()[1]))
-    found: dict[int, tuple[str, np.ndarray]] = {}
     for way in ways:
         for sign in (1.0, -1.0):
             changed = values.copy()
             changed[: e.jumps] += sign * speed * way.ravel()
             e.values = changed
             after = e.statuses()
-            for point in rows.points[(after != before)[rows.points]]:
-                a, b = (NAMES[int(s[point])] for s in (before, after))
-                found.setdefault(int(point), (f"{a}, on the edge of: {b}", changed))
-    e.values = values
-    return found
+            e.values = values
+            points = rows.points[(after != before)[rows.points]]
+            if len(points):
+                names = [[NAMES[int(s[p])] for s in (before, after)] for p in points]
+                yield Edge(points, [f"{a}, on the edge of: {b}" for a, b in names], changed)
 
 
-def grazing(rows: ContactRows, trial: Trial, speed: float) -> dict[int, tuple[str, np.ndarray]]:
-    """Points that have no equations and neither approach nor leave, likewise."""
+def grazing(rows: ContactRows, trial: Trial, speed: float) -> Iterator[Edge]:
+    """Points that have no equations and neither approach nor leave."""
     contact, step = rows.contact, trial.step
     limit = contact.limit(step)
     if limit is None or (step.dt and not contact.candidates.allowed.any()):
-        return {}
+        return
     asked = contact.chosen & contact.candidates.allowed & contact.coupling.near()
     asked[rows.points] = False
     approach = dot(rows.jump, rows.normal)
     points = np.flatnonzero(asked & (np.abs(limit - approach) <= speed))
-    e, changed = contact.equations, contact.equations.values.copy()
-    changed[: e.jumps] = (rows.jump + speed * rows.normal).ravel()
-    return {int(point): ("open, on the edge of: bears", changed) for point in points}
+    if len(points):
+        e, changed = contact.equations, contact.equations.values.copy()
+        changed[: e.jumps] = (rows.jump + speed * rows.normal).ravel()
+        yield Edge(points, ["open, on the edge of: bears"] * len(points), changed)
 
 
-def alike(left: np.ndarray, terms: np.ndarray) -> bool:
-    """Whether a tangent solves rows, as well as steps are asked to solve theirs: what is left, and
-    the terms that it is left of."""
-    return bool((np.abs(left) <= ACCEPTED * terms).all())
+def alike(left: np.ndarray, terms: np.ndarray) -> np.ndarray:
+    """Whether tangents solve rows, as well as steps are asked to solve theirs: what is left, and
+    the terms that it is left of; by the first index."""
+    return (np.abs(left) <= ACCEPTED * terms).reshape(len(left), -1).all(axis=1)
 
 
 def kinks(
     rows: ContactRows,
     trial: Trial,
     resolution: float,
-    misses: Callable[[int, np.ndarray], bool],
+    misses: Callable[[np.ndarray, np.ndarray], np.ndarray],
 ) -> list[Kink]:
     """The kinks of a step.
 
@@ -116,13 +129,15 @@ def kinks(
         rows: of a contact, in the step.
         trial: the step.
         resolution: of its velocities, m/s.
-        misses: whether the tangent fails the rows of a point with other unknowns.
+        misses: whether the tangent fails the rows of points with other unknowns.
     """
     speed = resolved(rows, resolution)
-    asked = weak(rows, speed)
-    if not trial.arrives:
-        asked |= grazing(rows, trial, speed)
-    found = {p: what for p, (what, other) in asked.items() if misses(p, other)}
+    edges = [*weak(rows, speed), *([] if trial.arrives else grazing(rows, trial, speed))]
+    found: dict[int, str] = {}
+    for edge in edges:
+        for point, what, missed in zip(edge.points, edge.what, misses(edge.points, edge.values)):
+            if missed:
+                found.setdefault(int(point), what)
     places = rows.contact.surface.points
     return [
         Kink(rows.contact.name, tuple(places[p].tolist()), trial.step.end, what)

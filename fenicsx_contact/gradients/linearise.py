@@ -210,27 +210,27 @@ class Linearisation:
         rows: ContactRows,
         x: np.ndarray | None,
         start: np.ndarray | None,
-        point: int,
+        points: np.ndarray,
         values: np.ndarray,
-    ) -> bool:
-        """Whether the tangent fails the rows of a point on the other side of its decision."""
+    ) -> np.ndarray:
+        """Whether the tangent fails the rows of points on the other side of their decision; all of
+        them candidates, or none."""
         if x is None or start is None:
-            return True
-        m, at = rows.motion, np.flatnonzero(rows.points == point)
+            return np.ones(len(points), dtype=bool)
+        m, at = rows.motion, np.flatnonzero(np.isin(rows.points, points))
         changes = {
             "v": x[self._v[id(m)]],
             "q": x[self._before[id(m)]],
             "v_old": start[self._v[id(m)]],
             "q_old": start[self._q[id(m)]],
         }
-        if len(at):
-            first, more = self._m[id(rows)].start, rows.unknowns // len(rows.points)
-            changes["m"] = x[first + at[0] * more : first + (at[0] + 1) * more]
         sizes = {name: _largest(change) for name, change in changes.items()}
         if len(at):  # multipliers of a kind are as large as the largest of all points
-            every = np.abs(x[self._m[id(rows)]]).reshape(len(rows.points), more, -1)
-            sizes["m"] = every.max(axis=0)
-        with rows.other(point, values) as other:
+            every = x[self._m[id(rows)]].reshape(len(rows.points), -1, len(self._parameters))
+            changes["m"] = every[at].reshape(-1, len(self._parameters))
+            largest = np.broadcast_to(np.abs(every).max(axis=0), every[at].shape)
+            sizes["m"] = largest.reshape(changes["m"].shape)
+        with rows.other(points, values) as other:
             by = np.stack([other.by(parameter)[0] for parameter in self._parameters], axis=1)
             derivatives = other.derivatives()
         left, terms = by, np.abs(by)
@@ -238,7 +238,7 @@ class Linearisation:
             if name in changes:
                 left = left + multipliers @ changes[name]
                 terms = terms + abs(multipliers) @ sizes[name]
-        return not alike(left, terms)
+        return ~alike(*(each.reshape(len(points), -1) for each in (left, terms)))
 
     def _touches(self, trial: Trial, x: np.ndarray | None) -> list[Kink]:
         """Points that are open and just touch where the step ends, beside the one that ends it."""
@@ -257,7 +257,8 @@ class Linearisation:
                     way = x[self._q[id(rows.motion)]]
                     moves = [parameter.move(contact) for parameter in self._parameters]
                     by = [0.0 if c is None else rows.normal[point] @ c for c in moves]
-                    if alike(row @ way - by, np.abs(row) @ _largest(way) + np.abs(by)):
+                    left, terms = row @ way - by, np.abs(row) @ _largest(way) + np.abs(by)
+                    if alike(left, terms).all():
                         continue
                 place = tuple(contact.surface.points[point].tolist())
                 with_it = "at the same instant as another point" if trial.arrives else "and no more"

@@ -141,12 +141,12 @@ class ContactRows:
         self.bend = np.zeros((*start.shape, self._d)) if bend is None else -bend
 
     @contextmanager
-    def other(self, point: int, values: np.ndarray) -> Iterator[ContactRows]:
-        """The rows of one point with other unknowns, on the other side of a decision; the
+    def other(self, points: np.ndarray, values: np.ndarray) -> Iterator[ContactRows]:
+        """The rows of some points with other unknowns, on the other side of a decision; the
         equations have these unknowns meanwhile."""
         e, other = self.contact.equations, copy(self)
         mine = e.values
-        e.values, other.points = values, np.array([point])
+        e.values, other.points = values, points
         other._linearise()
         try:
             yield other

@@ -74,6 +74,7 @@ class Stepper:
             what they and the energies leave unexplained.
         most: the largest kinetic and strain energy so far, J.
         times: seconds spent by phase.
+        watchers: called with each trial before it is accepted; they only look.
     """
 
     def __init__(

@@ -279,4 +279,4 @@ def test_a_load_that_turns_bad_is_refused_then():
 
 def test_no_load_is_no_load():
     solid = elastic()
-    assert solid._applied is None and solid.foundations == [] and solid.dampers == []
+    assert solid.applied is None and solid.foundations == [] and solid.dampers == []

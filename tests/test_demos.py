@@ -446,3 +446,36 @@ def test_benchmark_iterative(tmp_path, monkeypatch, capsys):
         assert max(iterated["krylov"]) < 100
     assert (demo.RESULTS / "time.png").stat().st_size > 5000
     assert "Krylov counts" in capsys.readouterr().out
+
+
+def test_gradients(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    demo = load("gradients")
+    summary = demo.main(quick=True)
+    assert abs(summary["slide"]["by_friction_error"]) < 1e-8
+    assert abs(summary["slide"]["by_speed_error"]) < 2e-5
+    assert summary["rocking"]["impacts"] == 3
+    assert summary["rocking"]["best"] < 1e-6
+    # a difference over a hundredth of the tilt and one near round-off are farther off
+    assert summary["rocking"]["errors"][-1] > 1e-5 and summary["rocking"]["errors"][0] > 1e-7
+    assert abs(summary["teeth"]["located"]["slope_over_trend"] - 1) < 0.01
+    assert abs(summary["teeth"]["uniform"]["slope_over_trend"] - 1) > 0.5
+    assert "contact 'slope'" in summary["edge"]["said"] and summary["edge"]["kinks"] > 0
+    for picture in ("plateau.png", "teeth.png"):
+        assert (demo.RESULTS / picture).stat().st_size > 5000
+    assert capsys.readouterr().out.startswith("sliding block: dx/dmu = -2.265262204 m")
+
+
+@pytest.mark.long
+def test_identify(tmp_path, monkeypatch, capsys):
+    """A fourth of the full demo's data."""
+    monkeypatch.chdir(tmp_path)
+    demo = load("identify")
+    summary = demo.main(quick=True)
+    assert summary["runs"] <= 15
+    for name in demo.NAMES:
+        assert abs(summary["errors"][name]) < 0.01
+        assert abs(summary["errors"][name]) < summary["interval"][name] < 0.02
+    assert summary["noise"] == pytest.approx(demo.NOISE, rel=0.2)
+    assert (demo.RESULTS / "fit.png").stat().st_size > 5000
+    assert "6 runs" in capsys.readouterr().out

@@ -21,7 +21,7 @@ FLOORS = [
     ["solve", "output"],
     ["steps"],
     ["scene"],
-    ["rods"],
+    ["rods", "gradients"],
     ["references"],
     ["study"],
 ]

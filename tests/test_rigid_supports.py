@@ -148,7 +148,7 @@ def test_springs_bear_beside_contact_and_resume():
 
 def test_what_is_not_asked_for_is_not_there():
     solid = rigid()
-    assert not solid._applied and not solid._springs and not len(solid.held)
+    assert not solid.applied and not solid.springs and not len(solid.held)
     assert not solid.supported and "spring" not in solid.describe()
     held = rigid(held=["x"], springs={(0.0, 0.0): 1.0})
     assert "held ['x']" in held.describe() and "spring (0.0, 0.0): [1.0, 1.0]" in held.describe()

@@ -70,6 +70,8 @@ class LawFields:
 
     Attributes:
         memory: what laws remember.
+        numbers: the surface's constants of the parameters that are numbers, by name, and of the
+            constants of UFL that stand in parameters, by these.
         held: points that a law holds though nothing presses there, (n,) of bool; False: none.
     """
 
@@ -81,6 +83,7 @@ class LawFields:
         self.surface = surface
         self.memory = Memory(surface)
         self.held: np.ndarray | bool = False
+        self.numbers: dict[Any, Any] = {}
         self._constants: list[tuple[Any, Feed]] = []
         self._functions: list[tuple[Any, Feed]] = []
 
@@ -178,7 +181,8 @@ class LawFields:
     def _read(self, name: str, value: Any) -> tuple[Any, np.ndarray | float]:
         """The parameter, and its values at the points at the start."""
         if isinstance(value, Real):
-            return self.surface.constant(float(value)), float(value)
+            self.numbers[name] = self.surface.constant(float(value))
+            return self.numbers[name], float(value)
         refusal = f"{name} = {value!r}: must be a scalar >= 0 in UFL at all points of the contact"
         try:
             field = self._mirrored(value if is_expression(value) else self._call(value))
@@ -210,7 +214,9 @@ class LawFields:
         if is_coordinate(other):
             return self.x
         if hasattr(other, "value"):
-            return self._constant(lambda contact, step: float(other.value), float(other.value))
+            now = self._constant(lambda contact, step: float(other.value), float(other.value))
+            self.numbers[other] = now
+            return now
         values, mirror = compat.PointValues(other, self.surface.points), self.surface.scalar()
         mirror.x.array[:] = values()
         return self._function(lambda contact, step: values(), mirror)

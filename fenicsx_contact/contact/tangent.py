@@ -24,12 +24,15 @@ class SurfaceTangent:
         form: the contact terms.
         order: the degrees of freedom in the order of the unknowns: w point by point, then the
             multipliers component by component.
+
+    Attributes:
+        form: the contact terms.
     """
 
     def __init__(self, k: SurfaceFields, form: ufl.Form, order: np.ndarray) -> None:
         n, d = k.surface.points.shape
         self._assembler = compat.MatrixAssembler(ufl.derivative(form, k.unknowns))
-        self._fields, self._form, self._size = k, form, len(order)
+        self._fields, self.form, self._size = k, form, len(order)
         self._order_of_rows = place = np.empty(self._size, dtype=np.int64)
         place[order] = np.arange(self._size)
         rows = np.repeat(np.arange(self._size), np.diff(self._assembler.indptr))
@@ -66,7 +69,7 @@ class SurfaceTangent:
     def parameters(self) -> np.ndarray:
         """Derivatives of the rows of each point by its gap and normal, (n, unknowns, 1 + d)."""
         if self._parameters is None:
-            self._parameters = ParameterTangents(self._fields, self._form, self._order_of_rows)
+            self._parameters = ParameterTangents(self._fields, self.form, self._order_of_rows)
         return self._parameters()
 
     def dense(self) -> np.ndarray:
@@ -74,10 +77,11 @@ class SurfaceTangent:
         self._dense.ravel()[self._entries] = self._values()
         return self._dense
 
-    def blocks(self) -> np.ndarray:
-        """Those of the points, (n, unknowns, unknowns); the next call uses the same array again."""
+    def blocks(self, frozen: bool = False) -> np.ndarray:
+        """Those of the points, (n, unknowns, unknowns); if ``frozen`` without the derivatives of
+        the geometry; the next call uses the same array again."""
         mine, index = self._own
-        self._blocks[index] = self._values()[mine]
+        self._blocks[index] = self._values(frozen)[mine]
         return self._blocks
 
     def sparse(self, frozen: bool = False) -> sp.csr_matrix:

@@ -33,9 +33,9 @@ class BalancedSolid(MonolithicSolid):
     floating: bool
     displacement: np.ndarray
     dampers: list[Damper]
-    _inertia: Mass
-    _applied: Loads | None
-    _load: np.ndarray
+    inertia: Mass
+    applied: Loads | None
+    weight: np.ndarray
     _pull: np.ndarray
     _momentum: np.ndarray
     _force: np.ndarray
@@ -56,16 +56,16 @@ class BalancedSolid(MonolithicSolid):
 
     def _force_at_start(self, step: Step) -> np.ndarray:
         """Loads less internal forces at the start of a step, (owned,) in N."""
-        applied = self._applied.total(step.start) if self._applied else 0.0
-        force = self._load + applied - self.internal_force(self.displacement)
+        applied = self.applied.total(step.start) if self.applied else 0.0
+        force = self.weight + applied - self.internal_force(self.displacement)
         u = self.displacement
         return force - sum(damper.force(step, u, u, self.velocity) for damper in self.dampers)
 
     def _loads(self, step: Step) -> np.ndarray:
         """Gravity and applied loads where the scheme takes forces, and what it carries along."""
-        loads = step.load_weight * self._load
-        if self._applied:
-            applied = step.mean_load(self._applied.total)
+        loads = step.load_weight * self.weight
+        if self.applied:
+            applied = step.mean_load(self.applied.total)
             self._pull = applied / step.load_weight
             loads += applied
         return loads if self.memory is None else loads + step.carried(self.memory)
@@ -75,7 +75,7 @@ class BalancedSolid(MonolithicSolid):
         vanishes but at the supports, where it is the reaction."""
         self._trial_momentum = self._momentum
         if step.scheme.inertia:
-            self._trial_momentum = self._inertia.times(self.trial_velocity)
+            self._trial_momentum = self.inertia.times(self.trial_velocity)
         inertia = step.inertia_force(self._momentum, self._trial_momentum)
         if not step.loaded:
             return [-self._force, inertia]
@@ -116,7 +116,7 @@ class BalancedSolid(MonolithicSolid):
         contact, inertia, *others = self._balance(step)
         self._acting = -(others[0] + others[1]) if others else np.zeros(self.owned)
         self._reaction = (contact + (inertia - self._acting))[held]
-        pulled = step.work(mean, step.loaded * self._pull) if self._applied else 0.0
+        pulled = step.work(mean, step.loaded * self._pull) if self.applied else 0.0
         return (
             self.vectors.sum(mean @ (self._trial_momentum - self._momentum)),
             self.vectors.sum(step.work(mean, self._acting)),

@@ -119,21 +119,21 @@ class DeformableSolid(BalancedSolid):
         holding = [self.supports.directions, *(f.directions for f in self.foundations)]
         self.supported = bool(np.any(holding))
         applied = tractions or body_force is not None
-        self._applied = Loads(self.vectors, tractions, body_force, breadth) if applied else None
-        self._pull = self._applied.total(0.0) if self._applied else np.zeros(self.owned)
+        self.applied = Loads(self.vectors, tractions, body_force, breadth) if applied else None
+        self._pull = self.applied.total(0.0) if self.applied else np.zeros(self.owned)
 
-        self._inertia = Mass(
+        self.inertia = Mass(
             self.vectors, density, mass_redistribution, self.fixed_unknowns, breadth
         )
-        self._mass, self.multiply = self._inertia.matrix, self.vectors.multiply
-        self.mass, self._sum = self._inertia.total, self.vectors.sum
-        self.massless = self.comm.allreduce(len(self._inertia.massless)) > 0
-        self._load = np.zeros(self.owned)
-        self.parameters = f"density {self._inertia.told}"
+        self._mass, self.multiply = self.inertia.matrix, self.vectors.multiply
+        self.mass, self._sum = self.inertia.total, self.vectors.sum
+        self.massless = self.comm.allreduce(len(self.inertia.massless)) > 0
+        self.weight = np.zeros(self.owned)
+        self.parameters = f"density {self.inertia.told}"
         if gravity is not None:
             acceleration = checks.vector("gravity", gravity, mesh.dim)
             self.parameters += f", gravity {acceleration.tolist()}"
-            self._load = self._inertia.weight(acceleration)
+            self.weight = self.inertia.weight(acceleration)
 
         self.damping = Rayleigh() if damping is None else damping
         checks.offers("damping", self.damping, Damping, "KelvinVoigt(eta), Rayleigh(alpha, beta)")
@@ -141,7 +141,7 @@ class DeformableSolid(BalancedSolid):
         self.parameters += "".join(f", springs {f.told}" for f in self.foundations)
         self.parameters += f", {damping!r}" if damping else ""
         if self.damping.alpha:
-            self.dampers.append(MassDamper(self.damping.alpha, self._inertia))
+            self.dampers.append(MassDamper(self.damping.alpha, self.inertia))
 
         self.displacement = self.vectors.interpolate("displacement", displacement)
         self.displacement[self.fixed_unknowns] = self.supports.values(0.0)
@@ -152,24 +152,24 @@ class DeformableSolid(BalancedSolid):
         self._force = np.zeros(self.owned)
         self._target: np.ndarray | None = None
         self._reaction = np.zeros(len(self.fixed_unknowns))
-        self._momentum = self._inertia.times(self.velocity)
+        self._momentum = self.inertia.times(self.velocity)
 
     def _begin(self) -> None:
         """Make the initial fields fit those behind a boundary without mass, and moving supports."""
         if self.massless:
             relax(
-                np.setdiff1d(self._inertia.massless, self.fixed_unknowns),
+                np.setdiff1d(self.inertia.massless, self.fixed_unknowns),
                 self.displacement,
-                lambda u: self.internal_force(u) - self._load - self._pull,
+                lambda u: self.internal_force(u) - self.weight - self._pull,
                 self.stiffness,
                 self.vectors.first,
             )
             self.trial_displacement = self.displacement.copy()
         if self.supports.moving:
-            shortest = self._inertia.shortest_time(self.stiffness(self.displacement))
+            shortest = self.inertia.shortest_time(self.stiffness(self.displacement))
             self.velocity[self.fixed_unknowns] = self.supports.starting_speed(shortest)
             self.trial_velocity = self.velocity.copy()
-            self._momentum = self._inertia.times(self.velocity)
+            self._momentum = self.inertia.times(self.velocity)
         self._state_changed()
 
     @property
@@ -266,10 +266,10 @@ class DeformableSolid(BalancedSolid):
 
     def energies(self) -> tuple[float, float, float]:
         kinetic = 0.5 * self._sum(self.velocity @ self._momentum)
-        return kinetic, self.strain_energy(), -self._sum(self._load @ self.displacement)
+        return kinetic, self.strain_energy(), -self._sum(self.weight @ self.displacement)
 
     def root_mean_square(self, velocity: np.ndarray) -> float:
-        return self._inertia.root_mean_square(velocity)
+        return self.inertia.root_mean_square(velocity)
 
     def trace(self, points: np.ndarray, means: sp.csr_matrix | None = None) -> DeformableTrace:
         """The solid seen from points (N, d), or from means of them by a matrix (n, N)."""
@@ -284,13 +284,13 @@ class DeformableSolid(BalancedSolid):
         self.velocity = np.array(state["velocity"])
         self.trial_displacement = self.displacement.copy()
         self.trial_velocity = self.velocity.copy()
-        self._momentum = np.array(state.get("momentum", self._inertia.times(self.velocity)))
+        self._momentum = np.array(state.get("momentum", self.inertia.times(self.velocity)))
         self.memory = state.get("memory")
         self._state_changed()
 
     def mean(self, values: np.ndarray) -> np.ndarray:
         """Mean over the mass of a field given by its owned unknowns, (d,): of a velocity, m/s."""
-        return self._inertia.mean(values)
+        return self.inertia.mean(values)
 
     def fields(self) -> dict[str, np.ndarray]:
         at_mesh = self.vectors.at_mesh

@@ -36,6 +36,9 @@ class ElasticSolid(DeformableSolid):
             radius, y the axis; forces, energies and masses are those of the whole solid.
         others: as for :class:`~fenicsx_contact.solids.deformable.DeformableSolid`.
 
+    Attributes:
+        moduli: the two by name: numbers, or UFL.
+
     Raises:
         InputError: numbers out of range, a name that the mesh lacks.
     """
@@ -49,8 +52,9 @@ class ElasticSolid(DeformableSolid):
         super().__init__(mesh, **{"name": "elastic", **others})
         E, modulus = scalar("youngs_modulus", youngs_modulus, mesh, above=0)
         nu, ratio = scalar("poisson_ratio", poisson_ratio, mesh, above=-1, below=0.5)
+        self.moduli = {"youngs_modulus": E, "poisson_ratio": nu}
         self.parameters = f"E {modulus}, nu {ratio}, {self.parameters}"
-        self._stiffness = assembly.assemble_petsc_matrix(self._stiffness_form(E, nu))
+        self._stiffness = assembly.assemble_petsc_matrix(self.stiffness_form(E, nu))
         for foundation in self.foundations:
             foundation.add_to(self._stiffness, 1.0)
         if self.damping.beta:
@@ -63,7 +67,8 @@ class ElasticSolid(DeformableSolid):
         self._made = 0
         self._begin()
 
-    def _stiffness_form(self, E: Any, nu: Any) -> ufl.Form:
+    def stiffness_form(self, E: Any, nu: Any) -> ufl.Form:
+        """The stiffness of a solid of these moduli, a bilinear form."""
         lmbda, mu = (constant(self.mesh, value) for value in self.plane.lame(E, nu))
         x = ufl.SpatialCoordinate(self.mesh.mesh)
         u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)

@@ -144,15 +144,16 @@ class HyperelasticSolid(DeformableSolid):
 
     def stiffness(self, displacement: np.ndarray) -> PETSc.Mat:
         self._tangent.zeroEntries()
-        self._add_stiffness(displacement, 1.0)
+        self.add_stiffness(self._tangent, displacement, 1.0)
         return self._tangent
 
-    def _add_stiffness(self, displacement: np.ndarray, weight: float) -> None:
+    def add_stiffness(self, matrix: PETSc.Mat, displacement: np.ndarray, weight: float) -> None:
+        """Add the weighted stiffness at a displacement to a matrix of its pattern."""
         self._set(displacement)
         self._weight.value = weight
-        assembly.add_to_petsc_matrix(self._tangent, self._tangent_form)
+        assembly.add_to_petsc_matrix(matrix, self._tangent_form)
         for foundation in self.foundations:
-            foundation.add_to(self._tangent, weight)
+            foundation.add_to(matrix, weight)
 
     def _choose_tangent(self, step: Step) -> None:
         """The matrix of the step: an old one if it will do, else that of the trial state. It is
@@ -181,7 +182,8 @@ class HyperelasticSolid(DeformableSolid):
         else:
             for share, weight in step.scheme.force_points:
                 if share:
-                    self._add_stiffness(share * end + (1 - share) * start, weight * share)
+                    place = share * end + (1 - share) * start
+                    self.add_stiffness(self._tangent, place, weight * share)
         if self._factor is None:
             self._factor = Factorisation(self._tangent.copy(), self.name)
         matrix, structure = self._factor.matrix, PETSc.Mat.Structure

@@ -90,17 +90,17 @@ class RigidSolid(RigidMotion):
         self.gravity = np.zeros(d) if gravity is None else checks.vector("gravity", gravity, d)
         self._load = np.concatenate([self.mass * self.gravity, np.zeros(spins)])
         given = force is not None or torque is not None
-        self._applied = [Applied(force, torque, d)] if given else []
-        self._springs = to_ground({} if springs is None else springs, self.centre)
+        self.applied = [Applied(force, torque, d)] if given else []
+        self.springs = to_ground({} if springs is None else springs, self.centre)
         self.held = held_components(held, d)
         names = [components(d)[i] for i in self.held]
-        self._held_by = "".join(f", spring {spring.told}" for spring in self._springs)
+        self._held_by = "".join(f", spring {spring.told}" for spring in self.springs)
         self._held_by += f", held {names}" if names else ""
         self._holding = np.zeros(d + spins)
         self._holding[self.held] = 1.0
-        self.supported = bool(self._springs) or len(self.held) > 0
-        self._steady = d == 2 and not self._springs  # one matrix for steps of one length
-        self._spinning = d == 3 and not self._springs and not self._holding[d:].any()
+        self.supported = bool(self.springs) or len(self.held) > 0
+        self._steady = d == 2 and not self.springs  # one matrix for steps of one length
+        self._spinning = d == 3 and not self.springs and not self._holding[d:].any()
 
         turn = angles("rotation", rotation, spins)
         pivot = self.centre if about is None else checks.vector("about", about, d)
@@ -123,14 +123,14 @@ class RigidSolid(RigidMotion):
         self.memory = step.recall(self.memory, lambda: self._force_at_start(step))
         carried = step.carried(self.memory)
         self._given = step.loaded * (step.load_weight * self._load + carried)
-        for applied in self._applied:
+        for applied in self.applied:
             self._driving = step.mean_load(applied.at) / step.load_weight
             self._given = self._given + step.loaded * step.load_weight * self._driving
         self.go(self.velocity, step)
 
     def _force_at_start(self, step: Step) -> np.ndarray:
-        acting = [spring.force(self._place, self._turn) for spring in self._springs]
-        acting += [applied.at(step.start) for applied in self._applied]
+        acting = [spring.force(self._place, self._turn) for spring in self.springs]
+        acting += [applied.at(step.start) for applied in self.applied]
         return (1 - self._holding) * np.sum([self._load, *acting], axis=0)
 
     def linearise(self, step: Step) -> None:
@@ -142,7 +142,7 @@ class RigidSolid(RigidMotion):
             self.inverse[range(d), range(d)] = step.span / self.mass
             spin = self._mobility if d == 2 else np.linalg.inv(self._spin_tangent(step))
             self.inverse[d:, d:] = step.span * spin
-            for spring in self._springs:
+            for spring in self.springs:
                 self.inverse = spring.stiffen(self.inverse, self.trial_turn, step.force_rate)
             self.inverse = without(self.inverse, self.held)
         self.drop_forces()
@@ -176,9 +176,9 @@ class RigidSolid(RigidMotion):
         self._move(step)
         self._trial_momentum = self._momentum_of(self.trial_velocity, self.trial_turn)
         self._acting = self._given
-        if self._springs:
+        if self.springs:
             old, new = (self._place, self._turn), (self.trial_place, self.trial_turn)
-            self._acting = self._given + pull(self._springs, step, old, new)
+            self._acting = self._given + pull(self.springs, step, old, new)
 
     def _balance_spin(self, step: Step) -> None:
         """Turn until the spin belongs to the inertia where it leads: the outer loop, which is
@@ -240,13 +240,13 @@ class RigidSolid(RigidMotion):
 
     def energies(self) -> tuple[float, float, float]:
         kinetic = 0.5 * self.velocity @ self._momentum
-        strain = sum(spring.energy(self._place, self._turn) for spring in self._springs)
+        strain = sum(spring.energy(self._place, self._turn) for spring in self.springs)
         return float(kinetic), strain, float(-self._load[: self.dim] @ self._place)
 
     def works(self, step: Step) -> tuple[float, float, float, float]:
         mean = step.mean(self.velocity, self.trial_velocity)
         change = self._trial_momentum - self._momentum
-        driven = [step.work(mean, step.loaded * self._driving) for _ in self._applied]
+        driven = [step.work(mean, step.loaded * self._driving) for _ in self.applied]
         return float(mean @ change), step.work(mean, self._acting), 0.0, sum(driven)
 
     def describe(self) -> str:

@@ -77,6 +77,15 @@ class Spring:
         """On the solid, N and N m."""
         return -(self._stiffness * self._stretch(place, turn)) @ self._operator(turn)
 
+    def stiffness(self, place: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        """Derivative of what it does to a solid in the plane, less :meth:`force`, by the unknowns,
+        (3, 3)."""
+        J, (x, y) = self._operator(turn), -self._stiffness * self._stretch(place, turn)
+        a, b = turn @ self._point
+        result = J.T @ (self._stiffness[:, None] * J)
+        result[2, 2] += b * y + a * x
+        return result
+
     def energy(self, place: np.ndarray, turn: np.ndarray) -> float:
         """J."""
         return float(0.5 * self._stiffness @ self._stretch(place, turn) ** 2)

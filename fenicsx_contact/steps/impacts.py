@@ -15,6 +15,7 @@ when, step exactly there, and let it be struck.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from math import sqrt
 
@@ -153,4 +154,4 @@ def _arrive(fly: Callable[[float], Flight], flight: Flight, tolerance: float) ->
         slope = (gap - gap_b) / (new - b)
         bend = (slope - (gap_b - gap_a) / (b - a)) / (new - a)
         slope += bend * (new - b)
-    return trial
+    return replace(trial, arrives=True)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -31,7 +31,8 @@ LOOSE = 10.0
 
 @dataclass(frozen=True)
 class Trial:
-    """A step that was solved and not yet accepted: the solids stand in their trial states."""
+    """A step that was solved and not yet accepted: the solids stand in their trial states.
+    ``arrives``: it ends where a point arrives, at an instant that depends on everything."""
 
     step: Step
     force: np.ndarray
@@ -39,6 +40,7 @@ class Trial:
     geometry: int
     remarks: list[str]
     certificate: float = 0.0
+    arrives: bool = False
 
 
 class StepTaker(Protocol):
@@ -72,6 +74,7 @@ class Stepper:
             what they and the energies leave unexplained.
         most: the largest kinetic and strain energy so far, J.
         times: seconds spent by phase.
+        watchers: called with each trial before it is accepted; they only look.
     """
 
     def __init__(
@@ -95,6 +98,7 @@ class Stepper:
         self.work, self.balance = np.zeros(5), 0.0
         self.energies = self.sum_energies()
         self.most = self.energies[0] + abs(self.energies[1])
+        self.watchers: list[Callable[[Trial], None]] = []
         self._begun: Step | None = None
         self._pushed = 0.0  # the largest force at a point so far, N
         self._overlaps = any(c.depth() > c.tolerance for c in self.contacts)
@@ -193,6 +197,8 @@ class Stepper:
 
     def accept(self, trial: Trial) -> list[float]:
         """Make the trial state the state; returns the row of the history."""
+        for watch in self.watchers:
+            watch(trial)
         clock, step = Clock(self.times), trial.step
         momentum, loads, supports, tractions = np.sum(
             [solid.works(step) for solid in self.solids], axis=0

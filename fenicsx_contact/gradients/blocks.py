@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The linearised step, as sparse matrices, and its solution, forwards and transposed.
+
+    plus dx + minus ds + by dp = 0
+
+x: all unknowns of a step, the state at its end first; s: the state at its start; p: parameters.
+Tangents solve it for dx from ds and dp, adjoints solve it transposed: one solve with the matrix of
+each deformable solid a step and column, and a dense system of the contacts.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.linalg import lu_factor, lu_solve
+
+
+class Blocks:
+    """A sparse matrix made of blocks that add up, dense or sparse.
+
+    Args:
+        shape: of it.
+    """
+
+    def __init__(self, shape: tuple[int, int]) -> None:
+        self._shape = shape
+        self._parts: list[tuple[slice, slice, Any]] = []
+
+    def add(self, rows: slice, columns: slice, block: Any) -> None:
+        """Add a block at these rows and columns."""
+        self._parts.append((rows, columns, block))
+
+    def matrix(self) -> sp.csr_matrix:
+        """What they make."""
+        entries = [(np.empty(0, int), np.empty(0, int), np.empty(0))]
+        for rows, columns, block in self._parts:
+            if isinstance(block, np.ndarray):
+                row, column = block.nonzero()
+                data = block[row, column]
+            else:
+                coo = block.tocoo()
+                row, column, data = coo.row, coo.col, coo.data
+            entries.append((row + rows.start, column + columns.start, data))
+        row, column, data = (np.concatenate(each) for each in zip(*entries))
+        return sp.csr_matrix((data, (row, column)), self._shape)
+
+    def times(self, values: np.ndarray) -> np.ndarray:
+        """The product with columns."""
+        result = np.zeros((self._shape[0], values.shape[1]))
+        for rows, columns, block in self._parts:
+            result[rows] += block @ values[columns]
+        return result
+
+    def transposed(self, values: np.ndarray) -> np.ndarray:
+        """The product of its transpose with columns."""
+        result = np.zeros((self._shape[1], values.shape[1]))
+        for rows, columns, block in self._parts:
+            result[columns] += block.T @ values[rows]
+        return result
+
+
+class Inner(Protocol):
+    """The rows of a solid among its own unknowns, for which it has a solver of its own."""
+
+    def solve(self, right: np.ndarray, transposed: bool) -> np.ndarray:
+        """Its unknowns from its rows, (rows, columns), or the other way round."""
+
+
+class LinearStep:
+    """A linearised step.
+
+    Args:
+        plus, minus: derivatives by the unknowns and by the state at the start; the former without
+            those of the rows of inner solids by their own unknowns.
+        by: derivatives by the parameters, (unknowns, parameters).
+        soft: a small compliance of the multipliers, (unknowns,), zero elsewhere: where points have
+            less freedom than rows (of rigid solids, held nodes, nodes of two contacts) ``plus`` is
+            singular in what does not matter.
+        forces: where the forces of each contact stand among the unknowns, point by point.
+        inner: solids with solvers of their own, and where their unknowns stand; the others are
+            solved for together, dense.
+    """
+
+    def __init__(
+        self,
+        plus: Blocks,
+        minus: Blocks,
+        by: np.ndarray,
+        soft: np.ndarray,
+        forces: list[slice],
+        inner: list[tuple[slice, Inner]],
+    ) -> None:
+        self._minus, self._by, self.forces, self._inner = minus, by, forces, inner
+        outer = np.ones(len(soft), dtype=bool)
+        for at, _ in inner:
+            outer[at] = False
+        self._outer = outer.nonzero()[0]
+        rows = plus.matrix()
+        here = rows[self._outer]
+        matrix = here[:, self._outer].toarray()
+        # without the inner unknowns: each is solved for, for what joins it to the others
+        self._joints = []
+        for at, solid in inner:
+            into, out = here[:, at], rows[at][:, self._outer].tocsc()
+            joined = np.diff(out.indptr).nonzero()[0]
+            columns = solid.solve(out[:, joined].toarray(), False)
+            matrix[:, joined] -= into @ columns
+            self._joints.append((at, solid, into, joined, columns))
+        self._lapack(matrix, soft[self._outer])
+
+    def _lapack(self, matrix: np.ndarray, soft: np.ndarray) -> None:
+        sizes = np.abs(matrix).max(axis=1, initial=0.0)
+        self._rows = 1 / np.where(sizes > 0, sizes, 1.0)
+        scaled = self._rows[:, None] * matrix
+        sizes = np.abs(scaled).max(axis=0, initial=0.0)
+        self._columns = 1 / np.where(sizes > 0, sizes, 1.0)
+        self._matrix = scaled * self._columns
+        self._factors = lu_factor(self._matrix - np.diag(self._rows * soft * self._columns))
+
+    def _solve(self, right: np.ndarray, transposed: bool) -> np.ndarray:
+        """The outer unknowns; what is soft is made hard by iteration (proximal point)."""
+        matrix = self._matrix.T if transposed else self._matrix
+        first, last = (self._columns, self._rows) if transposed else (self._rows, self._columns)
+        right = first[:, None] * right
+        result = lu_solve(self._factors, right, int(transposed))
+        change, falls = np.inf, True
+        while falls:  # down to round-off
+            correction = lu_solve(self._factors, right - matrix @ result, int(transposed))
+            before, change = change, float(np.abs(correction).max(initial=0.0))
+            falls = change < before
+            result = result + correction if falls else result
+        return last[:, None] * result
+
+    def tangent(self, start: np.ndarray) -> np.ndarray:
+        """dx (unknowns, parameters) from ds (state, parameters)."""
+        right = -(self._minus.times(start) + self._by)
+        result, outer = np.zeros_like(right), right[self._outer]
+        for at, solid, into, _, _ in self._joints:
+            result[at] = solid.solve(right[at], False)
+            outer = outer - into @ result[at]
+        result[self._outer] = outer = self._solve(outer, False)
+        for at, _, _, joined, columns in self._joints:
+            result[at] -= columns @ outer[joined]
+        return result
+
+    def adjoint(self, end: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives of functionals by the state at the start, (state, functionals), and by the
+        parameters in this step, (parameters, functionals), from those by the state at the end."""
+        right = np.zeros((len(self._by), end.shape[1]))
+        right[: len(end)] = end
+        left, outer = np.zeros_like(right), right[self._outer]
+        for at, _, _, joined, columns in self._joints:
+            outer[joined] -= columns.T @ right[at]
+        left[self._outer] = outer = self._solve(outer, True)
+        for at, solid, into, _, _ in self._joints:
+            left[at] = solid.solve(right[at] - into.T @ outer, True)
+        return -self._minus.transposed(left), -(self._by.T @ left)

@@ -1,0 +1,293 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The step that a scene has just solved, linearised whole: solids, contacts, and the instant at
+which it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from ..base import checks
+from ..contact.arrivals import arrival
+from ..scene import Scene
+from ..solve.yielding import COMPLIANCE
+from ..steps.step import Trial
+from ..theory.theta import QuasiStatic, Step, ThetaScheme
+from .blocks import Blocks, Inner, LinearStep
+from .hold import Shift, shift
+from .kinks import Kink, NoDerivative, alike, kinks, resolved
+from .motion import DeformableMotion, Motion, RigidMotion, Row, motion
+from .parameters import Parameter
+from .surface import ContactRows
+
+
+class Linearisation:
+    """Linearises the steps of a scene.
+
+    The state is, solid by solid, q and v, and the time.
+
+    Args:
+        scene: the scene.
+        parameters: by which.
+
+    Attributes:
+        motions, contacts: the rows of its solids and contacts.
+        size: of the state.
+
+    Raises:
+        InputError: what is not supported, by name.
+    """
+
+    def __init__(self, scene: Scene, parameters: Sequence[Parameter]) -> None:
+        if type(scene.scheme) not in (ThetaScheme, QuasiStatic):
+            raise checks.InputError(f"gradients: the scheme {scene.scheme.describe()}")
+        for parameter in parameters:
+            parameter.check(scene.solids, scene.contacts)
+        self._scene, self._parameters = scene, parameters
+        inertia, located = bool(scene.scheme.inertia), scene.locate_impacts
+        self.motions = [motion(solid, inertia, located) for solid in scene.solids]
+        of = {id(m.solid): m for m in self.motions}
+        self.contacts = []
+        for contact in scene.contacts:
+            if len(contact.solids) > 1:
+                raise checks.InputError(
+                    f"gradients: contact {contact.name!r} is between two solids; only with "
+                    "obstacles"
+                )
+            self.contacts.append(ContactRows(contact, of[id(contact.solid)]))
+        self._q: dict[int, slice] = {}
+        self._v: dict[int, slice] = {}
+        self.size = 0
+        for m in self.motions:
+            self._q[id(m)], self.size = _next(self.size, m.size)
+            self._v[id(m)], self.size = _next(self.size, m.size)
+        self._t, self.size = _next(self.size, 1)
+
+    def part(self, which: str, solid: Any) -> slice:
+        """Where a solid's ``"q"`` or ``"v"`` stands in the state."""
+        at = self._q if which == "q" else self._v
+        return next(at[id(m)] for m in self.motions if m.solid is solid)
+
+    @property
+    def time(self) -> slice:
+        """Where the time stands in the state."""
+        return self._t
+
+    def start(self) -> np.ndarray:
+        """Derivative of the present state by the parameters, as the initial one, (size, p)."""
+        state = np.zeros((self.size, len(self._parameters)))
+        for m in self.motions:
+            for i, parameter in enumerate(self._parameters):
+                state[self._q[id(m)], i], state[self._v[id(m)], i] = parameter.start(m.solid)
+        return state
+
+    def step(self, trial: Trial) -> LinearStep:
+        """The linearised step, after it was solved and before it is accepted."""
+        self._see(trial.step)
+        n, step = self._unknowns, trial.step
+        plus, minus = Blocks((n, n)), Blocks((n, self.size))
+        by = np.zeros((self._unknowns, len(self._parameters)))
+        for m in self.motions:
+            self._move(m, step, plus, minus, by)
+        for rows in self.contacts:
+            self._bear(rows, plus, minus, by)
+        self._end(trial, plus, minus, by)
+        soft = np.zeros(self._unknowns)
+        for rows in self.contacts:
+            soft[self._m[id(rows)]] = rows.soft(COMPLIANCE)
+        forces = [self._f[id(rows)] for rows in self.contacts]
+        inner: list[tuple[slice, Inner]] = []
+        for m in self.motions:
+            if isinstance(m, DeformableMotion):
+                inner.append((slice(self._q[id(m)].start, self._v[id(m)].stop), m.inner()))
+        return LinearStep(plus, minus, by, soft, forces, inner)
+
+    def _see(self, step: Step) -> None:
+        """Take up the step, and where its unknowns stand."""
+        self._unknowns, self._before = self.size, dict(self._q)
+        self._m: dict[int, slice] = {}
+        self._f: dict[int, slice] = {}
+        for m in self.motions:
+            m.see(step)
+            if isinstance(m, RigidMotion):  # before what bears is put back to its gaps
+                self._before[id(m)], self._unknowns = _next(self._unknowns, m.size)
+        for rows in self.contacts:
+            rows.see(step)
+            self._m[id(rows)], self._unknowns = _next(self._unknowns, rows.unknowns)
+            forces = len(rows.points) * rows.contact.surface.dim
+            self._f[id(rows)], self._unknowns = _next(self._unknowns, forces)
+
+    def _move(self, m: Motion, step: Step, plus: Blocks, minus: Blocks, by: np.ndarray) -> None:
+        """The rows of a solid but for the forces of contacts."""
+        before = self._before[id(m)]
+        self._add(before, m, m.kinematics(step), plus, minus)
+        self._add(self._v[id(m)], m, m.balance(step), plus, minus)
+        for i, parameter in enumerate(self._parameters):
+            by[self._v[id(m)], i] += m.by(parameter, step)
+        if isinstance(m, RigidMotion):
+            mine = [rows for rows in self.contacts if rows.motion is m]
+            one, here = m.one, self._q[id(m)]
+            plus.add(here, here, one)
+            plus.add(here, before, -one)
+            put = shift(m, mine, step, self._parameters)
+            if isinstance(put, Shift):
+                row = Row(-put.q, -put.v, -put.q_old, -put.v_old, -put.dt)
+                self._add(here, m, row, plus, minus)
+                by[here] -= put.by
+
+    def _add(self, at: slice, m: Motion, row: Row, plus: Blocks, minus: Blocks) -> None:
+        if isinstance(m, RigidMotion):  # others have solvers of their own
+            plus.add(at, self._before[id(m)], row.q)
+            plus.add(at, self._v[id(m)], row.v)
+        minus.add(at, self._q[id(m)], row.q_old)
+        minus.add(at, self._v[id(m)], row.v_old)
+        if self._scene.locate_impacts:  # else instants do not depend on anything
+            plus.add(at, self._t, row.dt[:, None])
+            minus.add(at, self._t, -row.dt[:, None])
+
+    def _bear(self, rows: ContactRows, plus: Blocks, minus: Blocks, by: np.ndarray) -> None:
+        """The rows of a contact: of its multipliers, and of its forces, which act on the solid."""
+        if not len(rows.points):
+            return
+        m, at, force = rows.motion, self._m[id(rows)], self._f[id(rows)]
+        ends = {"v": self._v[id(m)], "q": self._before[id(m)], "m": at}
+        starts = {"v_old": self._v[id(m)], "q_old": self._q[id(m)]}
+        balance = self._v[id(m)]
+        for name, (multipliers, forces) in rows.derivatives().items():
+            into, where = (plus, ends) if name in ends else (minus, starts)
+            into.add(at, where[name], multipliers)
+            into.add(force, where[name], -forces)
+        one = np.eye(force.stop - force.start)
+        plus.add(force, force, one)
+        plus.add(balance, force, -rows.spread(one))
+        if turned := rows.turned():
+            minus.add(balance, self._q[id(m)], -turned[0])
+            plus.add(balance, self._before[id(m)], -turned[1])
+        for i, parameter in enumerate(self._parameters):
+            change, forces = rows.by(parameter)
+            by[at, i] += change
+            by[force, i] -= forces
+
+    def _end(self, trial: Trial, plus: Blocks, minus: Blocks, by: np.ndarray) -> None:
+        """When the step ends: where a point arrives, at once (an impact), or as the grid has it."""
+        t = self._t
+        if not trial.arrives:
+            plus.add(t, t, np.ones((1, 1)))
+            if not trial.step.dt:
+                minus.add(t, t, -np.ones((1, 1)))
+            return
+        rows = max(self.contacts, key=lambda rows: arrival(rows.contact)[0])
+        at = arriving(rows)
+        self._refuse_grazing(rows, at, trial.step)
+        normal, d = rows.normal[at], rows.contact.surface.dim
+        gap = normal @ rows.new.place[at * d : (at + 1) * d]
+        plus.add(t, self._q[id(rows.motion)], np.asarray(gap).reshape(1, -1))
+        for i, parameter in enumerate(self._parameters):
+            way = parameter.move(rows.contact)
+            by[t, i] -= 0.0 if way is None else float(normal @ way)
+
+    # -- where there is no derivative --------------------------------------------------------------
+
+    def kinks(
+        self, trial: Trial, resolution: float, x: np.ndarray | None, start: np.ndarray | None
+    ) -> list[Kink]:
+        """The kinks of the step that was linearised last; with its tangent x from that of the start
+        those that it meets, without all that there may be."""
+        found = []
+        for rows in self.contacts:
+            misses = partial(self._misses, rows, x, start)
+            found += kinks(rows, trial, resolution, misses)
+        if self._scene.locate_impacts and trial.step.dt:
+            found += self._touches(trial, x)
+        return found
+
+    def _misses(
+        self,
+        rows: ContactRows,
+        x: np.ndarray | None,
+        start: np.ndarray | None,
+        points: np.ndarray,
+        values: np.ndarray,
+    ) -> np.ndarray:
+        """Whether the tangent fails the rows of points on the other side of their decision; all of
+        them candidates, or none."""
+        if x is None or start is None:
+            return np.ones(len(points), dtype=bool)
+        m, at = rows.motion, np.flatnonzero(np.isin(rows.points, points))
+        changes = {
+            "v": x[self._v[id(m)]],
+            "q": x[self._before[id(m)]],
+            "v_old": start[self._v[id(m)]],
+            "q_old": start[self._q[id(m)]],
+        }
+        sizes = {name: _largest(change) for name, change in changes.items()}
+        if len(at):  # multipliers of a kind are as large as the largest of all points
+            every = x[self._m[id(rows)]].reshape(len(rows.points), -1, len(self._parameters))
+            changes["m"] = every[at].reshape(-1, len(self._parameters))
+            largest = np.broadcast_to(np.abs(every).max(axis=0), every[at].shape)
+            sizes["m"] = largest.reshape(changes["m"].shape)
+        with rows.other(points, values) as other:
+            by = np.stack([other.by(parameter)[0] for parameter in self._parameters], axis=1)
+            derivatives = other.derivatives()
+        left, terms = by, np.abs(by)
+        for name, (multipliers, _) in derivatives.items():
+            if name in changes:
+                left = left + multipliers @ changes[name]
+                terms = terms + abs(multipliers) @ sizes[name]
+        return ~alike(*(each.reshape(len(points), -1) for each in (left, terms)))
+
+    def _touches(self, trial: Trial, x: np.ndarray | None) -> list[Kink]:
+        """Points that are open and just touch where the step ends, beside the one that ends it."""
+        found: list[Kink] = []
+        first = max(self.contacts, key=lambda rows: arrival(rows.contact)[0], default=None)
+        for rows in self.contacts:
+            contact, d = rows.contact, rows.contact.surface.dim
+            gaps, free = contact.coupling.gaps(), contact.chosen & ~contact.candidates.allowed
+            ends = arriving(rows) if trial.arrives and rows is first else -1
+            for point in np.flatnonzero(free & (np.abs(gaps) <= contact.tolerance)):
+                if point == ends:
+                    continue
+                row = rows.normal[point] @ rows.new.place[point * d : (point + 1) * d]
+                row = np.asarray(row).ravel()
+                if x is not None:
+                    way = x[self._q[id(rows.motion)]]
+                    moves = [parameter.move(contact) for parameter in self._parameters]
+                    by = [0.0 if c is None else rows.normal[point] @ c for c in moves]
+                    left, terms = row @ way - by, np.abs(row) @ _largest(way) + np.abs(by)
+                    if alike(left, terms).all():
+                        continue
+                place = tuple(contact.surface.points[point].tolist())
+                with_it = "at the same instant as another point" if trial.arrives else "and no more"
+                found.append(Kink(contact.name, place, trial.step.end, f"touches {with_it}"))
+        return found
+
+    def _refuse_grazing(self, rows: ContactRows, at: int, step: Step) -> None:
+        """A point that arrives with no more speed than it loses within the tolerance of its place
+        may as well not arrive."""
+        speed = float(rows.normal[at] @ rows.jump[at])
+        change = abs(speed - float(rows.normal[at] @ rows.start_jump[at])) / step.dt
+        graze = sqrt(2 * change * rows.contact.tolerance)
+        if speed <= max(graze, resolved(rows, self._scene.stepper.resolution)):
+            place = tuple(rows.contact.surface.points[at].tolist())
+            kink = Kink(rows.contact.name, place, step.end, "arrives without speed: grazing")
+            raise NoDerivative(str(kink))
+
+
+def _largest(changes: np.ndarray) -> np.ndarray:
+    """The largest of each column everywhere: where little changes, round-off does."""
+    return np.broadcast_to(np.abs(changes).max(axis=0, initial=0.0), changes.shape)
+
+
+def arriving(rows: ContactRows) -> int:
+    """The point of a contact that arrives where a step ends."""
+    contact = rows.contact
+    free = contact.chosen & ~contact.candidates.allowed
+    return int(np.where(free, contact.coupling.gaps(), -np.inf).argmax())
+
+
+def _next(first: int, size: int) -> tuple[slice, int]:
+    return slice(first, first + size), first + size

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Parameters of materials, which stand in UFL and are differentiated there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from ..base import assembly, checks, compat
+from ..base.compiling import compiled
+from ..base.constants import SAME
+from ..solids import DeformableSolid, ElasticSolid, HyperelasticSolid, Solid
+from ..solids.energies import Energy, in_space
+from .parameters import OfSolid
+
+
+class Modulus(OfSolid):
+    """A modulus of an elastic solid.
+
+    Args:
+        solid: the solid.
+        name: ``"youngs_modulus"`` or ``"poisson_ratio"``, where that is a number; or a
+            ``fem.Constant`` that stands in a modulus in UFL.
+
+    Raises:
+        InputError: no such number stands in a modulus, or another solid.
+    """
+
+    def __init__(self, solid: ElasticSolid, name: Any = "youngs_modulus") -> None:
+        checks.instance("solid", solid, ElasticSolid, "an ElasticSolid; see Material")
+        self.solid: ElasticSolid = solid
+        moduli = dict(solid.moduli)
+        value = moduli.get(name, name) if isinstance(name, str) else name
+        if isinstance(value, float):
+            number = moduli[name] = _number(solid, value)
+            form = solid.stiffness_form(*moduli.values())
+        elif isinstance(value, fem.Constant):
+            number = _number(solid, float(value.value))
+            form = ufl.replace(solid.stiffness_form(*moduli.values()), {value: number})
+        else:
+            raise checks.InputError(f"Modulus: name = {name!r}: must be a number among {moduli}")
+        derivative = ufl.algorithms.expand_derivatives(ufl.derivative(form, number, _one(number)))
+        if derivative.empty():
+            raise checks.InputError(f"Modulus: {name} stands in no modulus of {solid.name!r}")
+        self._matrix = assembly.assemble_petsc_matrix(derivative)
+
+    def internal(self, solid: Solid, displacement: np.ndarray) -> np.ndarray | float:
+        if solid is not self.solid:
+            return 0.0
+        return self.solid.multiply(self._matrix, displacement)
+
+
+class Material(OfSolid):
+    """A number of the stored energy of a hyperelastic solid.
+
+    Args:
+        solid: the solid.
+        energy: from the number, in UFL, to the solid's energy, such as
+            ``lambda E: neo_hookean(E, 0.3)``.
+        value: the number.
+
+    Raises:
+        InputError: with this value it is not the energy of the solid.
+    """
+
+    def __init__(
+        self, solid: HyperelasticSolid, energy: Callable[[Any], Energy], value: float
+    ) -> None:
+        checks.instance("solid", solid, HyperelasticSolid, "a HyperelasticSolid; see Modulus")
+        self.solid: HyperelasticSolid = solid
+        self._u = fem.Function(solid.space)
+        number = _number(solid, checks.number("value", value))
+        F = in_space(ufl.Identity(solid.dim) + ufl.grad(self._u))
+        degree = {"quadrature_degree": 2 * solid.degree}
+        dx = ufl.Measure("dx", domain=solid.mesh.mesh, metadata=degree)
+        potential, test = energy(number)(F) * dx, ufl.TestFunction(solid.space)
+        force = ufl.derivative(potential, self._u, test)
+        self._form = compiled(ufl.derivative(force, number, _one(number)))
+        swollen = 1e-3 * solid.vectors.places.ravel()  # a small strain tells materials apart
+        solid.vectors.assign(self._u, swollen)
+        mine, theirs = np.empty((2, solid.owned))
+        assembly.assemble_owned(compiled(force), mine)
+        theirs = solid.internal_force(swollen)
+        theirs -= sum((f.times(swollen) for f in solid.foundations), np.zeros(solid.owned))
+        if np.abs(mine - theirs).max() > SAME * np.abs(theirs).max():
+            raise checks.InputError(f"Material: {value:g} does not make the energy of the solid")
+
+    def internal(self, solid: Solid, displacement: np.ndarray) -> np.ndarray | float:
+        if solid is not self.solid:
+            return 0.0
+        self.solid.vectors.assign(self._u, displacement)
+        force = np.empty(self.solid.owned)
+        assembly.assemble_owned(self._form, force)
+        return force
+
+
+def _number(solid: DeformableSolid, value: float) -> Any:
+    """A number as a field, by which UFL can differentiate."""
+    number = compat.cell_constants(solid.mesh.mesh, np.full(_cells(solid), value))
+    return number
+
+
+def _one(number: Any) -> Any:
+    one = fem.Function(number.function_space)
+    one.x.array[:] = 1.0
+    return one
+
+
+def _cells(solid: DeformableSolid) -> int:
+    return compat.num_local_cells(solid.mesh.mesh)

@@ -1,0 +1,299 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The rows of a solid in a linearised step: how it moves, and its balance of momentum.
+
+With q the displacement (of a rigid solid in the plane: the centre of mass and the angle), v the
+velocity, dt the length of the step::
+
+    q+ = q- + increment(v-, v+)            (p+ - p-)/dt + internal - loads - J' f = 0
+
+Each row is told by its derivatives by (q+, v+), (q-, v-) and dt; the forces f of the contacts are
+for those to tell.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from functools import cached_property
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+import scipy.sparse as sp
+from petsc4py import PETSc
+
+from ..base import checks
+from ..base.constants import KEPT
+from ..solids import DeformableSolid, ElasticSolid, HyperelasticSolid, RigidSolid, Solid
+from ..solids.factor import Factorisation
+from ..solids.rotations import rotation_matrix
+from ..theory.theta import Step
+from .parameters import Parameter
+
+
+class Row(NamedTuple):
+    """Derivatives of a residual by q+, v+, q-, v- and dt."""
+
+    q: Any
+    v: Any
+    q_old: Any
+    v_old: Any
+    dt: np.ndarray
+
+
+class Motion(ABC):
+    """A solid in the step that has been solved and is not yet accepted.
+
+    Attributes:
+        solid: the solid.
+        size: number of its unknowns.
+        held: those that are held.
+        one: the identity.
+    """
+
+    solid: Any
+    size: int
+    held: np.ndarray
+    one: Any
+
+    @abstractmethod
+    def see(self, step: Step) -> None:
+        """Take up the step."""
+
+    def kinematics(self, step: Step) -> Row:
+        """``q+ - q- - increment``."""
+        one, theta = self.one, step.scheme.position_rate
+        way = self.increment(step) / (step.dt or 1.0)
+        early, late = (1 - theta) * step.dt, theta * step.dt
+        return Row(one, -late * one, -one, -early * one, -way)
+
+    @abstractmethod
+    def balance(self, step: Step) -> Row:
+        """The balance of momentum without contacts; of what is held that its velocity is given."""
+
+    @abstractmethod
+    def by(self, parameter: Parameter, step: Step) -> np.ndarray:
+        """Derivative of the balance by a parameter."""
+
+    def increment(self, step: Step) -> np.ndarray:
+        """q+ - q-."""
+        return step.increment(self.solid.velocity, self.solid.trial_velocity, None)
+
+
+class RigidMotion(Motion):
+    """A rigid solid in the plane.
+
+    Attributes:
+        place, turn: at the start and at the end, before what bears was put back to its gaps.
+    """
+
+    size = 3
+
+    def __init__(self, solid: RigidSolid) -> None:
+        self.solid, self.held, self.one = solid, solid.held, np.eye(3)
+        self._holding = np.zeros((3, 3))
+        self._holding[self.held, self.held] = 1.0
+        self._mass = np.diag([solid.mass, solid.mass, solid.inertia[0, 0]])
+
+    def see(self, step: Step) -> None:
+        state, way = self.solid.state(), self.increment(step)
+        self.turn = state["turn"], rotation_matrix(way[2:]) @ state["turn"]
+        self.place = state["place"], state["place"] + way[:2]
+        self._momentum = self._mass @ (self.solid.trial_velocity - self.solid.velocity)
+
+    def balance(self, step: Step) -> Row:
+        inertia = self._mass * step.inertia_rate
+        old, new = np.zeros((2, 3, 3))
+        if step.loaded:
+            before, after = step.scheme.linear_weights
+            for spring in self.solid.springs:
+                old += before * spring.stiffness(self.place[0], self.turn[0])
+                new += after * spring.stiffness(self.place[1], self.turn[1])
+        rows = [self._hold(each) for each in (new, inertia, old, -inertia)]
+        by_dt = -self._momentum / step.dt**2 if step.dt else np.zeros(3)
+        return Row(rows[0], rows[1] + self._holding, rows[2], rows[3], self._hold(by_dt))
+
+    def _hold(self, rows: np.ndarray) -> np.ndarray:
+        """Without those of what is held."""
+        rows[self.held] = 0.0
+        return rows
+
+    def by(self, parameter: Parameter, step: Step) -> np.ndarray:
+        solid = self.solid
+        change = parameter.momentum(solid, solid.trial_velocity - solid.velocity)
+        rows = np.zeros(3) + change * step.inertia_rate
+        if step.loaded:
+            rows = rows - step.load_weight * parameter.load(solid)
+        return self._hold(rows)
+
+
+class DeformableMotion(Motion):
+    """An elastic or hyperelastic solid."""
+
+    def __init__(self, solid: DeformableSolid) -> None:
+        self.solid, self.size, self.held = solid, solid.owned, solid.fixed_unknowns
+        self._mass = _scipy(solid.inertia.matrix)
+        hold = np.zeros(self.size)
+        hold[self.held] = 1.0
+        self.one = sp.identity(self.size, format="csr")
+        self._holding, self._freeing = (sp.diags(each, format="csr") for each in (hold, 1 - hold))
+        self._massive = self._freeing @ self._mass
+        self._kept: dict[tuple[float, float], Factor] = {}
+        self._none = sp.csr_matrix(self._mass.shape)
+        self._linear, self._own = isinstance(solid, ElasticSolid), cast(Any, None)
+        if self._linear:
+            self._stiffness = self._freeing @ _scipy(solid.last_stiffness)
+
+    def see(self, step: Step) -> None:
+        solid = self.solid
+        self._ends = solid.displacement, solid.trial_displacement
+        self._momentum = solid.inertia.times(solid.trial_velocity - solid.velocity)
+
+    def balance(self, step: Step) -> Row:
+        inertia = self._massive * step.inertia_rate
+        old = new = self._none
+        if step.loaded:
+            old, new = self._stiffnesses(step)
+        by_dt = np.zeros(self.size)
+        if step.dt and step.scheme.inertia:
+            by_dt = self._freeing @ (-self._momentum / step.dt**2)
+        self._inner = self._make_inner(step, inertia, new)
+        return Row(new, inertia + self._holding, old, -inertia, by_dt)
+
+    def _make_inner(self, step: Step, inertia: Any, stiffness: Any) -> Inner:
+        key = step.inertia_rate, step.gap_rate
+        factor = self._kept.get(key) if self._linear else None
+        if factor is None:
+            matrix = (inertia + step.gap_rate * stiffness) @ self._freeing + self._holding
+            factor = Factor(sp.csr_matrix(matrix), self.solid.name)
+        if self._linear:  # of a linear solid it comes again
+            if len(self._kept) >= KEPT:
+                self._kept.clear()
+            self._kept[key] = factor
+        return Inner(factor, stiffness, step.gap_rate, self.held)
+
+    def inner(self) -> Inner:
+        """Its rows among its own unknowns, after :meth:`balance`."""
+        return self._inner
+
+    def _stiffnesses(self, step: Step) -> tuple[Any, Any]:
+        """Derivatives of the mean internal force by the displacements at both ends."""
+        if self._linear:
+            before, after = step.scheme.linear_weights
+            return before * self._stiffness, after * self._stiffness
+        old = new = self._none
+        start, end = self._ends
+        if self._own is None:
+            self._own = self.solid.last_stiffness.duplicate()
+        for share, weight in step.scheme.force_points:
+            self._own.zeroEntries()
+            self.solid.add_stiffness(self._own, share * end + (1 - share) * start, weight)
+            stiffness = self._freeing @ _scipy(self._own)
+            old, new = old + (1 - share) * stiffness, new + share * stiffness
+        return old, new
+
+    def by(self, parameter: Parameter, step: Step) -> np.ndarray:
+        solid = self.solid
+        change = parameter.momentum(solid, solid.trial_velocity - solid.velocity)
+        rows = np.zeros(self.size) + change * step.inertia_rate
+        if step.loaded:
+            start, end = self._ends
+            rows = rows - step.load_weight * parameter.load(solid)
+            for share, weight in step.scheme.force_points:
+                place = share * end + (1 - share) * start
+                rows = rows + weight * parameter.internal(solid, place)
+        return np.asarray(self._freeing @ rows)
+
+
+class Inner:
+    """The rows of a deformable solid among its own unknowns (q, v) in one step::
+
+        q - rate v = r_q           stiffness q + inertia v = r_v
+
+    Args:
+        factor: of ``inertia + rate stiffness`` over what is not held, the identity elsewhere.
+        stiffness: over what is not held.
+        rate: derivative of q by v, s.
+        held: unknowns.
+    """
+
+    def __init__(self, factor: Factor, stiffness: Any, rate: float, held: np.ndarray) -> None:
+        self._factor, self._stiffness, self._rate, self._held = factor, stiffness, rate, held
+
+    def solve(self, right: np.ndarray, transposed: bool) -> np.ndarray:
+        """(q, v) from (r_q, r_v), (2 n, columns), or multipliers of the rows from columns."""
+        n = len(right) // 2
+        first, last = right[:n], right[n:]
+        K, rate = self._stiffness, self._rate
+        load = last + rate * first if transposed else last - K @ first
+        load[self._held] = 0.0  # nothing moves what is held
+        v = self._factor.solve(load)
+        return np.concatenate([first - K.T @ v if transposed else first + rate * v, v])
+
+
+class Factor:
+    """A direct factorisation of a matrix, made when it is first asked; knows what it has solved for
+    points, which come again."""
+
+    def __init__(self, matrix: sp.csr_matrix, name: str) -> None:
+        self._matrix, self._name = matrix, f"{name}_gradients"
+        self._known: dict[bytes, np.ndarray] = {}
+
+    @cached_property
+    def _factor(self) -> Factorisation:
+        parts = self._matrix.indptr, self._matrix.indices, self._matrix.data
+        made = PETSc.Mat().createAIJ(self._matrix.shape, csr=parts, comm=PETSc.COMM_SELF)
+        return Factorisation(made, self._name)
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """For columns (n, k)."""
+        result, missing, keys = np.zeros_like(right), [], []
+        for i, column in enumerate(right.T):
+            entries = column.nonzero()[0]
+            few = 2 * len(entries) < len(column)
+            key = entries.tobytes() + column[entries].tobytes() if few else b""
+            if key in self._known:
+                result[:, i] = self._known[key]
+            elif len(entries):
+                missing.append(i)
+                keys.append(key)
+        if missing:
+            result[:, missing] = self._factor.solve_many(sp.csc_matrix(right[:, missing]))
+        self._known |= {key: result[:, i].copy() for i, key in zip(missing, keys) if key}
+        return result
+
+
+def _scipy(matrix: Any) -> sp.csr_matrix:
+    pointers, columns, values = matrix.getValuesCSR()
+    return sp.csr_matrix((values, columns, pointers), matrix.getSize())
+
+
+def motion(solid: Solid, inertia: bool, moving_time: bool) -> Motion:
+    """The rows of a solid.
+
+    Args:
+        solid: the solid.
+        inertia: whether it has any.
+        moving_time: whether instants depend on parameters.
+
+    Raises:
+        InputError: what is not supported, by name.
+    """
+    name = f"solid {solid.name!r}"
+    if isinstance(solid, RigidSolid):
+        if solid.dim == 3:
+            raise checks.InputError(f"gradients: {name} is rigid in space; only in the plane")
+        if solid.applied and moving_time:
+            raise checks.InputError(f"gradients: {name} has forces in time and located impacts")
+        return RigidMotion(solid)
+    if not isinstance(solid, (ElasticSolid, HyperelasticSolid)):
+        kind = type(solid).__name__
+        raise checks.InputError(f"gradients: {name} is a {kind}, which is not supported")
+    if solid.comm.size > 1:
+        raise checks.InputError(f"gradients: {name} is shared by processes; use one")
+    if not inertia and not solid.supported:
+        raise checks.InputError(f"gradients: {name} is held by contact alone, without inertia")
+    if solid.dampers or solid.massless:
+        what = "damping" if solid.dampers else "a boundary without mass"
+        raise checks.InputError(f"gradients: {name} has {what}, which is not supported")
+    if moving_time and (solid.applied or solid.supports.moving):
+        raise checks.InputError(f"gradients: {name} has motions in time and located impacts")
+    return DeformableMotion(solid)

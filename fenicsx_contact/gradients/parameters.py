@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""By what a run can be differentiated. Each parameter says where it stands, and what its change of
+one unit changes there; everywhere else it changes nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..base import checks
+from ..contact.contact import Contact
+from ..solids import DeformableSolid, RigidSolid, Solid
+from .forms import ByConstant
+
+
+class Parameter:
+    """What a parameter does not say of itself: nothing."""
+
+    def start(self, solid: Solid) -> tuple[np.ndarray | float, np.ndarray | float]:
+        """Changes of the initial place (in the plane: centre and angle) or displacement, and of the
+        velocity, of a solid's unknowns."""
+        return 0.0, 0.0
+
+    def momentum(self, solid: Solid, velocity: np.ndarray) -> np.ndarray | float:
+        """Change of the momentum that belongs to a velocity."""
+        return 0.0
+
+    def load(self, solid: Solid) -> np.ndarray | float:
+        """Change of the weight."""
+        return 0.0
+
+    def internal(self, solid: Solid, displacement: np.ndarray) -> np.ndarray | float:
+        """Change of the internal forces at a displacement."""
+        return 0.0
+
+    def rows(self, contact: Contact) -> np.ndarray | None:
+        """Change of the rows of a contact's points, (n, unknowns of a point)."""
+        return None
+
+    def move(self, contact: Contact) -> np.ndarray | None:
+        """How the obstacle of a contact moves, (d,)."""
+        return None
+
+    def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
+        """Refuse a scene in which it does not stand."""
+
+
+def _among(what: str, thing: Any, things: Sequence[Any]) -> None:
+    if not any(thing is each for each in things):
+        raise checks.InputError(f"{what}: {getattr(thing, 'name', thing)!r} is not in the scene")
+
+
+class Law(Parameter):
+    """A number of a contact's law of friction.
+
+    Args:
+        contact: the contact.
+        name: of the number: ``"friction"`` is Coulomb's coefficient, ``"stress"`` Tresca's; or a
+            ``fem.Constant`` that stands in what the law was given in UFL.
+
+    Raises:
+        InputError: no such number stands in the law.
+    """
+
+    def __init__(self, contact: Contact, name: Any = "friction") -> None:
+        numbers = contact.equations.fields.numbers
+        self.contact = contact
+        if name not in numbers:
+            raise checks.InputError(f"name = {name!r}: must be one of {[*map(str, numbers)]}")
+        self._derivative = ByConstant(contact, numbers[name])
+
+    def rows(self, contact: Contact) -> np.ndarray | None:
+        return self._derivative() if contact is self.contact else None
+
+    def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
+        _among("Law", self.contact, contacts)
+
+
+class ObstacleShift(Parameter):
+    """A shift of a contact's obstacle.
+
+    Args:
+        contact: the contact.
+        direction: of the shift, d numbers; the parameter is in multiples of it.
+    """
+
+    def __init__(self, contact: Contact, direction: Sequence[float]) -> None:
+        self.contact = contact
+        self.direction = checks.vector("direction", direction, contact.surface.dim)
+
+    def move(self, contact: Contact) -> np.ndarray | None:
+        return self.direction if contact is self.contact else None
+
+    def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
+        _among("ObstacleShift", self.contact, contacts)
+
+
+def _check_rigid(what: str, solid: Any) -> None:
+    if not isinstance(solid, RigidSolid) or solid.dim == 3:
+        name, kind = getattr(solid, "name", solid), type(solid).__name__
+        raise checks.InputError(
+            f"{what}: solid {name!r}, a {kind}, is not supported; only deformable solids, and "
+            "rigid ones in the plane"
+        )
+
+
+class OfSolid(Parameter):
+    """What stands in a solid."""
+
+    solid: Any
+
+    def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
+        _among(type(self).__name__, self.solid, solids)
+
+
+class Start(OfSolid):
+    """A change of the initial state of a solid.
+
+    Args:
+        solid: the solid.
+        place, velocity: of a rigid solid its centre of mass, d numbers; of a deformable one fields,
+            as for its ``displacement`` and ``velocity``.
+        turn, spin, about: of a rigid solid in the plane: rad, rad/s, and the point about which it
+            turns (default: the centre of mass).
+    """
+
+    def __init__(
+        self,
+        solid: Any,
+        *,
+        place: Any = None,
+        velocity: Any = None,
+        turn: float = 0.0,
+        spin: float = 0.0,
+        about: Sequence[float] | None = None,
+    ) -> None:
+        self.solid = solid
+        if isinstance(solid, DeformableSolid):
+            if turn or spin or about is not None:
+                raise checks.InputError("Start: a deformable solid has no turn, spin or about")
+            fields = [solid.vectors.interpolate("Start", f) for f in (place, velocity)]
+            for each in fields:
+                each[solid.fixed_unknowns] = 0.0
+            self._place, self._velocity = fields
+            return
+        _check_rigid("Start", solid)
+        d, zero = solid.dim, np.zeros(solid.dim)
+        turn, spin = checks.number("turn", turn), checks.number("spin", spin)
+        moved = zero if place is None else checks.vector("place", place, d)
+        if about is not None:
+            arm = solid.place - checks.vector("about", about, d)
+            moved = moved + turn * np.array([-arm[1], arm[0]])
+        speed = zero if velocity is None else checks.vector("velocity", velocity, d)
+        self._place, self._velocity = np.append(moved, turn), np.append(speed, spin)
+
+    def start(self, solid: Solid) -> tuple[np.ndarray | float, np.ndarray | float]:
+        return (self._place, self._velocity) if solid is self.solid else (0.0, 0.0)
+
+
+class Gravity(OfSolid):
+    """The acceleration of gravity of a solid.
+
+    Args:
+        solid: the solid.
+        direction: d numbers; the parameter is in multiples of it.
+    """
+
+    def __init__(self, solid: Solid, direction: Sequence[float]) -> None:
+        self.solid = solid
+        g = checks.vector("direction", direction, solid.dim)
+        if isinstance(solid, DeformableSolid):
+            self._load = solid.inertia.weight(g)
+        else:
+            _check_rigid("Gravity", solid)
+            self._load = np.append(solid.mass * g, 0.0)  # type: ignore[attr-defined]
+
+    def load(self, solid: Solid) -> np.ndarray | float:
+        return self._load if solid is self.solid else 0.0
+
+
+class Mass(OfSolid):
+    """The whole mass of a solid, kg; how it is spread stays the same."""
+
+    def __init__(self, solid: Solid) -> None:
+        self.solid = solid
+        if not isinstance(solid, DeformableSolid):
+            _check_rigid("Mass", solid)
+
+    def momentum(self, solid: Solid, velocity: np.ndarray) -> np.ndarray | float:
+        if solid is not self.solid:
+            return 0.0
+        if isinstance(solid, DeformableSolid):
+            return solid.inertia.times(velocity) / solid.mass
+        assert isinstance(solid, RigidSolid)
+        return np.append(velocity[:2], solid.inertia[0] * velocity[2:] / solid.mass)
+
+    def load(self, solid: Solid) -> np.ndarray | float:
+        if solid is not self.solid:
+            return 0.0
+        if isinstance(solid, DeformableSolid):
+            return solid.weight / solid.mass
+        assert isinstance(solid, RigidSolid)
+        return np.append(solid.gravity, 0.0)

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What can be differentiated: quantities of a state. Each gives its value, and its derivatives by
+the displacements and velocities of its solid."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from ..base import checks
+from ..base.constants import SAME
+from ..solids import DeformableSolid, RigidSolid, Solid
+from .parameters import Parameter
+
+
+class Quantity(Protocol):
+    """A number that belongs to the state of a solid; an own one is any object with these members.
+
+    Attributes:
+        solid: the solid.
+    """
+
+    solid: Solid
+
+    def value(self) -> float:
+        """Now."""
+
+    def gradient(self) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives by q and v; q of a rigid solid in the plane: centre and angle."""
+
+    def explicit(self, parameter: Parameter) -> float:
+        """Derivative by a parameter at a fixed state."""
+
+
+class _Linear:
+    """Rows times displacement or velocity."""
+
+    solid: Solid
+    _row: np.ndarray
+    _of: str
+
+    def gradient(self) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives by q and v."""
+        zero = np.zeros_like(self._row)
+        return (self._row, zero) if self._of == "place" else (zero, self._row)
+
+    def explicit(self, parameter: Parameter) -> float:
+        """None."""
+        return 0.0
+
+
+class Centre(_Linear):
+    """Where the centre of mass of a solid is, along a direction, m, or its velocity, m/s.
+
+    Args:
+        solid: rigid, elastic or hyperelastic.
+        direction: d numbers.
+        of: ``"place"`` or ``"velocity"``.
+    """
+
+    def __init__(self, solid: Solid, direction: Sequence[float], of: str = "place") -> None:
+        self.solid, self._of = solid, checks.choice("of", of, ["place", "velocity"])
+        self._direction = checks.vector("direction", direction, solid.dim)
+        if isinstance(solid, RigidSolid):
+            self._row = np.append(self._direction, np.zeros(len(solid.velocity) - solid.dim))
+        elif isinstance(solid, DeformableSolid):
+            even = np.tile(self._direction, solid.owned // solid.dim)
+            self._row = solid.inertia.times(even) / solid.mass
+        else:
+            raise checks.InputError(f"Centre: solid {solid.name!r} is not supported")
+
+    def value(self) -> float:
+        """Now; of a deformable solid its displacement."""
+        solid = self.solid
+        if isinstance(solid, RigidSolid) and self._of == "place":
+            return float(self._direction @ solid.place)
+        assert isinstance(solid, (RigidSolid, DeformableSolid))
+        by = solid.velocity if self._of == "velocity" else solid.displacement  # type: ignore
+        return float(self._row @ by)
+
+
+class Turn(_Linear):
+    """The angle of a rigid solid in the plane, rad, or its spin, rad/s (``of="velocity"``)."""
+
+    def __init__(self, solid: RigidSolid, of: str = "place") -> None:
+        checks.instance("solid", solid, RigidSolid, "a RigidSolid")
+        self.solid, self._of = solid, checks.choice("of", of, ["place", "velocity"])
+        self._row = np.array([0.0, 0.0, 1.0])
+
+    def value(self) -> float:
+        """Now."""
+        assert isinstance(self.solid, RigidSolid)
+        spins = self._of == "velocity"
+        return float(self.solid.velocity[2] if spins else self.solid.rotation)
+
+
+class At(_Linear):
+    """The displacement of a node of a deformable solid along a direction, m, or its velocity, m/s.
+
+    Args:
+        solid: the solid.
+        point: coordinates of the node.
+        direction: d numbers.
+        of: ``"place"`` or ``"velocity"``.
+    """
+
+    def __init__(
+        self,
+        solid: DeformableSolid,
+        point: Sequence[float],
+        direction: Sequence[float],
+        of: str = "place",
+    ) -> None:
+        checks.instance("solid", solid, DeformableSolid, "a deformable solid")
+        self.solid, self._of = solid, checks.choice("of", of, ["place", "velocity"])
+        places, d = solid.vectors.places, solid.dim
+        off = np.linalg.norm(places - checks.vector("point", point, d), axis=1)
+        node = int(off.argmin())
+        if off[node] > SAME * float(np.ptp(places, axis=0).max()):
+            raise checks.InputError(f"At: point = {list(point)}: is no node of {solid.name!r}")
+        self._row = np.zeros(solid.owned)
+        self._row[d * node : d * (node + 1)] = checks.vector("direction", direction, d)
+
+    def value(self) -> float:
+        """Now."""
+        assert isinstance(self.solid, DeformableSolid)
+        by = self.solid.velocity if self._of == "velocity" else self.solid.displacement
+        return float(self._row @ by)
+
+
+class Kinetic:
+    """The kinetic energy of a solid, J (J/m in 2D)."""
+
+    def __init__(self, solid: RigidSolid | DeformableSolid) -> None:
+        self.solid = solid
+
+    def value(self) -> float:
+        """Now."""
+        return self.solid.energies()[0]
+
+    def gradient(self) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives by q and v: nothing and the momentum."""
+        momentum = self.solid.state()["momentum"]
+        return np.zeros_like(momentum), momentum
+
+    def explicit(self, parameter: Parameter) -> float:
+        """By the mass."""
+        v = self.solid.velocity
+        return float(np.sum(0.5 * v * parameter.momentum(self.solid, v)))

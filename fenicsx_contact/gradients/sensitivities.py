@@ -1,0 +1,300 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Runs with their derivatives, forwards (tangents) and backwards (adjoints).
+
+A step is ``F(x+, x-, p) = 0``, smooth in the statuses that it has settled on, and linearised after
+it was solved. Tangents go along with the run and cost by the parameter; adjoints go back through
+it, from states that were kept on the way, and cost by the quantity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from math import ceil, isqrt
+from typing import Any
+
+import numpy as np
+
+from ..base import checks
+from ..base.constants import SAME
+from ..output.history import History
+from ..scene import Scene
+from ..steps.step import Trial
+from .blocks import LinearStep
+from .kinks import Kink, NoDerivative
+from .linearise import Linearisation
+from .parameters import Parameter
+from .quantities import Quantity
+
+
+@dataclass
+class Tangents:
+    """A run and its derivatives.
+
+    Attributes:
+        history: of the run; its probes are the quantities.
+        parameters: their names.
+        kinks: where the derivatives do not exist; they are then those of one side.
+    """
+
+    history: History
+    parameters: tuple[str, ...]
+    kinks: list[Kink]
+    _columns: dict[str, np.ndarray]
+
+    def one_sided(self, column: str) -> np.ndarray:
+        """Derivatives of a column of the history by the parameters, (rows, parameters): of a
+        quantity, of ``"time"`` or of a contact's force; where there are kinks those of the statuses
+        that the steps have settled on.
+
+        Raises:
+            KeyError: no such column, or one that is not differentiated.
+        """
+        if column not in self._columns:
+            raise KeyError(f"{column!r}: the columns are {', '.join(self._columns)}")
+        return self._columns[column]
+
+    def __getitem__(self, column: str) -> np.ndarray:
+        """The same, where the derivatives exist.
+
+        Raises:
+            NoDerivative: they do not; with contact, point and time.
+        """
+        _refuse(self.kinks)
+        return self.one_sided(column)
+
+
+@dataclass
+class Adjoints:
+    """A run and the derivatives of what it ends with.
+
+    Attributes:
+        history: of the run.
+        values: of the quantities, at its end.
+        parameters: their names.
+        kinks: where the derivatives may not exist; then they are of one side.
+        kept: states that were kept on the way.
+    """
+
+    history: History
+    values: dict[str, float]
+    parameters: tuple[str, ...]
+    kinks: list[Kink]
+    kept: int
+    _gradients: dict[str, np.ndarray]
+
+    def one_sided(self, quantity: str) -> np.ndarray:
+        """Derivatives of a quantity by the parameters, (parameters,), of one side if need be."""
+        return self._gradients[quantity]
+
+    def __getitem__(self, quantity: str) -> np.ndarray:
+        """The same, where they exist.
+
+        Raises:
+            NoDerivative: they do not; with contact, point and time.
+        """
+        _refuse(self.kinks)
+        return self.one_sided(quantity)
+
+
+def _refuse(kinks: list[Kink]) -> None:
+    if kinks:
+        more = f"; and {len(kinks) - 1} more" if len(kinks) > 1 else ""
+        raise NoDerivative(f"{kinks[0]}{more}")
+
+
+def tangents(
+    scene: Scene,
+    until: float,
+    dt: float,
+    parameters: Mapping[str, Parameter],
+    quantities: Mapping[str, Quantity] | None = None,
+    *,
+    stop_when: Callable[[], bool] | None = None,
+) -> Tangents:
+    """Run a scene by uniform steps, with the derivatives of quantities by parameters in each row.
+
+    They are those of the discrete solution, exact but for the tolerance of the steps: with
+    ``geometry="fixed point"`` 1e-8 of what is linearised in each, with ``"newton"`` 1e-10. With
+    located impacts a row belongs to an instant, which depends on the parameters, too: derivatives
+    are along with it; that of the instant is the column ``"time"``.
+
+    Args:
+        scene: the scene; the derivatives are by its state as it is.
+        until, dt, stop_when: as for :meth:`~fenicsx_contact.scene.Scene.run`.
+        parameters: by name, see :mod:`~.parameters`.
+        quantities: by name, see :mod:`~.quantities`; they are probes of the run.
+
+    Raises:
+        InputError: what is not supported, by name.
+        NoDerivative: a point arrives without speed.
+    """
+    quantities = _checked(scene, parameters, quantities or {})
+    linear = Linearisation(scene, list(parameters.values()))
+    found: list[Kink] = []
+    state, first = linear.start(), scene.time
+    size = len(parameters)
+    columns: dict[str, list[np.ndarray]] = {"time": [np.zeros(size)]}
+    for name, quantity in quantities.items():
+        columns[name] = [_gradient(linear, quantity) @ state + _explicit(parameters, quantity)]
+    names = [_forces(rows.contact) for rows in linear.contacts]
+    columns |= {name: [np.zeros(size)] for each in names for name in each}
+    pending: list[Any] = []
+
+    def watch(trial: Trial) -> None:
+        nonlocal state
+        step = linear.step(trial)
+        x = _finite(trial, step.tangent(state))
+        found.extend(linear.kinks(trial, scene.stepper.resolution, x, state))
+        state = x[: linear.size]
+        columns["time"].append(state[linear.time].ravel())
+        for each, at in zip(names, step.forces):
+            for i, name in enumerate(each):  # point by point
+                columns[name].append(x[at][i :: len(each)].sum(axis=0))
+        pending.append(state)
+
+    def probe(name: str, quantity: Quantity) -> Callable[[], float]:
+        def measure() -> float:
+            if pending:  # the start was measured before
+                row = _gradient(linear, quantity) @ state + _explicit(parameters, quantity)
+                columns[name].append(row)
+            return float(quantity.value())
+
+        return measure
+
+    probes = {name: probe(name, quantity) for name, quantity in quantities.items()}
+    with _watching(scene, watch):
+        history = scene.run(until, dt, probes=probes, stop_when=stop_when)
+    _refuse_halved(scene, history, first, dt)
+    arrays = {name: np.array(rows) for name, rows in columns.items()}
+    return Tangents(history, tuple(parameters), found, arrays)
+
+
+def adjoints(
+    scene: Scene,
+    until: float,
+    dt: float,
+    parameters: Mapping[str, Parameter],
+    quantities: Mapping[str, Quantity],
+    *,
+    every: int | None = None,
+) -> Adjoints:
+    """Run a scene by uniform steps, and go back for the derivatives of quantities at its end.
+
+    States are kept every so many steps; from each the steps up to the next are run once more and
+    gone back through. Memory grows with the root of the number of steps; the run is done twice.
+
+    Args:
+        scene: the scene; the derivatives are by its state as it is.
+        until, dt: as for :meth:`~fenicsx_contact.scene.Scene.run`.
+        parameters: by name, see :mod:`~.parameters`.
+        quantities: by name, see :mod:`~.quantities`.
+        every: keep a state every so many steps; default: the root of their number.
+
+    Raises:
+        InputError: what is not supported, by name; a run that stops before its end.
+        NoDerivative: a point arrives without speed.
+    """
+    quantities = _checked(scene, parameters, quantities)
+    linear = Linearisation(scene, list(parameters.values()))
+    dt, first = checks.number("dt", dt, above=0), scene.time
+    count = max(1, round((checks.number("until", until) - first) / dt))
+    each = (
+        isqrt(count - 1) + 1 if every is None else checks.whole_number("every", every, at_least=1)
+    )
+    ends = [min(k * each, count) for k in range(1, ceil(count / each) + 1)]
+    begin = linear.start()
+
+    kept, history = [], History(scene.columns)
+    for end in ends:
+        kept.append({name: np.array(value) for name, value in scene.state().items()})
+        part = scene.run(first + end * dt, dt, progress=False)
+        if not part.finished:
+            raise checks.InputError(f"adjoints: the run {part.reason}")
+        _refuse_halved(scene, part, first, dt)
+        for row in part.rows(1 if len(history) else 0):
+            history.append(row)
+        history.remarks += part.remarks
+    history.reason, history.times = part.reason, part.times
+    last = scene.state()
+    values = {name: quantity.value() for name, quantity in quantities.items()}
+    after = np.stack([_gradient(linear, quantity) for quantity in quantities.values()], axis=1)
+    by = np.stack([_explicit(parameters, quantity) for quantity in quantities.values()], axis=1)
+
+    found: list[Kink] = []
+    for end, start in zip(reversed(ends), reversed(kept)):
+        scene.restore(start)
+        steps: list[tuple[Trial, LinearStep]] = []
+
+        def watch(trial: Trial, steps: list[tuple[Trial, LinearStep]] = steps) -> None:
+            steps.append((trial, linear.step(trial)))
+            found.extend(linear.kinks(trial, scene.stepper.resolution, None, None))
+
+        with _watching(scene, watch):
+            scene.run(first + end * dt, dt, progress=False)
+        for trial, step in reversed(steps):
+            after, more = step.adjoint(after)
+            by = _finite(trial, by + more)
+    scene.restore(last)
+    gradient = by + begin.T @ after
+    gradients = {name: gradient[:, i] for i, name in enumerate(quantities)}
+    return Adjoints(history, values, tuple(parameters), found, len(kept), gradients)
+
+
+def _checked(
+    scene: Scene, parameters: Mapping[str, Parameter], quantities: Mapping[str, Quantity]
+) -> dict[str, Quantity]:
+    if not checks.mapping("parameters", parameters, "from names to parameters"):
+        raise checks.InputError("parameters = {}: by what?")
+    for name, parameter in parameters.items():
+        what = "a parameter (gradients.parameters)"
+        checks.instance(f"parameters[{name!r}]", parameter, Parameter, what)
+    given: dict[str, Quantity] = dict(checks.mapping("quantities", quantities, "of quantities"))
+    for name, quantity in given.items():
+        if not any(quantity.solid is solid for solid in scene.solids):
+            raise checks.InputError(f"quantities[{name!r}]: its solid is not in the scene")
+    return given
+
+
+def _refuse_halved(scene: Scene, history: History, first: float, dt: float) -> None:
+    """Halves of a step end where they are told to; not those after an impact within it."""
+    if not scene.locate_impacts:
+        return
+    for time, remark in history.remarks:
+        parts = (time - first) / dt * 2.0**10  # of the shortest
+        if remark.startswith("step halved") and abs(parts - round(parts)) > SAME * abs(parts):
+            raise checks.InputError(
+                f"gradients: a step was halved at t = {time:.9g} s, after a located impact within "
+                "it; shorter steps help"
+            )
+
+
+def _finite(trial: Trial, values: np.ndarray) -> np.ndarray:
+    if not np.isfinite(values).all():
+        raise NoDerivative(f"t = {trial.step.end:.9g} s: the linearised step is singular")
+    return values
+
+
+def _gradient(linear: Linearisation, quantity: Quantity) -> np.ndarray:
+    result, (q, v) = np.zeros(linear.size), quantity.gradient()
+    result[linear.part("q", quantity.solid)] = q
+    result[linear.part("v", quantity.solid)] = v
+    return result
+
+
+def _explicit(parameters: Mapping[str, Parameter], quantity: Quantity) -> np.ndarray:
+    return np.array([quantity.explicit(parameter) for parameter in parameters.values()])
+
+
+def _forces(contact: Any) -> list[str]:
+    return [f"{contact.name}.force_{axis}" for axis in "xyz"[: contact.surface.dim]]
+
+
+@contextmanager
+def _watching(scene: Scene, watch: Callable[[Trial], None]) -> Iterator[None]:
+    scene.stepper.watchers.append(watch)
+    try:
+        yield
+    finally:
+        scene.stepper.watchers.remove(watch)

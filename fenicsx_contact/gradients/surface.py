@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The rows of a contact in a linearised step: its multipliers, and the forces that it gives.
+
+The jump is ``w = J(q+) v+``; gaps and normals are those of the points' places. The rows of the
+weak form are UFL, and so are their derivatives by the jump, the multipliers, the gap, the normal
+and the jump at the start; here they meet the solid's kinematics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from copy import copy
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..base import checks
+from ..base.expressions import is_expression
+from ..base.vectors import dot
+from ..contact.contact import Contact
+from ..contact.nodal import NodalJump
+from ..contact.obstacle import Circle, Cylinder, HalfSpace, Sphere
+from ..solids import MonolithicTrace
+from ..theory.formulations import Gap, Velocity
+from ..theory.friction import Coulomb, Tresca
+from ..theory.theta import Step
+from .forms import ByField
+from .motion import Motion, RigidMotion
+from .parameters import Parameter
+
+
+class Kinematics:
+    """Points of a solid, with derivatives by its unknowns; operators are (n d, size), flat.
+
+    Args:
+        place: derivative of the places by q, and of the velocities by v.
+        bend: of the velocities by q; None where places are linear in q.
+    """
+
+    def __init__(self, place: Any, bend: np.ndarray | None = None) -> None:
+        self.place, self.bend = place, bend
+
+    def at(self, points: np.ndarray, d: int) -> Kinematics:
+        """Those of some points."""
+        rows = (points[:, None] * d + np.arange(d)).ravel()
+        return Kinematics(self.place[rows], None if self.bend is None else self.bend[rows])
+
+    def by_place(self, weights: np.ndarray) -> Any:
+        """Derivative by q of what depends on the places by weights (k, r, d), (k r, size)."""
+        return _apply(weights, self.place)
+
+    def by_bend(self, weights: np.ndarray) -> Any:
+        """Derivative by q of what depends on the velocities by weights."""
+        return 0.0 if self.bend is None else _apply(weights, self.bend)
+
+
+def _apply(weights: np.ndarray, operator: Any) -> Any:
+    k, r, d = weights.shape
+    if isinstance(operator, np.ndarray):
+        return np.matmul(weights, operator.reshape(k, d, -1)).reshape(k * r, -1)
+    return _diagonal(weights) @ operator
+
+
+class ContactRows:
+    """A contact with an obstacle at rest, in the step that has been solved and is not yet accepted.
+
+    Args:
+        contact: the contact.
+        motion: of its solid.
+
+    Attributes:
+        points: the candidates of the step, (k,).
+        old, new: kinematics at the start and at the end of the step, before what bears was put back
+            to its gaps; ``places``: at the end, (n, d) in m.
+        arms: of a rigid solid, from its centre to the points, at the start and at the end.
+        normal, old_normal, bend: normals of the slave, and the derivatives of the former by the
+            places.
+        jump, start_jump: at the end and at the start; ``reads_start``: 1 where the law reads that.
+        unknowns: number of multipliers.
+
+    Raises:
+        InputError: what is not supported, by name.
+    """
+
+    def __init__(self, contact: Contact, motion: Motion) -> None:
+        _refuse(contact)
+        self.contact, self.motion = contact, motion
+        self._by_start = ByField(contact, contact.equations.fields.start_jump_n)
+        self._d = contact.surface.dim
+        self._more = contact.equations.fields.components - self._d  # multipliers of a point
+
+    # -- what the step is ------------------------------------------------------------------------
+
+    def see(self, step: Step) -> None:
+        """Take up the step."""
+        contact, e = self.contact, self.contact.equations
+        self.step, self.points = step, e.candidates
+        self.unknowns = len(e.active_multipliers)
+        trace, solid, d = contact.traces[0], self.motion.solid, self._d
+        x = trace.positions()
+        if isinstance(self.motion, RigidMotion):
+            back = solid.trial_turn.T
+            arms = [(x - solid.trial_place) @ (turn @ back).T for turn in self.motion.turn]
+            spins = solid.velocity[2], solid.trial_velocity[2]
+            self.old, self.new = (_rigid(arm, spin, solid.held) for arm, spin in zip(arms, spins))
+            weight = step.scheme.force_weight
+            self._forces = weight * self.new.place + (1 - weight) * self.old.place
+            self.arms = arms
+            start, self.places = (at + arm for at, arm in zip(self.motion.place, arms))
+            self.start_jump = (self.old.place @ solid.velocity).reshape(-1, d)
+            self.jump = (self.new.place @ solid.trial_velocity).reshape(-1, d)
+        else:
+            assert isinstance(trace, MonolithicTrace)
+            J = trace.seeing()
+            self.old = self.new = Kinematics(J)
+            self._forces, self.places = J, x
+            start = x - (J @ (solid.trial_displacement - solid.displacement)).reshape(-1, d)
+            self.start_jump, self.jump = contact.jump, contact.trial_jump
+        self._normals(start)
+        k, share = e.fields, contact.formulation.gap_share
+        # what was put to zero there depends on nothing
+        self._reads_gap = (k.gap.x.array != 0) * (1.0 - share)
+        self.reads_start = (k.start_jump_n.x.array != 0).astype(float)
+        self._linearise()
+        self._force = -e.residual()[e.active_jumps]
+
+    def _linearise(self) -> None:
+        """Take up the derivatives of the form."""
+        tangents = self.contact.equations.tangents
+        self._blocks = tangents.blocks(frozen=True).copy()
+        self._parameters = tangents.parameters().copy()
+        self._start = self._by_start()
+
+    def _normals(self, start: np.ndarray) -> None:
+        """Normals at the start and the end, and the derivatives of the latter by the places."""
+        wall = self.contact.coupling.wall  # type: ignore[attr-defined]
+        self.normal, self.old_normal = self.contact.normal, -wall.normals(start, 0.0)
+        bend = wall.curvature(self.places, 0.0)
+        self.bend = np.zeros((*start.shape, self._d)) if bend is None else -bend
+
+    @contextmanager
+    def other(self, points: np.ndarray, values: np.ndarray) -> Iterator[ContactRows]:
+        """The rows of some points with other unknowns, on the other side of a decision; the
+        equations have these unknowns meanwhile."""
+        e, other = self.contact.equations, copy(self)
+        mine = e.values
+        e.values, other.points = values, points
+        other._linearise()
+        try:
+            yield other
+        finally:
+            e.values = mine
+
+    # -- its rows ---------------------------------------------------------------------------------
+
+    def derivatives(self) -> dict[str, tuple[Any, Any]]:
+        """Of the rows of the multipliers, and of the forces at the candidates (k d, ...): by ``v``,
+        ``q`` at the end, ``v_old``, ``q_old``, and by the multipliers, ``m``."""
+        p, d = self.points, self._d
+        T, G, S = self._blocks[p], self._parameters[p], self._start[p]
+        new, old = self.new.at(p, d), self.old.at(p, d)
+        n, w, C = self.normal[p][:, None, :], self.jump[p][:, None, :], self.bend[p]
+        start = S[:, :, None] * self.reads_start[p][:, None, None]
+        share = float(self.contact.formulation.gap_share)
+        rate, gap = share * self.step.gap_rate, G[:, :, :1]
+        # what the rows depend on: velocities and places at the end, and at the start
+        by_jump = T[:, :, :d] - rate * gap * n
+        by_place = share * gap * n - rate * gap * (w @ C) + G[:, :, 1:] @ C
+        by_place = by_place + start * (self.start_jump[p][:, None, :] @ C)
+        by_start = start * n
+        by_gap = gap * (self._reads_gap[p][:, None] * self.old_normal[p])[:, None, :]
+        result = {"m": (_square(T[:, d:, d:]), -_square(T[:, :d, d:]))}
+
+        def told(weights: Callable[[slice], Any]) -> tuple[Any, Any]:
+            return weights(slice(d, None)), -weights(slice(0, d))
+
+        result["v"] = told(lambda r: new.by_place(by_jump[:, r]))
+        result["q"] = told(lambda r: new.by_place(by_place[:, r]) + new.by_bend(by_jump[:, r]))
+        result["v_old"] = told(lambda r: old.by_place(by_start[:, r]))
+        result["q_old"] = told(lambda r: old.by_place(by_gap[:, r]) + old.by_bend(by_start[:, r]))
+        return result
+
+    def by(self, parameter: Parameter) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives of the same by a parameter."""
+        p, d = self.points, self._d
+        result = np.zeros(self._blocks[p].shape[:2])
+        rows, shift = parameter.rows(self.contact), parameter.move(self.contact)
+        if rows is not None:
+            result += rows[p]
+        if shift is not None:  # as if the points moved the other way
+            G, share = self._parameters[p], float(self.contact.formulation.gap_share)
+            rate, turned = share * self.step.gap_rate, -self.bend[p] @ shift
+            gap = -share * self.normal[p] @ shift - rate * dot(self.jump[p], turned)
+            gap -= self._reads_gap[p] * (self.old_normal[p] @ shift)
+            result += G[:, :, 0] * gap[:, None] + np.einsum("pci,pi->pc", G[:, :, 1:], turned)
+            started = dot(self.start_jump[p], turned) * self.reads_start[p]
+            result += self._start[p] * started[:, None]
+        return result[:, d:].ravel(), -result[:, :d].ravel()
+
+    def spread(self, forces: np.ndarray) -> Any:
+        """Forces at the candidates as forces on the solid, (size, ...)."""
+        places = (self.points[:, None] * self._d + np.arange(self._d)).ravel()
+        spreading = self._forces[places].T
+        return spreading @ (forces if isinstance(spreading, np.ndarray) else sp.csr_matrix(forces))
+
+    def turned(self) -> tuple[Any, Any] | None:
+        """Derivatives of J' f at fixed forces by q_old and q; None where J is constant."""
+        if not isinstance(self.motion, RigidMotion):
+            return None
+        weight, result = self.step.scheme.force_weight, []
+        f = self._force.reshape(-1, 2)
+        for share, arm in zip((1 - weight, weight), self.arms):
+            block = np.zeros((3, 3))
+            block[2, 2] = -share * float((arm[self.points] * f).sum())
+            block[self.motion.held] = block[:, self.motion.held] = 0.0
+            result.append(block)
+        return result[0], result[1]
+
+    def soft(self, compliance: float) -> np.ndarray:
+        """A compliance of the multipliers, from one of scaled unknowns and rows."""
+        columns, rows = self.contact.equations.scales()
+        jumps = len(self.points) * self._d
+        return (compliance / (columns * rows)[jumps:]).reshape(self._more, -1).T.ravel()
+
+
+def _rigid(arm: np.ndarray, spin: float, held: np.ndarray) -> Kinematics:
+    n = len(arm)
+    place, bend = np.zeros((2, n, 2, 3))
+    place[:, 0, 0] = place[:, 1, 1] = 1.0
+    place[:, 0, 2], place[:, 1, 2] = -arm[:, 1], arm[:, 0]
+    bend[:, :, 2] = -spin * arm
+    for each in (place, bend):
+        each[:, :, held] = 0.0
+    return Kinematics(place.reshape(2 * n, 3), bend.reshape(2 * n, 3))
+
+
+def _square(blocks: np.ndarray) -> Any:
+    """A block diagonal matrix; dense where it is small."""
+    k, r, c = blocks.shape
+    result = np.zeros((k, r, k, c))
+    each = np.arange(k)
+    result[each, :, each] = blocks
+    return result.reshape(k * r, k * c)
+
+
+def _diagonal(blocks: np.ndarray) -> sp.csr_matrix:
+    """A block diagonal matrix from blocks (k, rows, columns)."""
+    k, r, c = blocks.shape
+    columns = (np.arange(k) * c)[:, None, None] + np.arange(c)
+    columns = np.broadcast_to(columns, (k, r, c)).reshape(-1)
+    return sp.csr_matrix((blocks.ravel(), columns, np.arange(0, k * r * c + 1, c)), (k * r, k * c))
+
+
+def _refuse(contact: Contact) -> None:
+    name, coupling = f"gradients: contact {contact.name!r}", contact.coupling
+    if type(contact) is not Contact or type(coupling) is not NodalJump:
+        raise checks.InputError(f"{name} is not one of points with an obstacle")
+    if coupling.driven:
+        raise checks.InputError(f"{name} has an obstacle that moves")
+    if not isinstance(coupling.obstacle, (HalfSpace, Circle, Sphere, Cylinder)):
+        kind = type(coupling.obstacle).__name__
+        raise checks.InputError(f"{name} has a {kind}, whose distances may not be exact")
+    if type(contact.formulation) not in (Velocity, Gap):
+        raise checks.InputError(f"{name} has the formulation {contact.formulation.name!r}")
+    law = contact.friction_law
+    if law is not None and type(law) not in (Coulomb, Tresca):
+        raise checks.InputError(f"{name} has the law {type(law).__name__}")
+    number = getattr(law, "mu", getattr(law, "stress", 0.0))
+    if not isinstance(number, float) and not is_expression(number):
+        raise checks.InputError(f"{name} has a law of place or time: {number!r}")
+    if contact.solid.dim == 2 and getattr(contact.solid, "degree", 1) > 2:
+        raise checks.InputError(f"{name} is of higher degree")

@@ -36,7 +36,16 @@ def to_reach(question):
     return float(number), 0.5 * 10.0 ** -len(number.partition(".")[2])
 
 
-@pytest.mark.parametrize("lesson", LESSONS, ids=lambda path: path.stem)
+#: What takes more than a few seconds, or compiles forms of its own.
+LONG = ("05", "06", "10", "11", "12", "13", "14")
+
+
+def marked(lesson):
+    marks = [pytest.mark.long] if lesson.stem[:2] in LONG else []
+    return pytest.param(lesson, marks=marks, id=lesson.stem)
+
+
+@pytest.mark.parametrize("lesson", map(marked, LESSONS))
 def test_lesson(lesson, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     names = learn(lesson)
@@ -81,7 +90,9 @@ def right_02_block_on_a_slope(of):
 
 def right_03_bar_at_a_wall(of):
     at_theta, half, one = of["runs"].values()
-    kept = [(run["kinetic"] + run["strain"])[-1] / run["kinetic"][0] for run in (at_theta, half, one)]
+    kept = [
+        (run["kinetic"] + run["strain"])[-1] / run["kinetic"][0] for run in (at_theta, half, one)
+    ]
     assert kept[0] == pytest.approx(1 - np.sqrt(3) / 600, abs=1e-5)
     assert kept[2] < kept[1] < 0.9
     for run in (at_theta, half, one):
@@ -96,3 +107,69 @@ def right_04_block_on_a_floor(of):
     for friction, (_, contact, _) in of["pressed"].items():
         traction = np.abs(contact.force[:, 0] / contact.surface.area)
         assert (traction <= friction * -contact.multiplier * (1 + 1e-6) + 1e-3).all()
+
+
+def right_05_rocking_block(of):
+    for run, energy, time in ((of["located"], 1e-5, 1e-5), (of["uniform"], 0.1, 0.02)):
+        assert run.finished
+        assert of["errors"](run)[0] < energy and of["errors"](run)[1] < time
+
+
+def right_06_four_formulations(of):
+    for run in of["runs"].values():
+        assert run.finished
+        assert of["worst"](run) < 0.1
+    assert of["worst"](of["located"]) < 1e-4
+    assert of["runs"]["discrete"]["floor.penetration"].max() > 1e-6
+
+
+def right_07_friction_oscillator(of):
+    turns = of["turns"](of["run"])
+    assert turns == pytest.approx([-0.65, 0.45, -0.25, 0.05], abs=2e-4)
+    assert np.ptp(of["late"]) == 0
+    assert -of["run"]["friction"][-1] == pytest.approx(of["stored"], rel=1e-9)
+
+
+def right_08_two_bodies(of):
+    assert np.abs(of["p"] / 1e6 - 1).max() < 1e-12
+    assert np.abs(of["share"] - 1).max() > 0.5
+    assert (of["share"] / 11)[1:-1].sum() + of["share"][[0, -1]].sum() / 22 == pytest.approx(1)
+
+
+def right_09_hertz(of):
+    assert of["half_width"] == pytest.approx(of["hertz"].half_width, rel=3e-3)
+    assert of["peak"] == pytest.approx(of["hertz"].peak_pressure, rel=3e-3)
+
+
+def right_10_cattaneo_mindlin(of):
+    h = 0.1  # mm, an element
+    assert np.ptp(of["edges"]) / 2 == pytest.approx(of["sheared"].stick_half_width, abs=h / 2)
+    inner = np.abs(of["x"]) < of["hertz"].half_width
+    error = of["q"][inner] - of["sheared"].shear(of["x"][inner])
+    assert np.sqrt((error**2).mean()) < 0.1 * 0.3 * of["hertz"].peak_pressure
+
+
+def right_11_ironing(of):
+    assert of["history"].finished and of["frozen"].finished
+    assert of["same"] < 1e-8
+    assert of["frozen"]["newton"].sum() > 1.5 * of["together"].sum()
+    assert 0.28 < of["ratio"][-1] < 0.3
+
+
+def right_12_located_impacts(of):
+    assert of["order"]["located"] == pytest.approx(2, abs=0.2)
+    assert 0.7 < of["order"]["uniform"] < 1.3
+
+
+def right_13_when_it_stops(of):
+    said = ["nothing holds", "theta = 0.3", "no such name", "friction = -0.1"]
+    assert len(of["refusals"]) == 4
+    assert all(words in refusal for words, refusal in zip(said, of["refusals"]))
+    history = of["history"]
+    assert not history.finished and "is inverted" in history.reason
+    assert history["certificate"].max() < 1e-5
+
+
+def right_14_your_own_law(of):
+    for name, run in of["runs"].items():
+        assert run["s"] == pytest.approx(of["exact"][name], abs=2e-4), name

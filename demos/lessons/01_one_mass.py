@@ -2,16 +2,18 @@
 # %% [markdown]
 # # 1 One mass on a floor
 #
-# **The question.** A mass falls on a floor and stays there. What is the law of that, and why is it a
-# law of *velocities*?
+# **The question.** A mass falls on a floor and stays there. What is the law of that, and why is it
+# a law of *velocities*?
 #
 # Let $d_n$ be the gap, positive when the mass is inside the floor, $w_n = \dot d_n$ the speed of
 # approach, and $\lambda \le 0$ the contact force. The law of Signorini and Moreau says
 #
-# $$ d_n < 0:\ \lambda = 0, \qquad d_n \ge 0:\ w_n \le 0,\quad \lambda \le 0,\quad \lambda w_n = 0. $$
+# $$ d_n < 0:\ \lambda = 0, \qquad d_n \ge 0:\ w_n \le 0,\quad \lambda \le 0,
+#    \quad \lambda w_n = 0. $$
 #
-# The second half is a graph in the plane of $w_n$ and $\lambda$: two half lines that meet in a corner.
-# For any $\rho_n > 0$ it is the same as *one equation*, and that is the trick of the course:
+# The second half is a graph in the plane of $w_n$ and $\lambda$: two half lines that meet in a
+# corner. For any $\rho_n > 0$ it is the same as *one equation*, and that is the trick of the
+# course:
 #
 # $$ \lambda = \chi(g_n)\, g_n, \qquad g_n = \lambda - \rho_n w_n, \qquad
 #    \chi(x) = 1 \text{ if } x \le 0, \text{ else } 0. $$
@@ -34,10 +36,10 @@ m, g, h = 2.0, 9.81, 0.5  # kg, m/s², m
 # %% [markdown]
 # ## By hand
 #
-# In a step $\Delta t$ the mass obeys $m(v^+ - v^-)/\Delta t = -mg - \lambda$, and $w_n = -v^+$. With
-# the equation above that is one equation for $\lambda$. Newton's method needs the slope of
-# $\chi(g_n) g_n$: 1 where the mass bears, 0 where it does not. Try $\rho_n = m/\Delta t$, then others:
-# the solution stays, the way to it changes.
+# In a step $\Delta t$ the mass obeys $m(v^+ - v^-)/\Delta t = -mg - \lambda$, and $w_n = -v^+$.
+# With the equation above that is one equation for $\lambda$. Newton's method needs the slope of
+# $\chi(g_n) g_n$: 1 where the mass bears, 0 where it does not. Try $\rho_n = m/\Delta t$, then
+# others: the solution stays, the way to it changes.
 
 
 # %%
@@ -64,7 +66,7 @@ print("approach and force:", *[f"({w:.3f} m/s, {lam:.2f} N)" for w, lam in landi
 fig, ax = plt.subplots(figsize=(5, 3.5), layout="constrained")
 ax.plot([0, 0, -0.6], [-75, 0, 0], lw=5, alpha=0.5, label="the law")
 ax.plot(*np.array(landing).T, "o-", color="C1", label="Newton's iterates")
-ax.annotate("start", landing[0], xytext=(8, 4), textcoords="offset points")
+ax.annotate("start", landing[0], xytext=(-36, -4), textcoords="offset points")
 ax.set_xlabel("approach $w_n$ [m/s]")
 ax.set_ylabel(r"force $\lambda$ [N]")
 ax.legend()
@@ -73,8 +75,9 @@ fig.savefig(RESULTS / "01_graph.png", dpi=150)
 # %% [markdown]
 # ## By the package
 #
-# The same mass as a small block that may not turn. It falls through $h$, and with `Restitution(coefficient=e)`
-# rebounds with $e$ times its speed. `locate_impacts` steps exactly to the instant of each impact.
+# The same mass as a small block that may not turn. It falls through $h$, and with
+# `Restitution(coefficient=e)` rebounds with $e$ times its speed. `locate_impacts` steps exactly to
+# the instant of each impact.
 
 
 # %%

@@ -5,16 +5,16 @@
 # **The question.** Coulomb's law is not smooth: a block on a slope stays for ever or slides, with
 # nothing in between. Does a discrete law keep this, or does the block creep?
 #
-# The floor bears the tangential traction $r$ on the block, $|r| \le \mu|\lambda|$. While it is smaller
-# the block sticks, $w_t = 0$; where it is equal the block may slip, against $r$. Write
-# $r = \mu\lambda\Lambda$ with a *semi-multiplier* $|\Lambda| \le 1$. Then all of it is one equation again,
-# for any $\rho_t > 0$:
+# The floor bears the tangential traction $r$ on the block, $|r| \le \mu|\lambda|$. While it is
+# smaller the block sticks, $w_t = 0$; where it is equal the block may slip, against $r$. Write $r =
+# \mu\lambda\Lambda$ with a *semi-multiplier* $|\Lambda| \le 1$. Then all of it is one equation
+# again, for any $\rho_t > 0$:
 #
 # $$ \Lambda = P(\Lambda + \rho_t w_t), \qquad P(x) = x/\max(1, |x|). $$
 #
-# Inside the ball $P$ changes nothing, so $\rho_t w_t = 0$: it sticks *exactly*. Outside, $\Lambda$ has
-# length one and points along $w_t$. A block at the angle $\varphi$ stays if $\tan\varphi \le \mu$, else
-# it slides with $a = g(\sin\varphi - \mu\cos\varphi)$.
+# Inside the ball $P$ changes nothing, so $\rho_t w_t = 0$: it sticks *exactly*. Outside, $\Lambda$
+# has length one and points along $w_t$. A block at the angle $\varphi$ stays if $\tan\varphi \le
+# \mu$, else it slides with $a = g(\sin\varphi - \mu\cos\varphi)$.
 
 # %%
 from math import atan, cos, sin
@@ -58,8 +58,8 @@ for slope, a, truth in zip(slopes, accelerations, exact):
     print(f"slope {slope:.3f}: {a:+.12f} m/s², exactly {truth:+.12f}")
 
 # %% [markdown]
-# 0.2 % below the limit it stays, 0.2 % above it slides. The tangential over the normal force is what
-# the slope asks for, up to $\mu$, and no more:
+# 0.2 % below the limit it stays, 0.2 % above it slides. The tangential over the normal force is
+# what the slope asks for, up to $\mu$, and no more:
 
 # %%
 share = [-run["floor.force_x"][-1] / run["floor.force_y"][-1] for run in runs]
@@ -80,9 +80,10 @@ fig.savefig(RESULTS / "02_slope.png", dpi=150)
 # %% [markdown]
 # ## What regularised friction does
 #
-# Many codes replace the law by a steep curve, $r = -\mu|\lambda|\,\tanh(w_t/v_0)$, say. Then some slip is
-# needed for any force, and a block on a slope creeps at $v_0\,\mathrm{artanh}(\tan\varphi/\mu)$, for ever. A
-# bound of friction of one's own shows it: the law sees the speed of slip.
+# Many codes replace the law by a steep curve, $r = -\mu|\lambda|\,\tanh(w_t/v_0)$, say. Then some
+# slip is needed for any force, and a block on a slope creeps at
+# $v_0\,\mathrm{artanh}(\tan\varphi/\mu)$, for ever. A bound of friction of one's own shows it: the
+# law sees the speed of slip.
 
 # %%
 import ufl

@@ -2,16 +2,17 @@
 # %% [markdown]
 # # 3 An elastic bar at a wall
 #
-# **The question.** A bar flies at a wall. A wave of compression runs to its free end and comes back as
-# a wave of tension; the bar leaves with the speed it had. What does the time scheme do to this?
+# **The question.** A bar flies at a wall. A wave of compression runs to its free end and comes back
+# as a wave of tension; the bar leaves with the speed it had. What does the time scheme do to this?
 #
 # The $\theta$-scheme (8) of the paper, with the accelerations $(v^+ - v^-)/\Delta t$, is
 #
 # $$ u^+ = u^- + \Delta t\,\bigl((1-\theta)\,v^- + \theta\,v^+\bigr). $$
 #
 # As printed the internal forces are those of $u^+$. Then even $\theta = 1/2$ damps, by
-# $\tfrac12\theta\omega\Delta t$ of the critical damping. Taken at $\theta u^+ + (1-\theta)u^-$ they damp by
-# $\tfrac12(2\theta-1)\omega\Delta t$: nothing at $\theta = 1/2$. The exact solution is d'Alembert's.
+# $\tfrac12\theta\omega\Delta t$ of the critical damping. Taken at $\theta u^+ + (1-\theta)u^-$ they
+# damp by $\tfrac12(2\theta-1)\omega\Delta t$: nothing at $\theta = 1/2$. The exact solution is
+# d'Alembert's.
 
 # %%
 from pathlib import Path
@@ -64,7 +65,9 @@ runs = {
 }
 for name, run in runs.items():
     total = run["kinetic"] + run["strain"]
-    print(f"{name}: keeps {total[-1] / total[0]:.4f} of its energy, leaves at {run['v'][-1]:.3f} m/s")
+    print(
+        f"{name}: keeps {total[-1] / total[0]:.4f} of its energy, leaves at {run['v'][-1]:.3f} m/s"
+    )
 
 # %%
 fig, (above, below) = plt.subplots(2, 1, figsize=(6.5, 6), sharex=True, layout="constrained")
@@ -82,8 +85,8 @@ above.legend()
 fig.savefig(RESULTS / "03_bar.png", dpi=150)
 
 # %% [markdown]
-# The impact itself takes the kinetic energy of the mass that stops at once, here that of
-# $\sqrt3/6 = 0.289$ of an element (a consistent mass matrix's). It vanishes with the elements. The rest of
+# The impact itself takes the kinetic energy of the mass that stops at once, here that of $\sqrt3/6
+# = 0.289$ of an element (a consistent mass matrix's). It vanishes with the elements. The rest of
 # the loss is the scheme's. The history keeps books of both:
 
 # %%

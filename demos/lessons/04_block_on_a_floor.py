@@ -2,17 +2,19 @@
 # %% [markdown]
 # # 4 A block on a floor, pressed and at rest
 #
-# **The question.** What becomes of the laws when nothing moves? And where, under a pressed block, does
-# friction hold?
+# **The question.** What becomes of the laws when nothing moves? And where, under a pressed block,
+# does friction hold?
 #
 # Without inertia time only orders the loads. A velocity is then the increment of a step over its
-# length, so that $w_t = 0$ says "it did not slide in this step" and the friction of statics depends on
-# the way of loading, as it should. The natural law of the normal direction is that of positions,
+# length, so that $w_t = 0$ says "it did not slide in this step" and the friction of statics depends
+# on the way of loading, as it should. The natural law of the normal direction is that of positions,
 #
-# $$ d_n \le 0, \qquad \lambda \le 0, \qquad \lambda\, d_n = 0 \quad\text{at the end of the step.} $$
+# $$ d_n \le 0, \qquad \lambda \le 0, \qquad \lambda\, d_n = 0
+#    \quad\text{at the end of the step.} $$
 #
-# **An exact solution.** Without friction the block is squeezed evenly: the pressure is the load over the
-# width. With friction the block cannot widen freely: it sticks in the middle and slips at its edges.
+# **An exact solution.** Without friction the block is squeezed evenly: the pressure is the load
+# over the width. With friction the block cannot widen freely: it sticks in the middle and slips at
+# its edges.
 
 # %%
 from pathlib import Path
@@ -32,8 +34,8 @@ load, E, nu = 1e6, 1e9, 0.3  # Pa
 # %% [markdown]
 # ## The lines that solve it
 #
-# A square metre in plane strain, pressed at its top in ten steps. A point of the side that is held in
-# $x$ stops the block from sliding away as a whole, where there is no friction to do it.
+# A square metre in plane strain, pressed at its top in ten steps. A point of the side that is held
+# in $x$ stops the block from sliding away as a whole, where there is no friction to do it.
 
 
 # %%
@@ -64,12 +66,12 @@ for mu, (_, contact, history) in pressed.items():
     )
 
 # %% [markdown]
-# The whole force is the load, whatever the friction; how it is spread is not. The tangential traction
-# points inwards and meets $\mu|\lambda|$ at the edges.
+# The whole force is the load, whatever the friction; how it is spread is not. The tangential
+# traction points inwards and meets $\mu|\lambda|$ at the edges.
 
 # %%
 fig, axes = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
-for (mu, (block, contact, _)), style in zip(pressed.items(), ["-", "--", "-.", ":"]):
+for (mu, (_, contact, _)), style in zip(pressed.items(), ["-", "--", "-.", ":"]):
     x = contact.surface.points[:, 0]
     order = np.argsort(x)
     pressure = -contact.multiplier[order]

@@ -2,8 +2,9 @@
 """Builds the course: ``./run demos/site/build.py``, then open ``results/site/index.html``.
 
 The lessons are run as notebooks, each anew only when it, its exercises, the package or a mesh has
-changed. What Sphinx needs is the group ``site`` of pyproject.toml; where this Python lacks it, it is
-installed into an environment of its own under ``results/``. The site asks no other host for anything.
+changed. What Sphinx needs is the group ``site`` of pyproject.toml; where this Python lacks it, it
+is installed into an environment of its own under ``results/``. The site asks no other host for
+anything.
 """
 
 import importlib.metadata
@@ -48,7 +49,9 @@ def in_own_environment() -> None:
     done, wanted = venv / "done", " ".join(requirements())
     if not done.exists() or done.read_text() != wanted:
         print(f"installing {', '.join(requirements())} into {venv}, this once", flush=True)
-        subprocess.run([sys.executable, "-m", "venv", "--clear", "--system-site-packages", venv], check=True)
+        subprocess.run(
+            [sys.executable, "-m", "venv", "--clear", "--system-site-packages", venv], check=True
+        )
         own = next((venv / "lib").glob("python3*")) / "site-packages"
         (own / "outer.pth").write_text(sysconfig.get_paths()["purelib"] + "\n")
         subprocess.run([python, "-m", "pip", "install", "-q", *requirements()], check=True)
@@ -103,7 +106,9 @@ def main() -> int:
     html = WORK / "html"
     code = sphinx(["-b", "html", *flags, str(source), str(html)])
     shutil.rmtree(SITE, ignore_errors=True)
-    shutil.copytree(html, SITE, ignore=shutil.ignore_patterns(".buildinfo*", "objects.inv", "_sources"))
+    shutil.copytree(
+        html, SITE, ignore=shutil.ignore_patterns(".buildinfo*", "objects.inv", "_sources")
+    )
     print(f"{'built' if code == 0 else 'built with complaints'}: {SITE / 'index.html'}")
     return code
 

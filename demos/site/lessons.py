@@ -55,7 +55,11 @@ def notebook(lesson: Path) -> nbformat.NotebookNode:
         book.cells.append(shown)
     for number, cell in enumerate(book.cells):
         cell["id"] = f"cell-{number}"  # the same in every build
-    book.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    book.metadata["kernelspec"] = {
+        "name": "python3",
+        "display_name": "Python 3",
+        "language": "python",
+    }
     return book
 
 
@@ -64,7 +68,13 @@ def fingerprint(lesson: Path) -> str:
     digest = hashlib.sha256()
     package = sorted((ROOT / "fenicsx_contact").rglob("*.py"))
     meshes = sorted((ROOT / "meshes").glob("*.geo"))
-    for path in [Path(__file__), lesson, lesson.parent / "exercises" / lesson.name, *package, *meshes]:
+    for path in [
+        Path(__file__),
+        lesson,
+        lesson.parent / "exercises" / lesson.name,
+        *package,
+        *meshes,
+    ]:
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
@@ -106,7 +116,8 @@ def make(lessons: Path, target: Path, cache: Path) -> set[Path]:
         book = executed(lesson, cache)
         taken, script = f"{lesson.stem}_notebook.ipynb", lesson.name
         student = nbformat.writes(without_solutions(book))
-        offer = f"Take along: {{download}}`the script <take/{script}>`, {{download}}`the notebook <take/{taken}>`."
+        links = [f"the script <take/{script}>", f"the notebook <take/{taken}>"]
+        offer = f"Take along: {', '.join(f'{{download}}`{link}`' for link in links)}."
         page = nbformat.from_dict(book)
         title, _, rest = page.cells[0].source.partition("\n")
         page.cells[0].source = f"{title}\n\n{offer}\n{rest}"

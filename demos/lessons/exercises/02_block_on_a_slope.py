@@ -1,5 +1,6 @@
 # %% [markdown]
-# **1.** A slope of exactly $\mu = 0.5$: does it stay? What is its speed after 1 s? Reach **0.000000** m/s.
+# **1.** A slope of exactly $\mu = 0.5$: does it stay? What is its speed after 1 s? Reach
+# **0.000000** m/s.
 
 # %%
 answer = slide(0.5)["v"][-1]
@@ -13,8 +14,8 @@ down = slide(0.8, dt=0.001)
 answer = np.interp(1.0, down["x"] - down["x"][0], down.time)
 
 # %% [markdown]
-# **3.** Make the regularised law sharper, $v_0 = 0.001$ m/s. How far has the block crept after 3 s? It
-# never stops creeping: the distance is in proportion to $v_0$. Reach **0.0033** m.
+# **3.** Make the regularised law sharper, $v_0 = 0.001$ m/s. How far has the block crept after 3 s?
+# It never stops creeping: the distance is in proportion to $v_0$. Reach **0.0033** m.
 
 
 # %%

@@ -11,7 +11,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx.ext.mathjax",
 ]
-exclude_patterns = ["lessons/take", "README.md"]
+exclude_patterns = ["lessons/take", "generated", "code"]
 root_doc = "index"
 
 html_theme = "furo"
@@ -37,3 +37,15 @@ autoclass_content = "class"
 napoleon_use_rtype = False
 python_maximum_signature_line_length = 80
 pygments_style = "default"
+
+
+def bars(app, what, name, obj, options, lines):
+    """Bars of magnitudes in docstrings are no substitutions of reStructuredText."""
+    parts = "\n".join(lines).split("``")  # those between are literal
+    parts[::2] = [part.replace("|", r"\|") for part in parts[::2]]
+    lines[:] = "``".join(parts).split("\n")
+
+
+def setup(app):
+    """Called by Sphinx."""
+    app.connect("autodoc-process-docstring", bars)

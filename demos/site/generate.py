@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import scenes
 import sketches
 
 from fenicsx_contact.output.thresholds import table
@@ -36,4 +37,4 @@ def make(target: Path) -> set[Path]:
     newest = Path(sketches.__file__).stat().st_mtime
     if not drawing.exists() or drawing.stat().st_mtime < newest:
         sketches.sketch(drawing)
-    return made | {drawing}
+    return made | {drawing} | scenes.make(target / "static" / "scenes")

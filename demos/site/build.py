@@ -102,7 +102,7 @@ def main() -> int:
     prepare(source)
     from sphinx.cmd.build import main as sphinx
 
-    flags = ["-q", "-W", "--keep-going", "-d", str(WORK / "doctrees")]
+    flags = ["-q", "-E", "-W", "--keep-going", "-d", str(WORK / "doctrees")]
     html = WORK / "html"
     code = sphinx(["-b", "html", *flags, str(source), str(html)])
     shutil.rmtree(SITE, ignore_errors=True)

@@ -173,3 +173,17 @@ def right_13_when_it_stops(of):
 def right_14_your_own_law(of):
     for name, run in of["runs"].items():
         assert run["s"] == pytest.approx(of["exact"][name], abs=2e-4), name
+
+
+DEMOS = sorted((TOP / "demos").glob("*.py"))
+#: Tools of the repository, not lessons.
+TOOLS = ("reliability", "tables")
+
+
+@pytest.mark.parametrize("demo", DEMOS, ids=lambda path: path.stem)
+def test_demos_know_no_file_of_their_own(demo):
+    """A cell of a notebook has no ``__file__``."""
+    names = {
+        node.id for node in ast.walk(ast.parse(demo.read_text())) if isinstance(node, ast.Name)
+    }
+    assert demo.stem in TOOLS or "__file__" not in names

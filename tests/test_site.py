@@ -4,6 +4,7 @@ every reason for which a run can stop is on its page; what plays in the browser 
 
 import html.parser
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -69,7 +70,7 @@ def test_what_plays_computes_what_the_package_does(tmp_path, monkeypatch):
     assert hit["w_t"] == pytest.approx(1 - 1.35 / 2)
 
 
-# -- the built site ---------------------------------------------------------------------------------
+# -- the built site -------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -168,7 +169,7 @@ def seen(site, tmp_path_factory):
     folder = tmp_path_factory.mktemp("chromium")
     harness = HARNESS.replace("PAGES", json.dumps(pages)).replace("WIDTHS", json.dumps(WIDTHS))
     (folder / "all.html").write_text(harness)
-    flags = "--headless=new --no-sandbox --disable-gpu --allow-file-access-from-files".split()
+    flags = ["--headless=new", "--no-sandbox", "--disable-gpu", "--allow-file-access-from-files"]
     flags += ["--disable-web-security", f"--user-data-dir={folder}", "--enable-logging=stderr"]
     flags += ["--window-size=1500,1000", "--virtual-time-budget=600000", "--dump-dom"]
     command = [CHROMIUM, *flags, (folder / "all.html").as_uri()]
@@ -215,3 +216,37 @@ def test_scenes_are_light(site):
     sizes = {path.name: path.stat().st_size for path in (site / "_static" / "scenes").glob("*")}
     assert len(sizes) == 4 and max(sizes.values()) < 5e6
     assert np.all([page.stat().st_size < 5e6 for page in site.rglob("*.html")])
+
+
+IN_A_NOTEBOOK = """
+import sys
+sys.path.insert(0, "SITE")
+import nbformat, lessons
+from pathlib import Path
+from nbclient import NotebookClient
+parts = lessons.cells(Path("DEMO").read_text())
+new = {"markdown": nbformat.v4.new_markdown_cell, "code": nbformat.v4.new_code_cell}
+book = nbformat.v4.new_notebook(cells=[new[kind](text) for kind, text in parts])
+NotebookClient(book, timeout=600).execute()
+outputs = [out for cell in book.cells for out in cell.get("outputs", [])]
+print(sum("image/png" in out.get("data", {}) for out in outputs), "pictures")
+"""
+
+
+@pytest.mark.long
+def test_a_demo_in_a_notebook(site, tmp_path):
+    """It runs from any folder, and shows its pictures below its cells."""
+    venv = TOP / "results" / "site_work" / "venv" / "bin" / "python"
+    python = venv if venv.exists() else sys.executable
+    demo = TOP / "demos" / "own_laws.py"
+    script = IN_A_NOTEBOOK.replace("SITE", str(SITE)).replace("DEMO", str(demo))
+    run = subprocess.run(
+        [python, "-c", script],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(TOP)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr
+    assert int(run.stdout.split()[-2]) >= 1

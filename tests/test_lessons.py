@@ -37,7 +37,7 @@ def to_reach(question):
 
 
 #: What takes more than a few seconds, or compiles forms of its own.
-LONG = ("05", "06", "10", "11", "12", "13", "14")
+LONG = ("05", "06", "10", "11", "12", "13", "14", "15")
 
 
 def marked(lesson):
@@ -173,6 +173,14 @@ def right_13_when_it_stops(of):
 def right_14_your_own_law(of):
     for name, run in of["runs"].items():
         assert run["s"] == pytest.approx(of["exact"][name], abs=2e-4), name
+
+
+def right_15_rod_in_a_bent_guide(of):
+    straight, _, bent = of["runs"].values()
+    assert of["arrival"](straight) == pytest.approx(of["free"], abs=5e-4)
+    assert of["arrival"](bent) > of["free"] + 0.01
+    rubbed = 0.3 * (bent["normal"] * (bent["dt"] > 0))[1:] @ np.diff(bent["travel"])
+    assert -bent["friction"][-1] == pytest.approx(rubbed, rel=0.02)
 
 
 DEMOS = sorted((TOP / "demos").glob("*.py"))

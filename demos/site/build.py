@@ -70,7 +70,7 @@ def prepare(source: Path) -> None:
             continue
         put(source / name, (HERE / name).read_bytes())
     put(source / "static" / "tex-svg.js", mathjax())
-    made = lessons.make(ROOT / "demos" / "lessons", source / "lessons", WORK / "lessons")
+    made = lessons.make(ROOT / "demos" / "lessons", source, WORK / "lessons")
     made |= generate.make(source)
     for path in source.rglob("*"):
         known = path.relative_to(source) in ours or path in made or path.name == "tex-svg.js"

@@ -109,9 +109,19 @@ def without_solutions(book: nbformat.NotebookNode) -> nbformat.NotebookNode:
     return own
 
 
-def make(lessons: Path, target: Path, cache: Path) -> set[Path]:
-    """Pages of all lessons, with the scripts and notebooks to take along; returns their files."""
-    made = set()
+def drawing(book: nbformat.NotebookNode) -> str:
+    """The last picture of the lesson itself."""
+    own = without_solutions(book).cells
+    pictures = [
+        out.data["image/svg+xml"] for c in own for out in c.get("outputs", []) if "data" in out
+    ]
+    return pictures[-1]
+
+
+def make(lessons: Path, source: Path, cache: Path) -> set[Path]:
+    """Pages of all lessons, with the scripts and notebooks to take along, and a gallery of their
+    pictures; returns their files."""
+    made, gallery, target = set(), [], source / "lessons"
     for lesson in sorted(lessons.glob("[0-9]*.py")):
         book = executed(lesson, cache)
         taken, script = f"{lesson.stem}_notebook.ipynb", lesson.name
@@ -121,14 +131,24 @@ def make(lessons: Path, target: Path, cache: Path) -> set[Path]:
         page = nbformat.from_dict(book)
         title, _, rest = page.cells[0].source.partition("\n")
         page.cells[0].source = f"{title}\n\n{offer}\n{rest}"
-        for name, text in (
-            (f"{lesson.stem}.ipynb", nbformat.writes(page)),
-            (f"take/{script}", lesson.read_text()),
-            (f"take/{taken}", student),
-        ):
-            path = target / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            if not path.exists() or path.read_text() != text:
-                path.write_text(text)
-            made.add(path)
-    return made
+        gallery.append(
+            f'<a href="lessons/{lesson.stem}.html">'
+            f'<img src="_static/thumbs/{lesson.stem}.svg" alt=""><span>{title[2:]}</span></a>'
+        )
+        made |= {
+            put(target / f"{lesson.stem}.ipynb", nbformat.writes(page)),
+            put(target / "take" / script, lesson.read_text()),
+            put(target / "take" / taken, student),
+            put(source / "static" / "thumbs" / f"{lesson.stem}.svg", drawing(book)),
+        }
+    shown = "\n".join(gallery)
+    raw = f'```{{raw}} html\n<div class="gallery">\n{shown}\n</div>\n```\n'
+    return made | {put(source / "generated" / "gallery.md", raw)}
+
+
+def put(path: Path, text: str) -> Path:
+    """Write a file if it is not so already."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if not path.exists() or path.read_text() != text:
+        path.write_text(text)
+    return path

@@ -3,7 +3,6 @@
 
 import ast
 import re
-import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -12,7 +11,6 @@ import pytest
 
 TOP = Path(__file__).resolve().parent.parent
 LESSONS = sorted((TOP / "demos" / "lessons").glob("[0-9]*.py"))
-sys.path.insert(0, str(TOP / "demos" / "site"))
 
 
 def learn(lesson, capsys=None):

@@ -35,7 +35,7 @@ def to_reach(question):
 
 
 #: What takes more than a few seconds, or compiles forms of its own.
-LONG = ("05", "06", "10", "11", "12", "13", "14", "15")
+LONG = ("05", "06", "10", "11", "12", "13", "14", "15", "16")
 
 
 def marked(lesson):
@@ -179,6 +179,16 @@ def right_15_rod_in_a_bent_guide(of):
     assert of["arrival"](bent) > of["free"] + 0.01
     rubbed = 0.3 * (bent["normal"] * (bent["dt"] > 0))[1:] @ np.diff(bent["travel"])
     assert -bent["friction"][-1] == pytest.approx(rubbed, rel=0.02)
+
+
+def right_16_gradients(of):
+    assert of["rest"]() == pytest.approx(of["exact"](), rel=1e-3)
+    assert of["by_height"] == pytest.approx(0.4, rel=1e-4)
+    assert of["by_friction"] == pytest.approx(0.1 - 4 / (2 * 0.16 * 9.81), rel=3e-3)
+    way = np.diff(of["heights"])
+    smooth, rough = (np.diff(of[name]) / way for name in ("located", "uniform"))
+    assert np.abs(smooth - 0.4).max() < 1e-3
+    assert np.abs(rough - 0.4).max() > 0.3
 
 
 DEMOS = sorted((TOP / "demos").glob("*.py"))

@@ -3,8 +3,10 @@
 every reason for which a run can stop is on its page; what plays in the browser computes rightly."""
 
 import html.parser
+import inspect
 import json
 import os
+import re
 import runpy
 import shutil
 import subprocess
@@ -15,6 +17,8 @@ from urllib.parse import unquote, urlsplit
 import numpy as np
 import pytest
 from test_lessons import LESSONS, learn
+
+import fenicsx_contact
 
 TOP = Path(__file__).resolve().parent.parent
 SITE = TOP / "demos" / "site"
@@ -38,6 +42,16 @@ def demos(text):
     return {
         word for word in text.replace("`", " ").split() if word.endswith(".py") and "/" not in word
     }
+
+
+def test_which_and_when_names_what_there_is():
+    """Classes on that page are of the package, their named arguments theirs."""
+    page = (SITE / "reference" / "which.md").read_text()
+    calls = re.findall(r"`([A-Z][A-Za-z]+)(?:\(([^`]*)\))?`", page)
+    assert len(calls) > 15
+    for name, given in calls:
+        known = inspect.signature(getattr(fenicsx_contact, name)).parameters
+        assert set(re.findall(r"(\w+)=", given)) <= set(known), name
 
 
 NODE = shutil.which("node")

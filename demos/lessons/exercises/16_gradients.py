@@ -18,9 +18,9 @@ answer = (more - less) / 0.04
 answer = np.ptp(np.diff(uniform) / np.diff(heights))
 
 # %% [markdown]
-# **3.** Do shorter steps cure this? Take 5 ms, and the heights 0.090, 0.091, ... 0.100 m. How far apart
-# are the quotients now? Here they do: the law of velocities lets the mass arrive by the end of a
-# step, so what is left of the rounding is small. Do not count on it. Reach **0.006**.
+# **3.** Do shorter steps cure this? Take 5 ms, and the heights 0.090, 0.091, ... 0.100 m. How far
+# apart are the quotients now? Here they do: the law of velocities lets the mass arrive by the end
+# of a step, so what is left of the rounding is small. Do not count on it. Reach **0.006**.
 
 # %%
 near = np.linspace(0.09, 0.10, 11)

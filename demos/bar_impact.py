@@ -30,6 +30,7 @@ from typing import Any
 
 import numpy as np
 
+import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
@@ -42,7 +43,7 @@ from fenicsx_contact import (
 from fenicsx_contact.output.report import write_summary
 from fenicsx_contact.references.bars import ReleasedBar, ThrownBar
 
-MESHES = Path(__file__).resolve().parent.parent / "meshes"
+MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "bar_impact"
 CELLS = 200
 #: The exact solutions.

@@ -26,6 +26,7 @@ from typing import Any
 
 import numpy as np
 
+import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
@@ -37,7 +38,7 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.output.report import whence, write_summary, write_table
 
-MESHES = Path(__file__).resolve().parent.parent / "meshes"
+MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "benchmark_contact_step"
 E, NU, DENSITY, G, FRICTION = 1e6, 0.3, 1000.0, 9.81, 0.3  # Pa, -, kg/m³, m/s², -
 DT, FIRST = 5e-4, 6  # s; steps that are not counted: factors are made, the block lands

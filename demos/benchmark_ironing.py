@@ -26,10 +26,11 @@ from typing import Any
 
 from ironing import MATERIALS, iron
 
+import fenicsx_contact
 from fenicsx_contact.output.report import whence, write_summary, write_table
 
 RESULTS = Path("results") / "benchmark_ironing"
-PEER = Path(__file__).resolve().parent / "peers" / "ironing_getfem.py"
+PEER = Path(fenicsx_contact.__file__).resolve().parents[1] / "demos" / "peers" / "ironing_getfem.py"
 
 
 # %%

@@ -42,11 +42,12 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+import fenicsx_contact
 from fenicsx_contact import Contact, ElasticSolid, QuasiStatic, Scene, mesh_from_gmsh
 from fenicsx_contact.output.report import whence, write_summary, write_table
 from fenicsx_contact.references.hertz import PointContact, effective_modulus
 
-MESHES = Path(__file__).resolve().parent.parent / "meshes"
+MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "benchmark_iterative"
 STEEL, ALUMINIUM, NU = 210e3, 70e3, 0.3  # MPa
 WIDTH = 0.1  # contact radius over the sphere's
@@ -97,7 +98,13 @@ def pressed(n: int, solver: str) -> dict[str, Any]:
 # %%
 def measured(n: int, solver: str, processes: int = 1) -> dict[str, Any]:
     """The same in processes of its own."""
-    run = [sys.executable, str(Path(__file__).resolve()), "--one", str(n), solver]
+    run = [
+        sys.executable,
+        str(MESHES.parent / "demos" / "benchmark_iterative.py"),
+        "--one",
+        str(n),
+        solver,
+    ]
     allowed = {
         "OMPI_ALLOW_RUN_AS_ROOT": "1",
         "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",

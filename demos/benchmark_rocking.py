@@ -24,13 +24,14 @@ import numpy as np
 from problems.rocking import BLOCK
 from problems.studies import STUDIES
 
+import fenicsx_contact
 from fenicsx_contact.output.report import whence, write_summary, write_table
 from fenicsx_contact.references.housner import rocking
 from fenicsx_contact.references.swings import swings
 from fenicsx_contact.study import Study, ladder, measure
 
 RESULTS = Path("results") / "benchmark_rocking"
-PEERS = Path(__file__).resolve().parent / "peers"
+PEERS = Path(fenicsx_contact.__file__).resolve().parents[1] / "demos" / "peers"
 TILT, UNTIL = radians(0.01), 0.0295  # rad, s: past the third impact
 STEPS = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6)  # s, of the peers
 OURS, THEIRS = 1e-4, 1.5e-3  # the errors at which run times are compared

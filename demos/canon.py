@@ -43,6 +43,7 @@ import ufl
 from mpi4py import MPI
 from scipy.optimize import brentq
 
+import fenicsx_contact
 from fenicsx_contact import (
     Circle,
     Contact,
@@ -63,7 +64,7 @@ from fenicsx_contact import (
 from fenicsx_contact.output.report import write_summary
 from fenicsx_contact.references.hertz import LineContact, effective_modulus
 
-MESHES = Path(__file__).resolve().parent.parent / "meshes"
+MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "canon"
 
 

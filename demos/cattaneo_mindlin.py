@@ -32,6 +32,7 @@ from typing import Any
 
 import numpy as np
 
+import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
@@ -44,7 +45,7 @@ from fenicsx_contact import (
 from fenicsx_contact.output.report import write_summary, write_table
 from fenicsx_contact.references.hertz import LineContact, ShearedLine, effective_modulus
 
-MESHES = Path(__file__).resolve().parent.parent / "meshes"
+MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "cattaneo_mindlin"
 E, NU, FRICTION = 210e3, 0.3, 0.3  # N/mm², -, -
 MODULUS = effective_modulus(E, NU, E, NU)

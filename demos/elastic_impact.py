@@ -44,13 +44,14 @@ from typing import Any
 
 import numpy as np
 
+import fenicsx_contact
 from fenicsx_contact import Contact, ElasticSolid, HalfSpace, History, Scene, mesh_from_gmsh
 from fenicsx_contact.output.report import write_summary
 from fenicsx_contact.references.hertz import effective_modulus, effective_radius
 from fenicsx_contact.references.impact import HertzImpact, ObliqueImpact
 from fenicsx_contact.solids.moments import moments
 
-MESHES = Path(__file__).resolve().parent.parent / "meshes"
+MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "elastic_impact"
 NU = 0.3
 #: Of a ball, and of one that is larger, stiffer and denser: radius m, modulus Pa, density kg/m³.

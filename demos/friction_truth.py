@@ -45,11 +45,12 @@ from typing import Any
 import numpy as np
 from problems.rigid_bodies import box, cube, disc, run
 
+import fenicsx_contact
 from fenicsx_contact import Contact, HalfSpace, RigidSolid, Scene
 from fenicsx_contact.output.report import whence, write_summary, write_table
 
 RESULTS = Path("results") / "friction_truth"
-PEERS = Path(__file__).resolve().parent / "peers"
+PEERS = Path(fenicsx_contact.__file__).resolve().parents[1] / "demos" / "peers"
 #: SI units; angles in rad. Every code is given these.
 NUMBERS: dict[str, Any] = {
     "dt": 1e-3, "g": 9.81, "density": 1000.0, "side": 0.1,

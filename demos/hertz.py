@@ -34,6 +34,7 @@ from typing import Any
 
 import numpy as np
 
+import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
@@ -48,7 +49,7 @@ from fenicsx_contact import (
 from fenicsx_contact.output.report import write_summary, write_table
 from fenicsx_contact.references.hertz import LineContact, PointContact, effective_modulus
 
-MESHES = Path(__file__).resolve().parent.parent / "meshes"
+MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "hertz"
 STEEL, ALUMINIUM, NU = 210e3, 70e3, 0.3  # N/mm²
 R = 50.0  # mm

@@ -41,6 +41,7 @@ import numpy as np
 from dolfinx import fem
 from scipy.integrate import solve_ivp
 
+import fenicsx_contact
 from fenicsx_contact import (
     Adhesive,
     Archard,
@@ -61,7 +62,7 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.output.report import write_summary
 
-MESHES = Path(__file__).resolve().parent.parent / "meshes"
+MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "interface_laws"
 G = 9.81  # m/s²
 FLOOR = HalfSpace(point=(0, 0), normal=(0, 1))

@@ -34,6 +34,7 @@ from typing import Any
 
 import numpy as np
 
+import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
@@ -46,7 +47,7 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.output.report import write_summary
 
-MESHES = Path(__file__).resolve().parent.parent / "meshes"
+MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "ironing"
 DEPTH, WAY, PRESS_STEPS = 0.15, 1.5, 5
 MATERIALS = ("linear", "neo-Hookean")

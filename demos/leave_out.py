@@ -32,6 +32,7 @@ from typing import Any
 import numpy as np
 import ufl
 
+import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
@@ -44,7 +45,7 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.output.report import whence, write_summary
 
-MESHES = Path(__file__).resolve().parent.parent / "meshes"
+MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "leave_out"
 G = 9.81  # m/s²
 

@@ -49,10 +49,11 @@ from typing import Any
 import numpy as np
 import ufl
 
+import fenicsx_contact
 from fenicsx_contact import Contact, HalfSpace, History, RigidSolid, Scene, mesh_from_gmsh
 from fenicsx_contact.output.report import write_summary
 
-MESHES = Path(__file__).resolve().parent.parent / "meshes"
+MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "own_laws"
 G, MASS, AREA, THROWN = 9.81, 10.0, 1.0, 1.0  # m/s², kg, m², m/s
 

@@ -56,7 +56,7 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.output.report import write_summary
 
-MESHES = Path(__file__).resolve().parent.parent / "meshes"
+MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "reliability"
 FLOOR = HalfSpace(point=(0, 0), normal=(0, 1))
 UNTIL, DT = 0.3, 1e-3  # s

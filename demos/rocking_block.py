@@ -43,6 +43,7 @@ from typing import Any
 
 import numpy as np
 
+import fenicsx_contact
 from fenicsx_contact import (
     GAP,
     VELOCITY,
@@ -61,7 +62,7 @@ from fenicsx_contact.output.report import write_summary, write_table
 from fenicsx_contact.references.housner import Block, rocking
 from fenicsx_contact.references.swings import swings
 
-MESHES = Path(__file__).resolve().parent.parent / "meshes"
+MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "rocking_block"
 
 BLOCK = Block(width=0.36, height=0.80, mass=417.6)  # m, m, kg

@@ -685,3 +685,15 @@ def test_failure_at_the_first_step(tmp_path):
     assert np.isfinite(history.rows()).all()
     resumed = elastic_block().run(0.01, 2e-4, directory=tmp_path, resume=True)
     np.testing.assert_array_equal(resumed.rows(), elastic_block().run(0.01, 2e-4).rows())
+
+
+def test_columns_go_elsewhere(tmp_path):
+    history = History(("time", "a.force_x"))
+    for row in ((0.0, 1 / 3), (0.1, -2e-300)):
+        history.append(row)
+    path = history.save_csv(tmp_path / "new" / "run.csv")
+    names, *rows = path.read_text().splitlines()
+    assert names == "time,a.force_x"
+    assert [[float(x) for x in row.split(",")] for row in rows] == history.rows().tolist()
+    assert list(history.table()) == ["time", "a.force_x"]
+    assert history.table()["time"].tolist() == [0.0, 0.1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -127,6 +128,24 @@ class History:
             raise KeyError(f"{contact!r}: no such contact")
         rates = np.stack([self[c] for c in forces], axis=1)
         return np.cumsum(rates * self.span[:, None], axis=0)
+
+    def table(self) -> dict[str, np.ndarray]:
+        """All columns by name; ``pandas.DataFrame(history.table())`` is a data frame."""
+        return {column: self[column] for column in self.columns}
+
+    def save_csv(self, path: str | Path) -> Path:
+        """Write all columns as comma-separated values, to all digits, with a line of names.
+
+        Args:
+            path: of the file; its directory is made.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        path = Path(path)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        np.savetxt(path, self.rows(), "%.17g", ",", header=",".join(self.columns), comments="")
+        return path
 
     def summary(self) -> dict[str, Any]:
         """A few numbers about the run."""

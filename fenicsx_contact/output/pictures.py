@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from .inline import show
+
 
 def _pyvista() -> Any:
     if not os.environ.get("DISPLAY"):  # no X server: do not look for one, and do not complain
@@ -111,7 +113,7 @@ def animate(
         if i == 0:
             plotter.screenshot(str(path.with_suffix(".png")))
     plotter.close()
-    return path
+    return show(path)
 
 
 def deformed(
@@ -156,7 +158,7 @@ def deformed(
     path.parent.mkdir(parents=True, exist_ok=True)
     plotter.screenshot(str(path))
     plotter.close()
-    return path
+    return show(path)
 
 
 def _aim(plotter: Any, low: np.ndarray, high: np.ndarray, size: tuple[int, int]) -> None:

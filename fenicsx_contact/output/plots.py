@@ -16,6 +16,8 @@ import matplotlib.patches
 import matplotlib.pyplot as plt
 import numpy as np
 
+from .inline import show
+
 #: One colour for each formulation, the same in all figures.
 COLOURS = {
     "velocity": "C3",
@@ -39,11 +41,11 @@ def grid(rows: int, columns: int, size: tuple[float, float]) -> tuple[Any, Any]:
 
 
 def save(fig: Any, path: Path) -> Path:
-    """Write a figure and close it."""
+    """Write a figure and close it; in a notebook it is shown, too."""
     path.parent.mkdir(parents=True, exist_ok=True)
     fig.savefig(path, dpi=150, bbox_inches="tight")
     plt.close(fig)
-    return path
+    return show(path)
 
 
 def thinned(*arrays: np.ndarray, points: int = 4000) -> list[np.ndarray]:
@@ -167,4 +169,4 @@ def animate_curves(
     fig.savefig(path.with_suffix(".png"), dpi=100)
     FuncAnimation(fig, frame, frames).save(path, PillowWriter(fps=fps), dpi=100)
     plt.close(fig)
-    return path
+    return show(path)

@@ -31,6 +31,7 @@ from typing import Any
 import numpy as np
 from problems.shapes import rectangle
 
+import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
@@ -44,8 +45,8 @@ from fenicsx_contact.base import compat
 from fenicsx_contact.output.report import whence, write_summary, write_table
 from fenicsx_contact.references.hertz import LineContact, effective_modulus
 
-HERE = Path(__file__).resolve().parent
-MESHES, PEER = HERE.parent / "meshes", HERE / "peers" / "fe_getfem.py"
+TOP = Path(fenicsx_contact.__file__).resolve().parents[1]
+MESHES, PEER = TOP / "meshes", TOP / "demos" / "peers" / "fe_getfem.py"
 RESULTS = Path("results") / "fe_truth"
 E, NU, R, DEPTH = 1e3, 0.3, 1.0, 0.0035
 HALF_WIDTH = 0.06  # of the finely meshed zone; contact is 0.0425 wide

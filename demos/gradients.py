@@ -44,6 +44,7 @@ from typing import Any
 
 import numpy as np
 
+import fenicsx_contact
 from fenicsx_contact import Contact, ElasticSolid, HalfSpace, RigidSolid, Scene, mesh_from_gmsh
 from fenicsx_contact.gradients import (
     Centre,
@@ -57,7 +58,7 @@ from fenicsx_contact.gradients import (
 )
 from fenicsx_contact.output.report import write_summary
 
-MESHES = Path(__file__).resolve().parent.parent / "meshes"
+MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "gradients"
 G = 9.81  # m/s²
 FLOOR = HalfSpace(point=(0, 0), normal=(0, 1))

@@ -27,11 +27,12 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
+import fenicsx_contact
 from fenicsx_contact import Contact, ElasticSolid, HalfSpace, Scene, mesh_from_gmsh
 from fenicsx_contact.gradients import At, Law, Modulus, Start, tangents
 from fenicsx_contact.output.report import write_summary
 
-MESHES = Path(__file__).resolve().parent.parent / "meshes"
+MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "identify"
 FLOOR = HalfSpace(point=(0, 0), normal=(0, 1))
 NAMES = ("friction", "stiffness", "release")

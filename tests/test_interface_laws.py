@@ -418,7 +418,7 @@ def test_heights_of_rebound(e):
 
 def test_rebound_by_uniform_steps():
     """Rounded to a step, but as fast as it ought to be."""
-    history = drop(Restitution(coefficient=0.5), 0.1, 0.3, 2e-3, locate=False)
+    history = drop(Restitution(0.5), 0.1, 0.3, 2e-3, locate=False)
     impact = np.flatnonzero(history["dt"] == 0)[1]
     assert history["kinetic"][impact] / history["kinetic"][impact - 1] == pytest.approx(0.25)
     check_energies(history)

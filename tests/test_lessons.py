@@ -184,6 +184,7 @@ def right_15_rod_in_a_bent_guide(of):
 def right_16_gradients(of):
     assert of["rest"]() == pytest.approx(of["exact"](), rel=1e-3)
     assert of["by_height"] == pytest.approx(0.4, rel=1e-4)
+    assert of["tangent"] == pytest.approx([0.4, of["by_friction"]], rel=1e-5)
     assert of["by_friction"] == pytest.approx(0.1 - 4 / (2 * 0.16 * 9.81), rel=3e-3)
     way = np.diff(of["heights"])
     smooth, rough = (np.diff(of[name]) / way for name in ("located", "uniform"))

@@ -13,8 +13,8 @@
 #    \frac{\partial x}{\partial \mu} = h - \frac{v_0^2}{2\mu^2 g}. $$
 #
 # While no status changes its place in the sequence (flies, strikes, slips, sticks) the result is a
-# *smooth* function of what one puts in. But is the computed one? The package gives no derivatives;
-# differences do, if what is computed is as smooth as what is exact.
+# *smooth* function of what one puts in. But is the computed one? Differences of runs tell, and the
+# tangents of a run, which go along with it.
 
 # %%
 from pathlib import Path
@@ -24,6 +24,7 @@ import numpy as np
 
 import fenicsx_contact
 from fenicsx_contact import Contact, HalfSpace, RigidSolid, Scene, mesh_from_gmsh
+from fenicsx_contact.gradients import Centre, Law, ObstacleShift, tangents
 
 MESHES = Path(fenicsx_contact.__file__).parents[1] / "meshes"
 RESULTS = Path("results/lessons")
@@ -38,14 +39,20 @@ g, v0, h0, mu0 = 9.81, 2.0, 0.1, 0.4  # m/s², m/s, m, -
 
 
 # %%
-def rest(height=h0, mu=mu0, locate=True, dt=0.02):
-    """Where a mass comes to rest that is thrown from a height, m."""
+def thrown(height=h0, mu=mu0, locate=True):
+    """A mass that is thrown from a height: scene, mass and contact."""
     mesh = mesh_from_gmsh(MESHES / "block.geo", width=0.1, height=0.1, n_height=1)
     mass = RigidSolid(mesh, mass=1.0, gravity=(0, -g), velocity=(v0, 0), held=["turning"])
     floor = HalfSpace(point=(0, -height), normal=(0, 1))
     contact = Contact(mass, "base", floor, friction=mu, name="floor")
+    return Scene([mass], [contact], locate_impacts=locate), mass, contact
+
+
+def rest(height=h0, mu=mu0, locate=True, dt=0.02):
+    """Where it comes to rest, m."""
+    scene, mass, _ = thrown(height, mu, locate)
     start = mass.place[0]
-    Scene([mass], [contact], locate_impacts=locate).run(until=0.6, dt=dt)
+    scene.run(until=0.6, dt=dt)
     return float(mass.place[0] - start)
 
 
@@ -82,8 +89,17 @@ fig.savefig(RESULTS / "16_gradients.png", dpi=150)
 # curve follows the exact one, and so do its differences. (What little is left is the end of
 # sliding, which no one locates.)
 
+# %% [markdown]
+# A step solves $F(x^+, x^-, p) = 0$, smooth in the statuses that it has settled on; the derivative
+# of its solution costs one linear solve. Carried from step to step, the instant of the impact among
+# the unknowns, this is a *tangent*: the derivative of what is computed, exact, from one run.
+# (`gradients.py` tells more: adjoints, and points at which there is no derivative.)
+
 # %%
 by_height = (rest(h0 + 1e-3) - rest(h0 - 1e-3)) / 2e-3
 by_friction = (rest(mu=mu0 + 1e-3) - rest(mu=mu0 - 1e-3)) / 2e-3
-print(f"dx/dh = {by_height:.5f}, exactly {mu0:.5f}")
-print(f"dx/dmu = {by_friction:.5f} m, exactly {h0 - v0**2 / (2 * mu0**2 * g):.5f} m")
+scene, mass, contact = thrown()
+by = {"height": ObstacleShift(contact, (0, -1)), "friction": Law(contact)}
+tangent = tangents(scene, 0.6, 0.02, by, {"x": Centre(mass, (1, 0))})["x"][-1]
+print(f"dx/dh = {by_height:.5f} by differences, {tangent[0]:.5f} by tangent, exactly {mu0:.5f}")
+print(f"dx/dmu = {by_friction:.5f} m, {tangent[1]:.5f}, {h0 - v0**2 / (2 * mu0**2 * g):.5f}")

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
@@ -39,6 +39,7 @@ class Restitution(Velocity):
     """
 
     coefficient: float = 0.0
+    drift_correction: float = field(default=0.0, kw_only=True)  # else Restitution(0.7) were that
     name: ClassVar[str] = "velocity with restitution"
 
     def __post_init__(self) -> None:

@@ -164,3 +164,27 @@ def test_what_an_impact_stops_is_solved_by_every_solver(solver, friction):
     expected = land("fixed point", "condensed")
     found = land("newton", solver)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6 * expected[0])
+
+
+def test_a_percussion_of_a_solid_whose_top_is_driven():
+    """The held part goes on with its speed, and the mass that it shares with the rest with it: a
+    linear solid is struck as one is that is linearised about any state."""
+    struck = []
+    for kind, material in (
+        (ElasticSolid, {"youngs_modulus": 1e6, "poisson_ratio": 0.3}),
+        (HyperelasticSolid, {"energy": neo_hookean(1e6, 0.3)}),
+    ):
+        block = kind(
+            rectangle((3, 3), (0.4, 0.4)),
+            density=1000.0,
+            velocity=lambda x: np.stack([0.3 + 0 * x[0], -1.0 + 0 * x[0]]),
+            prescribed={"top": lambda t: (0.1 * t, -0.2 * t)},
+            **material,
+        )
+        contact = Contact(block, "base", FLOOR, friction=0.2, name="c")
+        history = Scene([block], [contact]).run(until=2e-3, dt=1e-3)
+        assert history.finished, history.reason
+        assert history["dt"][1] == 0 and history["certificate"].max() < 1e-9
+        struck.append((history["c.force_x"][1], history["c.force_y"][1]))
+    np.testing.assert_allclose(*struck, rtol=1e-8)
+    assert struck[0][1] > 0

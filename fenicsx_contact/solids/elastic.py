@@ -95,14 +95,14 @@ class ElasticSolid(DeformableSolid):
         self._factors[key] = self._factors.pop(key)  # the last to be dropped
         self.linearisation, self.factorisation = self._factors[key]
         self.free_load = step.inertia_rate * self._momentum
+        if self.supports.moving:  # in an impact, too
+            self._drive(step)
         if step.loaded:
             drift = step.drift(self.velocity, self.memory)
             before, after = step.scheme.linear_weights
             self.free_load += self._loads(step) - (before + after) * self._internal
             if after:  # not where the drift vanishes: every process must take part
                 self.free_load -= after * self.internal_force(drift)
-            if self._target is not None:
-                self._drive(step, drift)
             for damper in self.dampers:
                 known = np.zeros(self.owned)
                 known[self.fixed_unknowns] = self.trial_velocity[self.fixed_unknowns]
@@ -111,13 +111,16 @@ class ElasticSolid(DeformableSolid):
         self._force = np.zeros(self.owned)
         self._free_velocity = None
 
-    def _drive(self, step: Step, drift: np.ndarray) -> None:
+    def _drive(self, step: Step) -> None:
         """What the motion of the supports pulls along."""
         held, after = self.fixed_unknowns, step.scheme.linear_weights[1]
         speed, way = np.zeros(self.owned), np.zeros(self.owned)
         speed[held] = step.inertia_rate * self.trial_velocity[held]
-        way[held] = after * (self._target - self.displacement[held] - drift[held])
-        self.free_load -= self.multiply(self._mass, speed) + self.multiply(self._stiffness, way)
+        self.free_load -= self.multiply(self._mass, speed)
+        if self._target is not None:
+            drift = step.drift(self.velocity, self.memory)
+            way[held] = after * (self._target - self.displacement[held] - drift[held])
+            self.free_load -= self.multiply(self._stiffness, way)
 
     @property
     def last_stiffness(self) -> PETSc.Mat:

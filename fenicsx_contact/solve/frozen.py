@@ -88,16 +88,17 @@ class FrozenContact(Statuses):
         return True
 
     def _search(self, old: list[np.ndarray]) -> None:
-        """Go from the old velocities towards the present ones as far as the function falls: its
-        slope rises along any line."""
+        """Go from the old velocities towards the present ones, and beyond, as far as the function
+        falls: its slope rises along any line. Where all points slip nothing but a weak spring in
+        the matrix says how long a step is, and it may be far too short as well as too long."""
         way = [solid.trial_velocity - a for solid, a in zip(self._system.solids, old)]
         first, last = (self._slope(share, old, way) for share in (0.0, 1.0))
-        low, high, share = 0.0, 1.0, 1.0
-        for _ in range(np.finfo(float).nmant):  # halvings to round-off
-            if (last <= 0 and share == 1) or 2 * abs(last) <= abs(first):
+        low, high, share = 0.0, np.inf, 1.0
+        for _ in range(np.finfo(float).nmant):  # doublings or halvings to round-off
+            if 2 * abs(last) <= abs(first):
                 return
             low, high = (share, high) if last < 0 else (low, share)
-            share = 0.5 * (low + high)
+            share = min(2 * share, 0.5 * (low + high))
             last = self._slope(share, old, way)
 
     def _slope(self, share: float, old: list[np.ndarray], way: list[np.ndarray]) -> float:

@@ -25,11 +25,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from rod_drop import DASHPOT, Assumed, Drop, draw_forces, drop
+from rod_drop import DASHPOT, Assumed, draw_forces, drop, figures
 from scipy.optimize import brentq
 
 from fenicsx_contact.output.report import write_summary
-from fenicsx_contact.rods import ForceMap
+from fenicsx_contact.rods import ForceMap, Passage
 
 RESULTS = Path("results") / "rod_calibration"
 PAPER = 1.52  # s, read in the paper's text; its measured curve is not public
@@ -65,7 +65,7 @@ def sensitivities(a: Assumed, dt: float, share: float = 0.1) -> dict[str, float]
 
 
 # %%
-def draw_speeds(drops: dict[str, Drop]) -> None:
+def draw_speeds(drops: dict[str, Passage]) -> None:
     """Speeds of fall; the measured curve of the paper's figure is not public."""
     from fenicsx_contact.output import plots
 
@@ -95,7 +95,7 @@ def main(quick: bool = False) -> dict[str, Any]:
     }
     found = next(iter(drops.values()))
     changes = {} if quick else sensitivities(bent, coarse)
-    summary = {"name": CALIBRATED, "value": value, "dt_s": dt, **found.figures()}
+    summary = {"name": CALIBRATED, "value": value, "dt_s": dt, **figures(found)}
     summary["sensitivity_of_T5_s"] = changes
     write_summary(RESULTS, summary)
     draw_speeds(drops)

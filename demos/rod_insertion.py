@@ -22,71 +22,62 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from rod_drop import BOTTOM, VELOCITY, Assumed, guide, rod
+from rod_drop import BOTTOM, Assumed, package
 
-from fenicsx_contact import Driven, History, Scene, ThetaScheme
 from fenicsx_contact.output.report import write_summary
-from fenicsx_contact.rods import GuideContact, settle
+from fenicsx_contact.rods import Passage
 
 RESULTS = Path("results") / "rod_insertion"
 GUIDES = {"S, tangent": Assumed(), "S, kinked inlet": Assumed(kinked=True)}
 
 
 # %%
-def insertion(a: Assumed, speed: float = 0.5, step: float = 1e-3) -> History:
+def insertion(a: Assumed, speed: float = 0.5, step: float = 1e-3) -> Passage:
     """Push the rod in slowly; the history has the resistance of the guide against the travel."""
-    solid, corridor = rod(a), guide(a)
-    settle(solid, "rods", corridor)
-    solid.law = Driven(speed)
-    contact = GuideContact(solid, "rods", corridor, VELOCITY, a.friction, name="guide")
-    scene = Scene([solid], [contact], ThetaScheme(1.0, forces="end"))
-    return scene.run(
-        BOTTOM / speed,
-        step / speed,
-        probes={
-            "travel": lambda: solid.travel,
-            "normal": contact.normal_force,
-            "wall": lambda: contact.axial_force()[0],
-            "rubbing": lambda: contact.axial_force()[1],
-        },
-    )
+    return package(a).insert(BOTTOM, speed=speed, step=step)
 
 
-def figures(h: History) -> dict[str, Any]:
-    """What the summary tells of an insertion."""
-    resistance = -(h["wall"] + h["rubbing"]) * (h["dt"] > 0)  # not the percussions
+def withdrawal(a: Assumed, speed: float = 0.5, step: float = 1e-3) -> Passage:
+    """Pull it out again."""
+    return package(a).withdraw(BOTTOM, speed=speed, step=step)
+
+
+def figures(way: Passage) -> dict[str, Any]:
+    """What the summary tells of an insertion or a withdrawal."""
+    travel, resistance, friction = way.resistance()
     worst = int(resistance.argmax())
     return {
         "largest_resistance_N": float(resistance[worst]),
-        "at_travel_m": float(h["travel"][worst]),
-        "of_it_friction": float(-h["rubbing"][worst] / resistance[worst]),
-        "run_time_s": h.run_time,
-        "reason": h.reason,
+        "at_travel_m": float(travel[worst]),
+        "of_it_friction": float(friction[worst] / resistance[worst]),
+        "run_time_s": way.history.run_time,
+        "reason": way.history.reason,
     }
 
 
 # %% [markdown]
 # ## Figure
 #
-# Resistance against travel; dotted, what the walls alone push back, which is next to nothing: it is
-# friction that resists. With the tangent inlet there is none until the tips are in the bend; with
-# the kink the rod is bent from the start, and the ripple is its nodes that pass. Both resist most
-# where the tips enter the dashpot, four times as narrow.
+# Resistance against travel, on the way in and, dashed, on the way out; dotted, what the walls alone
+# push back on the way in, which is next to nothing: it is friction that resists. With the tangent
+# inlet there is none until the tips are in the bend; with the kink the rod is bent from the start,
+# and the ripple is its nodes that pass. Both resist most where the tips are in the dashpot, four
+# times as narrow.
 
 
 # %%
-def draw(runs: dict[str, History]) -> None:
-    """Resistance of the guide in a slow insertion."""
+def draw(ways: dict[str, tuple[Passage, Passage]]) -> None:
+    """Resistance of the guide in a slow insertion and a slow withdrawal."""
     from fenicsx_contact.output import plots
 
     fig, ax = plots.figure()
-    for i, (name, h) in enumerate(runs.items()):
-        steps = h["dt"] > 0
-        travel, wall, rubbing = (h[column][steps] for column in ("travel", "wall", "rubbing"))
-        ax.plot(travel, -(wall + rubbing), color=f"C{i}", label=name)
-        ax.plot(travel, -wall, ":", color=f"C{i}", lw=0.8)
+    for i, (name, (inward, outward)) in enumerate(ways.items()):
+        travel, resistance, friction = inward.resistance()
+        ax.plot(travel, resistance, color=f"C{i}", label=name)
+        ax.plot(travel, resistance - friction, ":", color=f"C{i}", lw=0.8)
+        ax.plot(*outward.resistance()[:2], "--", color=f"C{i}", lw=0.8)
     ax.set_xlabel("travel [m]")
-    ax.set_ylabel("resistance [N] (dotted: of the walls alone)")
+    ax.set_ylabel("resistance [N] (dotted: of the walls alone; dashed: outward)")
     ax.legend(fontsize=8)
     plots.save(fig, RESULTS / "insertion_force.png")
 
@@ -94,13 +85,16 @@ def draw(runs: dict[str, History]) -> None:
 def main(quick: bool = False) -> dict[str, Any]:
     """Everything; returns the summary that is also written."""
     speed, step = (1.0, 4e-3) if quick else (0.5, 1e-3)  # m/s, m
-    runs = {name: insertion(a, speed, step) for name, a in GUIDES.items()}
-    summary = {name: figures(h) for name, h in runs.items()}
+    ways = {n: (insertion(a, speed, step), withdrawal(a, speed, step)) for n, a in GUIDES.items()}
+    summary = {name: figures(way) for name, (way, _) in ways.items()}
+    for name, (_, way) in ways.items():
+        summary[name]["withdrawal"] = figures(way)
     write_summary(RESULTS, summary)
-    draw(runs)
+    draw(ways)
     told = [
         f"{name}: at most {r['largest_resistance_N']:.1f} N at {r['at_travel_m']:.2f} m, "
-        f"{100 * r['of_it_friction']:.0f} % of it friction"
+        f"{100 * r['of_it_friction']:.0f} % of it friction, and "
+        f"{r['withdrawal']['largest_resistance_N']:.1f} N on the way out"
         for name, r in summary.items()
     ]
     print("; ".join(told))

@@ -17,12 +17,13 @@ from fenicsx_contact import (
     GuideTubeWater,
     InputError,
     Scene,
+    Section,
     ThetaScheme,
     Velocity,
     axis_mesh,
 )
 from fenicsx_contact.references.rod import one_dof_drop
-from fenicsx_contact.rods import Guide, GuideContact, Straight, Tube, settle
+from fenicsx_contact.rods import Guide, GuideContact, RodDrop, Straight, Tube, settle
 
 DEMOS = Path(__file__).resolve().parent.parent / "demos"
 
@@ -168,7 +169,7 @@ def test_drop_in_smooth_and_kinked_tubes(smooth, kinked):
 def test_one_dof_law_fed_with_static_forces(case, smooth, kinked):
     """Lateral dynamics hardly matter: mu N(z) and the walls' push of a slow insertion give T5."""
     drop, a = {"smooth": (smooth, SMOOTH), "kinked": (kinked, KINKED)}[case]
-    slow = slowly.insertion(replace(a, friction=0.0), step=3e-3)
+    slow = slowly.insertion(replace(a, friction=0.0), step=3e-3).history
     assert slow.finished
     steps = slow["dt"] > 0  # in impacts the forces are percussions
     travel, normal, wall = (slow[name][steps] for name in ("travel", "normal", "wall"))
@@ -302,3 +303,66 @@ def test_a_rod_passes_stations_that_it_bore_on():
     """Its upper end leaves a card while it bears there: the card then meets nothing."""
     drop = demo.drop(replace(KINKED, amplitude=0.004, friction=0.0), dt=4e-3)
     assert drop.history.finished, drop.history.reason
+
+
+# -- a drop in one piece --
+
+
+def in_tube(lean=0.0, friction=0.0, stop=None, scheme=None, **law):
+    """A rod of 1 m and 2 kg in a straight tube that leans, let go in air."""
+    gravity = (9.81 * np.sin(lean), -9.81 * np.cos(lean))
+    section = Section(mass=2.0, bending=10.0)
+
+    def rod():
+        axis = axis_mesh((0, -0.5), (0, 1), rod=(1.0, 10))
+        return BeamSolid(axis, section, gravity=gravity, law=Fall(stop=stop, **law), name="rod")
+
+    return RodDrop(rod, "rod", Guide([Tube(-1.0, 2.0, 1e-3)]), friction=friction, scheme=scheme)
+
+
+def test_a_leaning_tube_resists_inward_and_outward_alike():
+    lean, mu = 0.2, 0.3
+    exact = mu * 2.0 * 9.81 * np.sin(lean)
+    drop = in_tube(lean, mu)
+    for way in (drop.insert(0.4, step=1e-2), drop.withdraw(0.4, step=1e-2)):
+        assert way.history.finished
+        travel, resistance, friction = way.resistance()
+        np.testing.assert_allclose(resistance[2:], exact, rtol=1e-8)
+        np.testing.assert_allclose(friction, resistance, rtol=1e-8)
+    assert travel[0] > travel[-1] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_force_of_the_end_stop():
+    """m g + sqrt((m g)² + k m v²); theta = 0.6 damps it by the first order of the step."""
+    weight, k, way = 2.0 * 9.81, 1e5, 0.5
+    exact = weight + np.sqrt(weight**2 + 2 * k * weight * way)
+    met = np.sqrt(2 * way / 9.81)
+
+    def error(dt, theta):
+        drop = in_tube(stop=way, scheme=ThetaScheme(theta), stop_stiffness=k).fall(
+            1.0, dt, to=np.inf
+        )
+        force, time = drop.stop_impact()
+        assert drop.history.finished and drop.rod.speed <= 0
+        assert time - met == pytest.approx(0.5 * np.pi * np.sqrt(2.0 / k), rel=0.1)
+        assert drop.time_at(way) == pytest.approx(met, rel=1e-6 if theta == 0.5 else 1e-3)
+        assert drop.speed_at(way) == pytest.approx(9.81 * met, rel=1e-3)
+        return force / exact - 1
+
+    assert abs(error(4e-4, 0.5)) < 2e-4
+    damped = error(4e-4, 0.6), error(1e-4, 0.6)
+    assert damped[0] < 0 and 3.5 < damped[0] / damped[1] < 4.5
+    short = in_tube(stop=way).fall(1.0, 1e-3)
+    assert short.stop_impact()[0] < 0.5 * exact and short.rod.travel >= way
+
+
+def test_a_drop_of_something_else():
+    guide = Guide([Tube(-1.0, 2.0, 1e-3)])
+    with pytest.raises(InputError, match="rod = 3: must be a function"):
+        RodDrop(3, "rod", guide)
+    with pytest.raises(InputError, match=r"rod\(\) = 3: must be a BeamSolid"):
+        RodDrop(lambda: 3, "rod", guide).fall()
+    with pytest.raises(InputError, match="guide"):
+        RodDrop(lambda: 3, "rod", "guide")
+    with pytest.raises(InputError, match="speed"):
+        in_tube().insert(0.1, speed=-1.0)

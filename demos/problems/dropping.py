@@ -25,7 +25,7 @@ from fenicsx_contact import (
     axis_mesh,
 )
 from fenicsx_contact.references.rod import one_dof_drop
-from fenicsx_contact.rods import Card, Guide, GuideContact, Sine, Tube, settle
+from fenicsx_contact.rods import Card, Guide, GuideContact, Sine, Tube, settle, time_at
 from fenicsx_contact.study import Problem
 from fenicsx_contact.theory.formulations import Formulation
 
@@ -46,13 +46,8 @@ FINE = 5e-4
 
 
 def _times(history: History) -> np.ndarray:
-    """When the rod passed the travels, s; within a step its acceleration is constant."""
-    z, v, t = history["travel"], history["speed"], history.time
-    i = np.searchsorted(z, TRAVELS)
-    if i.max() == len(z):
-        return np.full(len(TRAVELS), np.nan)
-    rate, way = (v[i] - v[i - 1]) / (t[i] - t[i - 1]), TRAVELS - z[i - 1]
-    return t[i - 1] + 2 * way / (v[i - 1] + np.sqrt(v[i - 1] ** 2 + 2 * rate * way))
+    """When the rod passed the travels, s."""
+    return np.array([time_at(history, travel) for travel in TRAVELS])
 
 
 def _problem(

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Guides of rods: curves, tubes and cards, and the contact with a beam that slides through them."""
+"""Guides of rods: curves, tubes and cards, the contact with a beam that slides through them, and
+drops."""
 
 from .contact import ForceMap, GuideContact
+from .drop import Passage, RodDrop, time_at
 from .guide import Guide
 from .pieces import AnyCurve, Bow, Card, Curve, Sine, Straight, Tube
 from .settle import lay_in, settle
@@ -15,10 +17,13 @@ __all__ = [
     "ForceMap",
     "Guide",
     "GuideContact",
+    "Passage",
+    "RodDrop",
     "RodInTube",
     "Sine",
     "Straight",
     "Tube",
     "lay_in",
     "settle",
+    "time_at",
 ]

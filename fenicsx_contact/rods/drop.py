@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The drop of a rod down its guide, and slow ways in and out: settled, run and measured.
+
+Travels [m] are those of :mod:`~fenicsx_contact.rods.drive`, from the rod's place at release.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base import checks
+from ..output.history import History
+from ..scene import Scene
+from ..theory.formulations import Formulation
+from ..theory.theta import ThetaScheme
+from .beam import BeamSolid
+from .contact import VELOCITY, GuideContact
+from .drive import AxialLaw, Driven
+from .guide import Guide
+from .settle import settle
+
+
+def time_at(history: History, travel: float) -> float:
+    """When a rod first passed a travel, s, by the columns "travel" and "speed" of its history; NaN
+    if it did not. Within a step its acceleration is constant."""
+    z, v, t = history["travel"], history["speed"], history.time
+    i = int(np.searchsorted(z, travel))
+    if i == len(z):
+        return float("nan")
+    rate, way = (v[i] - v[i - 1]) / (t[i] - t[i - 1]), travel - z[i - 1]
+    return float(t[i - 1] + 2 * way / (v[i - 1] + np.sqrt(v[i - 1] ** 2 + 2 * rate * way)))
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A rod's way through its guide, as it was computed.
+
+    Attributes:
+        history: of the run; beside the usual columns "travel" and "speed" of the rod [m, m/s], sum
+            of the sizes of the "normal" forces [N], what "wall" and "rubbing" push along the travel
+            [N], energy of bending ("lateral", J), force of the end "stop" [N].
+        rod, contact: at its end.
+    """
+
+    history: History
+    rod: BeamSolid
+    contact: GuideContact
+
+    def time_at(self, travel: float) -> float:
+        """When the rod passed a travel, s; see :func:`time_at`."""
+        return time_at(self.history, travel)
+
+    def speed_at(self, travel: float) -> float:
+        """With which speed the rod first passed a travel, m/s; NaN if it did not."""
+        return float(np.interp(self.time_at(travel), self.history.time, self.history["speed"]))
+
+    def resistance(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Against the travel [m]: what the guide resists the motion with, walls and friction
+        together, and of it friction [N], at the end of each step that took time."""
+        steps = self.history["dt"] > 0  # not the percussions
+        travel, speed, wall, rubbing = (
+            self.history[name][steps] for name in ("travel", "speed", "wall", "rubbing")
+        )
+        against = -np.sign(speed)
+        return travel, against * (wall + rubbing), against * rubbing
+
+    def stop_impact(self) -> tuple[float, float]:
+        """The largest force of the end stop, N, and when, s; 0 N where it was not met."""
+        worst = int(self.history["stop"].argmax())
+        return float(self.history["stop"][worst]), float(self.history.time[worst])
+
+
+class RodDrop:
+    """A rod in its guide, to be let go, or driven in or out. Each way begins with a fresh rod.
+
+    Args:
+        rod: makes the rod as it hangs at release, straight, with the law of its fall.
+        stretch: name of the cells of its axis that the guide bears on.
+        guide: around it.
+        formulation: the velocity law that takes drift back, or any other.
+        friction: coefficient, or a law of friction.
+        scheme: of the drop; slow ways have inertia damped out (theta = 1).
+
+    Raises:
+        InputError: a ``rod`` that makes no BeamSolid, no guide, no scheme.
+    """
+
+    def __init__(
+        self,
+        rod: Callable[[], BeamSolid],
+        stretch: str,
+        guide: Guide,
+        formulation: Formulation | str = VELOCITY,
+        friction: float = 0.0,
+        *,
+        scheme: ThetaScheme | None = None,
+    ) -> None:
+        checks.instance("guide", guide, Guide, "a Guide")
+        if not callable(rod):
+            raise checks.InputError(f"rod = {rod!r}: must be a function that makes a BeamSolid")
+        self._rod, self._stretch, self.guide = rod, stretch, guide
+        self.formulation, self.friction = formulation, friction
+        self.scheme = ThetaScheme(0.6) if scheme is None else scheme
+        checks.instance("scheme", self.scheme, ThetaScheme, "a ThetaScheme")
+
+    def fall(
+        self,
+        until: float = 4.0,
+        dt: float = 2e-4,
+        *,
+        to: float | None = None,
+        watch: Callable[[GuideContact], None] | None = None,
+    ) -> Passage:
+        """Let the rod go.
+
+        Args:
+            until: patience, s.
+            dt: step, s.
+            to: travel at which the drop ends; default: where the rod meets its stop. inf: where
+                the stop has brought it to rest.
+            watch: called with the contact after each step, a ForceMap say.
+        """
+        contact = self._settled()
+        rod = contact.solid.rod
+        stop = rod.law.stop if rod.law else None
+        end = to if to is not None else stop if stop is not None else np.inf
+        turn = np.inf if stop is None else stop
+        scene = Scene([contact.solid], [contact], self.scheme)
+        return _passage(
+            scene,
+            until,
+            dt,
+            lambda: rod.travel >= end or (rod.travel > turn and rod.speed < 0),
+            watch,
+        )
+
+    def insert(self, travel: float, *, speed: float = 0.5, step: float = 1e-3) -> Passage:
+        """Push the rod in slowly.
+
+        Args:
+            travel: how far, m.
+            speed: m/s.
+            step: way of a step, m.
+        """
+        return self._driven(travel, speed, step)[0]
+
+    def withdraw(self, travel: float, *, speed: float = 0.5, step: float = 1e-3) -> Passage:
+        """Pull the rod out slowly, from a travel to which it was pushed in: arguments as for
+        :meth:`insert`."""
+        inserted, scene = self._driven(travel, speed, step)
+        if not inserted.history.finished:
+            return inserted
+        inserted.rod.law = Driven(-speed)
+        return _passage(scene, scene.time + travel / speed, step / speed)
+
+    def _driven(self, travel: float, speed: float, step: float) -> tuple[Passage, Scene]:
+        for name, value in (("travel", travel), ("speed", speed), ("step", step)):
+            checks.number(name, value, above=0)
+        contact = self._settled(Driven(speed))
+        scene = Scene([contact.solid], [contact], ThetaScheme(1.0, forces="end"))
+        return _passage(scene, travel / speed, step / speed), scene
+
+    def _settled(self, law: AxialLaw | None = None) -> GuideContact:
+        """The contact of a fresh rod that has come to rest in its guide, driven by a law."""
+        rod = checks.instance("rod()", self._rod(), BeamSolid, "a BeamSolid")
+        settle(rod, self._stretch, self.guide)
+        if law is not None:
+            rod.law = law
+        return GuideContact(
+            rod, self._stretch, self.guide, self.formulation, self.friction, name="guide"
+        )
+
+
+def _passage(
+    scene: Scene,
+    until: float,
+    dt: float,
+    stop_when: Callable[[], bool] | None = None,
+    watch: Callable[[GuideContact], None] | None = None,
+) -> Passage:
+    """Run a scene of one rod in its guide."""
+    contact = scene.contacts[0]
+    assert isinstance(contact, GuideContact)
+    rod = contact.solid.rod
+
+    def normal() -> float:
+        if watch:
+            watch(contact)
+        return contact.normal_force()
+
+    def stop() -> float:
+        if rod.law is None:
+            return 0.0
+        forces = rod.law.forces(rod.travel, rod.speed, rod.mass, rod.gravity, dt)
+        return 0.0 - sum(force.value for force in forces if force.name == "stop")
+
+    history = scene.run(
+        until,
+        dt,
+        probes={
+            "travel": lambda: rod.travel,
+            "speed": lambda: rod.speed,
+            "normal": normal,
+            "wall": lambda: contact.axial_force()[0],
+            "rubbing": lambda: contact.axial_force()[1],
+            "lateral": rod.lateral_energy,
+            "stop": stop,
+        },
+        stop_when=stop_when,
+    )
+    return Passage(history, rod, contact)

@@ -360,6 +360,7 @@ if __name__ == "__main__":
 # - `rod_calibration.py`: which bow gives the paper's 1.52 s; `rod_insertion.py`: the forces of a
 #   slow insertion; `rod_drop_map.py`: 117 drops.
 # - Another bow: `Bow(sagitta, length)` in place of `Sine`, or `AnyCurve(y, dy)`.
+# - An earthquake: `Guide(..., motion=lambda t: (2e-3 * np.sin(30 * t), 0.0))`.
 # - Another water: any object with `buoyancy`, `added_mass(z)` and `drag(z)` in `Fall(...)`.
 # - `Assumed(kinked=True, amplitude=0.022)`: the rod jams, and the history says that what it was to
 #   stop at did not happen.

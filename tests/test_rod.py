@@ -366,3 +366,61 @@ def test_a_drop_of_something_else():
         RodDrop(lambda: 3, "rod", "guide")
     with pytest.raises(InputError, match="speed"):
         in_tube().insert(0.1, speed=-1.0)
+
+
+# -- an earthquake --
+
+
+def shaken(motion, friction=0.3, **law):
+    """A stiff rod at one wall of a straight tube that moves, and the contact."""
+    axis = axis_mesh((0, -0.5), (0, 1), rod=(1.0, 10))
+    lying = {"displacement": lambda s: np.full((1, len(s)), -1e-3)}
+    rod = BeamSolid(
+        axis, Section(mass=2.0, bending=1e4), gravity=(0, -9.81), law=Fall(), name="rod", **lying
+    )
+    guide = Guide([Tube(-1.0, 2.0, 1e-3)], motion=motion)
+    return rod, GuideContact(rod, "rod", guide, friction=friction, name="guide")
+
+
+@pytest.mark.parametrize("a", [5.0, 20.0])
+def test_a_guide_that_accelerates_holds_the_rod_back(a):
+    """It bears m a, so the rod falls with g - mu a."""
+    rod, contact = shaken(lambda t: (0.5 * a * t**2, 0.0))
+    probes = {"travel": lambda: rod.travel, "normal": contact.normal_force}
+    history = Scene([rod], [contact], ThetaScheme(0.5)).run(0.3, 1e-3, probes=probes)
+    t = history.time
+    assert history.finished
+    np.testing.assert_allclose(history["travel"], 0.5 * (9.81 - 0.3 * a) * t**2, atol=1e-6)
+    # a velocity is a difference of places over a thousandth of a step: drift, a tenth a step less
+    normal = history["normal"][history["dt"] > 0][1:]
+    np.testing.assert_allclose(normal, 2.0 * a, rtol=1e-4)
+    np.testing.assert_allclose(normal[-100:], 2.0 * a, rtol=1e-6)
+    place = rod.fields()["displacement"][:, 0]
+    np.testing.assert_allclose(place, 0.5 * a * t[-1] ** 2 - 1e-3, atol=1e-6)
+    assert np.abs(history["balance"]).max() < 1e-8 * history["kinetic"].max()
+
+
+def test_an_earthquake_is_resumed_to_the_bit(tmp_path):
+    def scene():
+        rod, contact = shaken(lambda t: (2e-3 * np.sin(40 * t), 0.0))
+        return Scene([rod], [contact], ThetaScheme(0.6))
+
+    whole = scene().run(0.2, 1e-3)
+    assert whole.finished and whole["guide.bearing"].max() > 0
+    scene().run(0.1, 1e-3, directory=tmp_path)
+    rest = scene().run(0.2, 1e-3, directory=tmp_path, resume=True)
+    np.testing.assert_array_equal(rest.rows()[-1], whole.rows()[-1])
+
+
+def test_motions_of_a_guide_that_make_no_sense():
+    for motion, told in {
+        3: "must be a function",
+        lambda t: (1.0, 0.0): "must be zero at time 0",
+        lambda t: (0.0,): "2 ",
+        lambda t: (np.nan, 0.0): "nan",
+    }.items():
+        with pytest.raises(InputError, match=told):
+            Guide([Tube(-1.0, 2.0, 1e-3)], motion=motion)
+    rod, contact = shaken(lambda t: (0.0, t))
+    with pytest.raises(InputError, match="across the guide"):
+        Scene([rod], [contact]).run(0.1, 1e-3)

@@ -46,14 +46,18 @@ class GuideCoupling(NodalJump):
         self._rod, self._trace, self._turn = contact.solid.rod, trace, turn
         self._deepest, self._void = contact.deepest, trace.void.copy()
         self._at: np.ndarray | None = None
+        self._when = 0.0
 
     def _look(self) -> None:
         """Distances and normals of all points, in the trial state."""
         x = self._trace.positions()
-        if x is self._at:
+        if x is self._at and (self._when == self.time or not self.driven):
             return
-        self._at, guide, rows = x, self._guide, self._stations
-        self._distances, self._outward = guide.distance(x).copy(), guide.normals(x).copy()
+        self._at, self._when, guide, rows = x, self.time, self._guide, self._stations
+        self._distances = guide.distance(x, self.time).copy()
+        self._outward = guide.normals(x, self.time).copy()
+        if self.driven:
+            x = x - guide.displacement(self.time)
         bent = self._trace.wall_slopes()
         if bent is not None:
             self._tilt(bent @ self._rod.frame)
@@ -118,7 +122,8 @@ class GuideContact(Contact):
 
     Raises:
         InputError: no beam or guide, axes that are not parallel, a rod that is longer than its
-            guide allows, a guide too bent for the rod as it starts, and what Contact refuses.
+            guide allows, a guide too bent for the rod as it starts, a guide that moves around an
+            elastic tube, and what Contact refuses.
     """
 
     #: What holds or drives a rod along its axis pays for what walls push: the rod's own books say.
@@ -140,6 +145,10 @@ class GuideContact(Contact):
     ) -> None:
         checks.instance("solid", solid, (BeamSolid, RodInTube), "a BeamSolid or a RodInTube")
         checks.instance("obstacle", obstacle, Guide, "a Guide")
+        if obstacle.moving and isinstance(solid, RodInTube):
+            raise checks.InputError(
+                "obstacle: a guide that moves takes no elastic tube along, whose inertia bends it"
+            )
         if obstacle.dim == solid.dim:
             _check_place(solid.rod, facets, obstacle)
         share = checks.number("deepest", deepest, at_least=0)

@@ -14,7 +14,8 @@ the rod is interpolated.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -31,8 +32,11 @@ class Guide:
         origin: the point at depth 0, d coordinates, m.
         direction: along which the depth grows.
         plane: in 3D, the lateral direction in which the curves bend; default: the first one.
+        motion: of an earthquake, say: the displacement of the whole guide as a function of the time
+            [s], d coordinates in m, zero at time 0, across the guide; None: it stands.
 
     Attributes:
+        moving: whether it has a motion.
         stations: depths of the stations, from the top down, (k,) in m.
         faces: which stations have a face on which a tip from above may butt, (k,): cards, and tubes
             into whose hole none leads.
@@ -40,7 +44,8 @@ class Guide:
         far: the distance of points next to which there is no wall, m: more than the guide is long.
 
     Raises:
-        InputError: no pieces, tubes that overlap, directions that are zero or not lateral.
+        InputError: no pieces, tubes that overlap, directions that are zero or not lateral, a motion
+            along the guide, or one that does not begin at zero.
     """
 
     flat = False
@@ -51,6 +56,7 @@ class Guide:
         origin: Sequence[float] = (0.0, 0.0),
         direction: Sequence[float] | None = None,
         plane: Sequence[float] | np.ndarray | None = None,
+        motion: Callable[[float], Any] | None = None,
     ) -> None:
         if not checks.sequence("pieces", pieces, (Tube, Card), "Tube and Card"):
             raise checks.InputError("pieces = []: must be a list of Tube and Card, one at least")
@@ -80,6 +86,11 @@ class Guide:
         self._bent = [(i, tube) for i, tube in enumerate(self.tubes) if tube.curve != straight]
         self._segments()
         self._stations()
+        if motion is not None and not checks.is_function(motion):
+            raise checks.InputError(f"motion = {motion!r}: must be a function of the time")
+        self.moving, self._motion = motion is not None, motion
+        if (first := self.displacement(0.0)).any():
+            raise checks.InputError(f"motion: must be zero at time 0, not {first.tolist()}")
         self._last: np.ndarray | None = None
 
     def _segments(self) -> None:
@@ -130,6 +141,25 @@ class Guide:
         self.stations, self._clearance = np.array(depths), np.array(clearances)
         self._centre, self.faces = np.array(centres), np.array(faces)
         self.bottom = self.tubes[-1].bottom if self.tubes else np.inf
+
+    def displacement(self, time: float) -> np.ndarray:
+        """Of the whole guide at a time, (d,) in m.
+
+        Raises:
+            InputError: the motion gives none, or goes along the guide.
+        """
+        if self._motion is None:
+            return np.zeros(self.dim)
+        what = f"motion({time:g})"
+        way = checks.vector(what, checks.called(what, self._motion, time), self.dim)
+        if abs(way @ self.direction) > SAME * float(np.linalg.norm(way)):
+            raise checks.InputError(f"{what} = {way.tolist()}: must be across the guide")
+        return way
+
+    def velocity(self, points: np.ndarray, start: float, end: float) -> np.ndarray:
+        """Mean velocity between two times, (n, d)."""
+        way = self.displacement(end) - self.displacement(start)
+        return np.broadcast_to(way / (end - start), points.shape)
 
     def _lateral(self, values: np.ndarray) -> np.ndarray:
         """Values of a curve as lateral components (n, d - 1)."""
@@ -205,19 +235,19 @@ class Guide:
 
     def distance(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Signed distance of the points (n, d) from the walls, positive inside the corridor, m."""
-        self._look(points)
+        self._look(points - self.displacement(time) if self.moving else points)
         return self._distance
 
     def normals(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Unit normals of the nearest walls, into the corridor, (n, d)."""
-        self._look(points)
+        self._look(points - self.displacement(time) if self.moving else points)
         return self._normal
 
     def at_stations(self, points: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distances and normals of a rod at the stations, one point each.
 
         Args:
-            points: of the rod, (k, d).
+            points: of the rod, (k, d), less the displacement of a guide that moves.
             slopes: derivative of the rod's lateral place by the depth there, in the lateral
                 directions of the guide, (k, d - 1): a corner has no normal, the rod has one.
 

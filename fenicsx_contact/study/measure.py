@@ -80,6 +80,10 @@ class Sample:
         return asdict(self)
 
 
+#: Cost: seconds after which a setting is not repeated: what lasts is measured well enough.
+LONG = 5.0
+
+
 def measure(
     study: Study, repeats: int = 3, progress: Callable[[Sample], None] | None = None
 ) -> list[Sample]:
@@ -87,7 +91,7 @@ def measure(
 
     Args:
         study: what to run.
-        repeats: runs of each setting; the median of their times is taken.
+        repeats: runs of each setting, fewer of long ones; the median of their times is taken.
         progress: called with each sample as it comes.
     """
     checks.whole_number("repeats", repeats, at_least=1)
@@ -113,6 +117,8 @@ def _sample(study: Study, method: str, setting: Setting, repeats: int) -> Sample
         except InputError as refusal:
             return Sample(method, dict(setting), np.nan, reason=f"refused: {refusal}")
         times.append(process_time() - begin)
+        if sum(times) > LONG:
+            break
     return Sample(
         method,
         dict(setting),

@@ -134,6 +134,33 @@ def test_first_frequency_converges_at_second_order(share):
     assert rates(errors).min() > 1.9
 
 
+@pytest.mark.parametrize("dim", [2, 3])
+def test_water_that_moves_along_slows_vibrations_not_falls(dim):
+    """The frequency is that of the mass with the water's; sag and free fall are those without."""
+    first, g = np.eye(dim)[0], 9.81
+    pins = [Support(0.0, lateral=math.inf), Support(2.0, lateral=math.inf)]
+    dry, wet, heavy = (
+        Section(mass=m, bending=7.0, lateral_added_mass=added)
+        for m, added in ((3.0, 0.0), (3.0, 1.5), (4.5, 0.0))
+    )
+
+    def beam(section, supports=pins, **others):
+        axis = axis_mesh([0.0] * dim, first, all=(2.0, 16))
+        return BeamSolid(axis, section, supports=supports, **others)
+
+    periods = [beam(section).matrices.slowest_period() for section in (dry, wet, heavy)]
+    assert periods[1] == pytest.approx(periods[2], rel=1e-12) and periods[1] > 1.2 * periods[0]
+    weight = {"gravity": -g * np.eye(dim)[1]}
+    sags = [at_rest(beam(section, **weight)).displacement for section in (dry, wet)]
+    np.testing.assert_allclose(sags[1], sags[0], rtol=1e-9, atol=1e-12)
+    falls = [beam(section, [], gravity=g * first) for section in (dry, wet)]
+    for each in falls:
+        Scene([each], [], allow_free=True).run(0.1, 1e-2)
+        assert each.mass == pytest.approx(6.0) and -each.speed == pytest.approx(0.1 * g)
+    with pytest.raises(InputError, match="lateral_added_mass"):
+        Section(mass=1.0, bending=1.0, lateral_added_mass=-1.0)
+
+
 def test_a_column_buckles_beyond_eulers_load():
     """Between -0.99 and -1.01 of it the slowest vibration begins to grow; steps towards rest are
     then so short that their energy is convex."""

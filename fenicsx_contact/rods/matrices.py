@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from functools import lru_cache
 
 import numpy as np
@@ -32,7 +33,8 @@ class BeamMatrices:
 
     Attributes:
         s: places of the nodes, (m,) in m.
-        bending_mass: in a plane, unknowns (w, psi) node by node; lumped, a diagonal, (2m,).
+        bending_mass: in a plane, unknowns (w, psi) node by node; lumped, a diagonal, (2m,); with
+            the fluid that moves along, ``lateral_weights``, by node, without.
         bending_stiffness: likewise, (2m, 2m).
         axial_mass, axial_stiffness: (m,) and (m, m), or (1,) and (1, 1) if inextensible.
         free_bending, free_axial: unknowns that no support holds fast.
@@ -109,7 +111,10 @@ class BeamMatrices:
             i = self._node("masses", place)
             self.bending_mass[2 * i] += checks.number("masses", kilograms, above=0)
             self.axial_mass[i] += kilograms
-        self.weights = self.axial_mass
+        self.weights, self.lateral_weights = self.axial_mass, self.bending_mass[::2].copy()
+        if values["lateral_added_mass"].any():
+            water = assembly.dense_matrix(field(values["lateral_added_mass"]) * u * u_ * nodal)
+            self.bending_mass[::2] += water.diagonal()[order]
         self.mass = float(self.weights.sum())
         if self.mass <= 0:
             raise checks.InputError(
@@ -213,7 +218,7 @@ def _values(
     axis: AxisMesh, sections: Mapping[str, Section], middle: np.ndarray
 ) -> dict[str, np.ndarray]:
     """The numbers of the sections in each cell."""
-    names = ("mass", "bending", "shear", "axial", "rotary", "tension")
+    names = [each.name for each in fields(Section)]
     values = {name: np.full(len(middle), np.nan) for name in names}
     for stretch, section in checks.mapping("sections", sections, "from stretches").items():
         checks.instance(f"sections[{stretch!r}]", section, Section, "a Section")

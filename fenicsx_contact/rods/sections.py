@@ -15,6 +15,8 @@ from ..base import checks
 Value = float | Callable[[np.ndarray], np.ndarray]
 #: A lateral field: of places along the axis [m] (n,), values (d - 1, n).
 Lateral = Callable[[np.ndarray], np.ndarray]
+# what a section may lack
+FROM_ZERO = ("mass", "rotary", "lateral_added_mass")
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,7 @@ class Section:
         rotary: rho I, kg m.
         tension: axial force that it carries, N, compression negative: it stiffens bending by
             1/2 int tension w'^2 ds. It is given: what the run adds to it is not.
+        lateral_added_mass: of the fluid that it moves along when it moves sideways, kg/m.
 
     Raises:
         InputError: a number out of range.
@@ -40,15 +43,16 @@ class Section:
     axial: Value = math.inf
     rotary: Value = 0.0
     tension: Value = 0.0
+    lateral_added_mass: Value = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("mass", "bending", "shear", "axial", "rotary", "tension"):
+        for name in vars(self):
             value = getattr(self, name)
             if checks.is_function(value) or (name in ("shear", "axial") and _endless(value)):
                 continue
             if name == "tension":
                 checks.keep(self, name)
-            elif name in ("mass", "rotary"):
+            elif name in FROM_ZERO:
                 checks.keep(self, name, at_least=0)
             else:
                 checks.keep(self, name, above=0)
@@ -62,7 +66,8 @@ class Section:
         values = checks.table(problem, checks.called(name, value, s))
         if values.shape not in ((), s.shape):
             raise checks.InputError(f"{problem}, they are {values.shape}")
-        least = {"tension": -math.inf, "mass": 0.0, "rotary": 0.0}.get(name, np.finfo(float).tiny)
+        least = 0.0 if name in FROM_ZERO else np.finfo(float).tiny
+        least = -math.inf if name == "tension" else least
         if not (values >= least).all():
             raise checks.InputError(f"{name}: its function of s gives {values.min()!r}")
         return np.broadcast_to(values, s.shape)

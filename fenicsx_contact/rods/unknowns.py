@@ -42,7 +42,7 @@ class BeamUnknowns:
         """The load of a uniform acceleration (d,), N."""
         k, load = self._matrices, np.zeros(len(self.masses))
         bending, axial = self.split(load)
-        bending[:, ::2] = (self._axis.frame @ acceleration)[:, None] * k.bending_mass[::2]
+        bending[:, ::2] = (self._axis.frame @ acceleration)[:, None] * k.lateral_weights
         axial[:] = float(acceleration @ self._axis.direction) * k.axial_mass
         return load
 

@@ -361,6 +361,8 @@ if __name__ == "__main__":
 #   slow insertion; `rod_drop_map.py`: 117 drops.
 # - Another bow: `Bow(sagitta, length)` in place of `Sine`, or `AnyCurve(y, dy)`.
 # - An earthquake: `Guide(..., motion=lambda t: (2e-3 * np.sin(30 * t), 0.0))`.
+# - The drive rod guided, too: a second `GuideContact(rod, "drive", Guide([Card(-4.5, 2e-3), ...]))`
+#   in the scene; the total is then up to 0.1 % longer, T5 is not.
 # - Another water: any object with `buoyancy`, `added_mass(z)` and `drag(z)` in `Fall(...)`.
 # - `Assumed(kinked=True, amplitude=0.022)`: the rod jams, and the history says that what it was to
 #   stop at did not happen.

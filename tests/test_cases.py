@@ -396,8 +396,8 @@ def thrown(cells, *scheme, law="velocity"):
     ("law", "theta", "forces", "kept"),
     [
         ("printed", 0.5, "theta", 0.991),
-        ("printed", 0.5, "end", 0.906),
-        ("printed", 1.0, "end", 0.867),
+        pytest.param("printed", 0.5, "end", 0.906, marks=pytest.mark.long),
+        pytest.param("printed", 1.0, "end", 0.867, marks=pytest.mark.long),
         ("velocity", 0.5, "theta", 0.9986),
         ("velocity", 0.5, "end", 0.906),
         ("velocity", 1.0, "end", 0.867),

@@ -79,7 +79,7 @@ meshio.Mesh.write = write
 over = run(stop_when=lambda: world.rank == 1 and True)
 assert world.allgather(over.steps) == [1] * world.size
 
-for name, until, dt in ("elastic_cell", 0.04, 1e-3), ("soft_block", 5e-3, 5e-4), (
+for name, until, dt in ("elastic_cell", 0.01, 1e-3), ("soft_block", 5e-3, 5e-4), (
     "two_blocks", 5e-3, 5e-4), ("pressed_blocks", 2.0, 1.0):
     scene = getattr(scenes, name)()
     if name == "elastic_cell":
@@ -94,4 +94,4 @@ for name, until, dt in ("elastic_cell", 0.04, 1e-3), ("soft_block", 5e-3, 5e-4),
 
 
 def test_errors_of_one_process_are_those_of_all_and_some_have_no_cells(tmp_path):
-    output_of(mpirun(code(SHARED, tmp_path), 4))
+    output_of(mpirun(code(SHARED, tmp_path), 3))

@@ -125,7 +125,7 @@ def test_energy_ratio_at_each_impact(located, dt, within):
         assert right / left == pytest.approx(BLOCK.energy_ratio, rel=within)
 
 
-@pytest.mark.parametrize("theta", [0.5, 1.0])
+@pytest.mark.parametrize("theta", [pytest.param(0.5, marks=long), 1.0])
 @pytest.mark.parametrize(
     "lengths",
     [(160e-6, 40e-6), pytest.param((32e-6, 8e-6, 2e-6), marks=long)],
@@ -149,8 +149,8 @@ def test_error_falls_at_first_order(theta, lengths):
     ("formulation", "scheme"),
     [
         (GAP, ThetaScheme(1.0)),
-        (Lagrange(CORNERS), ThetaScheme(1.0)),
-        (Discrete(1e12, damping=6.7e7, points=CORNERS), ThetaScheme(0.5)),
+        pytest.param(Lagrange(CORNERS), ThetaScheme(1.0), marks=long),
+        pytest.param(Discrete(1e12, damping=6.7e7, points=CORNERS), ThetaScheme(0.5), marks=long),
     ],
     ids=["gap", "lagrange", "discrete"],
 )

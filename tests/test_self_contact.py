@@ -81,7 +81,7 @@ def squashed(mesh, solver="monolithic", friction=0.0, mirror=False, steps=30):
 
 
 @pytest.mark.parametrize("solver", ["condensed", "monolithic", "iterative"])
-@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("friction", [pytest.param(0.0, marks=pytest.mark.long), 0.3])
 def test_a_squashed_ring_touches_itself(solver, friction):
     """Every solver comes to the same; what is alike does not slip, and friction changes little."""
     _, _, history = squashed(ring(), solver, friction)

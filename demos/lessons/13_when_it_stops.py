@@ -17,7 +17,6 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
@@ -32,7 +31,6 @@ from fenicsx_contact import (
     neo_hookean,
 )
 
-MESHES = Path(fenicsx_contact.__file__).parents[1] / "meshes"
 RESULTS = Path("results/lessons")
 RESULTS.mkdir(parents=True, exist_ok=True)
 plt.style.use("seaborn-v0_8-colorblind")
@@ -41,7 +39,7 @@ floor = HalfSpace(point=(0, 0), normal=(0, 1))
 
 def mesh(n=8):
     """A square metre on the floor."""
-    return mesh_from_gmsh(MESHES / "block.geo", width=1.0, height=1.0, n_width=n, n_height=n)
+    return mesh_from_gmsh("block.geo", width=1.0, height=1.0, n_width=n, n_height=n)
 
 
 # %% [markdown]

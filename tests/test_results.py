@@ -25,6 +25,7 @@ from fenicsx_contact import (
     Scene,
     name_facets,
     neo_hookean,
+    read_history,
 )
 
 P, E, NU = 2e5, 1e7, 0.3
@@ -244,3 +245,19 @@ def test_by_two_processes(tmp_path):
     np.testing.assert_allclose(np.concatenate(stress), exact, atol=1e-9 * P)
     (surface,) = written(tmp_path, "floor")
     np.testing.assert_allclose(meshio.read(surface).point_data["pressure"], P, rtol=1e-9)
+
+
+def test_a_run_that_stops_names_its_row_and_gives_advice(tmp_path):
+    """In memory and read from its directory."""
+    mesh = rectangle((2, 2), (1.0, 1.0))
+    down = {"top": lambda t: (0, -2.0 * t)}  # through the floor
+    slab = HyperelasticSolid(mesh, energy=neo_hookean(E, NU), density=1.0, prescribed=down)
+    scene = Scene([slab], [Contact(slab, "base", FLOOR, "gap")], QuasiStatic())
+    history = scene.run(1, 0.1, directory=tmp_path, shortest=0.5)
+    assert history.reason.endswith("(see: when it stops, 'contact stalls')")
+    assert "no solution that the method of multipliers finds" in history.advice
+    assert "no status changes: " in history.advice.splitlines()[-1]
+    assert read_history(tmp_path).advice == history.advice
+    assert read_history(tmp_path).reason == history.reason
+    whole = Scene([RigidSolid(mesh, mass=1.0)], [], allow_free=True).run(1, 1)
+    assert whole.reason == "finished" and whole.advice == ""

@@ -69,7 +69,8 @@ for name, attempt in tries.items():
 # ## Stopped on the way
 #
 # A slab is pressed into itself: its top goes down by 0.2 m a second, and after five seconds there
-# would be nothing left of it. The history ends where the steps end:
+# would be nothing left of it. The history ends where the steps end, and `history.advice` tells
+# cause and remedy (the page *When it stops* has them all):
 
 
 # %%
@@ -85,6 +86,7 @@ def squash(speed=0.2, until=6.0, dt=0.1):
 
 history = squash()
 print(history.reason)
+print(history.advice)
 print(f"{len(history)} rows are kept, up to t = {history.time[-1]:.4f} s")
 for time, remark in history.remarks[:3]:
     print(f"t = {time:.4f} s: {remark}")

@@ -14,11 +14,22 @@ import pytest
 from processes import HANGS
 
 TOP = Path(__file__).resolve().parent.parent
-SNIPPETS = re.findall(r"```python\n(.*?)```", (TOP / "README.md").read_text(), re.DOTALL)
+README = (TOP / "README.md").read_text()
+SNIPPETS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
 
 
 def test_there_are_snippets():
     assert len(SNIPPETS) >= 5
+
+
+def test_pictures():
+    """Three, light, each drawn by the script that the README names."""
+    shown = re.findall(r'src="demos/figures/(.*?)\.png"', README)
+    script = (TOP / "demos" / "figures.py").read_text()
+    assert len(shown) == 3 and "./run demos/figures.py" in README
+    for name in shown:
+        assert f'    "{name}": ' in script
+        assert 5e3 < (TOP / "demos" / "figures" / f"{name}.png").stat().st_size < 150e3
 
 
 def ran(code, folder, package):

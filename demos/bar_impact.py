@@ -173,7 +173,8 @@ def animate() -> None:
     pictures.animate(
         RESULTS / "run" / "fields" / "bar.pvd",
         RESULTS / "bar.gif",
-        colour_by="velocity",
+        colour_by="von_mises",
+        unit="Pa",
         line=[(-10.0, -0.5), (-10.0, 1.5)],
         edges=False,
         title="bar thrown at a wall",

@@ -268,17 +268,17 @@ def draw(
 
 
 def pictures_of() -> None:
-    """The deformed block and ring, coloured by their largest stretch."""
+    """The deformed block and ring, coloured by their largest logarithmic strain."""
     from fenicsx_contact.output import pictures
 
     def strain(gradient: np.ndarray) -> np.ndarray:
         return np.log(np.linalg.svd(np.eye(3) + gradient, compute_uv=False)[:, 0])
 
-    for name, middle, height in (("block", (0.0, -0.8), 3.4), ("ring", (0.0, -0.2), 2.6)):
+    for name, middle, height in (("block", (0.0, -0.8), 4.0), ("ring", (0.0, -0.2), 2.6)):
         pictures.deformed(
             {RESULTS / name / "fields" / f"{name}.pvd": strain},
             RESULTS / f"{name}.png",
-            label="largest logarithmic strain",
+            label="logarithmic strain",
             middle=middle,
             height=height,
         )

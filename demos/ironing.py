@@ -34,7 +34,6 @@ from typing import Any
 
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
@@ -47,7 +46,6 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.output.report import write_summary
 
-MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "ironing"
 DEPTH, WAY, PRESS_STEPS = 0.15, 1.5, 5
 MATERIALS = ("linear", "neo-Hookean")
@@ -86,8 +84,8 @@ def ironing(
         return along, -DEPTH * min(t / PRESS_STEPS, 1.0), *across
 
     width = {"width": 0.5} if n_width else {}
-    die_mesh = mesh_from_gmsh(MESHES / "die.geo", n=n, **layers, **width)
-    slab_mesh = mesh_from_gmsh(MESHES / "slab.geo", n=n, **layers, **width)
+    die_mesh = mesh_from_gmsh("die.geo", n=n, **layers, **width)
+    slab_mesh = mesh_from_gmsh("slab.geo", n=n, **layers, **width)
     die = solid(material, die_mesh, 10.0, prescribed={"top": motion}, name="die")
     slab = solid(material, slab_mesh, 1.0, fixed=["bottom"], name="slab")
     contact = Contact(die, "bottom", (slab, "top"), "gap", friction=friction, name="contact")
@@ -179,11 +177,12 @@ def draw(curves: dict[str, History], errors: dict[str, list[float]]) -> None:
     plots.save(fig, RESULTS / "newton.png")
 
 
-def animate(n: int, drag_steps: int) -> None:
-    """The die across the slab, coloured by the displacement; in 2D and, slantwise, in 3D."""
+def animate(n: int, drag_steps: int, plane_only: bool = False) -> None:
+    """The die across the slab, with the contact pressure; in 2D and, slantwise, in 3D."""
     from fenicsx_contact.output import pictures
 
-    for name, more in (("ironing", {}), ("ironing_3d", {"n_width": 2, "slant": 0.1})):
+    scenes = {"ironing": {}, "ironing_3d": {"n_width": 2, "slant": 0.1}}
+    for name, more in list(scenes.items())[: 1 if plane_only else None]:
         run = {"directory": RESULTS / name, "fields_every": 1}
         size = n if name == "ironing" else max(2, n // 3)
         iron(size, "neo-Hookean", drag_steps=drag_steps, run=run, **more)
@@ -191,11 +190,12 @@ def animate(n: int, drag_steps: int) -> None:
         pictures.animate(
             [fields / "slab.pvd", fields / "die.pvd"],
             RESULTS / f"{name}.gif",
-            colour_by="displacement",
-            unit="",
+            contact=fields / "contact.pvd",
+            colour_by="pressure",
+            unit="E",
             title="ironing, neo-Hookean",
             clock=lambda t: f"load step {t:.0f}",
-            size=(800, 360),
+            size=(640, 400),
             fps=10,
         )
 

@@ -49,11 +49,9 @@ from typing import Any
 import numpy as np
 import ufl
 
-import fenicsx_contact
 from fenicsx_contact import Contact, HalfSpace, History, RigidSolid, Scene, mesh_from_gmsh
 from fenicsx_contact.output.report import write_summary
 
-MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "own_laws"
 G, MASS, AREA, THROWN = 9.81, 10.0, 1.0, 1.0  # m/s², kg, m², m/s
 
@@ -136,7 +134,7 @@ class Penalty:
 # %%
 def block(velocity: tuple[float, float], gravity: float, lift: float = 0.0) -> RigidSolid:
     """A rigid block of one square metre at its base."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=AREA, height=0.1)
+    mesh = mesh_from_gmsh("block.geo", width=AREA, height=0.1)
     solid = RigidSolid(mesh, mass=MASS, gravity=(0, -gravity), velocity=velocity)
     solid.restore({**solid.state(), "place": solid.place + np.array([0, lift])})
     return solid

@@ -281,6 +281,42 @@ def animate(forces: ForceMap, a: Assumed) -> None:
     plots.animate_curves(RESULTS / "rod.gif", len(forces.shapes), draw, size=(3.6, 7))
 
 
+def draw_rod(forces: ForceMap, a: Assumed) -> None:
+    """The rod in its guide, lying down, now and then, and how the guide bears it then."""
+    from fenicsx_contact.output import plots
+
+    corridor, (image, (_, _, bottom, top)) = guide(a), forces.picture()
+    depth = np.linspace(-3.6, corridor.bottom - 1e-6, 800)
+    middle = corridor.centre(depth)
+    width = np.where(depth < -a.upper_guide, np.nan, corridor.distance(middle))
+    cells = np.linspace(top, bottom, len(image), endpoint=False) + forces.height / 2
+    times = np.array([time for time, *_ in forces.shapes])
+    fig, axes = plots.figure(4, size=(6.4, 5.2))
+    for ax, share in zip(axes, (0.0, 0.4, 0.7, 1.0)):
+        time, deep, shape = forces.shapes[int(np.abs(times - share * times[-1]).argmin())]
+        column = int(time / forces.duration)
+        bears = image[:, max(0, column - 2) : column + 1].mean(axis=1)  # of some 30 ms
+        for sign in (-1, 1):
+            ax.plot(depth, 1e3 * (middle[:, 0] + sign * width), color="0.6", lw=0.8)
+        ax.plot(deep, 1e3 * shape, color="black", lw=1.5)
+        places = 1e3 * np.interp(cells, np.sort(deep), shape[np.argsort(deep)])
+        spots = ax.scatter(
+            *(cells[bears > 1], places[bears > 1]),
+            c=bears[bears > 1],
+            cmap="viridis_r",
+            vmin=0,
+            vmax=100,
+            s=24,
+            zorder=3,
+        )
+        ax.set_ylim(-13, 13)
+        ax.text(0.01, 0.08, f"t = {time:.2f} s", transform=ax.transAxes)
+    fig.supylabel("lateral place [mm]")
+    axes[-1].set_xlabel("depth below the tubes' inlet [m]")
+    fig.colorbar(spots, ax=axes, label="normal force on 5 cm [N]", extend="max")
+    plots.save(fig, RESULTS / "rod_in_its_guide.png")
+
+
 def table(summary: dict[str, Any]) -> str:
     """The formulations side by side, as Markdown."""
     rows = [
@@ -333,6 +369,7 @@ def main(quick: bool = False) -> dict[str, Any]:
     draw_speeds(drops, bent["velocity"], straight)
     for name, map_ in forces.items():
         draw_forces(map_, RESULTS / f"contact_force_{name}.png")
+    draw_rod(forces["kinked"], kinked)
     if not quick:
         animate(forces["kinked"], kinked)
     print(table(summary))

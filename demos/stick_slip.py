@@ -230,6 +230,8 @@ def animate() -> None:
     pictures.animate(
         RESULTS / "run" / "fields" / "block.pvd",
         RESULTS / "block.gif",
+        contact=RESULTS / "run" / "fields" / "floor.pvd",
+        colour_by="status",
         line=[(-0.7, 0.0), (1.4, 0.0)],
         title="elastic block sliding to rest",
         size=(640, 360),

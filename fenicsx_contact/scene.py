@@ -269,20 +269,26 @@ class Scene:
         return [*things, ("impacts.", self._impacts), ("scene.", self.stepper)]
 
     def describe(self) -> str:
-        """What the scene consists of, and what was left out because nothing needs it."""
+        """What the scene consists of: scheme, geometry, solver, solids, contacts and their
+        masters, energies and works that the history books; and what was left out because nothing
+        needs it."""
         lines = [
             f"scheme: {self.scheme.describe()}",
             f"geometry: {self.geometry}, solver: {self.solver}",
         ]
         lines += [f"solid {solid.name!r}: {solid.describe()}" for solid in self.solids]
         lines += [f"contact {contact.name!r}: {contact.describe()}" for contact in self.contacts]
+        rubs = any(contact.friction_law for contact in self.contacts)
+        works = ["impact"] * bool(self.contacts) + ["friction"] * rubs
+        works += ["drive", "damping", "scheme"]
+        lines.append("booked: kinetic, strain, potential; work of " + ", ".join(works))
         left_out = ["unknowns of obstacles"]
         flat = all(contact.coupling.fixed_normal for contact in self.contacts)
         if flat and all(solid.linear for solid in self.solids):
             left_out.append(
                 "geometric fixed point (linear solids, flat obstacles: one linearisation a step)"
             )
-        if not any(contact.friction_law for contact in self.contacts):
+        if not rubs:
             left_out.append("friction")
         if not any(isinstance(solid, DeformableSolid) for solid in self.solids):
             left_out.append("function spaces and matrices on the volume (rigid solids)")

@@ -406,6 +406,18 @@ def test_ironing(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.strip().splitlines()[-1].startswith("tangential/normal force")
 
 
+@pytest.mark.long
+def test_figures(tmp_path, monkeypatch):
+    """Those of the README, drawn coarsely; the ones that are kept stay as they are."""
+    monkeypatch.chdir(tmp_path)
+    tool = load("figures")
+    kept = {path: path.stat().st_mtime for path in tool.KEPT.iterdir()}
+    drawn = tool.main(quick=True)
+    assert {path.name for path in drawn.iterdir()} == {path.name for path in kept}
+    assert all(5e3 < path.stat().st_size < 150e3 for path in drawn.iterdir())
+    assert all(path.stat().st_mtime == kept[path] for path in kept)
+
+
 def test_benchmark_contact_step(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     demo = load("benchmark_contact_step")

@@ -36,6 +36,7 @@ from fenicsx_contact import (
     neo_hookean,
     read_history,
 )
+from fenicsx_contact.output.history import COLUMNS
 from fenicsx_contact.solve.newton import NotConverged
 
 # name: builder in scenes.py, end, step
@@ -441,9 +442,30 @@ def test_description_names_scheme_method_and_master():
     text = two.describe()
     assert two.scheme.describe() == "quasi-static" and "quasi-static" in text
     assert f"geometry: {two.geometry}, solver: {two.solver}" in text
-    assert f"points of {slave.name!r}, before {master.name!r}" in text
+    assert f"points of {slave.name!r}, before {master.name!r} (master, its 5 facets 'top')" in text
     for solid in (slave, master):
         assert solid.name in text
+
+
+def booked(scene):
+    """Columns of the history that its description names."""
+    (line,) = [each for each in scene.describe().splitlines() if each.startswith("booked: ")]
+    return set(re.findall(r"\w+", line)) & set(COLUMNS)
+
+
+def test_description_names_the_books_that_are_kept():
+    """What it leaves out stays zero."""
+    books = {"kinetic", "strain", "potential", "impact", "friction", "drive", "damping", "scheme"}
+    assert booked(elastic_block()) == booked(scenes.pressed_blocks()) == books
+    thrown = RigidSolid(rectangle(), mass=1.0, gravity=(0, -G), velocity=(1.0, -1.0))
+    smooth = Scene([thrown], [Contact(thrown, "base", FLOOR)])
+    flight = Scene([thrown], [], allow_free=True)
+    assert booked(smooth) == books - {"friction"}
+    assert booked(flight) == books - {"friction", "impact"}
+    for scene in (smooth, flight):
+        history = scene.run(scene.time + 2e-3, 1e-3)
+        assert not any(history[name].any() for name in books - booked(scene))
+        assert history["impact"].any() == (scene is smooth)
 
 
 STIFF = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}

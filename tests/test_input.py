@@ -463,6 +463,21 @@ def test_gmsh_parameters():
 
 def test_gmsh_file_that_is_not_there():
     refused(lambda: mesh_from_gmsh("nowhere.geo"), "file = 'nowhere.geo'", "no such file")
+    refused(lambda: mesh_from_gmsh("nowhere.geo"), "that come along", "block.geo, box.geo")
+    refused(lambda: mesh_from_gmsh("some/block.geo"), "no such file")
+
+
+def test_gmsh_file_that_comes_along(tmp_path, monkeypatch):
+    """A bare name means it, unless the present folder has one of the same name."""
+    monkeypatch.chdir(tmp_path)
+    ours = mesh_from_gmsh("block.geo", width=0.5)
+    assert "base" in ours.names
+    (tmp_path / "block.geo").write_text(
+        'SetFactory("OpenCASCADE"); Rectangle(1) = {0, 0, 0, 1, 1};\n'
+        'Physical Surface("all") = {1}; Physical Curve("under") = {1};'
+    )
+    assert set(mesh_from_gmsh("block.geo").names) == {"under"}
+    refused(lambda: mesh_from_gmsh("block.geo", width=0.5), "block.geo declares nothing")
 
 
 @pytest.mark.parametrize(

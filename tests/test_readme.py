@@ -1,36 +1,83 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The README's snippets run verbatim, each by itself, beside the meshes."""
+"""The README's snippets run verbatim, each by itself from an empty folder, in the source tree and
+as a wheel installs the package."""
 
 import os
 import re
+import shutil
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
 from processes import HANGS
 
 TOP = Path(__file__).resolve().parent.parent
-SNIPPETS = re.findall(r"```python\n(.*?)```", (TOP / "README.md").read_text(), re.DOTALL)
+README = (TOP / "README.md").read_text()
+SNIPPETS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
 
 
 def test_there_are_snippets():
     assert len(SNIPPETS) >= 5
 
 
-@pytest.mark.parametrize("snippet", SNIPPETS, ids=range(len(SNIPPETS)))
-def test_snippet(snippet, tmp_path):
-    (tmp_path / "meshes").symlink_to(TOP / "meshes")
-    (tmp_path / "snippet.py").write_text(snippet)
+def test_pictures():
+    """Three, light, each drawn by the script that the README names."""
+    shown = re.findall(r'src="demos/figures/(.*?)\.png"', README)
+    script = (TOP / "demos" / "figures.py").read_text()
+    assert len(shown) == 3 and "./run demos/figures.py" in README
+    for name in shown:
+        assert f'    "{name}": ' in script
+        assert 5e3 < (TOP / "demos" / "figures" / f"{name}.png").stat().st_size < 150e3
+
+
+def ran(code, folder, package):
+    """What a script prints that is run from an empty folder, with the package of another."""
+    folder.mkdir()
+    assert not any(folder.iterdir())
     run = subprocess.run(
-        [sys.executable, "snippet.py"],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(TOP)},
+        [sys.executable, "-c", code],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(package)},
         capture_output=True,
         text=True,
         timeout=HANGS,
         check=False,
     )
     assert run.returncode == 0, run.stderr
-    assert "print(" not in snippet or run.stdout.strip()
-    assert "stopped" not in run.stdout
+    return run.stdout
+
+
+@pytest.mark.parametrize("snippet", SNIPPETS, ids=range(len(SNIPPETS)))
+def test_snippet(snippet, tmp_path):
+    said = ran(snippet, tmp_path / "empty", TOP)
+    assert "print(" not in snippet or said.strip()
+    assert "stopped" not in said
+
+
+def test_a_wheel_holds_the_package_and_what_comes_along(tmp_path):
+    """Built without the network, unpacked where nothing else is."""
+    pytest.importorskip("wheel")
+    source, wheels = tmp_path / "source", tmp_path / "wheels"
+    source.mkdir()
+    for name in ("fenicsx_contact", "meshes"):
+        shutil.copytree(TOP / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("pyproject.toml", "README.md"):
+        shutil.copy(TOP / name, source)
+    pip = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--no-index"]
+    subprocess.run([*pip, "-q", "-w", wheels, source], check=True, capture_output=True)
+    (wheel,) = wheels.iterdir()
+    unpacked = tmp_path / "unpacked"
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(unpacked)
+    for kind in ("*.py", "py.typed"):
+        files = {path.relative_to(TOP) for path in (TOP / "fenicsx_contact").rglob(kind)}
+        assert files == {path.relative_to(unpacked) for path in unpacked.rglob(kind)}
+    scripts = {path.name for path in (TOP / "meshes").glob("*.geo")}
+    found = (unpacked / "fenicsx_contact" / "meshes").glob("*.geo")
+    assert {path.name for path in found} == scripts
+    shutil.rmtree(source)
+    snippet = SNIPPETS[0] + "\nimport fenicsx_contact\nprint(fenicsx_contact.__file__)\n"
+    said = ran(snippet, tmp_path / "empty", unpacked)
+    assert "finished" in said and str(unpacked) in said

@@ -58,7 +58,8 @@ def test_a_full_disk_stops_the_run_with_a_reason(writes, checkpoints, tmp_path):
         history = run(directory=tmp_path)
     file = tmp_path / ("history.f64" if writes % 2 else "state.npz")
     told = f"{file} cannot be written: No space left on device"
-    assert history.reason == f"stopped at t = 0.004 s: {told}"
+    see = "(see: when it stops, 'cannot be written')"
+    assert history.reason == f"stopped at t = 0.004 s: {told} {see}"
     assert history.steps == 4  # what is in memory is lost with the process only
     assert [text for _, text in history.remarks] == [
         f"{tmp_path / 'end.json'} cannot be written: No space left on device"

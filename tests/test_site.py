@@ -19,6 +19,7 @@ import pytest
 from test_lessons import LESSONS, learn
 
 import fenicsx_contact
+from fenicsx_contact.output import stops
 
 TOP = Path(__file__).resolve().parent.parent
 SITE = TOP / "demos" / "site"
@@ -28,9 +29,23 @@ WIDTHS = (400, 1400)
 
 def test_every_reason_to_stop_is_on_its_page():
     page = (SITE / "reference" / "stops.md").read_text()
+    assert all(f"generated/stops_{section}.md" in page for section in stops.STOPS)
+    page += "".join(map(stops.table, stops.STOPS))
     found = runpy.run_path(str(SITE / "reasons.py"))["reasons"]()
     assert len(found) >= 20
     assert not [each for each in found if f"`{each[1]}`" not in page]
+
+
+LISTED = [stop for section in stops.STOPS.values() for stop in section]
+
+
+@pytest.mark.parametrize("stop", LISTED, ids=lambda stop: stop.name)
+def test_a_reason_leads_to_its_row(stop):
+    """What a run says has a name of its own, and advice; as it stands in the middle of a reason."""
+    assert [other.name for other in LISTED].count(stop.name) == 1
+    said = "stopped at t = 1 s: " + stop.says.replace("...", "7.5e-3") + "; steps down to 1 s fail"
+    assert stops.hint(said) == f" (see: when it stops, {stop.name!r})"
+    assert stop.remedy in stops.advice(said) and stops.explained("finished") == []
 
 
 def test_lessons_are_on_the_page_of_what_comes_after():

@@ -24,10 +24,8 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import Contact, HalfSpace, Restitution, RigidSolid, Scene, mesh_from_gmsh
 
-MESHES = Path(fenicsx_contact.__file__).parents[1] / "meshes"
 RESULTS = Path("results/lessons")
 RESULTS.mkdir(parents=True, exist_ok=True)
 plt.style.use("seaborn-v0_8-colorblind")
@@ -83,7 +81,7 @@ fig.savefig(RESULTS / "01_graph.png", dpi=150)
 # %%
 def fall(law, until=1.5, dt=0.01, **options):
     """The history of a mass that falls from the height h, with its height and its contact."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=0.1, height=0.1, n_height=1)
+    mesh = mesh_from_gmsh("block.geo", width=0.1, height=0.1, n_height=1)
     mass = RigidSolid(mesh, mass=m, gravity=(0, -g), held=["turning"])
     contact = Contact(mass, "base", HalfSpace((0, -h), (0, 1)), law, name="floor")
     height = {"height": lambda: mass.place[1] - 0.05 + h, "v": lambda: mass.velocity[1]}

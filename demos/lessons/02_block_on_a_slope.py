@@ -23,10 +23,8 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import Contact, HalfSpace, RigidSolid, Scene, mesh_from_gmsh
 
-MESHES = Path(fenicsx_contact.__file__).parents[1] / "meshes"
 RESULTS = Path("results/lessons")
 RESULTS.mkdir(parents=True, exist_ok=True)
 plt.style.use("seaborn-v0_8-colorblind")
@@ -42,7 +40,7 @@ g, mu = 9.81, 0.5
 def slide(slope, friction=mu, until=1.0, dt=0.01):
     """The history of a flat block that is put on a slope of the given tangent, with its speed."""
     angle = atan(slope)
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=1.0, height=0.1)
+    mesh = mesh_from_gmsh("block.geo", width=1.0, height=0.1)
     block = RigidSolid(mesh, mass=1.0, gravity=(g * sin(angle), -g * cos(angle)))
     floor = HalfSpace(point=(0, 0), normal=(0, 1))
     contact = Contact(block, "base", floor, friction=friction, name="floor")

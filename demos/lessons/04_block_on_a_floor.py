@@ -22,10 +22,8 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import Contact, ElasticSolid, HalfSpace, QuasiStatic, Scene, mesh_from_gmsh
 
-MESHES = Path(fenicsx_contact.__file__).parents[1] / "meshes"
 RESULTS = Path("results/lessons")
 RESULTS.mkdir(parents=True, exist_ok=True)
 plt.style.use("seaborn-v0_8-colorblind")
@@ -43,7 +41,7 @@ def press(friction, steps=10, n=32):
     """The block's contact, and the history, once the load is there."""
     size = {"width": 1.0, "height": 1.0, "n_width": n, "n_height": n}
     block = ElasticSolid(
-        mesh_from_gmsh(MESHES / "block.geo", **size),
+        mesh_from_gmsh("block.geo", **size),
         youngs_modulus=E,
         poisson_ratio=nu,
         density=1.0,

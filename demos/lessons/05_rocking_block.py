@@ -22,12 +22,10 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import Contact, HalfSpace, RigidSolid, Scene, mesh_from_gmsh
 from fenicsx_contact.references.housner import Block, rocking
 from fenicsx_contact.references.swings import swings
 
-MESHES = Path(fenicsx_contact.__file__).parents[1] / "meshes"
 RESULTS = Path("results/lessons")
 RESULTS.mkdir(parents=True, exist_ok=True)
 plt.style.use("seaborn-v0_8-colorblind")
@@ -43,7 +41,7 @@ print(f"each impact leaves {shape.energy_ratio:.4f} of the energy")
 # %%
 def rock(until=0.044, dt=4e-4, friction=0.9, **options):
     """The history of the block, with its tilt."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=shape.width, height=shape.height)
+    mesh = mesh_from_gmsh("block.geo", width=shape.width, height=shape.height)
     corner = (-shape.width / 2, 0)
     block = RigidSolid(mesh, mass=shape.mass, gravity=(0, -9.81), rotation=tilt, about=corner)
     floor = HalfSpace(point=(0, 0), normal=(0, 1))

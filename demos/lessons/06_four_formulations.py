@@ -22,7 +22,6 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     Discrete,
@@ -36,7 +35,6 @@ from fenicsx_contact import (
 from fenicsx_contact.references.housner import Block, rocking
 from fenicsx_contact.references.swings import swings
 
-MESHES = Path(fenicsx_contact.__file__).parents[1] / "meshes"
 RESULTS = Path("results/lessons")
 RESULTS.mkdir(parents=True, exist_ok=True)
 plt.style.use("seaborn-v0_8-colorblind")
@@ -59,7 +57,7 @@ FORMULATIONS = {
 def rock(name, dt=5e-4, until=0.29, **options):
     """The history of the block by one of them."""
     law, scheme = FORMULATIONS[name]
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=shape.width, height=shape.height)
+    mesh = mesh_from_gmsh("block.geo", width=shape.width, height=shape.height)
     block = RigidSolid(
         mesh, mass=shape.mass, gravity=(0, -9.81), rotation=tilt, about=corners[0], name="block"
     )

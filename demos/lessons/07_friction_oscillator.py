@@ -21,10 +21,8 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import Contact, HalfSpace, RigidSolid, Scene, mesh_from_gmsh
 
-MESHES = Path(fenicsx_contact.__file__).parents[1] / "meshes"
 RESULTS = Path("results/lessons")
 RESULTS.mkdir(parents=True, exist_ok=True)
 plt.style.use("seaborn-v0_8-colorblind")
@@ -41,7 +39,7 @@ half = pi * np.sqrt(m / k)  # s, half a period
 # %%
 def swing(steps=40, start=0.85e-3, friction=mu, halves=6):
     """The history of the mass, with its place; so many steps to half a period."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=0.1, height=0.1, n_height=1)
+    mesh = mesh_from_gmsh("block.geo", width=0.1, height=0.1, n_height=1)
     block = RigidSolid(mesh, mass=m, held=["turning"], springs={(0.0, 0.05): (k, 0)}, force=(0, -N))
     state = block.state()
     block.restore({**state, "place": state["place"] + np.array([start, 0.0])})  # drawn aside

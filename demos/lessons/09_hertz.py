@@ -21,11 +21,9 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import Contact, ElasticSolid, QuasiStatic, Scene, mesh_from_gmsh
 from fenicsx_contact.references.hertz import LineContact, effective_modulus
 
-MESHES = Path(fenicsx_contact.__file__).parents[1] / "meshes"
 RESULTS = Path("results/lessons")
 RESULTS.mkdir(parents=True, exist_ok=True)
 plt.style.use("seaborn-v0_8-colorblind")
@@ -43,9 +41,9 @@ modulus = effective_modulus(E, nu, E, nu)
 def press(depth, n=10, friction=0.0):
     """The contact, and how many Newton iterations it took; n elements over 1 mm."""
     zone = {"h": 1.0 / n, "half_width": 1.3, "coarse": R / 5}
-    round_one = mesh_from_gmsh(MESHES / "cylinder.geo", R=R, **zone)
+    round_one = mesh_from_gmsh("cylinder.geo", R=R, **zone)
     zone["h"] *= 0.8
-    flat_one = mesh_from_gmsh(MESHES / "foundation.geo", width=4 * R, height=4 * R, **zone)
+    flat_one = mesh_from_gmsh("foundation.geo", width=4 * R, height=4 * R, **zone)
     steel = {"youngs_modulus": E, "poisson_ratio": nu, "density": 1.0}
     down = {"top": lambda t: (0, -depth * t)}
     cylinder = ElasticSolid(round_one, prescribed=down, name="cylinder", **steel)

@@ -21,11 +21,9 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import Contact, ElasticSolid, QuasiStatic, Scene, mesh_from_gmsh
 from fenicsx_contact.references.hertz import LineContact, ShearedLine, effective_modulus
 
-MESHES = Path(fenicsx_contact.__file__).parents[1] / "meshes"
 RESULTS = Path("results/lessons")
 RESULTS.mkdir(parents=True, exist_ok=True)
 plt.style.use("seaborn-v0_8-colorblind")
@@ -43,9 +41,9 @@ modulus = effective_modulus(E, nu, E, nu)
 def push(shift=0.0235, depth=0.058, n=10, steps=4):
     """The contact after it has been pressed and pushed, and the Newton iterations of each step."""
     zone = {"h": 1.0 / n, "half_width": 1.3, "coarse": R / 5}
-    round_one = mesh_from_gmsh(MESHES / "cylinder.geo", R=R, **zone)
+    round_one = mesh_from_gmsh("cylinder.geo", R=R, **zone)
     zone["h"] *= 0.8
-    flat_one = mesh_from_gmsh(MESHES / "foundation.geo", width=4 * R, height=4 * R, **zone)
+    flat_one = mesh_from_gmsh("foundation.geo", width=4 * R, height=4 * R, **zone)
     steel = {"youngs_modulus": E, "poisson_ratio": nu, "density": 1.0}
     path = {"top": lambda t: (shift * max(0.0, t - 1), -depth * min(t, 1.0))}
     cylinder = ElasticSolid(round_one, prescribed=path, name="cylinder", **steel)

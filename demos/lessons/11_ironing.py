@@ -23,7 +23,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import PolyCollection
 
-import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     HyperelasticSolid,
@@ -33,7 +32,6 @@ from fenicsx_contact import (
     neo_hookean,
 )
 
-MESHES = Path(fenicsx_contact.__file__).parents[1] / "meshes"
 RESULTS = Path("results/lessons")
 RESULTS.mkdir(parents=True, exist_ok=True)
 plt.style.use("seaborn-v0_8-colorblind")
@@ -49,7 +47,7 @@ mu = 0.3
 # %%
 def iron(geometry="newton", until=15, dt=1.0, n=6, friction=mu, depth=0.05):
     """The solids and the history of a die that is pressed into a slab and drawn across it."""
-    die_mesh, slab_mesh = (mesh_from_gmsh(MESHES / f"{name}.geo", n=n) for name in ("die", "slab"))
+    die_mesh, slab_mesh = (mesh_from_gmsh(f"{name}.geo", n=n) for name in ("die", "slab"))
 
     def motion(t):
         return 0.05 * max(0.0, t - 5), -depth * min(t / 5, 1.0)

@@ -22,12 +22,10 @@ from time import perf_counter
 import matplotlib.pyplot as plt
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import Contact, HalfSpace, RigidSolid, Scene, mesh_from_gmsh
 from fenicsx_contact.references.housner import Block, rocking
 from fenicsx_contact.references.swings import swings
 
-MESHES = Path(fenicsx_contact.__file__).parents[1] / "meshes"
 RESULTS = Path("results/lessons")
 RESULTS.mkdir(parents=True, exist_ok=True)
 plt.style.use("seaborn-v0_8-colorblind")
@@ -44,7 +42,7 @@ exact = rocking(shape, tilt, impacts)
 # %%
 def rock(dt, **options):
     """Error of the times of impact and run time [s]."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=shape.width, height=shape.height)
+    mesh = mesh_from_gmsh("block.geo", width=shape.width, height=shape.height)
     corner = (-shape.width / 2, 0)
     block = RigidSolid(mesh, mass=shape.mass, gravity=(0, -9.81), rotation=tilt, about=corner)
     contact = Contact(block, "base", HalfSpace((0, 0), (0, 1)), friction=0.9, name="floor")

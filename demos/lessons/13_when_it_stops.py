@@ -17,7 +17,6 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
@@ -32,7 +31,6 @@ from fenicsx_contact import (
     neo_hookean,
 )
 
-MESHES = Path(fenicsx_contact.__file__).parents[1] / "meshes"
 RESULTS = Path("results/lessons")
 RESULTS.mkdir(parents=True, exist_ok=True)
 plt.style.use("seaborn-v0_8-colorblind")
@@ -41,7 +39,7 @@ floor = HalfSpace(point=(0, 0), normal=(0, 1))
 
 def mesh(n=8):
     """A square metre on the floor."""
-    return mesh_from_gmsh(MESHES / "block.geo", width=1.0, height=1.0, n_width=n, n_height=n)
+    return mesh_from_gmsh("block.geo", width=1.0, height=1.0, n_width=n, n_height=n)
 
 
 # %% [markdown]
@@ -71,7 +69,8 @@ for name, attempt in tries.items():
 # ## Stopped on the way
 #
 # A slab is pressed into itself: its top goes down by 0.2 m a second, and after five seconds there
-# would be nothing left of it. The history ends where the steps end:
+# would be nothing left of it. The history ends where the steps end, and `history.advice` tells
+# cause and remedy (the page *When it stops* has them all):
 
 
 # %%
@@ -87,6 +86,7 @@ def squash(speed=0.2, until=6.0, dt=0.1):
 
 history = squash()
 print(history.reason)
+print(history.advice)
 print(f"{len(history)} rows are kept, up to t = {history.time[-1]:.4f} s")
 for time, remark in history.remarks[:3]:
     print(f"t = {time:.4f} s: {remark}")

@@ -22,10 +22,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import ufl  # noqa: F401 (for yours)
 
-import fenicsx_contact
 from fenicsx_contact import Contact, HalfSpace, RigidSolid, Scene, mesh_from_gmsh
 
-MESHES = Path(fenicsx_contact.__file__).parents[1] / "meshes"
 RESULTS = Path("results/lessons")
 RESULTS.mkdir(parents=True, exist_ok=True)
 plt.style.use("seaborn-v0_8-colorblind")
@@ -83,7 +81,7 @@ class Warming:
 # %%
 def throw(law, until=1.0, dt=1e-3):
     """The history of a block thrown along the floor, with its speed and its way."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=1.0, height=0.1)
+    mesh = mesh_from_gmsh("block.geo", width=1.0, height=0.1)
     block = RigidSolid(mesh, mass=m, gravity=(0, -g), velocity=(v0, 0.0))
     contact = Contact(block, "base", HalfSpace((0, 0), (0, 1)), friction=law, name="floor")
     start = block.place[0]

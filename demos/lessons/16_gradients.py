@@ -22,11 +22,9 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import Contact, HalfSpace, RigidSolid, Scene, mesh_from_gmsh
 from fenicsx_contact.gradients import Centre, Law, ObstacleShift, tangents
 
-MESHES = Path(fenicsx_contact.__file__).parents[1] / "meshes"
 RESULTS = Path("results/lessons")
 RESULTS.mkdir(parents=True, exist_ok=True)
 plt.style.use("seaborn-v0_8-colorblind")
@@ -41,7 +39,7 @@ g, v0, h0, mu0 = 9.81, 2.0, 0.1, 0.4  # m/s², m/s, m, -
 # %%
 def thrown(height=h0, mu=mu0, locate=True):
     """A mass that is thrown from a height: scene, mass and contact."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=0.1, height=0.1, n_height=1)
+    mesh = mesh_from_gmsh("block.geo", width=0.1, height=0.1, n_height=1)
     mass = RigidSolid(mesh, mass=1.0, gravity=(0, -g), velocity=(v0, 0), held=["turning"])
     floor = HalfSpace(point=(0, -height), normal=(0, 1))
     contact = Contact(mass, "base", floor, friction=mu, name="floor")

@@ -8,6 +8,7 @@ from pathlib import Path
 import scenes
 import sketches
 
+from fenicsx_contact.output import stops
 from fenicsx_contact.output.thresholds import table
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -26,6 +27,8 @@ def make(target: Path) -> set[Path]:
     """Write all; returns the files."""
     texts = {f"code/{Path(name).name}": (ROOT / name).read_text() for name in CODE}
     texts["generated/tolerances.md"] = table() + "\n"
+    for section in stops.STOPS:
+        texts[f"generated/stops_{section}.md"] = stops.table(section) + "\n"
     made = set()
     for name, text in texts.items():
         path = target / name

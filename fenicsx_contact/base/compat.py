@@ -119,7 +119,7 @@ def component_space(mesh: Any, components: int) -> Any:
 
 
 @quiet_compiler()
-def _cellwise(mesh: Any, dim: int = 0) -> Any:
+def cellwise_space(mesh: Any, dim: int = 0) -> Any:
     """Space of scalars, or vectors of ``dim`` components, that are constant in each cell."""
     if MODERN:
         return fem.functionspace(mesh, ("DG", 0, (dim,)) if dim else ("DG", 0))
@@ -239,7 +239,7 @@ class PointExpression:
         """Values, (cells, vertices x components)."""
         mesh = (self._mesh,) if MODERN else ()
         values = self._expression.eval(*mesh, self._cells)
-        return np.asarray(values).reshape(len(self._cells), -1)
+        return np.reshape(values, (len(self._cells), -1 if len(self._cells) else 1))
 
 
 class PointCloud:
@@ -248,8 +248,8 @@ class PointCloud:
 
     def __init__(self, n: int, dim: int) -> None:
         mesh = dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, n)
-        self._space = _cellwise(mesh)
-        vectors = _cellwise(mesh, dim)
+        self._space = cellwise_space(mesh)
+        vectors = cellwise_space(mesh, dim)
         self.x, self.t = fem.Function(vectors, name="x"), fem.Function(self._space, name="t")
         self._rows = cell_dofs(vectors).ravel()
 
@@ -295,6 +295,6 @@ class PointValues:
 
 def cell_constants(mesh: Any, values: np.ndarray) -> Any:
     """A coefficient that is constant in each cell, from values (cells,) (one process)."""
-    function = fem.Function(_cellwise(mesh))
+    function = fem.Function(cellwise_space(mesh))
     function.x.array[cell_dofs(function.function_space).ravel()] = values
     return function

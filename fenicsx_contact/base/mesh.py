@@ -14,7 +14,7 @@ import dolfinx
 import numpy as np
 from mpi4py import MPI
 
-from . import checks, compat
+from . import checks, compat, shipped
 from .constants import SAME
 
 _FACET_CELL = {
@@ -208,7 +208,8 @@ def mesh_from_gmsh(
     facets and points.
 
     Args:
-        file: path of the file.
+        file: path of the file. A bare name that the present folder lacks (``"block.geo"``) is that
+            of a script which comes with the package: see ``meshes/`` of its source.
         comm: the processes over which the mesh is distributed.
         parameters: values for what the script declares by ``DefineConstant``.
 
@@ -217,9 +218,9 @@ def mesh_from_gmsh(
     """
     import gmsh
 
-    path = checks.path("file", file)
-    if not path.is_file():
-        raise checks.InputError(f"file = {str(file)!r}: no such file")
+    path, missing = shipped.find(checks.path("file", file))
+    if missing:
+        raise checks.InputError(f"file = {str(file)!r}: {missing}")
     declared = _declared(path) if path.suffix == ".geo" else set()
     given = []
     for name, value in parameters.items():

@@ -20,12 +20,13 @@ from .candidates import Candidates
 from .equations import SurfaceEquations
 from .jump import Coupling
 from .pairing import Master, acting_points, check_master, couple, worn
+from .results import SurfaceResults
 from .scales import Scales
 from .springs import TangentialSprings
 from .surface import Surface
 
 
-class Contact:
+class Contact(SurfaceResults):
     """A contact between the named facets of a solid (slave) and what they may touch (master).
 
     Args:
@@ -48,6 +49,8 @@ class Contact:
         noise: distances below it, m, are round-off of the places.
         candidates: of the step.
         status, force: of the last step: 0 open, 1 stick, 2 slip; mean on the solid, N.
+        pressure, friction_traction: of the last step, (n,) and (n, d) in Pa, see
+            :class:`~fenicsx_contact.contact.results.SurfaceResults`.
         memory: what its laws remember; empty if they do not.
 
     Raises:
@@ -251,15 +254,6 @@ class Contact:
         self.coupling.accept()
         self.gap, self.jump = self.coupling.gaps(), self.trial_jump
         self._start()
-
-    def depth(self) -> float:
-        """Penetration of the deepest point, m."""
-        return max(0.0, float(self.gap[self.chosen].max()))
-
-    @property
-    def multiplier(self) -> np.ndarray | None:
-        """lam at the nodes in the last step, Pa (N for point multipliers), None for springs."""
-        return self.equations.multiplier
 
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically."""

@@ -159,9 +159,14 @@ class MortarJump(Coupling):
     fixed_normal = False
 
     def __init__(
-        self, solids: tuple[Solid, Solid], sides: tuple[Side, Side], equations: SurfaceEquations
+        self,
+        solids: tuple[Solid, Solid],
+        sides: tuple[Side, Side],
+        equations: SurfaceEquations,
+        facets: str,
     ) -> None:
         self.solids, self.equations = list(solids), equations
+        self._facets = facets  # of the master
         self.pairing = Pairing(*sides)
         self.traces = [solid.trace(side.nodes) for solid, side in zip(solids, sides)]
         self.part = self._part = PairedEquations(equations, self.pairing)
@@ -245,7 +250,8 @@ class MortarJump(Coupling):
         return square(self.pairing.operator) @ mobility.reshape(self._shape)
 
     def describe(self) -> str:
-        return f"{self.solids[1].name!r}, {len(self.pairing.master.cells)} facets"
+        many = len(self.pairing.master.cells)
+        return f"{self.solids[1].name!r} (master, its {many} facets {self._facets!r})"
 
     def positions(self) -> np.ndarray:
         return self.pairing.places[: self._n]

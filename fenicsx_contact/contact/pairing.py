@@ -88,7 +88,7 @@ def couple(solid: Solid, facets: str, equations: SurfaceEquations, other: Master
         return coupling
     master, theirs = other
     sides = side_of(solid, facets, equations.fields.surface), side_of(master, theirs)
-    pair = MortarJump((solid, master), sides, equations)
+    pair = MortarJump((solid, master), sides, equations, theirs)
     if not pair.faces:
         raise checks.InputError(
             f"master = ({master.name!r}, {theirs!r}): nowhere faces {facets!r} of "

@@ -5,8 +5,9 @@ collection a thing. Each file is complete as soon as it is there, so a killed ru
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
@@ -18,7 +19,7 @@ from ..base.mesh import FRAME
 from ..base.mesh_files import TO_MESHIO
 from ..base.processes import on_first
 from ..contact.contact import Contact
-from ..solids import Solid
+from ..solids import DeformableSolid, Solid
 from .storage import NotWritten, replace_file, writing
 
 #: VTK's order with the other orientation.
@@ -46,8 +47,13 @@ def vtk_cells(mesh: Any) -> list[tuple[str, np.ndarray]]:
 
 
 class FieldWriter:
-    """Writes the solids (displacement, velocity) and the contact surfaces (pressure or point
-    force, mean force, gap, status) in the subdirectory ``fields``.
+    """Writes the solids and the contact surfaces in the subdirectory ``fields``.
+
+    Of solids ``displacement`` and ``velocity``; of deformable ones, cell by cell, ``stress``
+    (Cauchy's, nine components) and ``von_mises``, Pa. Of the nodes of contacts ``gap`` [m],
+    ``status`` (0 open, 1 stick, 2 slip), ``force`` [N], ``displacement``; ``pressure`` (> 0) and
+    ``friction_traction`` [Pa] where there are areas; ``multiplier`` where there are any. See
+    :class:`~fenicsx_contact.contact.results.SurfaceResults`.
 
     Args:
         solids, contacts: what to write.
@@ -100,8 +106,9 @@ class FieldWriter:
         self._times.append((time, self._parts))
         for solid in self._solids:
             x, fields = solid.mesh.mesh.geometry.x, solid.fields()  # asks every process
+            inside = solid.cell_fields() if isinstance(solid, DeformableSolid) else {}
             if self._comm.rank in self._parts[solid.name]:
-                self._write(solid.name, number, x, vtk_cells(solid.mesh.mesh), fields)
+                self._write(solid.name, number, x, vtk_cells(solid.mesh.mesh), fields, inside)
         for contact in self._contacts:
             self._write_contact(contact, number)
         for failure in filter(None, self._comm.allgather(self._failure)):
@@ -115,6 +122,8 @@ class FieldWriter:
         data = {"force": contact.force, "gap": contact.gap, "status": contact.status}
         if contact.multiplier is not None:
             data["multiplier"] = contact.multiplier
+        if not contact.formulation.at_points:
+            data |= {"pressure": contact.pressure, "friction_traction": contact.friction_traction}
         data["displacement"] = contact.coupling.positions() - surface.points  # asks every process
         if self._comm.rank == 0:
             self._write(contact.name, number, surface.points, cells, data)
@@ -126,9 +135,11 @@ class FieldWriter:
         points: np.ndarray,
         cells: list[tuple[str, np.ndarray]],
         data: dict[str, np.ndarray],
+        inside: Mapping[str, np.ndarray] = MappingProxyType({}),
     ) -> None:
         padded = {k: _three(v) if v.ndim == 2 else v for k, v in data.items()}
-        mesh = meshio.Mesh(_three(points), cells, point_data=padded)
+        in_cells = {name: [values] for name, values in inside.items()}
+        mesh = meshio.Mesh(_three(points), cells, point_data=padded, cell_data=in_cells)
         path = self._path / self._file(name, number, self._comm.rank)
         try:
             with writing(path):

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..base.vectors import largest
+from .stops import advice
 
 #: Columns of every history; each contact adds those of :func:`contact_columns`.
 COLUMNS = (
@@ -60,7 +61,8 @@ class History:
     * last the probes of the run.
 
     Attributes:
-        reason: why the run ended; ``"finished"`` if it reached the end.
+        reason: why the run ended; ``"finished"`` if it reached the end. Others end with the name
+            by which the page *When it stops* explains them.
         times: seconds spent by phase.
         remarks: (time, text) of what a reader of the run should know (shortened steps,
             ping-pong).
@@ -99,6 +101,11 @@ class History:
     def finished(self) -> bool:
         """Whether the run reached its end."""
         return self.reason == "finished"
+
+    @property
+    def advice(self) -> str:
+        """Cause and remedy of what the reason says, a line each; nothing if it finished."""
+        return advice(self.reason)
 
     @property
     def time(self) -> np.ndarray:

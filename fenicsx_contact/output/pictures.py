@@ -44,10 +44,30 @@ def frames(pvd: Path) -> tuple[list[float], Callable[[int], Any]]:
     return list(reader.time_values), read
 
 
+#: Colours of statuses that the colour-blind tell apart: open, stick, slip.
+STATUS = {"open": "#bbbbbb", "stick": "#0072b2", "slip": "#e69f00"}
+BLACK = "black"
+
+
+def _look_of(field: str, label: str, limit: float) -> dict[str, Any]:
+    """How a field is coloured, and its bar: the label stands clear of the numbers."""
+    bar = {"title": f"{label}\n ", "vertical": True, "color": BLACK, "title_font_size": 15}
+    bar |= {"position_x": 0.86, "position_y": 0.2, "width": 0.06, "height": 0.55}
+    bar |= {"label_font_size": 13, "fmt": "%.0f" if limit >= 1e3 else "%.3g", "n_labels": 4}
+    bar |= {"fill": True, "background_color": "white"}
+    if field == "status":
+        names = dict(enumerate(STATUS))
+        bar |= {"n_labels": 0, "title": " "}
+        shown = {"clim": (-0.5, 2.5), "cmap": list(STATUS.values()), "annotations": names}
+        return {"scalars": field, "scalar_bar_args": bar, **shown}
+    return {"scalars": field, "scalar_bar_args": bar, "clim": (0, limit), "cmap": "viridis"}
+
+
 def animate(
     pvd: Path | Sequence[Path],
     path: Path,
     *,
+    contact: Path | None = None,
     magnify: float = 1.0,
     line: Sequence[Sequence[float]] | None = None,
     edges: bool = True,
@@ -62,55 +82,60 @@ def animate(
 
     Args:
         pvd: the solid's collection, ``<run>/fields/<solid>.pvd``, or those of several solids.
-        path: of the GIF; a PNG of the first frame is put beside it.
+        path: of the GIF; a PNG of the frame that shows most is put beside it.
+        contact: the collection of a contact, ``<run>/fields/<contact>.pvd``, which then is what
+            has colours; the solids are grey.
         magnify: factor on the displacements.
         line: two points, an obstacle to be drawn between them, m.
         edges: draw the edges of the cells.
-        colour_by: field whose size gives the colour, in ``unit``.
+        colour_by: field whose size gives the colour, in ``unit``; of a contact ``"pressure"`` or
+            ``"status"`` (open, stick, slip).
         title: text in the picture.
         clock: the text that stands for a time [s].
         size: pixels.
         fps: frames a second.
     """
-    collections = [frames(each) for each in ([pvd] if isinstance(pvd, Path) else pvd)]
+    solids = [pvd] if isinstance(pvd, Path) else list(pvd)
+    collections = [frames(each) for each in [*solids, *([contact] if contact else [])]]
     times = collections[0][0]
-    pictures = []  # for each time, the solids
+    pictures = []  # for each time, the solids and the contact
     for i in range(len(times)):
         meshes = [read(i) for _, read in collections]
         for mesh in meshes:
             mesh.points = mesh.points + magnify * mesh["displacement"]
-            mesh[colour_by] = np.linalg.norm(mesh[colour_by], axis=1)
-        pictures.append(meshes)
-    every = [mesh for meshes in pictures for mesh in meshes]
-    limit = max(float(mesh[colour_by].max()) for mesh in every) or 1.0
-    bounds = np.array([mesh.bounds for mesh in every])
+        coloured = meshes[len(solids) :] or meshes
+        for mesh in coloured:
+            values = np.asarray(mesh[colour_by])
+            if contact and not np.ptp(mesh.points[:, 2]):
+                mesh.points[:, 2] += 1e-3 * mesh.length  # before the solids
+            mesh[colour_by] = np.linalg.norm(values, axis=1) if values.ndim == 2 else values
+        pictures.append((meshes[: len(solids)], coloured))
+    sizes = [max(float(mesh[colour_by].max()) for mesh in coloured) for _, coloured in pictures]
+    label = colour_by.replace("von_mises", "von Mises stress") + (f" [{unit}]" if unit else "")
+    look = _look_of(colour_by, label, max(sizes) or 1.0)
+    bounds = np.array([mesh.bounds for meshes, _ in pictures for mesh in meshes])
     low, high = bounds[:, ::2].min(axis=0), bounds[:, 1::2].max(axis=0)
+    grey = {"color": "#f0f0f0", "show_edges": edges, "edge_color": "#b8b8b8"}
+    if low[2] < high[2]:  # in space the solids hide what is between them
+        grey = {"color": "#b0b0b0", "style": "wireframe"}
     path.parent.mkdir(parents=True, exist_ok=True)
     plotter = _plotter(size)
     plotter.open_gif(str(path), fps=fps)
-    for i, meshes in enumerate(pictures):
+    for i, (meshes, coloured) in enumerate(pictures):
         plotter.clear()
-        for mesh in meshes:
-            plotter.add_mesh(
-                mesh,
-                scalars=colour_by,
-                clim=(0, limit),
-                cmap="viridis",
-                show_edges=edges,
-                scalar_bar_args={
-                    "title": f"{colour_by} [{unit}]" if unit else colour_by,
-                    "color": "black",
-                    "position_y": 0.01,
-                    "height": 0.1,
-                },
-            )
+        for mesh in meshes if contact else ():
+            plotter.add_mesh(mesh, **grey)
+        for mesh in coloured:
+            own = {"line_width": 9, "show_edges": False} if contact else {"show_edges": edges}
+            plotter.add_mesh(mesh, **look, **own)
         if line is not None:
             ends = [[*point, 0.0] for point in line]
-            plotter.add_lines(np.array(ends), color="black", width=4)
-        plotter.add_text(f"{title}\n{clock(times[i])}", color="black", font_size=9)
+            plotter.add_lines(np.array(ends), color=BLACK, width=4)
+        text = f"{title}, {clock(times[i])}" if title else clock(times[i])
+        plotter.add_text(text, position="upper_left", color=BLACK, font_size=9)
         _aim(plotter, low, high, size)
         plotter.write_frame()
-        if i == 0:
+        if i == int(np.argmax(sizes)):
             plotter.screenshot(str(path.with_suffix(".png")))
     plotter.close()
     return show(path)
@@ -138,6 +163,9 @@ def deformed(
         size: pixels.
     """
     plotter = _plotter(size)
+    wide = height * size[0] / size[1]
+    shown = 0.8 * wide  # what is right of it is for the bar
+    left = middle[0] - shown / 2
     meshes = []
     for pvd, colour in bodies.items():
         times, read = frames(pvd)
@@ -145,16 +173,13 @@ def deformed(
         gradient = mesh.compute_derivative(scalars="displacement", gradient=True)["gradient"]
         mesh[label] = colour(np.asarray(gradient).reshape(-1, 3, 3))
         mesh.points = mesh.points + magnify * mesh["displacement"]
-        meshes.append(mesh)
+        meshes.append(mesh.clip_box([left, left + shown, -1e9, 1e9, -1.0, 1.0], invert=False))
     limit = max(float(mesh[label].max()) for mesh in meshes)
-    bar = {"title": label, "color": "black", "position_y": 0.02, "height": 0.1}
-    bar |= {"n_labels": 3, "fmt": "%.3g"}
     for mesh in meshes:
         edges = {"show_edges": True, "edge_opacity": 0.2}
-        plotter.add_mesh(
-            mesh, scalars=label, clim=(0, limit), cmap="viridis", scalar_bar_args=bar, **edges
-        )
-    _look(plotter, np.array([*middle, 0.0]), np.array([0.0, 0.0, 1.0]), height)
+        plotter.add_mesh(mesh, **_look_of(label, label, limit), **edges)
+    centre = np.array([left + wide / 2, middle[1], 0.0])
+    _look(plotter, centre, np.array([0.0, 0.0, 1.0]), height)
     path.parent.mkdir(parents=True, exist_ok=True)
     plotter.screenshot(str(path))
     plotter.close()
@@ -165,7 +190,9 @@ def _aim(plotter: Any, low: np.ndarray, high: np.ndarray, size: tuple[int, int])
     """Point the camera at a box: along z in the plane, obliquely in space (y is up)."""
     middle, (wide, tall, deep) = 0.5 * (low + high), high - low
     away = np.array([0.3, 0.6, 1.0]) if deep > 0 else np.array([0.0, 0.0, 1.0])
-    height = 1.6 * float(max(tall, wide * size[1] / size[0]))
+    height = 1.4 * float(max(tall, wide * size[1] / size[0]))
+    right = np.cross([0.0, 1.0, 0.0], away) / np.hypot(away[0], away[2])
+    middle = middle + 0.07 * height * size[0] / size[1] * right  # there is the bar
     _look(plotter, middle, 2 * max(wide, tall, deep) * away, height)
 
 

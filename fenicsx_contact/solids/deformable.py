@@ -31,11 +31,12 @@ from .locations import Location
 from .mass import Mass
 from .mass_redistribution import relax
 from .planes import PLANES, Whole
+from .stress import Stressed
 from .trace import DeformableTrace
 from .vector_space import Field, VectorSpace
 
 
-class DeformableSolid(BalancedSolid):
+class DeformableSolid(BalancedSolid, Stressed):
     """A solid with a displacement field; see its two kinds.
 
     Args:

@@ -20,8 +20,14 @@ from ..theory.theta import Step
 from .coefficients import Scalar, constant, scalar
 from .damping import StiffnessDamper
 from .deformable import DeformableSolid
+from .energies import in_space
 from .factor import Factorisation
 from .planes import PLANES
+
+
+def hooke(lmbda: Any, mu: Any, strain: Any) -> Any:
+    """Stress of a strain, (k, k), in UFL."""
+    return 2 * mu * strain + lmbda * ufl.tr(strain) * ufl.Identity(strain.ufl_shape[0])
 
 
 class ElasticSolid(DeformableSolid):
@@ -73,8 +79,13 @@ class ElasticSolid(DeformableSolid):
         x = ufl.SpatialCoordinate(self.mesh.mesh)
         u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
         strain, virtual = self.plane.strain(u, x), self.plane.strain(v, x)
-        stress = 2 * mu * strain + lmbda * ufl.tr(strain) * ufl.Identity(strain.ufl_shape[0])
+        stress = hooke(lmbda, mu, strain)
         return self.plane.breadth(x) * ufl.inner(stress, virtual) * ufl.dx(self.mesh.mesh)
+
+    def cauchy(self, displacement: Any) -> Any:
+        lmbda, mu = (constant(self.mesh, m) for m in self.plane.lame(*self.moduli.values()))
+        strain = self.plane.strain(displacement, ufl.SpatialCoordinate(self.mesh.mesh))
+        return in_space(hooke(lmbda, mu, strain), self.plane.across(lmbda, strain))
 
     def _state_changed(self) -> None:
         self._internal = self.internal_force(self.displacement)

@@ -15,11 +15,11 @@ from .coefficients import Scalar, number
 Energy = Callable[[Any], Any]
 
 
-def in_space(F: Any) -> Any:
-    """A gradient (d, d) as one in space: plane strain in 2D."""
+def in_space(F: Any, across: Any = 1) -> Any:
+    """A tensor (d, d) as one in space: a gradient in plane strain if 1 stands across the plane."""
     if F.ufl_shape == (3, 3):
         return F
-    return ufl.as_matrix([[F[0, 0], F[0, 1], 0], [F[1, 0], F[1, 1], 0], [0, 0, 1]])
+    return ufl.as_matrix([[F[0, 0], F[0, 1], 0], [F[1, 0], F[1, 1], 0], [0, 0, across]])
 
 
 def lame_constants(youngs_modulus: Scalar, poisson_ratio: Scalar) -> tuple[Any, Any]:

@@ -94,6 +94,10 @@ class HyperelasticSolid(DeformableSolid):
             )
         self._begin()
 
+    def cauchy(self, displacement: Any) -> Any:
+        F = ufl.variable(in_space(ufl.Identity(self.dim) + ufl.grad(displacement)))
+        return ufl.diff(self._energy(F), F) * F.T / ufl.det(F)
+
     def _set(self, displacement: np.ndarray) -> None:
         self.vectors.assign(self._field, displacement)
 

@@ -36,6 +36,10 @@ class Whole:
         """Small strain of a field w at x, in UFL."""
         return ufl.sym(ufl.grad(w))
 
+    def across(self, lmbda: Any, strain: Any) -> Any:
+        """Stress across the plane."""
+        return lmbda * ufl.tr(strain)
+
     def breadth(self, x: Any) -> Any:
         """How much of the solid a point of the mesh stands for: m across the plane, over 1 m."""
         return 1
@@ -52,6 +56,9 @@ class PlaneStress(Whole):
 
     def lame(self, E: Any, nu: Any) -> tuple[Any, Any]:
         return E * nu / (1 - nu**2), E / 2 / (1 + nu)
+
+    def across(self, lmbda: Any, strain: Any) -> Any:
+        return 0
 
 
 class Axisymmetric(Whole):

@@ -18,6 +18,7 @@ from ..base.checks import StepFailed
 from ..base.processes import any_of
 from ..contact.contact import Contact
 from ..output.history import History
+from ..output.stops import hint
 from ..output.storage import NotWritten, RunDirectory
 from ..solids import Solid
 from ..theory.scheme import Scheme
@@ -160,6 +161,7 @@ class _Course:
         except (StepFailed, NotWritten) as failure:
             history.reason = f"stopped at t = {scene.time:.9g} s: {failure}"
         bar.close()
+        history.reason += hint(history.reason)
         history.times = dict(scene.stepper.times)
         if self.files:
             try:

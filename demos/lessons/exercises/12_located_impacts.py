@@ -19,7 +19,7 @@ answer = round(np.log10(0.24 / (goal / per_second)))
 # tens of steps does it take to 0.24 s, rounded? Reach **13**.
 
 # %%
-mesh = mesh_from_gmsh(MESHES / "block.geo", width=0.36, height=0.80)
+mesh = mesh_from_gmsh("block.geo", width=0.36, height=0.80)
 block = RigidSolid(mesh, mass=417.6, gravity=(0, -9.81), rotation=tilt, about=(-0.18, 0))
 contact = Contact(block, "base", HalfSpace((0, 0), (0, 1)), friction=0.9)
 scene = Scene([block], [contact], locate_impacts=True)

@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""When it stops: what the reasons of runs mean and what to do; the tables of the page of this name.
+
+A reason ends with a name of this list, ``(see: when it stops, 'row stalls')``: an anchor of the
+page. Cause and remedy are ``history.advice``.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+
+class Stop(NamedTuple):
+    """Something that a reason may say.
+
+    Attributes:
+        name: by which it is found on the page.
+        says: the words, "..." for what varies.
+        cause, remedy: in Markdown.
+    """
+
+    name: str
+    says: str
+    cause: str
+    remedy: str
+
+    def __call__(self, reason: str) -> bool:
+        """Whether a reason says so."""
+        words = re.escape(self.says.strip(".")).replace(re.escape("..."), ".*?")
+        return re.search(words, reason, re.DOTALL) is not None
+
+
+#: By section of the page; within a section what is special comes before what is general.
+STOPS = {
+    "unsolved": [
+        Stop(
+            "row stalls",
+            "a ... row stalls at a scaled residual of ...",
+            "a row of a contact: which, and with which points, follows",
+            "smaller steps; `tangential_augmentation=0.03`; less friction: near the angle of "
+            "friction there may be two solutions; in statics a `ThetaScheme(1.0)`, or a side or a "
+            "spring that holds the body",
+        ),
+        Stop(
+            "contact stalls",
+            "the contact problem stalls at a relative error of ...",
+            "on frozen geometry the contact has no solution that the method of multipliers finds",
+            "smaller steps; in statics a `ThetaScheme(1.0)`, or a side or a spring that holds the "
+            "body",
+        ),
+        Stop(
+            "fixed point stalls",
+            "the geometric fixed point stalls at a relative error of ... after ... linearisations",
+            "the paper's loop goes round: geometry and contact answer each other",
+            '`geometry="newton"`; smaller steps',
+        ),
+        Stop(
+            "momentum stalls",
+            "the momentum balance stalls",
+            "a material, not a contact",
+            "smaller steps",
+        ),
+        Stop(
+            "no finite solution",
+            "the contact equations have no finite solution",
+            "NaN or infinity: in an own law, a load, a motion",
+            "evaluate them by hand where it stopped",
+        ),
+        Stop(
+            "GMRES",
+            "GMRES does not end within ... iterations; solver = 'monolithic' needs none",
+            "the preconditioner does not fit: stretched elements, nearly incompressible material",
+            '`solver="monolithic"`',
+        ),
+        Stop(
+            "singular",
+            "the linearised problem is singular: is a body without support?",
+            "nothing holds a body against some motion: no contact, no support, no inertia",
+            "hold it; `ThetaScheme` in place of `QuasiStatic`",
+        ),
+        Stop(
+            "solver stalls",
+            "... stalls at a relative error of ...",
+            "the system of a contact or the balance of a solid, by sparse solvers",
+            "smaller steps; stiffnesses of the scene that differ by 1e12 or more",
+        ),
+        Stop(
+            "Newton",
+            "... after ... Newton iterations...",
+            "Newton's method, its fallback on frozen geometry and the method of multipliers gain "
+            "no more. What stands before it tells more",
+            "smaller steps; in statics a `ThetaScheme(1.0)`, or a side or a spring that holds the "
+            "body",
+        ),
+        Stop(
+            "no status changes",
+            "no status changes",
+            "beside what stalls: it is not the search for who bears and slips that fails",
+            "smaller steps",
+        ),
+    ],
+    "refused": [
+        Stop(
+            "no certificate",
+            "no certificate: relative error of ... ..., above ...",
+            "computed afresh, momentum or the rows of a contact do not hold",
+            '`solver="monolithic"`; smaller steps; report it',
+        ),
+        Stop(
+            "energy",
+            "no certificate: contacts would have given ... of the energy",
+            "a law that makes energy: an own one, `Restitution` in oblique impacts with friction "
+            "(Kane's paradox), slip that turns round in a long step",
+            "smaller steps; no restitution where there is friction; check your law",
+        ),
+        Stop(
+            "inverted",
+            "an element of solid ... is inverted",
+            "a material was pressed through itself",
+            "smaller steps; a finer mesh where it is squeezed; a real load",
+        ),
+        Stop(
+            "strains too much",
+            "solid ... strains too much in a step: it would make ... J",
+            "the scheme would make energy out of the nonlinearity of the material",
+            "smaller steps; `EnergyMomentum()`",
+        ),
+        Stop(
+            "goes through",
+            "a point of contact ... goes through what it meets",
+            "within the step it crossed another body and came out",
+            "smaller steps",
+        ),
+        Stop(
+            "too deep",
+            "contact ... goes deeper than its surface is large",
+            "a body is lost in another",
+            "smaller steps",
+        ),
+        Stop(
+            "butts",
+            "the tip of ... butts at the depth ... m, ... m beside the hole",
+            "the tip of a rod meets the face of a tube or card, on which it does not bear",
+            "align the tubes, or let the hole begin wider: `clearance=[(depth, clearance), ...]`",
+        ),
+        Stop(
+            "collapse",
+            "facets of a contact collapse, or are nowhere",
+            "a facet without area, or NaN in its corners",
+            "look at the prescribed motion; smaller steps",
+        ),
+        Stop(
+            "obstacle",
+            "the ... of an obstacle is ... at the point ...",
+            "an own obstacle gave NaN or infinity there",
+            "define its distance and normals everywhere near",
+        ),
+    ],
+    "error": [
+        Stop(
+            "arrives deep",
+            "a point arrives ... m deep, above ... m",
+            "an impact rounded to the end of a step",
+            "`locate_impacts=True`",
+        ),
+        Stop(
+            "struck early",
+            "a point is struck ... m before it arrives, above ... m",
+            "an impact rounded to its start",
+            "`locate_impacts=True`",
+        ),
+        Stop(
+            "error of a step",
+            "error ..., above ...",
+            "the estimated error of the motion",
+            "none is needed; or a larger `step_error`",
+        ),
+    ],
+    "ends": [
+        Stop(
+            "did not happen",
+            "what it was to stop at did not happen by t = ... s",
+            "`stop_when` was never true",
+            "run longer",
+        ),
+        Stop(
+            "cannot be written",
+            "... cannot be written: ...",
+            "disk full, no permission",
+            "make room, then `resume=True`",
+        ),
+        Stop(
+            "not finished",
+            "not finished",
+            "(read from a directory) the run was killed",
+            "`resume=True`",
+        ),
+    ],
+}
+
+
+def explained(reason: str) -> list[Stop]:
+    """What of the list a reason says, the most special first; nothing of "finished"."""
+    return [stop for section in STOPS.values() for stop in section if stop(reason)]
+
+
+def hint(reason: str) -> str:
+    """The end of a reason that leads to the page, or nothing."""
+    found = explained(reason)
+    return f" (see: when it stops, {found[0].name!r})" if found else ""
+
+
+def advice(reason: str) -> str:
+    """Cause and remedy of all that a reason says, a line each."""
+    return "\n".join(f"{s.name}: {s.cause}. Remedy: {s.remedy}." for s in explained(reason))
+
+
+def table(section: str) -> str:
+    """A section as a table in Markdown, each row with the anchor of its name."""
+    rows = ["| see | what it says | cause | remedy |", "|---|---|---|---|"]
+    for stop in STOPS[section]:
+        anchor = stop.name.lower().replace(" ", "-")
+        row = f"[{stop.name}]{{#{anchor}}}", f"`{stop.says}`", stop.cause, stop.remedy
+        rows.append(f"| {' | '.join(row)} |")
+    return "\n".join(rows)

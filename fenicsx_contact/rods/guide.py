@@ -166,14 +166,14 @@ class Guide:
             Places from the middle of the hole, in the lateral directions, (n, d - 1) in m, and
             clearances (n,), ``far`` where there is no hole.
         """
-        _, off, _, clearance, _, which = self._around(points)
+        _, off, _, clearance, _, which = self.around(points)
         clearance = np.where(which < 0, self.far, clearance)
         if stations is not None:
             local = (points[stations] - self.origin) @ self._axes.T
             off[stations], clearance[stations] = local[:, 1:] - self._centre, self._clearance
         return off, clearance
 
-    def _around(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
+    def around(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
         """Points in the frame of the guide (n, d); their places from its centre line and the slope
         of that, (n, d - 1); the clearance, its slope and the tube there, (n,)."""
         local = (points - self.origin) @ self._axes.T
@@ -190,11 +190,24 @@ class Guide:
                 rate[here] = self._lateral(tube.curve.slope(depth))
         return local, off, rate, clearance, self._taper[segment], which
 
+    def curvature(self, depth: np.ndarray) -> np.ndarray:
+        """Second derivative of the centre line at depths (n,), of tubes that bend in one plane, 1/m.
+
+        Raises:
+            InputError: a curve that does not know it.
+        """
+        result, which = np.zeros(len(depth)), self._which[self._bounds.searchsorted(depth)]
+        for i, tube in self._bent:
+            if not hasattr(tube.curve, "curvature"):
+                raise checks.InputError(f"curve = {tube.curve!r}: has no curvature(depth)")
+            result[which == i] = tube.curve.curvature(depth[which == i])
+        return result
+
     def _look(self, points: np.ndarray) -> None:
         """Distances and normals; kept, for both are asked for at the same points."""
         if points is self._last:
             return
-        local, off, rate, clearance, taper, which = self._around(points)
+        local, off, rate, clearance, taper, which = self.around(points)
         size, across = _polar(off)
         axial = (across * rate).sum(axis=1) + taper
         steep = np.sqrt(1 + axial * axial)

@@ -89,6 +89,6 @@ def value_of(number: Any) -> float:
     return cast(float, number.value if isinstance(number, Dual) else number)
 
 
-def variables(*values: float) -> list[Dual]:
+def variables(*values: float) -> list[Any]:
     """Numbers by which all else is differentiated."""
     return [Dual(value, slopes) for value, slopes in zip(values, np.eye(len(values)))]

@@ -34,6 +34,7 @@ class Guide:
 
     Attributes:
         stations: depths of the stations, from the top down, (k,) in m.
+        centres: lateral places of their holes, (k, d - 1) in m.
         faces: which stations have a face on which a tip from above may butt, (k,): cards, and tubes
             into whose hole none leads.
         bottom: depth at which the last tube ends, m; infinite if there are only cards.
@@ -128,7 +129,7 @@ class Guide:
                 kept.append(each)
         depths, clearances, centres, faces = zip(*kept)
         self.stations, self._clearance = np.array(depths), np.array(clearances)
-        self._centre, self.faces = np.array(centres), np.array(faces)
+        self.centres, self.faces = np.array(centres), np.array(faces)
         self.bottom = self.tubes[-1].bottom if self.tubes else np.inf
 
     def _lateral(self, values: np.ndarray) -> np.ndarray:
@@ -146,7 +147,7 @@ class Guide:
     def centre(self, depth: np.ndarray) -> np.ndarray:
         """Points (n, d) of the centre line at depths (n,), m; from station to station on a straight
         line where there is no tube."""
-        lateral = [np.interp(depth, self.stations, centre) for centre in self._centre.T]
+        lateral = [np.interp(depth, self.stations, centre) for centre in self.centres.T]
         local = np.stack([depth, *lateral], axis=1)
         for tube in self.tubes:
             inside = (depth >= tube.top) & (depth <= tube.bottom)
@@ -170,7 +171,7 @@ class Guide:
         clearance = np.where(which < 0, self.far, clearance)
         if stations is not None:
             local = (points[stations] - self.origin) @ self._axes.T
-            off[stations], clearance[stations] = local[:, 1:] - self._centre, self._clearance
+            off[stations], clearance[stations] = local[:, 1:] - self.centres, self._clearance
         return off, clearance
 
     def around(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -190,8 +191,8 @@ class Guide:
                 rate[here] = self._lateral(tube.curve.slope(depth))
         return local, off, rate, clearance, self._taper[segment], which
 
-    def curvature(self, depth: np.ndarray) -> np.ndarray:
-        """Second derivative of the centre line at depths (n,), of tubes that bend in one plane, 1/m.
+    def line_curvature(self, depth: np.ndarray) -> np.ndarray:
+        """Second derivative of the centre line at depths (n,), 1/m; of tubes that bend in a plane.
 
         Raises:
             InputError: a curve that does not know it.
@@ -238,7 +239,7 @@ class Guide:
             Distances (k,), positive inside, and unit normals into the corridor, (k, d).
         """
         local = (points - self.origin) @ self._axes.T
-        size, across = _polar(local[:, 1:] - self._centre)
+        size, across = _polar(local[:, 1:] - self.centres)
         axial = (across * slopes).sum(axis=1)
         steep = np.sqrt(1 + axial * axial)
         local[:, 0], local[:, 1:] = axial / steep, across / -steep[:, None]

@@ -94,9 +94,9 @@ def motion(p: np.ndarray, steps: int) -> tuple[np.ndarray, np.ndarray, np.ndarra
 # %% [markdown]
 # ## The fit
 #
-# First guesses are off by 15 to 50 %. Fitted are the logarithms of the parameters over them: all are
-# positive, and where a product is what counts the valley in which the minimum lies is straight. A
-# model gives times, curve, derivatives and the number of points on an edge.
+# First guesses are off by 15 to 50 %. Fitted are the logarithms of the parameters over them: all
+# are positive, and where a product is what counts the valley in which the minimum lies is straight.
+# A model gives times, curve, derivatives and the number of points on an edge.
 
 # %%
 Model = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray, int]]
@@ -219,10 +219,10 @@ def draw(curves: dict[str, Any], deep: dict[str, Any]) -> None:
     """Data, first guess and fit, of the foot and, less the fit, of the rod."""
     from fenicsx_contact.output import plots
 
-    fig, (left, right) = plots.figure(size=(10, 3.5), columns=2)
+    fig, (left, right) = plots.grid(1, 2, size=(10, 3.5))
     fitted = np.array(deep["fit"])
-    for ax, c, less, scale in ((left, curves, 0.0, 1e3), (right, deep, fitted, 1e3)):
-        times = np.array(c["time"]) * scale
+    for ax, c, less in ((left, curves, 0.0), (right, deep, fitted)):
+        times = np.array(c["time"]) * 1e3
         ax.plot(times, (np.array(c["data"]) - less) * 1e3, ".", ms=3, color="0.6", label="measured")
         ax.plot(times, (np.array(c["guess"]) - less) * 1e3, "--", label="first guess")
         ax.plot(times, (np.array(c["fit"]) - less) * 1e3, label="fit")
@@ -230,7 +230,6 @@ def draw(curves: dict[str, Any], deep: dict[str, Any]) -> None:
         ax.legend()
     left.set_ylabel("place of the foot [mm]")
     right.set_ylabel("travel of the rod less its fit [mm]")
-    right.set_ylim(-1, 1)
     plots.save(fig, RESULTS / "fit.png")
 
 

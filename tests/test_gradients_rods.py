@@ -165,9 +165,10 @@ def test_adjoints_are_tangents_transposed():
 
 @pytest.mark.long
 def test_the_time_of_a_rod_drop():
-    """T5 of the demo, smooth and kinked, by friction, against central differences."""
+    """T5 of the demo, smooth and kinked, by friction, against central differences; on the kinked S
+    T5 jumps, and the differences must be shorter than the way to the next jump."""
     demo = load("rod_drop")
-    for kinked in (False, True):
+    for kinked, h in ((False, 1e-5), (True, 1e-7)):
 
         def start(friction, kinked=kinked):
             a = demo.Assumed(friction=friction, kinked=kinked)
@@ -190,8 +191,7 @@ def test_the_time_of_a_rod_drop():
                        stop_when=lambda rod=rod: rod.travel >= demo.DASHPOT)  # fmt: skip
         found, (by_friction,) = passing(run, "z", "v", demo.DASHPOT)
         assert found == time(0.3)
-        slopes = [(time(0.3 + h) - time(0.3 - h)) / (2 * h) for h in (1e-5, 1e-6)]
-        assert min(abs(slope / by_friction - 1) for slope in slopes) < 1e-6
+        assert (time(0.3 + h) - time(0.3 - h)) / (2 * h) == pytest.approx(by_friction, rel=1e-6)
 
 
 # -- laws, and what is refused --

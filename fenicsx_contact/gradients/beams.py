@@ -10,6 +10,8 @@ Bending is linear, and so is axial motion but for the law that drives it. With u
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 import scipy.sparse as sp
 
@@ -50,12 +52,22 @@ class BeamMotion(Motion):
         solid = self.solid
         self.horizon = step.coming.dt
         self._bending = solid.matrices.flexibilities(step.span, step.force_rate)[0]
-        self._change = solid.trial_velocity - solid.velocity
-        force, rate = self._law(step)
-        # of F + c (u'+ - u'-), by travel, speed, mass and gravity
-        self._drive = force.slopes + rate.slopes * self._change[-1]
-        self._axial = solid.mass * step.inertia_rate + rate.value
+        self._force, self._rate = self._law(step)
+        self._axial = solid.mass * step.inertia_rate + self._rate.value
         self._inner = Inner(step.gap_rate)
+        self._end(solid.trial_velocity)
+
+    def _end(self, velocity: np.ndarray) -> None:
+        """Take up the velocity at the end."""
+        self._change = velocity - self.solid.velocity
+        # of F + c (u'+ - u'-), by travel, speed, mass and gravity
+        self._drive = self._force.slopes + self._rate.slopes * self._change[-1]
+
+    def with_velocity(self, velocity: np.ndarray) -> BeamMotion:
+        """The same in a step that ends with another velocity."""
+        other = copy(self)
+        other._end(velocity)
+        return other
 
     def _law(self, step: Step) -> tuple[Dual, Dual]:
         """F and c with their derivatives by travel, speed, mass and gravity."""

@@ -8,14 +8,22 @@ it. A station keeps its place and sees the material that the start of the step p
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from copy import copy
 from typing import Any
 
 import numpy as np
 
+from ..base.vectors import dot
 from ..contact.contact import Contact
 from ..rods import GuideContact
+from ..solve.yielding import COMPLIANCE
+from ..theory.theta import Step
 from .beams import BeamMotion
+from .blocks import Blocks, LinearStep
 from .parameters import Parameter
+from .sight import Sight
 from .surface import ContactRows, refuse_law, square
 
 
@@ -35,8 +43,16 @@ class GuideRows(ContactRows):
         guide = contact.coupling.obstacle  # type: ignore[attr-defined]
         guide.line_curvature(guide.stations)  # a curve may not know it
 
+    def see(self, step: Step) -> None:
+        self._back: Sweep | None = None
+        super().see(step)
+        if self._predicted:
+            for points, values in self.contact.candidates.earlier:
+                self._back = Sweep(self, points, values)
+
     def _kinematics(self) -> None:
         contact, solid = self.contact, self.motion.solid
+        self._velocity = solid.trial_velocity
         self.start_jump, self.jump = contact.jump, contact.trial_jump
         self.normal = contact.normal
         self._ahead = solid.displacement + self.motion.horizon * solid.velocity
@@ -48,6 +64,7 @@ class GuideRows(ContactRows):
         if key not in self._sights:
             now, ahead = solid.displacement, self._ahead
             end = ahead if self._predicted else solid.trial_displacement
+            end = self._back.displacement if self._back else end
             old = Sight(contact, self.points, now, now[-1])
             old.leave_out(now[-1])
             self._sights[key] = old, Sight(contact, self.points, end, ahead[-1])
@@ -83,14 +100,17 @@ class GuideRows(ContactRows):
             "q_old": by_gap * old.gap[:, None],
         }
         seen = by_slope * new.slope[:, None] + by_end * new.gap[:, None]
-        if self._predicted:
+        if self._back:
+            rows["q_old"] += seen @ self._back.by_place
+            rows["v_old"] += seen @ self._back.by_velocity
+        elif self._predicted:
             rows["q_old"] += seen
             rows["v_old"] += self.motion.horizon * seen
         else:
             rows["q"] = seen
         slides = by_slope * new.slope_slides[:, None, None]
         slides += by_end * new.gap_slides[:, None, None]
-        slides += by_jump @ (new.jump_slides @ solid.trial_velocity)[:, :, None]
+        slides += by_jump @ (new.jump_slides @ self._velocity)[:, :, None]
         slides += by_start @ (new.jump_slides @ solid.velocity)[:, :, None]
         rows["q_old"][:, :, -1:] -= slides + by_gap * old.gap_slides[:, None, None]
         rows["v_old"][:, :, -1:] -= self.motion.horizon * slides
@@ -106,6 +126,9 @@ class GuideRows(ContactRows):
         if (rows := parameter.rows(self.contact)) is not None:
             result += rows[p]
         old, new = self._seen()
+        if self._back:
+            by_slope = self._weights()[2] @ new.normal_by[:, :, None]
+            result += by_slope[:, :, 0] * (new.slope @ self._back.by(parameter))[:, None]
         before, after = (parameter.bend(self.contact, sight.depth) for sight in (old, new))
         if before is not None and after is not None:
             _, _, by_normal, by_gap, by_end = self._weights()
@@ -128,93 +151,86 @@ class GuideRows(ContactRows):
         return {"q_old": by_place, "v_old": self.motion.horizon * by_place}
 
 
-class Sight:
-    """What points of a beam see of the guide around them, and what that depends on.
-
-    With a the slope of the wall (of the beam, at a station) towards the axis the normal is
-    ``(a, -1)/sqrt(1 + a²)`` in the direction of the guide and across, and the gap
-    ``(|off| - c)/sqrt(1 + a²)``. What slides is the derivative by s of the material at a station.
+class Sweep:
+    """A sweep of a step, to whose candidates others were added: the next one has its normals.
 
     Args:
-        contact: the contact.
-        points: their numbers, (k,).
-        displacement: of the beam.
-        seen: axial displacement by which the stations find their material, m.
+        rows: of the contact.
+        points, values: the candidates, and the unknowns with which it ended.
 
     Attributes:
-        depth: of the points, (k,) in m.
-        jump, jump_slides: operator of the velocities, and what slides of it, (k, d, unknowns).
-        normal_by: derivative of the normals by the slope a, (k, d).
-        slope, slope_slides: derivative of that by the displacement, (k, unknowns), and (k,).
-        gap, gap_slides: of the gap, likewise.
+        displacement: of the beam at its end.
+        by_place, by_velocity: derivatives of that by the state at the start, (unknowns, unknowns).
     """
 
-    def __init__(
-        self, contact: GuideContact, points: np.ndarray, displacement: np.ndarray, seen: float
-    ) -> None:
-        rod, guide = contact.solid.rod, contact.obstacle
-        axis, k, m, n = rod.axis, rod.matrices, len(points), len(displacement)
-        self._along = axis.along(contact.surface.points[points])
-        self._reach = axis.stretch(contact.facets)
-        number = np.full(contact.surface.size, -1)
-        number[contact.stations] = np.arange(len(contact.stations))
-        station = number[points]
-        self._stands = stands = station >= 0
-        moves = ~stands
+    def __init__(self, rows: GuideRows, points: np.ndarray, values: np.ndarray) -> None:
+        self._rows, contact = copy(rows), rows.contact
+        mine, solid, e = self._rows, rows.motion.solid, contact.equations
+        mine.points, mine._sights = points, {}
+        sight = mine._seen()[1]
+        mine.normal = rows.normal.copy()
+        mine.normal[points] = sight.normal
+        start = dot(rows.start_jump, mine.normal)
+        self._start = np.where(np.abs(start) <= contact.resolution, 0.0, start)
+        mine.reads_start = (self._start != 0).astype(float)
+        self._values, mine.jump = values, values[: e.jumps].reshape(mine.normal.shape)
+        n, d = rows.motion.size, rows.normal.shape[1]
+        with self._as_it_was():
+            mine._linearise()
+            mine._force = -e.residual()[(points[:, None] * d + np.arange(d)).ravel()]
+        lifted = rows.motion.lift(sight.jump.reshape(-1, n).T)
+        mine._velocity = solid.free_velocity + lifted @ mine._force
+        mine.motion = rows.motion.with_velocity(mine._velocity)
+        step = rows.step
+        way = step.increment(solid.velocity, mine._velocity, None)
+        self.displacement = solid.displacement + way
 
-        # the beam there
-        cell, xi, weights = k.interpolate(self._along - stands * seen)
-        first, second = k.shapes[1, cell, 1:3].swapaxes(0, 1)
-        bend = (first + 2 * xi[:, None] * second) / np.diff(k.s)[cell][:, None]
-        w, dw, ddw = np.zeros((3, m, n))
-        places = 2 * cell[:, None] + np.arange(4)
-        for rows, values in zip((w, dw, ddw), (*weights, bend)):
-            np.put_along_axis(rows, places, values, axis=1)
-        across, along = axis.frame[0], axis.direction
-        self.jump = w[:, None] * across[:, None]
-        self.jump[:, :, -1] += along
-        self.jump_slides = (stands[:, None] * dw)[:, None] * across[:, None]
+        # v, multipliers and forces
+        kind = np.arange(e.jumps, e.size, len(rows.normal))[:, None] + points
+        soft = (COMPLIANCE / (e.column_scale * e.row_scale)[kind]).T.ravel()
+        ends = np.cumsum([0, n, len(soft), len(mine._force)])
+        v, m, f = (slice(a, b) for a, b in zip(ends[:-1], ends[1:]))
+        rate, early = step.gap_rate, step.dt - step.gap_rate
+        by, balance, turned = mine.derivatives(), mine.motion.balance(step), mine.turned()
+        plus, one = Blocks((ends[-1], ends[-1])), np.eye(n)
+        plus.add(v, v, one)
+        plus.add(v, f, -lifted)
+        plus.add(f, f, np.eye(len(mine._force)))
+        for at, name in ((v, "v"), (m, "m")):
+            plus.add(m, at, by[name][0])
+            plus.add(f, at, -by[name][1])
+        self._plus, self._soft = plus, np.concatenate([np.zeros(n), soft, 0 * mine._force])
+        changes = {}
+        for name, own in (("q_old", balance.q_old), ("v_old", balance.v_old)):
+            changes[name] = self._solve(own - turned[name], *by[name])
+        self.by_place = one + rate * changes["q_old"]
+        self.by_velocity = early * one + rate * changes["v_old"]
 
-        # the guide there
-        place = self._along + moves * displacement[-1]
-        x = axis.origin + (w @ displacement)[:, None] * across + place[:, None] * along
-        self.depth = guide.depth(x)
-        local, off, rate, clearance, taper, _ = guide.around(x)
-        off = np.where(stands, local[:, 1] - guide.centres[station, 0], off[:, 0])
-        clearance = np.where(stands, guide.clearance()[station], clearance)
-        turn, tilt = float(across @ guide.lateral[0]), dw @ displacement
-        self._side = side = np.where(off < 0, -1.0, 1.0)
-        leans, taper = np.where(stands, -turn * tilt, rate[:, 0]), moves * taper
-        self._a = a = side * leans + taper
-        self._steep = np.sqrt(1 + a * a)
-        self._distance = (np.abs(off) - clearance) / self._steep
+    def by(self, parameter: Parameter) -> np.ndarray:
+        """Derivative of its displacement by a parameter, (unknowns,)."""
+        step = self._rows.step
+        with self._as_it_was():
+            rows = self._rows.by(parameter)
+        own = self._rows.motion.by(parameter, step)
+        return step.gap_rate * self._solve(own[:, None], *(each[:, None] for each in rows))[:, 0]
 
-        # and how both change; a node goes up with the axis
-        self.normal_by = -(guide.direction + (side * a)[:, None] * guide.lateral[0])
-        self.normal_by = self.normal_by / self._steep[:, None] ** 3
-        self.slope = -(side * turn * stands)[:, None] * dw
-        self.slope[:, -1] -= side * moves * guide.line_curvature(self.depth)
-        self.slope_slides = -side * turn * stands * (ddw @ displacement)
-        moved = (side * turn)[:, None] * w
-        moved[:, -1] += moves * (side * rate[:, 0] + taper)
-        self.gap = self._gap(moved, self.slope)
-        slid = side * turn * stands * tilt
-        self.gap_slides = self._gap(slid[:, None], self.slope_slides[:, None])[:, 0]
+    def _solve(self, own: np.ndarray, multipliers: np.ndarray, forces: np.ndarray) -> np.ndarray:
+        """Changes of v from those of its rows, of the rows of the multipliers and of the forces."""
+        right = np.concatenate([own, multipliers, -forces])
+        nothing = Blocks((len(right), 1))
+        linear = LinearStep(self._plus, nothing, right, self._soft, [], [])
+        return linear.tangent(np.zeros((1, right.shape[1])))[: len(own)]
 
-    def _gap(self, moved: np.ndarray, slope: np.ndarray) -> np.ndarray:
-        """Change of the gap from those of ``|off| - c`` and of the slope, (k, ...)."""
-        a, steep = self._a[:, None], self._steep[:, None]
-        return moved / steep - self._distance[:, None] * a * slope / steep**2
-
-    def leave_out(self, axial: float) -> None:
-        """Nothing changes at stations that the beam has not reached, or has passed, when its axial
-        displacement is this, m."""
-        low, high = (end + axial for end in self._reach)
-        away = self._stands & ((self._along < low) | (self._along > high))
-        self.gap[away], self.gap_slides[away] = 0.0, 0.0
-
-    def bent(self, offset: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Changes of the slope a and of the gap where the centre line moves by an offset (k,), m,
-        with this slope (k,)."""
-        change = self._side * slope * ~self._stands
-        return change, self._gap(-(self._side * offset)[:, None], change[:, None])[:, 0]
+    @contextmanager
+    def _as_it_was(self) -> Iterator[None]:
+        """The equations of the contact have the unknowns and normals of the sweep meanwhile."""
+        mine, e = self._rows, self._rows.contact.equations
+        k = e.fields
+        before = e.values, mine.contact.normal, k.start_jump_n.x.array.copy()
+        try:
+            e.values, k.start_jump_n.x.array[:] = self._values, self._start
+            k.set_normal(mine.normal)
+            yield
+        finally:
+            e.values, k.start_jump_n.x.array[:] = before[0], before[2]
+            k.set_normal(before[1])

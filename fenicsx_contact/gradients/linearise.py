@@ -22,7 +22,7 @@ from .hold import Shift, shift
 from .kinks import Kink, NoDerivative, alike, kinks, resolved
 from .motion import Motion, RigidMotion, Row
 from .parameters import Parameter
-from .supported import motion, rows_of
+from .supported import check_together, motion, rows_of
 from .surface import ContactRows
 
 
@@ -61,6 +61,7 @@ class Linearisation:
                 )
             settles = scene.geometry == "fixed point"
             self.contacts.append(rows_of(contact, of[id(contact.solid)], settles))
+        check_together(self.contacts)
         self._q: dict[int, slice] = {}
         self._v: dict[int, slice] = {}
         self.size = 0

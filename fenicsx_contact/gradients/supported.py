@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ..base import checks
 from ..contact.contact import Contact
 from ..rods import GuideContact
@@ -71,3 +73,15 @@ def rows_of(contact: Contact, motion: Motion, settles: bool) -> ContactRows:
             "guide"
         )
     return ContactRows(contact, motion)
+
+
+def check_together(contacts: Sequence[ContactRows]) -> None:
+    """Refuse several contacts of a beam: sweeps of a step are gone back through one by one.
+
+    Raises:
+        InputError: there are.
+    """
+    beams = [rows.motion.solid for rows in contacts if isinstance(rows, GuideRows)]
+    for i, beam in enumerate(beams):
+        if any(beam is other for other in beams[:i]):
+            raise checks.InputError(f"gradients: solid {beam.name!r} may have one contact only")

@@ -376,6 +376,8 @@ if __name__ == "__main__":
 #
 # - `rod_calibration.py`: which bow gives the paper's 1.52 s; `rod_insertion.py`: the forces of a
 #   slow insertion; `rod_drop_map.py`: 117 drops.
+# - How T5 changes with friction, bow or mass, exactly, in one drop: `gradients.tangents` and
+#   `gradients.passing`; `identify.py` reads friction and bow from a drop that was measured.
 # - Another bow: `Bow(sagitta, length)` in place of `Sine`, or `AnyCurve(y, dy)`.
 # - Another water: any object with `buoyancy`, `added_mass(z)` and `drag(z)` in `Fall(...)`.
 # - `Assumed(kinked=True, amplitude=0.022)`: the rod jams, and the history says that what it was to

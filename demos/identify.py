@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 # %% [markdown]
-# # Friction and stiffness from a measured motion
+# # Friction and stiffness, or friction and bow, from a measured motion
 #
 # **The question.** A soft block hangs from a plate that presses it on a floor. Its foot is drawn
 # aside and let go: it swings, rubs, and sticks. From the noisy motion of the foot, how large are
-# friction, stiffness and the release, and how sure is that?
+# friction, stiffness and the release, and how sure is that? Then the same for a control rod that
+# falls through bent guides: how large are friction and bow, if only its drop is measured?
 #
 # ## Least squares
 #
@@ -17,20 +18,24 @@
 # At the minimum the same derivatives say how sure it is: with the noise's variance $s^2$ estimated
 # from the residual, $p$ has the covariance $s^2 (J^T J)^{-1}$.
 #
-# The data are made: a run with known parameters, and noise of 2 % of the release.
+# The data are made: a run with known parameters, and noise of 2 % of the release (of the drop:
+# 0.05 mm).
 
 # %%
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rod_drop import SCHEME, VELOCITY, Assumed, guide, rod
 from scipy.optimize import least_squares
 
 import fenicsx_contact
 from fenicsx_contact import Contact, ElasticSolid, HalfSpace, Scene, mesh_from_gmsh
-from fenicsx_contact.gradients import At, Law, Modulus, Start, tangents
+from fenicsx_contact.gradients import At, Bend, Law, Modulus, Start, Travel, tangents
 from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.rods import GuideContact, Sine
 
 MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "identify"
@@ -89,47 +94,120 @@ def motion(p: np.ndarray, steps: int) -> tuple[np.ndarray, np.ndarray, np.ndarra
 # %% [markdown]
 # ## The fit
 #
-# The parameters are fitted over their first guesses, which are off by 15 to 50 %.
-
+# First guesses are off by 15 to 50 %. Fitted are the logarithms of the parameters over them: all
+# are positive, and where a product is what counts the valley in which the minimum lies is straight.
+# A model gives times, curve, derivatives and the number of points on an edge.
 
 # %%
-def fit(steps: int, seed: int = 1) -> dict[str, Any]:
-    """Parameters from noisy data, their confidence intervals (95 %), and the runs that it took."""
-    times, exact, _, _ = motion(TRUE, steps)
-    noise = NOISE * TRUE[2] * np.random.default_rng(seed).standard_normal(len(exact))
-    data = exact + noise
-    guess, made = TRUE * (1.5, 0.85, 1.3), {}
+Model = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray, int]]
 
-    def run(scaled: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-        key = scaled.tobytes()
+
+def estimate(
+    model: Model,
+    names: tuple[str, ...],
+    true: np.ndarray,
+    guess: np.ndarray,
+    noise: float,
+    size: float,
+) -> dict[str, Any]:
+    """Parameters from noisy data, their confidence intervals (95 %), and the runs that it took.
+
+    ``noise``: its standard deviation; ``size``: of the data, by which all is scaled.
+    """
+    times, exact, _, _ = model(true)
+    data = exact + noise * np.random.default_rng(1).standard_normal(len(exact))
+    made: dict[bytes, Any] = {}
+
+    def run(logarithms: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+        key = logarithms.tobytes()
         if key not in made:
-            _, x, slopes, kinks = motion(scaled * guess, steps)
-            made[key] = (x - data) / TRUE[2], slopes * guess / TRUE[2], kinks
+            p = guess * np.exp(logarithms)
+            _, x, slopes, kinks = model(p)
+            made[key] = (x - data) / size, slopes * p / size, x, kinks
         return made[key]
 
+    first = np.zeros(len(true))
     found = least_squares(
-        lambda s: run(s)[0], np.ones(3), jac=lambda s: run(s)[1], method="trf", xtol=1e-6, ftol=1e-8
+        lambda s: run(s)[0], first, jac=lambda s: run(s)[1], method="trf", xtol=1e-6, ftol=1e-8
     )
-    left, slopes, _ = run(found.x)
-    variance = float(left @ left) / (len(left) - 3)
-    spread = 1.96 * np.sqrt(variance * np.diag(np.linalg.inv(slopes.T @ slopes)))
-    result = found.x * guess
+    left, slopes, fitted, _ = run(found.x)
+    variance = float(left @ left) / (len(left) - len(true))
+    covariance = variance * np.linalg.inv(slopes.T @ slopes)
+    spread = np.sqrt(np.diag(covariance))
+    result = guess * np.exp(found.x)
     return {
-        "found": dict(zip(NAMES, result.tolist())),
-        "errors": dict(zip(NAMES, (result / TRUE - 1).tolist())),
-        "interval": dict(zip(NAMES, (spread * guess / TRUE).tolist())),
-        "guess_errors": dict(zip(NAMES, (guess / TRUE - 1).tolist())),
+        "found": dict(zip(names, result.tolist())),
+        "errors": dict(zip(names, (result / true - 1).tolist())),
+        "interval": dict(zip(names, (1.96 * spread).tolist())),
+        "guess_errors": dict(zip(names, (guess / true - 1).tolist())),
+        "correlation": float(covariance[0, 1] / (spread[0] * spread[1])),
         "runs": len(made),
-        "kinks": sum(kinks for _, _, kinks in made.values()),
+        "kinks": sum(kinks for *_, kinks in made.values()),
         "noise": float(np.sqrt(variance)),
         "curves": {
             "time": times.tolist(),
             "data": data.tolist(),
             "exact": exact.tolist(),
-            "guess": motion(guess, steps)[1].tolist(),
-            "fit": motion(result, steps)[1].tolist(),
+            "guess": run(first)[2].tolist(),
+            "fit": fitted.tolist(),
         },
     }
+
+
+def fit(steps: int) -> dict[str, Any]:
+    """The block's numbers; its noise is told in shares of the release."""
+    release = TRUE[2]
+    return estimate(
+        lambda p: motion(p, steps), NAMES, TRUE, TRUE * (1.5, 0.85, 1.3), NOISE * release, release
+    )
+
+
+# %% [markdown]
+# ## The rod
+#
+# The rod of `rod_drop.py` hangs straight in the inlet of an S of 20 mm and falls. What is measured
+# is how deep it is, at every step. Its derivatives go through all that holds it back: nodes that
+# slide along inclined walls, places of the guide that see another part of the rod at each step,
+# percussions, friction, water.
+#
+# Friction and bow both do little else than brake, so they are hard to tell apart: the force of a
+# wall grows with the bow, friction with both. The derivatives say so before anything is measured:
+# the two are correlated by -0.998. With 0.05 mm of noise both are found within 1 %; with 1 mm the
+# intervals are twenty times as wide, and little more than their product is known.
+#
+# The travel jumps a little where a small change of friction lets a point arrive a step earlier. The
+# steps must be so short that these jumps are smaller than the noise: with 16 ms the search ends at
+# one of them, 1 % beside friction, though its interval says 0.4 %.
+
+# %%
+ROD_NAMES = ("friction", "bow")
+ROD_TRUE = np.array([0.3, 20e-3])  # 1, m
+ROD_NOISE = 5e-5  # m
+TIME = 1.28  # s
+
+
+def fall(p: np.ndarray, dt: float, cell: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+    """Times, travel, its derivatives by friction and bow, and how many points were on an edge."""
+    friction, bow = map(float, p)
+    assumed = Assumed(amplitude=bow, friction=friction)
+    solid = rod(assumed, cell)
+    contact = GuideContact(solid, "rods", guide(assumed), VELOCITY, friction, name="guide")
+    # the centre line of what is bent, by its amplitude: Sine is linear in it
+    by = {
+        "friction": Law(contact),
+        "bow": Bend(contact, Sine(1.0, assumed.wavelength), within=(0.0, np.inf)),
+    }
+    scene = Scene([solid], [contact], SCHEME)
+    result = tangents(scene, TIME, dt, by, {"z": Travel(solid)})
+    whole = result.history["dt"] > 0
+    z, slopes = result.history["z"][whole], result.one_sided("z")[whole]
+    return result.history.time[whole], z, slopes, len(result.kinks)
+
+
+def fit_rod(dt: float, cell: float) -> dict[str, Any]:
+    """The rod's friction and bow."""
+    guess = ROD_TRUE * (1.3, 0.85)
+    return estimate(lambda p: fall(p, dt, cell), ROD_NAMES, ROD_TRUE, guess, ROD_NOISE, 1.0)
 
 
 # %% [markdown]
@@ -137,32 +215,41 @@ def fit(steps: int, seed: int = 1) -> dict[str, Any]:
 
 
 # %%
-def draw(curves: dict[str, Any]) -> None:
-    """Data, first guess and fit."""
+def draw(curves: dict[str, Any], deep: dict[str, Any]) -> None:
+    """Data, first guess and fit, of the foot and, less the fit, of the rod."""
     from fenicsx_contact.output import plots
 
-    fig, ax = plots.figure(size=(6, 3.5))
-    times = np.array(curves["time"]) * 1e3
-    ax.plot(times, np.array(curves["data"]) * 1e3, ".", ms=3, color="0.6", label="measured")
-    ax.plot(times, np.array(curves["guess"]) * 1e3, "--", label="first guess")
-    ax.plot(times, np.array(curves["fit"]) * 1e3, label="fit")
-    ax.set_xlabel("time [ms]")
-    ax.set_ylabel("place of the foot [mm]")
-    ax.legend()
+    fig, (left, right) = plots.grid(1, 2, size=(10, 3.5))
+    fitted = np.array(deep["fit"])
+    for ax, c, less in ((left, curves, 0.0), (right, deep, fitted)):
+        times = np.array(c["time"]) * 1e3
+        ax.plot(times, (np.array(c["data"]) - less) * 1e3, ".", ms=3, color="0.6", label="measured")
+        ax.plot(times, (np.array(c["guess"]) - less) * 1e3, "--", label="first guess")
+        ax.plot(times, (np.array(c["fit"]) - less) * 1e3, label="fit")
+        ax.set_xlabel("time [ms]")
+        ax.legend()
+    left.set_ylabel("place of the foot [mm]")
+    right.set_ylabel("travel of the rod less its fit [mm]")
     plots.save(fig, RESULTS / "fit.png")
+
+
+def told(summary: dict[str, Any]) -> str:
+    """What was found, in a line."""
+    numbers = ", ".join(
+        f"{name} off by {100 * error:.2f} % (+- {100 * summary['interval'][name]:.2f} %)"
+        for name, error in summary["errors"].items()
+    )
+    return f"{numbers}; {summary['runs']} runs"
 
 
 def main(quick: bool = False) -> dict[str, Any]:
     """Everything; returns the summary that is also written."""
     summary = fit(20 if quick else 80)
-    draw(summary.pop("curves"))
+    summary["rod"] = fit_rod(*((8e-3, 0.1) if quick else (2e-3, 0.05)))
+    draw(summary.pop("curves"), summary["rod"].pop("curves"))
     write_summary(RESULTS, summary)
-    told = ", ".join(
-        f"{name} off by {100 * summary['errors'][name]:.2f} % "
-        f"(+- {100 * summary['interval'][name]:.2f} %)"
-        for name in NAMES
-    )
-    print(f"{told}; {summary['runs']} runs")
+    print(told(summary))
+    print(f"rod: {told(summary['rod'])}, correlation {summary['rod']['correlation']:.3f}")
     return summary
 
 
@@ -174,8 +261,10 @@ if __name__ == "__main__":
 # ## What to try next
 #
 # - More noise: the intervals grow with it, the runs hardly.
-# - `fit(80, seed=k)` for many k: the true value lies outside of the interval one time in twenty.
+# - Other seeds of the noise: the true value lies outside of the interval one time in twenty.
 # - Without the last swing, in which the foot sticks: friction is less sure.
+# - `ROD_NOISE = 1e-3`, as a coil measures: friction and bow are off by tens of per cent together,
+#   and the curve fits as well.
 #
 # ## Sources
 #

@@ -396,6 +396,8 @@ if __name__ == "__main__":
 #
 # - `rod_calibration.py`: which bow gives the paper's 1.52 s; `rod_insertion.py`: the forces of a
 #   slow insertion; `rod_drop_map.py`: 117 drops.
+# - How T5 changes with friction, bow or mass, exactly, in one drop: `gradients.tangents` and
+#   `gradients.passing`; `identify.py` reads friction and bow from a drop that was measured.
 # - Another bow: `Bow(sagitta, length)` in place of `Sine`, or `AnyCurve(y, dy)`.
 # - An earthquake: `Guide(..., motion=lambda t: (2e-3 * np.sin(30 * t), 0.0))`.
 # - The drive rod guided, too: a second `GuideContact(rod, "drive", Guide([Card(-4.5, 2e-3), ...]))`

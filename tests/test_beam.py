@@ -40,7 +40,7 @@ def at_rest(beam, dt=1e6, steps=3):
 def loaded(axis, section, load=(0.0,), **others):
     """A cantilever under lateral forces at its end, one for each plane."""
     beam = BeamSolid(axis, section, supports=[CLAMP], **others)
-    bending, _ = beam.split(beam._load)
+    bending, _ = beam.split(beam.weight)
     bending[:, -2] += load
     return at_rest(beam)
 

@@ -489,5 +489,11 @@ def test_identify(tmp_path, monkeypatch, capsys):
         assert abs(summary["errors"][name]) < 0.01
         assert abs(summary["errors"][name]) < summary["interval"][name] < 0.02
     assert summary["noise"] == pytest.approx(demo.NOISE, rel=0.2)
+    found = summary["rod"]
+    assert found["runs"] <= 15 and found["kinks"] == 0
+    for name in demo.ROD_NAMES:
+        assert abs(found["errors"][name]) < found["interval"][name] < 0.01
+    assert found["correlation"] < -0.99
+    assert found["noise"] == pytest.approx(demo.ROD_NOISE, rel=0.2)
     assert (demo.RESULTS / "fit.png").stat().st_size > 5000
-    assert "6 runs" in capsys.readouterr().out
+    assert "7 runs" in capsys.readouterr().out

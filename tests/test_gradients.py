@@ -13,7 +13,6 @@ from dolfinx import fem
 from scenes import FLOOR, FLOOR_3D, G, box, rectangle, rocking_block
 
 from fenicsx_contact import (
-    BeamSolid,
     Circle,
     Contact,
     Discrete,
@@ -49,6 +48,7 @@ from fenicsx_contact.gradients import (
     adjoints,
     tangents,
 )
+from fenicsx_contact.rods import RodInTube
 
 LONG = pytest.mark.long
 
@@ -638,10 +638,12 @@ def test_what_is_not_supported_is_refused_by_name():
         soft = thrown(HyperelasticSolid, mu=0.3)
         Material(solid_of(soft), lambda E: neo_hookean(E, 0.3), 2e6)
     space = RigidSolid(box(), mass=1.0)
-    with pytest.raises(InputError, match="only deformable solids, and rigid ones in the plane"):
+    with pytest.raises(
+        InputError, match="only deformable solids, beams, and rigid solids in the plane"
+    ):
         Start(space, velocity=(1, 0, 0))
-    with pytest.raises(InputError, match="BeamSolid"):
-        Start(BeamSolid.__new__(BeamSolid), velocity=(1, 0))
+    with pytest.raises(InputError, match="RodInTube"):
+        Start(RodInTube.__new__(RodInTube), velocity=(1, 0))
     damped = ElasticSolid(
         rectangle(), youngs_modulus=1e6, poisson_ratio=0.3, density=1.0, damping=Rayleigh(1.0),
         name="damped",

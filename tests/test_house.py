@@ -21,7 +21,8 @@ FLOORS = [
     ["solve", "output"],
     ["steps"],
     ["scene"],
-    ["rods", "gradients"],
+    ["rods"],
+    ["gradients"],
     ["references"],
     ["study"],
 ]

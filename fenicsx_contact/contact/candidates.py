@@ -26,6 +26,8 @@ class Candidates:
 
     Attributes:
         allowed: points that may bear in the step, if they are asked to, (n,) of bool.
+        earlier: candidates to which others were added in the step, and the unknowns of all points
+            that had been found with them.
     """
 
     def __init__(
@@ -37,6 +39,7 @@ class Candidates:
     def begin(self, allowed: np.ndarray, gap: np.ndarray) -> None:
         """All that are allowed, (n,) of bool; ``gap``: at the start of the step, (n,) in m."""
         self.allowed, self._gap = allowed, gap
+        self.earlier: list[tuple[np.ndarray, np.ndarray]] = []
         self._asked = np.ones(len(allowed), dtype=bool)
         self.choose()
 
@@ -57,6 +60,7 @@ class Candidates:
         if not (more & self.allowed & self._coupling.near()).any():
             return False
         self._asked = self._asked | more
+        self.earlier.append((self._equations.candidates, self._equations.values))
         self.choose()
         return True
 

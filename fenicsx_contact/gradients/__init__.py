@@ -4,13 +4,15 @@ steps. What is not supported is refused by name, where a derivative does not exi
 
 from .kinks import Kink, NoDerivative
 from .materials import Material, Modulus
-from .parameters import Gravity, Law, Mass, ObstacleShift, Parameter, Start
-from .quantities import At, Centre, Kinetic, Quantity, Turn
+from .parameters import Bend, Gravity, Law, Mass, ObstacleShift, Parameter, Start
+from .passing import Passing, passing
+from .quantities import At, Centre, Kinetic, Quantity, Strain, Travel, Turn
 from .sensitivities import Adjoints, Tangents, adjoints, tangents
 
 __all__ = [
     "Adjoints",
     "At",
+    "Bend",
     "Centre",
     "Gravity",
     "Kinetic",
@@ -22,10 +24,14 @@ __all__ = [
     "NoDerivative",
     "ObstacleShift",
     "Parameter",
+    "Passing",
     "Quantity",
     "Start",
+    "Strain",
     "Tangents",
+    "Travel",
     "Turn",
     "adjoints",
+    "passing",
     "tangents",
 ]

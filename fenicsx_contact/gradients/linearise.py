@@ -20,8 +20,9 @@ from ..theory.theta import QuasiStatic, Step, ThetaScheme
 from .blocks import Blocks, Inner, LinearStep
 from .hold import Shift, shift
 from .kinks import Kink, NoDerivative, alike, kinks, resolved
-from .motion import DeformableMotion, Motion, RigidMotion, Row, motion
+from .motion import Motion, RigidMotion, Row
 from .parameters import Parameter
+from .supported import check_together, motion, rows_of
 from .surface import ContactRows
 
 
@@ -58,7 +59,9 @@ class Linearisation:
                     f"gradients: contact {contact.name!r} is between two solids; only with "
                     "obstacles"
                 )
-            self.contacts.append(ContactRows(contact, of[id(contact.solid)]))
+            settles = scene.geometry == "fixed point"
+            self.contacts.append(rows_of(contact, of[id(contact.solid)], settles))
+        check_together(self.contacts)
         self._q: dict[int, slice] = {}
         self._v: dict[int, slice] = {}
         self.size = 0
@@ -102,8 +105,8 @@ class Linearisation:
         forces = [self._f[id(rows)] for rows in self.contacts]
         inner: list[tuple[slice, Inner]] = []
         for m in self.motions:
-            if isinstance(m, DeformableMotion):
-                inner.append((slice(self._q[id(m)].start, self._v[id(m)].stop), m.inner()))
+            if (own := m.inner()) is not None:
+                inner.append((slice(self._q[id(m)].start, self._v[id(m)].stop), own))
         return LinearStep(plus, minus, by, soft, forces, inner)
 
     def _see(self, step: Step) -> None:
@@ -164,9 +167,9 @@ class Linearisation:
         one = np.eye(force.stop - force.start)
         plus.add(force, force, one)
         plus.add(balance, force, -rows.spread(one))
-        if turned := rows.turned():
-            minus.add(balance, self._q[id(m)], -turned[0])
-            plus.add(balance, self._before[id(m)], -turned[1])
+        for name, turned in rows.turned().items():
+            into, where = (plus, ends) if name in ends else (minus, starts)
+            into.add(balance, where[name], -turned)
         for i, parameter in enumerate(self._parameters):
             change, forces = rows.by(parameter)
             by[at, i] += change

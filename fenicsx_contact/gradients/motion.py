@@ -20,12 +20,12 @@ import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
-from ..base import checks
 from ..base.constants import KEPT
-from ..solids import DeformableSolid, ElasticSolid, HyperelasticSolid, RigidSolid, Solid
+from ..solids import DeformableSolid, ElasticSolid, RigidSolid
 from ..solids.factor import Factorisation
 from ..solids.rotations import rotation_matrix
 from ..theory.theta import Step
+from .blocks import Inner as OwnRows
 from .parameters import Parameter
 
 
@@ -72,6 +72,10 @@ class Motion(ABC):
     @abstractmethod
     def by(self, parameter: Parameter, step: Step) -> np.ndarray:
         """Derivative of the balance by a parameter."""
+
+    def inner(self) -> OwnRows | None:
+        """Its rows among its own unknowns, after :meth:`balance`, if it has a solver of its own."""
+        return None
 
     def increment(self, step: Step) -> np.ndarray:
         """q+ - q-."""
@@ -171,7 +175,6 @@ class DeformableMotion(Motion):
         return Inner(factor, stiffness, step.gap_rate, self.held)
 
     def inner(self) -> Inner:
-        """Its rows among its own unknowns, after :meth:`balance`."""
         return self._inner
 
     def _stiffnesses(self, step: Step) -> tuple[Any, Any]:
@@ -264,36 +267,3 @@ class Factor:
 def _scipy(matrix: Any) -> sp.csr_matrix:
     pointers, columns, values = matrix.getValuesCSR()
     return sp.csr_matrix((values, columns, pointers), matrix.getSize())
-
-
-def motion(solid: Solid, inertia: bool, moving_time: bool) -> Motion:
-    """The rows of a solid.
-
-    Args:
-        solid: the solid.
-        inertia: whether it has any.
-        moving_time: whether instants depend on parameters.
-
-    Raises:
-        InputError: what is not supported, by name.
-    """
-    name = f"solid {solid.name!r}"
-    if isinstance(solid, RigidSolid):
-        if solid.dim == 3:
-            raise checks.InputError(f"gradients: {name} is rigid in space; only in the plane")
-        if solid.applied and moving_time:
-            raise checks.InputError(f"gradients: {name} has forces in time and located impacts")
-        return RigidMotion(solid)
-    if not isinstance(solid, (ElasticSolid, HyperelasticSolid)):
-        kind = type(solid).__name__
-        raise checks.InputError(f"gradients: {name} is a {kind}, which is not supported")
-    if solid.comm.size > 1:
-        raise checks.InputError(f"gradients: {name} is shared by processes; use one")
-    if not inertia and not solid.supported:
-        raise checks.InputError(f"gradients: {name} is held by contact alone, without inertia")
-    if solid.dampers or solid.massless:
-        what = "damping" if solid.dampers else "a boundary without mass"
-        raise checks.InputError(f"gradients: {name} has {what}, which is not supported")
-    if moving_time and (solid.applied or solid.supports.moving):
-        raise checks.InputError(f"gradients: {name} has motions in time and located impacts")
-    return DeformableMotion(solid)

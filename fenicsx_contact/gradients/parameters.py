@@ -10,7 +10,11 @@ from typing import Any
 import numpy as np
 
 from ..base import checks
+from ..base.constants import SAME
 from ..contact.contact import Contact
+from ..rods import Curve, GuideContact
+from ..rods.beam import BeamSolid
+from ..rods.sections import Lateral, values_of
 from ..solids import DeformableSolid, RigidSolid, Solid
 from .forms import ByConstant
 
@@ -42,6 +46,16 @@ class Parameter:
     def move(self, contact: Contact) -> np.ndarray | None:
         """How the obstacle of a contact moves, (d,)."""
         return None
+
+    def bend(self, contact: Contact, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """How the centre line of a contact's guide moves at depths (n,), m, and the slope of
+        that, (n,) each."""
+        return None
+
+    def driven(self, solid: Solid) -> tuple[float, float]:
+        """Changes of what the law that drives a beam reads: its mass, kg, and gravity along the
+        travel, m/s²."""
+        return 0.0, 0.0
 
     def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
         """Refuse a scene in which it does not stand."""
@@ -95,14 +109,57 @@ class ObstacleShift(Parameter):
 
     def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
         _among("ObstacleShift", self.contact, contacts)
+        if self.contact.coupling.encloses:
+            raise checks.InputError("ObstacleShift: the obstacle is a guide; see Bend")
+
+
+class Bend(Parameter):
+    """A displacement of the centre line of a guide; clearances stay the same.
+
+    Where the rod starts is a parameter of its own (:class:`Start`): what both change adds up.
+
+    Args:
+        contact: of a beam with the guide.
+        curve: the displacement; the parameter is in multiples of it. ``Sine(1.0, 3.66)`` makes it
+            the amplitude of a tube's ``Sine(amplitude, 3.66)``.
+        within: depths between which the centre line moves, m; of tubes and cards alike.
+
+    Raises:
+        InputError: no guide, no curve.
+    """
+
+    def __init__(
+        self,
+        contact: GuideContact,
+        curve: Curve,
+        within: tuple[float, float] = (-np.inf, np.inf),
+    ) -> None:
+        checks.instance("contact", contact, GuideContact, "a GuideContact")
+        checks.offers("curve", curve, Curve, "a curve (Straight, Sine, Bow, ...)")
+        self.contact, self.curve = contact, curve
+        top, bottom = within
+        same = SAME * float(np.ptp(contact.obstacle.stations))
+        self._within = top - same, bottom + same
+
+    def bend(self, contact: Contact, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        if contact is not self.contact:
+            return None
+        inside = (depth >= self._within[0]) & (depth <= self._within[1])
+        curve = self.curve
+        offset, slope = np.zeros((2, len(depth)))
+        offset[inside], slope[inside] = curve.offset(depth[inside]), curve.slope(depth[inside])
+        return offset, slope
+
+    def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
+        _among("Bend", self.contact, contacts)
 
 
 def _check_rigid(what: str, solid: Any) -> None:
     if not isinstance(solid, RigidSolid) or solid.dim == 3:
         name, kind = getattr(solid, "name", solid), type(solid).__name__
         raise checks.InputError(
-            f"{what}: solid {name!r}, a {kind}, is not supported; only deformable solids, and "
-            "rigid ones in the plane"
+            f"{what}: solid {name!r}, a {kind}, is not supported; only deformable solids, beams, "
+            "and rigid solids in the plane"
         )
 
 
@@ -121,7 +178,8 @@ class Start(OfSolid):
     Args:
         solid: the solid.
         place, velocity: of a rigid solid its centre of mass, d numbers; of a deformable one fields,
-            as for its ``displacement`` and ``velocity``.
+            as for its ``displacement`` and ``velocity``; of a beam d numbers, of all of it, or
+            deflections, as for its ``displacement``.
         turn, spin, about: of a rigid solid in the plane: rad, rad/s, and the point about which it
             turns (default: the centre of mass).
     """
@@ -137,9 +195,13 @@ class Start(OfSolid):
         about: Sequence[float] | None = None,
     ) -> None:
         self.solid = solid
-        if isinstance(solid, DeformableSolid):
+        if isinstance(solid, (BeamSolid, DeformableSolid)):
             if turn or spin or about is not None:
-                raise checks.InputError("Start: a deformable solid has no turn, spin or about")
+                kind = type(solid).__name__
+                raise checks.InputError(f"Start: a {kind} has no turn, spin or about")
+            if isinstance(solid, BeamSolid):
+                self._place, self._velocity = (_of_beam(solid, f) for f in (place, velocity))
+                return
             fields = [solid.vectors.interpolate("Start", f) for f in (place, velocity)]
             for each in fields:
                 each[solid.fixed_unknowns] = 0.0
@@ -170,7 +232,11 @@ class Gravity(OfSolid):
     def __init__(self, solid: Solid, direction: Sequence[float]) -> None:
         self.solid = solid
         g = checks.vector("direction", direction, solid.dim)
-        if isinstance(solid, DeformableSolid):
+        self._along = 0.0
+        if isinstance(solid, BeamSolid):
+            self._load = solid.unknowns.weight(g)
+            self._along = -float(g @ solid.axis.direction)
+        elif isinstance(solid, DeformableSolid):
             self._load = solid.inertia.weight(g)
         else:
             _check_rigid("Gravity", solid)
@@ -179,18 +245,38 @@ class Gravity(OfSolid):
     def load(self, solid: Solid) -> np.ndarray | float:
         return self._load if solid is self.solid else 0.0
 
+    def driven(self, solid: Solid) -> tuple[float, float]:
+        return (0.0, self._along) if solid is self.solid else (0.0, 0.0)
+
+
+def _of_beam(beam: BeamSolid, field: Any) -> np.ndarray:
+    """A change of a beam's unknowns from d numbers or a deflection."""
+    result = np.zeros(len(beam.weight))
+    bending, axial = beam.unknowns.split(result)
+    k, zero = beam.matrices, np.zeros((beam.dim - 1, 1))
+    if callable(field):
+        deflection: Lateral = field
+        bending[:] = k.bent(values_of("Start", deflection, k.s, len(bending)), None)
+    elif field is not None:
+        way = checks.vector("Start", field, beam.dim)
+        bending[:] = k.bent((beam.frame @ way)[:, None] + zero * k.s, None)
+        axial[:] = way @ beam.axis.direction * k.free_axial
+    return result
+
 
 class Mass(OfSolid):
     """The whole mass of a solid, kg; how it is spread stays the same."""
 
     def __init__(self, solid: Solid) -> None:
         self.solid = solid
-        if not isinstance(solid, DeformableSolid):
+        if not isinstance(solid, (BeamSolid, DeformableSolid)):
             _check_rigid("Mass", solid)
 
     def momentum(self, solid: Solid, velocity: np.ndarray) -> np.ndarray | float:
         if solid is not self.solid:
             return 0.0
+        if isinstance(solid, BeamSolid):
+            return solid.unknowns.masses * velocity / solid.mass
         if isinstance(solid, DeformableSolid):
             return solid.inertia.times(velocity) / solid.mass
         assert isinstance(solid, RigidSolid)
@@ -199,7 +285,10 @@ class Mass(OfSolid):
     def load(self, solid: Solid) -> np.ndarray | float:
         if solid is not self.solid:
             return 0.0
-        if isinstance(solid, DeformableSolid):
+        if isinstance(solid, (BeamSolid, DeformableSolid)):
             return solid.weight / solid.mass
         assert isinstance(solid, RigidSolid)
         return np.append(solid.gravity, 0.0)
+
+    def driven(self, solid: Solid) -> tuple[float, float]:
+        return (1.0, 0.0) if solid is self.solid else (0.0, 0.0)

@@ -11,7 +11,9 @@ import numpy as np
 
 from ..base import checks
 from ..base.constants import SAME
+from ..rods.beam import BeamSolid
 from ..solids import DeformableSolid, RigidSolid, Solid
+from .duals import variables
 from .parameters import Parameter
 
 
@@ -130,10 +132,46 @@ class At(_Linear):
         return float(self._row @ by)
 
 
-class Kinetic:
-    """The kinetic energy of a solid, J (J/m in 2D)."""
+class Travel(_Linear):
+    """How far a beam has moved against the direction of its axis, m, or its speed, m/s
+    (``of="velocity"``): of a rod whose axis does not stretch, that of its tip."""
 
-    def __init__(self, solid: RigidSolid | DeformableSolid) -> None:
+    def __init__(self, solid: BeamSolid, of: str = "place") -> None:
+        checks.instance("solid", solid, BeamSolid, "a BeamSolid")
+        self.solid, self._of = solid, checks.choice("of", of, ["place", "velocity"])
+        self._row = np.zeros(len(solid.weight))
+        solid.unknowns.split(self._row)[1][:] = -solid.unknowns.mean
+
+    def value(self) -> float:
+        """Now."""
+        assert isinstance(self.solid, BeamSolid)
+        return self.solid.speed if self._of == "velocity" else self.solid.travel
+
+
+class Strain:
+    """The strain energy of a beam, J."""
+
+    def __init__(self, solid: BeamSolid) -> None:
+        self.solid = checks.instance("solid", solid, BeamSolid, "a BeamSolid")
+
+    def value(self) -> float:
+        """Now."""
+        return self.solid.energies()[1]
+
+    def gradient(self) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives by q and v: the internal force and nothing."""
+        u = self.solid.displacement
+        return self.solid.unknowns.stiffness @ u, np.zeros_like(u)
+
+    def explicit(self, parameter: Parameter) -> float:
+        """None."""
+        return 0.0
+
+
+class Kinetic:
+    """The kinetic energy of a solid, J (J/m in 2D), of a beam with the water that moves along."""
+
+    def __init__(self, solid: RigidSolid | DeformableSolid | BeamSolid) -> None:
         self.solid = solid
 
     def value(self) -> float:
@@ -141,7 +179,16 @@ class Kinetic:
         return self.solid.energies()[0]
 
     def gradient(self) -> tuple[np.ndarray, np.ndarray]:
-        """Derivatives by q and v: nothing and the momentum."""
+        """Derivatives by q and v: nothing and the momentum; of a beam with the water's."""
+        solid = self.solid
+        if isinstance(solid, BeamSolid):
+            by_q, momentum = np.zeros_like(solid.weight), solid.unknowns.masses * solid.velocity
+            if solid.law is not None:
+                (travel,) = variables(solid.travel)
+                added = solid.law.added_mass(travel) + 0 * travel
+                by_q[-1] = -0.5 * added.slopes[0] * solid.speed**2
+                momentum[-1] -= added.value * solid.speed
+            return by_q, momentum
         momentum = self.solid.state()["momentum"]
         return np.zeros_like(momentum), momentum
 

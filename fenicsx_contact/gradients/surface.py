@@ -85,11 +85,25 @@ class ContactRows:
     """
 
     def __init__(self, contact: Contact, motion: Motion) -> None:
-        _refuse(contact)
+        self._refuse(contact)
         self.contact, self.motion = contact, motion
         self._by_start = ByField(contact, contact.equations.fields.start_jump_n)
         self._d = contact.surface.dim
         self._more = contact.equations.fields.components - self._d  # multipliers of a point
+
+    def _refuse(self, contact: Contact) -> None:
+        """Refuse what is not supported."""
+        name, coupling = f"gradients: contact {contact.name!r}", contact.coupling
+        if type(contact) is not Contact or type(coupling) is not NodalJump:
+            raise checks.InputError(f"{name} is not one of points with an obstacle")
+        if coupling.driven:
+            raise checks.InputError(f"{name} has an obstacle that moves")
+        if not isinstance(coupling.obstacle, (HalfSpace, Circle, Sphere, Cylinder)):
+            kind = type(coupling.obstacle).__name__
+            raise checks.InputError(f"{name} has a {kind}, whose distances may not be exact")
+        refuse_law(contact)
+        if contact.solid.dim == 2 and getattr(contact.solid, "degree", 1) > 2:
+            raise checks.InputError(f"{name} is of higher degree")
 
     # -- what the step is ------------------------------------------------------------------------
 
@@ -98,6 +112,17 @@ class ContactRows:
         contact, e = self.contact, self.contact.equations
         self.step, self.points = step, e.candidates
         self.unknowns = len(e.active_multipliers)
+        self._kinematics()
+        k, share = e.fields, contact.formulation.gap_share
+        # what was put to zero there depends on nothing
+        self._reads_gap = (k.gap.x.array != 0) * (1.0 - share)
+        self.reads_start = (k.start_jump_n.x.array != 0).astype(float)
+        self._linearise()
+        self._force = -e.residual()[e.active_jumps]
+
+    def _kinematics(self) -> None:
+        """Places, velocities and normals, and what they depend on."""
+        contact, step = self.contact, self.step
         trace, solid, d = contact.traces[0], self.motion.solid, self._d
         x = trace.positions()
         if isinstance(self.motion, RigidMotion):
@@ -119,12 +144,6 @@ class ContactRows:
             start = x - (J @ (solid.trial_displacement - solid.displacement)).reshape(-1, d)
             self.start_jump, self.jump = contact.jump, contact.trial_jump
         self._normals(start)
-        k, share = e.fields, contact.formulation.gap_share
-        # what was put to zero there depends on nothing
-        self._reads_gap = (k.gap.x.array != 0) * (1.0 - share)
-        self.reads_start = (k.start_jump_n.x.array != 0).astype(float)
-        self._linearise()
-        self._force = -e.residual()[e.active_jumps]
 
     def _linearise(self) -> None:
         """Take up the derivatives of the form."""
@@ -171,7 +190,7 @@ class ContactRows:
         by_place = by_place + start * (self.start_jump[p][:, None, :] @ C)
         by_start = start * n
         by_gap = gap * (self._reads_gap[p][:, None] * self.old_normal[p])[:, None, :]
-        result = {"m": (_square(T[:, d:, d:]), -_square(T[:, :d, d:]))}
+        result = {"m": (square(T[:, d:, d:]), -square(T[:, :d, d:]))}
 
         def told(weights: Callable[[slice], Any]) -> tuple[Any, Any]:
             return weights(slice(d, None)), -weights(slice(0, d))
@@ -205,10 +224,10 @@ class ContactRows:
         spreading = self._forces[places].T
         return spreading @ (forces if isinstance(spreading, np.ndarray) else sp.csr_matrix(forces))
 
-    def turned(self) -> tuple[Any, Any] | None:
-        """Derivatives of J' f at fixed forces by q_old and q; None where J is constant."""
+    def turned(self) -> dict[str, Any]:
+        """Derivatives of J' f at fixed forces, of what J depends on."""
         if not isinstance(self.motion, RigidMotion):
-            return None
+            return {}
         weight, result = self.step.scheme.force_weight, []
         f = self._force.reshape(-1, 2)
         for share, arm in zip((1 - weight, weight), self.arms):
@@ -216,7 +235,7 @@ class ContactRows:
             block[2, 2] = -share * float((arm[self.points] * f).sum())
             block[self.motion.held] = block[:, self.motion.held] = 0.0
             result.append(block)
-        return result[0], result[1]
+        return dict(zip(("q_old", "q"), result))
 
     def soft(self, compliance: float) -> np.ndarray:
         """A compliance of the multipliers, from one of scaled unknowns and rows."""
@@ -236,7 +255,7 @@ def _rigid(arm: np.ndarray, spin: float, held: np.ndarray) -> Kinematics:
     return Kinematics(place.reshape(2 * n, 3), bend.reshape(2 * n, 3))
 
 
-def _square(blocks: np.ndarray) -> Any:
+def square(blocks: np.ndarray) -> Any:
     """A block diagonal matrix; dense where it is small."""
     k, r, c = blocks.shape
     result = np.zeros((k, r, k, c))
@@ -253,15 +272,9 @@ def _diagonal(blocks: np.ndarray) -> sp.csr_matrix:
     return sp.csr_matrix((blocks.ravel(), columns, np.arange(0, k * r * c + 1, c)), (k * r, k * c))
 
 
-def _refuse(contact: Contact) -> None:
-    name, coupling = f"gradients: contact {contact.name!r}", contact.coupling
-    if type(contact) is not Contact or type(coupling) is not NodalJump:
-        raise checks.InputError(f"{name} is not one of points with an obstacle")
-    if coupling.driven:
-        raise checks.InputError(f"{name} has an obstacle that moves")
-    if not isinstance(coupling.obstacle, (HalfSpace, Circle, Sphere, Cylinder)):
-        kind = type(coupling.obstacle).__name__
-        raise checks.InputError(f"{name} has a {kind}, whose distances may not be exact")
+def refuse_law(contact: Contact) -> None:
+    """Refuse formulations and laws that are not differentiated."""
+    name = f"gradients: contact {contact.name!r}"
     if type(contact.formulation) not in (Velocity, Gap):
         raise checks.InputError(f"{name} has the formulation {contact.formulation.name!r}")
     law = contact.friction_law
@@ -270,5 +283,3 @@ def _refuse(contact: Contact) -> None:
     number = getattr(law, "mu", getattr(law, "stress", 0.0))
     if not isinstance(number, float) and not is_expression(number):
         raise checks.InputError(f"{name} has a law of place or time: {number!r}")
-    if contact.solid.dim == 2 and getattr(contact.solid, "degree", 1) > 2:
-        raise checks.InputError(f"{name} is of higher degree")

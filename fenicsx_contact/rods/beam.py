@@ -43,7 +43,9 @@ class BeamSolid(Solid):
 
     Attributes:
         frame: the lateral directions, (d - 1, d), rows.
-        gravity: along the travel, m/s².
+        gravity: along the travel, m/s²; ``weight``: its load on the unknowns, (n,) in N.
+        lateral_load: as given.
+        unknowns: their masses and stiffness.
         axial: what the law does: the energy that it has ``taken``, the ``drive_force``.
 
     Raises:
@@ -74,17 +76,17 @@ class BeamSolid(Solid):
         self.matrices = k = BeamMatrices(axis, sections, masses, supports)
         self.axis, self.frame, self.mass = axis, axis.frame, k.mass
         self.supported = not (k.free_bending.all() and k.free_axial.all())
-        self._unknowns = unknowns = BeamUnknowns(axis, k)
+        self.unknowns = unknowns = BeamUnknowns(axis, k)
         self.split, self._along = unknowns.split, unknowns.along
         self._masses, self._stiffness = unknowns.masses, unknowns.stiffness
         held = len(unknowns.mean) > 1 or not k.free_axial.all()
         g = np.zeros(self.dim) if gravity is None else checks.vector("gravity", gravity, self.dim)
         self.gravity = -float(g @ axis.direction)  # along the travel
         self.axial = AxialMotion(unknowns.mean, self.mass, self.gravity, held)
-        self._load, self._lateral_load = unknowns.weight(g), lateral_load
+        self.weight, self.lateral_load = unknowns.weight(g), lateral_load
         if lateral_load is not None:
             values_of("lateral_load", lateral_load, k.s, unknowns.planes)
-        self.displacement, self.velocity = np.zeros((2, len(self._load)))
+        self.displacement, self.velocity = np.zeros((2, len(self.weight)))
         if displacement is not None:
             w = values_of("displacement", displacement, k.s, unknowns.planes)
             turned = slope and values_of("slope", slope, k.s, unknowns.planes)
@@ -149,7 +151,7 @@ class BeamSolid(Solid):
         if self._seen == step and self.trial_velocity is self.velocity:
             return  # nothing has happened since
         self._seen, self._linear = step, False
-        self.memory = step.recall(self.memory, lambda: self._load - self._internal)
+        self.memory = step.recall(self.memory, lambda: self.weight - self._internal)
         self.go(self.velocity, step.coming)  # in an impact what is around it is that of the step
         self.predictions += 1
 
@@ -166,7 +168,7 @@ class BeamSolid(Solid):
             drift = step.drift(self.velocity, self.memory)
             if drift.any():
                 load -= after * (self._stiffness @ drift)
-            if self._lateral_load is not None:
+            if self.lateral_load is not None:
                 load += self._flow()
         bending, along = self.split(load)
         self.axial_flexibility = self.axial.drive(step, self.travel, self.speed, axial, along)
@@ -178,14 +180,14 @@ class BeamSolid(Solid):
 
     def _loads(self, step: Step) -> np.ndarray:
         """The weight, and what the scheme carries along; laws and flow are not carried."""
-        return step.load_weight * self._load + step.carried(self.memory)
+        return step.load_weight * self.weight + step.carried(self.memory)
 
     def _flow(self) -> np.ndarray:
         """The lateral load of the flow on the nodes, where they are now."""
-        assert self._lateral_load is not None
-        k, self._flow_force = self.matrices, np.zeros_like(self._load)
+        assert self.lateral_load is not None
+        k, self._flow_force = self.matrices, np.zeros_like(self.weight)
         bending, along = self.split(self._flow_force)[0], self.split(self.displacement)[1]
-        load = values_of("lateral_load", self._lateral_load, k.s + along, len(bending))
+        load = values_of("lateral_load", self.lateral_load, k.s + along, len(bending))
         bending[:, ::2] = load * k.lengths
         return self._flow_force
 
@@ -209,7 +211,7 @@ class BeamSolid(Solid):
         self.trial_velocity, self.trial_displacement = velocity, self.displacement + way
 
     def drop_forces(self) -> None:
-        self._gain = np.zeros_like(self._load)
+        self._gain = np.zeros_like(self.weight)
         self._pushed = 0.0
 
     def root_mean_square(self, velocity: np.ndarray) -> float:
@@ -229,7 +231,7 @@ class BeamSolid(Solid):
         momentum = float(mean @ (self._trial_momentum - self._momentum))
         loads = step.dt * float(mean @ self._acting)
         others = {}
-        if self._lateral_load is not None and step.dt:
+        if self.lateral_load is not None and step.dt:
             others["flow"] = step.dt * float(mean @ self._flow_force)
         after = self._along(self.trial_velocity)
         against, works = self.axial.works(step, self.speed, after, self._pushed, others)
@@ -252,12 +254,12 @@ class BeamSolid(Solid):
         kinetic = 0.5 * float(self.velocity @ self._momentum)
         kinetic += self.axial.added_energy(self.travel, self.speed)
         strain = 0.5 * float(self.displacement @ self._internal)
-        weight = -float(self._load @ self.displacement)
+        weight = -float(self.weight @ self.displacement)
         return kinetic, strain, sum(self.axial.taken.values()) + weight
 
     def lateral_energy(self) -> float:
         """Kinetic and strain energy of bending, J."""
-        n = self._unknowns.bending
+        n = self.unknowns.bending
         kinetic = self.velocity[:n] @ self._momentum[:n]
         return 0.5 * float(kinetic + self.displacement[:n] @ self._internal[:n])
 
@@ -283,13 +285,13 @@ class BeamSolid(Solid):
         self._begin()
 
     def fields(self) -> dict[str, np.ndarray]:
-        at_mesh = self._unknowns.at_mesh
+        at_mesh = self.unknowns.at_mesh
         return {"displacement": at_mesh(self.displacement), "velocity": at_mesh(self.velocity)}
 
     def describe(self) -> str:
-        kind = "inextensible" if len(self._unknowns.mean) == 1 else "extensible"
+        kind = "inextensible" if len(self.unknowns.mean) == 1 else "extensible"
         return (
             f"beam, {kind}, {len(cell_geometry(self.axis.mesh))} cells, mass {self.mass:.9g}, "
             f"stiffness {self._stiffness.diagonal().sum():.9g}, gravity {self.gravity:.9g}, "
-            f"{self.law!r}, {len(self._load)} unknowns"
+            f"{self.law!r}, {len(self.weight)} unknowns"
         )

@@ -38,6 +38,7 @@ class Guide:
     Attributes:
         moving: whether it has a motion.
         stations: depths of the stations, from the top down, (k,) in m.
+        centres: lateral places of their holes, (k, d - 1) in m.
         faces: which stations have a face on which a tip from above may butt, (k,): cards, and tubes
             into whose hole none leads.
         bottom: depth at which the last tube ends, m; infinite if there are only cards.
@@ -139,7 +140,7 @@ class Guide:
                 kept.append(each)
         depths, clearances, centres, faces = zip(*kept)
         self.stations, self._clearance = np.array(depths), np.array(clearances)
-        self._centre, self.faces = np.array(centres), np.array(faces)
+        self.centres, self.faces = np.array(centres), np.array(faces)
         self.bottom = self.tubes[-1].bottom if self.tubes else np.inf
 
     def displacement(self, time: float) -> np.ndarray:
@@ -176,7 +177,7 @@ class Guide:
     def centre(self, depth: np.ndarray) -> np.ndarray:
         """Points (n, d) of the centre line at depths (n,), m; from station to station on a straight
         line where there is no tube."""
-        lateral = [np.interp(depth, self.stations, centre) for centre in self._centre.T]
+        lateral = [np.interp(depth, self.stations, centre) for centre in self.centres.T]
         local = np.stack([depth, *lateral], axis=1)
         for tube in self.tubes:
             inside = (depth >= tube.top) & (depth <= tube.bottom)
@@ -196,14 +197,14 @@ class Guide:
             Places from the middle of the hole, in the lateral directions, (n, d - 1) in m, and
             clearances (n,), ``far`` where there is no hole.
         """
-        _, off, _, clearance, _, which = self._around(points)
+        _, off, _, clearance, _, which = self.around(points)
         clearance = np.where(which < 0, self.far, clearance)
         if stations is not None:
             local = (points[stations] - self.origin) @ self._axes.T
-            off[stations], clearance[stations] = local[:, 1:] - self._centre, self._clearance
+            off[stations], clearance[stations] = local[:, 1:] - self.centres, self._clearance
         return off, clearance
 
-    def _around(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
+    def around(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
         """Points in the frame of the guide (n, d); their places from its centre line and the slope
         of that, (n, d - 1); the clearance, its slope and the tube there, (n,)."""
         local = (points - self.origin) @ self._axes.T
@@ -220,11 +221,24 @@ class Guide:
                 rate[here] = self._lateral(tube.curve.slope(depth))
         return local, off, rate, clearance, self._taper[segment], which
 
+    def line_curvature(self, depth: np.ndarray) -> np.ndarray:
+        """Second derivative of the centre line at depths (n,), 1/m; of tubes that bend in a plane.
+
+        Raises:
+            InputError: a curve that does not know it.
+        """
+        result, which = np.zeros(len(depth)), self._which[self._bounds.searchsorted(depth)]
+        for i, tube in self._bent:
+            if not hasattr(tube.curve, "curvature"):
+                raise checks.InputError(f"curve = {tube.curve!r}: has no curvature(depth)")
+            result[which == i] = tube.curve.curvature(depth[which == i])
+        return result
+
     def _look(self, points: np.ndarray) -> None:
         """Distances and normals; kept, for both are asked for at the same points."""
         if points is self._last:
             return
-        local, off, rate, clearance, taper, which = self._around(points)
+        local, off, rate, clearance, taper, which = self.around(points)
         size, across = _polar(off)
         axial = (across * rate).sum(axis=1) + taper
         steep = np.sqrt(1 + axial * axial)
@@ -255,7 +269,7 @@ class Guide:
             Distances (k,), positive inside, and unit normals into the corridor, (k, d).
         """
         local = (points - self.origin) @ self._axes.T
-        size, across = _polar(local[:, 1:] - self._centre)
+        size, across = _polar(local[:, 1:] - self.centres)
         axial = (across * slopes).sum(axis=1)
         steep = np.sqrt(1 + axial * axial)
         local[:, 0], local[:, 1:] = axial / steep, across / -steep[:, None]

@@ -159,6 +159,20 @@ class BeamMatrices:
         bending, axial = (_flexibility(M / span, rate, K, free) for M, K, free in motions)
         return bending, axial
 
+    def interpolate(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Where places s (n,) [m] are: their cells and how far along them [0, 1], (n,), and the
+        weights of a cell's (w, psi, w, psi) in the deflection there and its derivative, (2, n, 4).
+        """
+        knots = self.s
+        s = np.minimum(np.maximum(s, knots[0]), knots[-1])
+        cell = np.minimum(knots.searchsorted(s, side="right") - 1, len(knots) - 2)
+        xi = (s - knots[cell]) / (knots[cell + 1] - knots[cell])
+        powers = np.ones((len(s), 1, 4))
+        powers[:, 0, 1] = xi
+        powers[:, 0, 2] = xi * xi
+        powers[:, 0, 3] = powers[:, 0, 2] * xi
+        return cell, xi, (powers @ self.shapes[:, cell])[:, :, 0]
+
     def bent(self, w: np.ndarray, slope: np.ndarray | None) -> np.ndarray:
         """The unknowns of a deflection [m] of the nodes and its slope (default: by differences),
         (planes, m) each."""

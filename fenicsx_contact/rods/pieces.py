@@ -15,7 +15,10 @@ from ..base import checks
 
 @runtime_checkable
 class Curve(Protocol):
-    """A centre line. Arrays (n,) in its plane, or (n, d - 1) for a curve in space."""
+    """A centre line. Arrays (n,) in its plane, or (n, d - 1) for a curve in space.
+
+    Derivatives of runs (:mod:`fenicsx_contact.gradients`) ask for ``curvature``, the second
+    derivative by the depth, too."""
 
     def offset(self, depth: np.ndarray) -> np.ndarray:
         """Lateral offset at depths (n,), m."""
@@ -40,6 +43,9 @@ class Straight:
 
     def slope(self, depth: np.ndarray) -> np.ndarray:
         return np.full_like(depth, self.tilt)
+
+    def curvature(self, depth: np.ndarray) -> np.ndarray:
+        return np.zeros_like(depth)
 
 
 @dataclass(frozen=True)
@@ -70,6 +76,10 @@ class Sine:
         k = 2 * np.pi / self.wavelength
         return self.amplitude * k * (np.cos(k * depth) - (self.inlet == "tangent"))
 
+    def curvature(self, depth: np.ndarray) -> np.ndarray:
+        k = 2 * np.pi / self.wavelength
+        return -self.amplitude * k**2 * np.sin(k * depth)
+
 
 @dataclass(frozen=True)
 class Bow:
@@ -94,19 +104,30 @@ class Bow:
         k = 2 * np.pi / self.length
         return 0.5 * self.sagitta * k * np.sin(k * depth)
 
+    def curvature(self, depth: np.ndarray) -> np.ndarray:
+        k = 2 * np.pi / self.length
+        return 0.5 * self.sagitta * k**2 * np.cos(k * depth)
+
 
 @dataclass(frozen=True)
 class AnyCurve:
-    """A curve given by two functions of the depth (n,)."""
+    """A curve given by functions of the depth (n,); the second derivative only where runs are
+    differentiated."""
 
     function: Callable[[np.ndarray], np.ndarray] = field(repr=False)
     derivative: Callable[[np.ndarray], np.ndarray] = field(repr=False)
+    second: Callable[[np.ndarray], np.ndarray] | None = field(default=None, repr=False)
 
     def offset(self, depth: np.ndarray) -> np.ndarray:
         return self.function(depth)
 
     def slope(self, depth: np.ndarray) -> np.ndarray:
         return self.derivative(depth)
+
+    def curvature(self, depth: np.ndarray) -> np.ndarray:
+        if self.second is None:
+            raise checks.InputError("AnyCurve: second = None: must be its second derivative")
+        return self.second(depth)
 
 
 def _is_table(clearance: Any) -> bool:

@@ -129,18 +129,11 @@ class BeamTrace(Trace):
 
     def _place(self, points: np.ndarray) -> None:
         """Shape functions at the present s of some points."""
-        knots, shapes, now = self._solid.matrices.s, self._solid.matrices.shapes, self._now
-        s = np.minimum(np.maximum(now.s[points], knots[0]), knots[-1])
-        cell = np.minimum(knots.searchsorted(s, side="right") - 1, len(knots) - 2)
-        xi = (s - knots[cell]) / (knots[cell + 1] - knots[cell])
-        powers = np.ones((len(s), 1, 4))
-        powers[:, 0, 1] = xi
-        powers[:, 0, 2] = xi * xi
-        powers[:, 0, 3] = powers[:, 0, 2] * xi
+        now = self._now
+        cell, xi, weights = self._solid.matrices.interpolate(now.s[points])
         real = ~now.void[points][:, None]
-        w = powers @ shapes[:, cell]
         now.dofs[points] = 2 * cell[:, None] + np.arange(4)
-        now.w[points], now.dw[points] = w[:, :, 0] * real
+        now.w[points], now.dw[points] = weights * real
         if self._extensible:
             now.ends[points] = cell[:, None] + np.arange(2)
             now.u[points] = np.stack([1 - xi, xi], axis=1) * real

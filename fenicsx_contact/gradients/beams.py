@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The rows of a beam in a linearised step, each times the inverse of its matrix.
+
+Bending is linear, and so is axial motion but for the law that drives it. With u the axial unknown,
+``s = -u'`` the speed, F and c the force of the law and its rate as a step takes them
+(:mod:`fenicsx_contact.rods.drive`), z the travel at which it does::
+
+    m/dt (u'+ - u'-) - weight + F(z, s-) + c(z, s-) (u'+ - u'-) = f
+"""
+
+from __future__ import annotations
+
+from copy import copy
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..base import checks
+from ..base.constants import KEPT
+from ..rods.beam import BeamSolid
+from ..theory.theta import Step
+from .duals import Dual, variables
+from .motion import Motion, Row
+from .parameters import Parameter
+
+
+class BeamMotion(Motion):
+    """A beam in the plane whose axis does not stretch.
+
+    Args:
+        solid: the beam.
+
+    Attributes:
+        horizon: over which the step that passes time predicts its motion, s.
+
+    Raises:
+        InputError: another beam.
+    """
+
+    def __init__(self, solid: BeamSolid) -> None:
+        _refuse(solid)
+        self.solid, self._unknowns = solid, solid.unknowns
+        self.size = len(self._unknowns.masses)
+        self.held = np.flatnonzero(~np.append(solid.matrices.free_bending, True))
+        self.one = sp.identity(self.size, format="csr")
+        self._none = sp.csr_matrix((self.size, self.size))
+        n = self._unknowns.bending
+        self._stiffness = self._unknowns.stiffness[:n, :n].toarray()
+        self._kept: dict[tuple[float, ...], tuple[np.ndarray, np.ndarray]] = {}
+
+    def see(self, step: Step) -> None:
+        solid = self.solid
+        self.horizon = step.coming.dt
+        self._bending = solid.matrices.flexibilities(step.span, step.force_rate)[0]
+        self._force, self._rate = self._law(step)
+        self._axial = solid.mass * step.inertia_rate + self._rate.value
+        self._inner = Inner(step.gap_rate)
+        self._end(solid.trial_velocity)
+
+    def _end(self, velocity: np.ndarray) -> None:
+        """Take up the velocity at the end."""
+        self._change = velocity - self.solid.velocity
+        # of F + c (u'+ - u'-), by travel, speed, mass and gravity
+        self._drive = self._force.slopes + self._rate.slopes * self._change[-1]
+
+    def with_velocity(self, velocity: np.ndarray) -> BeamMotion:
+        """The same in a step that ends with another velocity."""
+        other = copy(self)
+        other._end(velocity)
+        return other
+
+    def _law(self, step: Step) -> tuple[Dual, Dual]:
+        """F and c with their derivatives by travel, speed, mass and gravity."""
+        solid, law = self.solid, self.solid.law
+        force = rate = Dual(0.0, np.zeros(4))
+        if law is None:
+            return force, rate
+        weight = step.scheme.force_weight
+        place = solid.travel + weight * step.dt * solid.speed
+        travel, speed, *others = variables(place, solid.speed, solid.mass, solid.gravity)
+        try:
+            rate += law.added_mass(travel) / step.span
+            for each in law.forces(travel, speed, *others, step.dt) if step.dt else ():
+                force += each.value
+                rate -= weight * (each.by_speed + step.gap_rate * each.by_travel)
+        except (TypeError, AttributeError) as error:
+            name = f"gradients: solid {solid.name!r} has the law {law!r}"
+            raise checks.InputError(f"{name}, which is not differentiated: {error}") from None
+        return force, rate
+
+    def balance(self, step: Step) -> Row:
+        q_old, v_old = np.zeros((2, self.size, self.size))
+        q_old[:-1, :-1], v_old[:-1, :-1] = self._bend(step)
+        by_travel, by_speed = self._drive[:2] / self._axial
+        q_old[-1, -1] = -by_travel
+        v_old[-1, -1] = -1 - by_speed - step.scheme.force_weight * step.dt * by_travel
+        return Row(self._none, self.one, q_old, v_old, np.zeros(self.size))
+
+    def _bend(self, step: Step) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives of the rows of bending by the displacement and velocity at the start."""
+        key = step.span, step.loaded, step.gap_rate, *step.scheme.linear_weights
+        if key not in self._kept:
+            before, after = step.scheme.linear_weights
+            stiff = step.loaded * (self._bending @ self._stiffness)
+            masses = self._unknowns.masses[:-1] * step.inertia_rate
+            moved = after * (step.dt - step.gap_rate)
+            if len(self._kept) >= KEPT:
+                self._kept.clear()
+            self._kept[key] = (before + after) * stiff, moved * stiff - self._bending * masses
+        return self._kept[key]
+
+    def inner(self) -> Inner:
+        return self._inner
+
+    def by(self, parameter: Parameter, step: Step) -> np.ndarray:
+        solid = self.solid
+        rows = np.zeros(self.size) + parameter.momentum(solid, self._change) * step.inertia_rate
+        if step.loaded:
+            rows = rows - step.load_weight * parameter.load(solid)
+        rows[-1] += self._drive[2:] @ parameter.driven(solid)
+        return self.lift(rows)
+
+    def lift(self, forces: np.ndarray) -> np.ndarray:
+        """The velocities that forces on the unknowns make in the step, (size, ...)."""
+        return np.concatenate([self._bending @ forces[:-1], forces[-1:] / self._axial])
+
+
+class Inner:
+    """The rows of a beam among its own unknowns (q, v): ``q - rate v = r_q`` and ``v = r_v``.
+
+    Args:
+        rate: derivative of q by v, s.
+    """
+
+    def __init__(self, rate: float) -> None:
+        self._rate = rate
+
+    def solve(self, right: np.ndarray, transposed: bool) -> np.ndarray:
+        """(q, v) from (r_q, r_v), (2 n, columns), or the other way round."""
+        n = len(right) // 2
+        q, v = right[:n], right[n:]
+        parts = [q, v + self._rate * q] if transposed else [q + self._rate * v, v]
+        return np.concatenate(parts)
+
+
+def _refuse(solid: BeamSolid) -> None:
+    name, k = f"gradients: solid {solid.name!r}", solid.matrices
+    if solid.dim == 3:
+        raise checks.InputError(f"{name} is a beam in space; only in the plane")
+    if len(k.axial_mass) > 1 or k.axial_stiffness.any() or not k.free_axial.all():
+        raise checks.InputError(f"{name} is a beam that stretches or is supported along its axis")
+    if solid.axial.prescribed is not None:
+        raise checks.InputError(f"{name} is a beam whose motion is prescribed: {solid.law!r}")
+    if solid.lateral_load is not None:
+        raise checks.InputError(f"{name} is a beam with a lateral_load, which is not supported")

@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The rows of a contact between a beam and its guide, in the plane, in a linearised step.
+
+A node keeps its material and slides past the wall: its normal follows the slope of the wall beside
+it. A station keeps its place and sees the material that the start of the step predicts there, at
+``s = place - u- - horizon u'-``: its jump, normal and force depend on what slides past.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from copy import copy
+from typing import Any
+
+import numpy as np
+
+from ..base.vectors import dot
+from ..contact.contact import Contact
+from ..rods import GuideContact
+from ..solve.yielding import COMPLIANCE
+from ..theory.theta import Step
+from .beams import BeamMotion
+from .blocks import Blocks, LinearStep
+from .parameters import Parameter
+from .sight import Sight
+from .surface import ContactRows, refuse_law, square
+
+
+class GuideRows(ContactRows):
+    """A beam in a guide; see :class:`~.surface.ContactRows`."""
+
+    contact: GuideContact
+    motion: BeamMotion
+
+    def __init__(self, contact: GuideContact, motion: BeamMotion, settles: bool) -> None:
+        super().__init__(contact, motion)
+        # a law that reads no gap of the end settles with the normals of the prediction
+        self._predicted = settles and not contact.formulation.gap_share
+
+    def _refuse(self, contact: Contact) -> None:
+        refuse_law(contact)
+        guide = contact.coupling.obstacle  # type: ignore[attr-defined]
+        guide.line_curvature(guide.stations)  # a curve may not know it
+
+    def see(self, step: Step) -> None:
+        self._back: Sweep | None = None
+        super().see(step)
+        if self._predicted:
+            for points, values in self.contact.candidates.earlier:
+                self._back = Sweep(self, points, values)
+
+    def _kinematics(self) -> None:
+        contact, solid = self.contact, self.motion.solid
+        self._velocity = solid.trial_velocity
+        self.start_jump, self.jump = contact.jump, contact.trial_jump
+        self.normal = contact.normal
+        self._ahead = solid.displacement + self.motion.horizon * solid.velocity
+        self._sights: dict[bytes, tuple[Sight, Sight]] = {}
+
+    def _seen(self) -> tuple[Sight, Sight]:
+        """What the points see at the start of the step, and what its normals belong to."""
+        key, contact, solid = self.points.tobytes(), self.contact, self.motion.solid
+        if key not in self._sights:
+            now, ahead = solid.displacement, self._ahead
+            end = ahead if self._predicted else solid.trial_displacement
+            end = self._back.displacement if self._back else end
+            old = Sight(contact, self.points, now, now[-1])
+            old.leave_out(now[-1])
+            self._sights[key] = old, Sight(contact, self.points, end, ahead[-1])
+        return self._sights[key]
+
+    def _weights(self) -> tuple[np.ndarray, ...]:
+        """Derivatives of the rows of the points, (k, rows, ...), by the jump at the end and at the
+        start, by the normal, and by the gap at the start and at the end."""
+        p, d = self.points, self._d
+        T, G = self._blocks[p], self._parameters[p]
+        start = (self._start[p] * self.reads_start[p][:, None])[:, :, None]
+        share = float(self.contact.formulation.gap_share)
+        gap, n = G[:, :, :1], self.normal[p][:, None]
+        end = share * gap
+        rate = self.step.gap_rate * end  # the gap at the end is read without its part in w
+        by_normal = G[:, :, 1:] + start * self.start_jump[p][:, None]
+        return (
+            T[:, :, :d] - rate * n,
+            start * n,
+            by_normal - rate * self.jump[p][:, None],
+            gap * self._reads_gap[p][:, None, None],
+            end,
+        )
+
+    def derivatives(self) -> dict[str, tuple[Any, Any]]:
+        d, n, solid = self._d, self.motion.size, self.motion.solid
+        old, new = self._seen()
+        by_jump, by_start, by_normal, by_gap, by_end = self._weights()
+        by_slope = by_normal @ new.normal_by[:, :, None]
+        rows = {
+            "v": by_jump @ new.jump,
+            "v_old": by_start @ new.jump,
+            "q_old": by_gap * old.gap[:, None],
+        }
+        seen = by_slope * new.slope[:, None] + by_end * new.gap[:, None]
+        if self._back:
+            rows["q_old"] += seen @ self._back.by_place
+            rows["v_old"] += seen @ self._back.by_velocity
+        elif self._predicted:
+            rows["q_old"] += seen
+            rows["v_old"] += self.motion.horizon * seen
+        else:
+            rows["q"] = seen
+        slides = by_slope * new.slope_slides[:, None, None]
+        slides += by_end * new.gap_slides[:, None, None]
+        slides += by_jump @ (new.jump_slides @ self._velocity)[:, :, None]
+        slides += by_start @ (new.jump_slides @ solid.velocity)[:, :, None]
+        rows["q_old"][:, :, -1:] -= slides + by_gap * old.gap_slides[:, None, None]
+        rows["v_old"][:, :, -1:] -= self.motion.horizon * slides
+        T = self._blocks[self.points]
+        result: dict[str, tuple[Any, Any]] = {"m": (square(T[:, d:, d:]), -square(T[:, :d, d:]))}
+        for name, each in rows.items():
+            result[name] = each[:, d:].reshape(-1, n), -each[:, :d].reshape(-1, n)
+        return result
+
+    def by(self, parameter: Parameter) -> tuple[np.ndarray, np.ndarray]:
+        p, d = self.points, self._d
+        result = np.zeros(self._blocks[p].shape[:2])
+        if (rows := parameter.rows(self.contact)) is not None:
+            result += rows[p]
+        old, new = self._seen()
+        if self._back:
+            by_slope = self._weights()[2] @ new.normal_by[:, :, None]
+            result += by_slope[:, :, 0] * (new.slope @ self._back.by(parameter))[:, None]
+        before, after = (parameter.bend(self.contact, sight.depth) for sight in (old, new))
+        if before is not None and after is not None:
+            _, _, by_normal, by_gap, by_end = self._weights()
+            slope, gap = new.bent(*after)
+            result += (by_normal @ (new.normal_by * slope[:, None])[:, :, None])[:, :, 0]
+            result += by_end[:, :, 0] * gap[:, None]
+            result += by_gap[:, :, 0] * old.bent(*before)[1][:, None]
+        return result[:, d:].ravel(), -result[:, :d].ravel()
+
+    def spread(self, forces: np.ndarray) -> Any:
+        """Velocities that forces at the candidates make in the step."""
+        J = self._seen()[1].jump.reshape(-1, self.motion.size)
+        return self.motion.lift(J.T) @ forces
+
+    def turned(self) -> dict[str, Any]:
+        n = self.motion.size
+        slides = self._seen()[1].jump_slides.reshape(-1, n).T @ self._force
+        by_place = np.zeros((n, n))
+        by_place[:, -1] = -self.motion.lift(slides)
+        return {"q_old": by_place, "v_old": self.motion.horizon * by_place}
+
+
+class Sweep:
+    """A sweep of a step, to whose candidates others were added: the next one has its normals.
+
+    Args:
+        rows: of the contact.
+        points, values: the candidates, and the unknowns with which it ended.
+
+    Attributes:
+        displacement: of the beam at its end.
+        by_place, by_velocity: derivatives of that by the state at the start, (unknowns, unknowns).
+    """
+
+    def __init__(self, rows: GuideRows, points: np.ndarray, values: np.ndarray) -> None:
+        self._rows, contact = copy(rows), rows.contact
+        mine, solid, e = self._rows, rows.motion.solid, contact.equations
+        mine.points, mine._sights = points, {}
+        sight = mine._seen()[1]
+        mine.normal = rows.normal.copy()
+        mine.normal[points] = sight.normal
+        start = dot(rows.start_jump, mine.normal)
+        self._start = np.where(np.abs(start) <= contact.resolution, 0.0, start)
+        mine.reads_start = (self._start != 0).astype(float)
+        self._values, mine.jump = values, values[: e.jumps].reshape(mine.normal.shape)
+        n, d = rows.motion.size, rows.normal.shape[1]
+        with self._as_it_was():
+            mine._linearise()
+            mine._force = -e.residual()[(points[:, None] * d + np.arange(d)).ravel()]
+        lifted = rows.motion.lift(sight.jump.reshape(-1, n).T)
+        mine._velocity = solid.free_velocity + lifted @ mine._force
+        mine.motion = rows.motion.with_velocity(mine._velocity)
+        step = rows.step
+        way = step.increment(solid.velocity, mine._velocity, None)
+        self.displacement = solid.displacement + way
+
+        # v, multipliers and forces
+        kind = np.arange(e.jumps, e.size, len(rows.normal))[:, None] + points
+        soft = (COMPLIANCE / (e.column_scale * e.row_scale)[kind]).T.ravel()
+        ends = np.cumsum([0, n, len(soft), len(mine._force)])
+        v, m, f = (slice(a, b) for a, b in zip(ends[:-1], ends[1:]))
+        rate, early = step.gap_rate, step.dt - step.gap_rate
+        by, balance, turned = mine.derivatives(), mine.motion.balance(step), mine.turned()
+        plus, one = Blocks((ends[-1], ends[-1])), np.eye(n)
+        plus.add(v, v, one)
+        plus.add(v, f, -lifted)
+        plus.add(f, f, np.eye(len(mine._force)))
+        for at, name in ((v, "v"), (m, "m")):
+            plus.add(m, at, by[name][0])
+            plus.add(f, at, -by[name][1])
+        self._plus, self._soft = plus, np.concatenate([np.zeros(n), soft, 0 * mine._force])
+        changes = {}
+        for name, own in (("q_old", balance.q_old), ("v_old", balance.v_old)):
+            changes[name] = self._solve(own - turned[name], *by[name])
+        self.by_place = one + rate * changes["q_old"]
+        self.by_velocity = early * one + rate * changes["v_old"]
+
+    def by(self, parameter: Parameter) -> np.ndarray:
+        """Derivative of its displacement by a parameter, (unknowns,)."""
+        step = self._rows.step
+        with self._as_it_was():
+            rows = self._rows.by(parameter)
+        own = self._rows.motion.by(parameter, step)
+        return step.gap_rate * self._solve(own[:, None], *(each[:, None] for each in rows))[:, 0]
+
+    def _solve(self, own: np.ndarray, multipliers: np.ndarray, forces: np.ndarray) -> np.ndarray:
+        """Changes of v from those of its rows, of the rows of the multipliers and of the forces."""
+        right = np.concatenate([own, multipliers, -forces])
+        nothing = Blocks((len(right), 1))
+        linear = LinearStep(self._plus, nothing, right, self._soft, [], [])
+        return linear.tangent(np.zeros((1, right.shape[1])))[: len(own)]
+
+    @contextmanager
+    def _as_it_was(self) -> Iterator[None]:
+        """The equations of the contact have the unknowns and normals of the sweep meanwhile."""
+        mine, e = self._rows, self._rows.contact.equations
+        k = e.fields
+        before = e.values, mine.contact.normal, k.start_jump_n.x.array.copy()
+        try:
+            e.values, k.start_jump_n.x.array[:] = self._values, self._start
+            k.set_normal(mine.normal)
+            yield
+        finally:
+            e.values, k.start_jump_n.x.array[:] = before[0], before[2]
+            k.set_normal(before[1])

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What points of a beam see of the guide around them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..rods import GuideContact
+
+
+class Sight:
+    """What points of a beam see of the guide around them, and what that depends on.
+
+    With a the slope of the wall (of the beam, at a station) towards the axis the normal is
+    ``(a, -1)/sqrt(1 + a²)`` in the direction of the guide and across, and the gap
+    ``(|off| - c)/sqrt(1 + a²)``. What slides is the derivative by s of the material at a station.
+
+    Args:
+        contact: the contact.
+        points: their numbers, (k,).
+        displacement: of the beam.
+        seen: axial displacement by which the stations find their material, m.
+
+    Attributes:
+        depth: of the points, (k,) in m.
+        jump, jump_slides: operator of the velocities, and what slides of it, (k, d, unknowns).
+        normal, normal_by: of the slave, and its derivative by the slope a, (k, d).
+        slope, slope_slides: derivative of that by the displacement, (k, unknowns), and (k,).
+        gap, gap_slides: of the gap, likewise.
+    """
+
+    def __init__(
+        self, contact: GuideContact, points: np.ndarray, displacement: np.ndarray, seen: float
+    ) -> None:
+        rod, guide = contact.solid.rod, contact.obstacle
+        axis, k, m, n = rod.axis, rod.matrices, len(points), len(displacement)
+        self._along = axis.along(contact.surface.points[points])
+        self._reach = axis.stretch(contact.facets)
+        number = np.full(contact.surface.size, -1)
+        number[contact.stations] = np.arange(len(contact.stations))
+        station = number[points]
+        self._stands = stands = station >= 0
+        moves = ~stands
+
+        # the beam there
+        cell, xi, weights = k.interpolate(self._along - stands * seen)
+        first, second = k.shapes[1, cell, 1:3].swapaxes(0, 1)
+        bend = (first + 2 * xi[:, None] * second) / np.diff(k.s)[cell][:, None]
+        w, dw, ddw = np.zeros((3, m, n))
+        places = 2 * cell[:, None] + np.arange(4)
+        for rows, values in zip((w, dw, ddw), (*weights, bend)):
+            np.put_along_axis(rows, places, values, axis=1)
+        across, along = axis.frame[0], axis.direction
+        self.jump = w[:, None] * across[:, None]
+        self.jump[:, :, -1] += along
+        self.jump_slides = (stands[:, None] * dw)[:, None] * across[:, None]
+
+        # the guide there
+        place = self._along + moves * displacement[-1]
+        x = axis.origin + (w @ displacement)[:, None] * across + place[:, None] * along
+        self.depth = guide.depth(x)
+        local, off, rate, clearance, taper, _ = guide.around(x)
+        off = np.where(stands, local[:, 1] - guide.centres[station, 0], off[:, 0])
+        clearance = np.where(stands, guide.clearance()[station], clearance)
+        turn, tilt = float(across @ guide.lateral[0]), dw @ displacement
+        self._side = side = np.where(off < 0, -1.0, 1.0)
+        leans, taper = np.where(stands, -turn * tilt, rate[:, 0]), moves * taper
+        self._a = a = side * leans + taper
+        self._steep = np.sqrt(1 + a * a)
+        self._distance = (np.abs(off) - clearance) / self._steep
+
+        # and how both change; a node goes up with the axis
+        self.normal = side[:, None] * guide.lateral[0] - a[:, None] * guide.direction
+        self.normal = self.normal / self._steep[:, None]
+        self.normal_by = -(guide.direction + (side * a)[:, None] * guide.lateral[0])
+        self.normal_by = self.normal_by / self._steep[:, None] ** 3
+        self.slope = -(side * turn * stands)[:, None] * dw
+        self.slope[:, -1] -= side * moves * guide.line_curvature(self.depth)
+        self.slope_slides = -side * turn * stands * (ddw @ displacement)
+        moved = (side * turn)[:, None] * w
+        moved[:, -1] += moves * (side * rate[:, 0] + taper)
+        self.gap = self._gap(moved, self.slope)
+        slid = side * turn * stands * tilt
+        self.gap_slides = self._gap(slid[:, None], self.slope_slides[:, None])[:, 0]
+
+    def _gap(self, moved: np.ndarray, slope: np.ndarray) -> np.ndarray:
+        """Change of the gap from those of ``|off| - c`` and of the slope, (k, ...)."""
+        a, steep = self._a[:, None], self._steep[:, None]
+        return moved / steep - self._distance[:, None] * a * slope / steep**2
+
+    def leave_out(self, axial: float) -> None:
+        """Nothing changes at stations that the beam has not reached, or has passed, when its axial
+        displacement is this, m."""
+        low, high = (end + axial for end in self._reach)
+        away = self._stands & ((self._along < low) | (self._along > high))
+        self.gap[away], self.gap_slides[away] = 0.0, 0.0
+
+    def bent(self, offset: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Changes of the slope a and of the gap where the centre line moves by an offset (k,), m,
+        with this slope (k,)."""
+        change = self._side * slope * ~self._stands
+        return change, self._gap(-(self._side * offset)[:, None], change[:, None])[:, 0]

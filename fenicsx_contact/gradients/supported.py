@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Which solids and contacts have derivatives; all others are refused by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..base import checks
+from ..contact.contact import Contact
+from ..rods import GuideContact
+from ..rods.beam import BeamSolid
+from ..solids import ElasticSolid, HyperelasticSolid, RigidSolid, Solid
+from .beams import BeamMotion
+from .guides import GuideRows
+from .motion import DeformableMotion, Motion, RigidMotion
+from .surface import ContactRows
+
+
+def motion(solid: Solid, inertia: bool, moving_time: bool) -> Motion:
+    """The rows of a solid.
+
+    Args:
+        solid: the solid.
+        inertia: whether it has any.
+        moving_time: whether instants depend on parameters.
+
+    Raises:
+        InputError: what is not supported, by name.
+    """
+    name = f"solid {solid.name!r}"
+    if isinstance(solid, RigidSolid):
+        if solid.dim == 3:
+            raise checks.InputError(f"gradients: {name} is rigid in space; only in the plane")
+        if solid.applied and moving_time:
+            raise checks.InputError(f"gradients: {name} has forces in time and located impacts")
+        return RigidMotion(solid)
+    if isinstance(solid, BeamSolid):
+        if moving_time or not inertia:
+            what = "located impacts" if moving_time else "no inertia"
+            raise checks.InputError(f"gradients: {name} is a beam, in a scene with {what}")
+        return BeamMotion(solid)
+    if not isinstance(solid, (ElasticSolid, HyperelasticSolid)):
+        kind = type(solid).__name__
+        raise checks.InputError(f"gradients: {name} is a {kind}, which is not supported")
+    if solid.comm.size > 1:
+        raise checks.InputError(f"gradients: {name} is shared by processes; use one")
+    if not inertia and not solid.supported:
+        raise checks.InputError(f"gradients: {name} is held by contact alone, without inertia")
+    if solid.dampers or solid.massless:
+        what = "damping" if solid.dampers else "a boundary without mass"
+        raise checks.InputError(f"gradients: {name} has {what}, which is not supported")
+    if moving_time and (solid.applied or solid.supports.moving):
+        raise checks.InputError(f"gradients: {name} has motions in time and located impacts")
+    return DeformableMotion(solid)
+
+
+def rows_of(contact: Contact, motion: Motion, settles: bool) -> ContactRows:
+    """The rows of a contact.
+
+    Args:
+        contact: the contact.
+        motion: of its solid.
+        settles: whether steps settle on frozen geometry ("fixed point").
+
+    Raises:
+        InputError: what is not supported, by name.
+    """
+    if isinstance(motion, BeamMotion) and isinstance(contact, GuideContact):
+        return GuideRows(contact, motion, settles)
+    if isinstance(motion, BeamMotion) or isinstance(contact, GuideContact):
+        raise checks.InputError(
+            f"gradients: contact {contact.name!r} is one of a beam, but not of a BeamSolid with a "
+            "guide"
+        )
+    return ContactRows(contact, motion)
+
+
+def check_together(contacts: Sequence[ContactRows]) -> None:
+    """Refuse several contacts of a beam: sweeps of a step are gone back through one by one.
+
+    Raises:
+        InputError: there are.
+    """
+    beams = [rows.motion.solid for rows in contacts if isinstance(rows, GuideRows)]
+    for i, beam in enumerate(beams):
+        if any(beam is other for other in beams[:i]):
+            raise checks.InputError(f"gradients: solid {beam.name!r} may have one contact only")

@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Derivatives of drops in guides: against formulas and central differences, adjoints against
+tangents, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_demos import load
+from test_gradients import check
+
+from fenicsx_contact import (
+    BeamSolid,
+    Contact,
+    Driven,
+    Fall,
+    GuideTubeWater,
+    HalfSpace,
+    InputError,
+    Scene,
+    Section,
+    ThetaScheme,
+    axis_mesh,
+)
+from fenicsx_contact.gradients import (
+    Bend,
+    Gravity,
+    Kinetic,
+    Law,
+    Mass,
+    ObstacleShift,
+    Start,
+    Strain,
+    Travel,
+    adjoints,
+    passing,
+    tangents,
+)
+from fenicsx_contact.gradients.duals import value_of, variables
+from fenicsx_contact.rods import AnyCurve, Card, Guide, GuideContact, RodInTube, Sine, Tube
+from fenicsx_contact.rods.sections import Support
+
+G = 9.81
+WAVE = 1.2  # m
+WATER = GuideTubeWater(0.5, 1.5, 2.0, 5.0, -0.5, 5.0, 50.0, 0.6, 0.2)
+
+
+def beam(cells=12, gravity=(0, -G), law=None, length=1.2, **others):
+    axis = axis_mesh((0, -0.1), (0, 1), rods=(length, cells))
+    sections = others.pop("sections", Section(mass=3.0, bending=40.0))
+    return BeamSolid(axis, sections, gravity=gravity, law=law, name="rod", **others)
+
+
+def drop(mu=0.3, amplitude=5e-3, aside=0.0, inlet="tangent", theta=0.6, formulation=None, **scene):
+    """A short rod that falls in water through two cards into an S with a dashpot."""
+    rod = beam(law=Fall(WATER), masses=[(1.2, 1.0)], displacement=lambda s: aside + 0 * s[None])
+    narrow = [(0, 0.8e-3), (1.0, 0.8e-3), (1.1, 0.4e-3), (2.0, 0.4e-3)]
+    bent = Tube(0.0, 2.0, narrow, Sine(amplitude, WAVE, inlet))
+    corridor = Guide([Card(-0.6, 0.5e-3), Card(-0.3, 0.5e-3), bent])
+    law = () if formulation is None else (formulation,)
+    contact = GuideContact(rod, "rods", corridor, *law, friction=mu, name="g")
+    return Scene([rod], [contact], ThetaScheme(theta), **scene)
+
+
+def of_rod(scene):
+    (rod,) = scene.solids
+    return {
+        "z": Travel(rod),
+        "v": Travel(rod, "velocity"),
+        "kinetic energy": Kinetic(rod),
+        "strain energy": Strain(rod),
+    }
+
+
+def grows(history):
+    """Steps in which a point bears only because others do: its candidates were added."""
+    return (history["geometry"] > 1).sum()
+
+
+def bow(scene, inlet="tangent"):
+    return Bend(scene.contacts[0], Sine(1.0, WAVE, inlet), (0.0, np.inf))
+
+
+def evenly(s):
+    return np.ones((1, len(s)))
+
+
+PARAMETERS = {
+    "mu": (0.3, lambda s: Law(s.contacts[0])),
+    "amplitude": (5e-3, bow),
+    "aside": (1e-5, lambda s: Start(s.solids[0], place=evenly)),
+}
+
+
+# -- formulas --
+
+
+def test_a_rod_that_slides_down_a_wall():
+    """Gravity presses it on the wall all along, a = g - mu g_x: the instant of a depth is
+    T = sqrt(2 z/a), and the steps and the parabola between them are exact."""
+    mu, aside, depth, clearance = 0.4, 2.0, 0.3, 1e-3
+    rod = beam(gravity=(aside, -G), displacement=lambda s: clearance + 0 * s[None], law=Fall())
+    contact = GuideContact(rod, "rods", Guide([Tube(-1.5, 1.0, clearance)]), friction=mu, name="g")
+    asked = {
+        "mu": Law(contact),
+        "down": Gravity(rod, (0, -1)),
+        "aside": Gravity(rod, (1, 0)),
+        "mass": Mass(rod),
+        "speed": Start(rod, velocity=(0, -1)),
+    }
+    run = tangents(Scene([rod], [contact]), 0.4, 1e-2, asked, of_rod(Scene([rod], [contact])))
+    assert run.history["g.bearing"][1:].min() >= 12
+    a, t = G - mu * aside, run.history.time[-1]
+    by = np.array([-aside, 1, -mu, 0])  # of a
+    np.testing.assert_allclose(run["v"][-1], [*by * t, 1], rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(run["z"][-1], [*by * t**2 / 2, t], rtol=1e-9, atol=1e-9)
+    force = [0, 0, -rod.mass, -aside, 0]
+    np.testing.assert_allclose(run["g.force_x"][-1], force, rtol=1e-9, atol=1e-9)
+    time, gradient = passing(run, "z", "v", depth)
+    assert time == pytest.approx(np.sqrt(2 * depth / a), rel=1e-9)
+    np.testing.assert_allclose(gradient, [*-by * time / (2 * a), -1 / a], rtol=1e-9, atol=1e-9)
+    with pytest.raises(ValueError, match="does not rise"):
+        passing(run, "z", "v", 10.0)
+
+
+# -- central differences --
+
+
+def test_a_drop_through_an_s():
+    """By friction, the amplitude of the S, and where the rod starts."""
+    asked = dict(PARAMETERS, amplitude=(8e-3, bow))
+    run = check(drop, asked, 0.4, 5e-3, of_rod, shares=(2e-5,))
+    assert run.history["g.bearing"].max() >= 3 and (run.history["dt"] == 0).sum() > 2
+    assert grows(run.history) > 2
+    # the run itself is the same to the bit
+    scene = drop(amplitude=8e-3, aside=1e-5)
+    probes = {name: quantity.value for name, quantity in of_rod(scene).items()}
+    plain = scene.run(0.4, 5e-3, probes=probes)
+    for column in plain.columns:
+        np.testing.assert_array_equal(plain[column], run.history[column])
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "how",
+    [
+        {"theta": 0.5},
+        {"geometry": "newton"},
+        {"formulation": "gap"},
+        {"inlet": "kinked", "amplitude": 1e-3},
+    ],
+    ids=lambda how: next(iter(how)),
+)
+def test_drops_of_other_kinds(how):
+    how = dict(how)
+    amplitude = how.pop("amplitude", 5e-3)
+    inlet = how.get("inlet", "tangent")
+    asked = dict(PARAMETERS, amplitude=(amplitude, lambda s: bow(s, inlet)))
+    check(lambda **given: drop(**given, **how), asked, 0.35, 2.5e-3, of_rod, shares=(2e-5, 1e-4))
+
+
+def test_adjoints_are_tangents_transposed():
+    scene, again = drop(amplitude=8e-3), drop(amplitude=8e-3)
+    forwards = tangents(scene, 0.3, 5e-3, {n: of(scene) for n, (_, of) in PARAMETERS.items()},
+                        of_rod(scene))  # fmt: skip
+    back = adjoints(again, 0.3, 5e-3, {n: of(again) for n, (_, of) in PARAMETERS.items()},
+                    of_rod(again))  # fmt: skip
+    assert grows(forwards.history) > 2
+    for name in of_rod(scene):
+        assert back.values[name] == forwards.history[name][-1]
+        np.testing.assert_allclose(back[name], forwards[name][-1], rtol=1e-9)
+
+
+@pytest.mark.long
+def test_the_time_of_a_rod_drop():
+    """T5 of the demo, smooth and kinked, by friction, against central differences; on the kinked S
+    T5 jumps, and the differences must be shorter than the way to the next jump."""
+    demo = load("rod_drop")
+    for kinked, h in ((False, 1e-5), (True, 1e-7)):
+
+        def start(friction, kinked=kinked):
+            a = demo.Assumed(friction=friction, kinked=kinked)
+            rod, corridor = demo.rod(a), demo.guide(a)
+            demo.settle(rod, "rods", corridor)
+            contact = GuideContact(rod, "rods", corridor, demo.VELOCITY, friction, name="guide")
+            return rod, contact, Scene([rod], [contact], demo.SCHEME)
+
+        def time(friction, start=start):
+            rod, contact, scene = start(friction)
+            probes = {"travel": lambda: rod.travel, "speed": lambda: rod.speed}
+            history = scene.run(
+                1.6, 1e-3, probes=probes, stop_when=lambda: rod.travel >= demo.DASHPOT
+            )
+            return demo.Drop(history, rod, contact).time_at(demo.DASHPOT)
+
+        rod, contact, scene = start(0.3)
+        quantities = {"z": Travel(rod), "v": Travel(rod, "velocity")}
+        run = tangents(scene, 1.6, 1e-3, {"mu": Law(contact)}, quantities,
+                       stop_when=lambda rod=rod: rod.travel >= demo.DASHPOT)  # fmt: skip
+        found, (by_friction,) = passing(run, "z", "v", demo.DASHPOT)
+        assert found == time(0.3)
+        assert (time(0.3 + h) - time(0.3 - h)) / (2 * h) == pytest.approx(by_friction, rel=1e-6)
+
+
+# -- laws, and what is refused --
+
+
+def test_a_law_is_differentiated_as_it_stands():
+    """Force, rates and added mass of water and stop, against central differences."""
+    law = Fall(WATER, drive_friction=2.0, stop=0.7)
+
+    def numbers(*given):
+        forces = law.forces(*given, 1e-3)
+        rates = [r for f in forces for r in (f.value, f.by_speed, f.by_travel)]
+        return [*rates, law.added_mass(given[0])]
+
+    for travel in (0.3, 0.65, 0.75):
+        at = travel, 1.3, 4.0, G
+        found = numbers(*variables(*at))
+        slopes = np.array([getattr(each, "slopes", np.zeros(4)) for each in found])
+        assert [value_of(each) for each in found] == numbers(*at)
+        for i, h in enumerate([1e-6] * 4):
+            high, low = (np.array(numbers(*at[:i], at[i] + s * h, *at[i + 1 :])) for s in (1, -1))
+            np.testing.assert_allclose(slopes[:, i], (high - low) / (2 * h), rtol=1e-6, atol=1e-4)
+
+
+class Thick(GuideTubeWater):
+    """Its drag is not written in plain arithmetic."""
+
+    def drag(self, travel):
+        return float(np.exp(travel)), float(np.exp(travel))
+
+
+def refused(rod, contact=None, words="", parameter=None, **scene):
+    contacts = [contact] if contact else []
+    scene = Scene([rod], contacts, ThetaScheme(0.6), **scene)
+    by = parameter or Mass(rod.rod)
+    with pytest.raises(InputError, match=words):
+        tangents(scene, 0.02, 0.01, {"p": by}, {})
+
+
+def test_what_is_refused_in_guides():
+    corridor = Guide([Tube(-2.0, 2.0, 1e-3)])
+
+    def inside(rod, **others):
+        return GuideContact(rod, "rods", corridor, name="g", **others)
+
+    rod = beam(law=Driven(0.1))
+    refused(rod, inside(rod), "prescribed")
+    rod = beam(law=Fall(Thick(0.0, 0.0)))
+    refused(rod, inside(rod), "not differentiated")
+    rod = beam(sections=Section(mass=3.0, bending=40.0, axial=1e6))
+    refused(rod, inside(rod), "stretches")
+    rod = beam(lateral_load=lambda s: 0 * s[None])
+    refused(rod, inside(rod), "lateral_load")
+    rod = beam()
+    refused(rod, Contact(rod, "rods", HalfSpace((1, 0), (-1, 0)), name="c"), "one of a beam")
+    rod = beam()
+    contact = inside(rod)
+    refused(rod, contact, "see Bend", ObstacleShift(contact, (1, 0)))
+    rod = beam()
+    refused(rod, inside(rod), "located impacts", locate_impacts=True)
+    rod = beam()
+    bent = Tube(-2.0, 2.0, 1e-3, AnyCurve(lambda x: 0 * x, lambda x: 0 * x))
+    refused(rod, GuideContact(rod, "rods", Guide([bent]), name="g"), "second = None")
+    with pytest.raises(InputError, match="GuideContact"):
+        Bend(Contact(rod, "rods", HalfSpace((1, 0), (-1, 0))), Sine(1.0, 1.0))
+    with pytest.raises(InputError, match="no turn"):
+        Start(rod, turn=1.0)
+    across = axis_mesh((0, 0, 0), (0, 0, 1), rods=(1.0, 4))
+    refused(BeamSolid(across, Section(mass=1.0, bending=1.0)), None, "in space", allow_free=True)
+    rod = beam()
+    held = Support(0.0, lateral=np.inf, axial=np.inf)
+    pair = RodInTube(beam(), beam(supports=[held]))
+    contact = GuideContact(pair, "rods", corridor, friction=0.1)
+    refused(pair, contact, "RodInTube", Law(contact))
+    rod = beam()
+    scene = Scene([rod], [inside(rod), GuideContact(rod, "rods", corridor, name="h")])
+    with pytest.raises(InputError, match="one contact"):
+        tangents(scene, 0.02, 0.01, {"m": Mass(rod)}, {})

@@ -276,7 +276,7 @@ class Mass(OfSolid):
         if solid is not self.solid:
             return 0.0
         if isinstance(solid, BeamSolid):
-            return solid.unknowns.masses * velocity / solid.mass
+            return solid.unknowns.own_masses * velocity / solid.mass
         if isinstance(solid, DeformableSolid):
             return solid.inertia.times(velocity) / solid.mass
         assert isinstance(solid, RigidSolid)

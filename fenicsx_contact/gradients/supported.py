@@ -66,6 +66,8 @@ def rows_of(contact: Contact, motion: Motion, settles: bool) -> ContactRows:
         InputError: what is not supported, by name.
     """
     if isinstance(motion, BeamMotion) and isinstance(contact, GuideContact):
+        if contact.obstacle.moving:
+            raise checks.InputError(f"gradients: the guide of contact {contact.name!r} moves")
         return GuideRows(contact, motion, settles)
     if isinstance(motion, BeamMotion) or isinstance(contact, GuideContact):
         raise checks.InputError(

@@ -17,7 +17,7 @@ class BeamUnknowns:
     Attributes:
         planes: in which it bends, d - 1; ``bending``: how many unknowns that makes.
         mean: share of each axial unknown in the mean over the mass.
-        masses: a diagonal, (n,).
+        masses: a diagonal, (n,); ``own_masses`` without the fluid that moves along.
         stiffness: sparse, (n, n).
     """
 
@@ -27,6 +27,9 @@ class BeamUnknowns:
         self.bending = len(k.bending_mass) * self.planes
         self.mean = k.weights / k.mass if len(k.axial_mass) > 1 else np.ones(1)
         self.masses = np.concatenate([np.tile(k.bending_mass, self.planes), k.axial_mass])
+        own = k.bending_mass.copy()
+        own[::2] = k.lateral_weights
+        self.own_masses = np.concatenate([np.tile(own, self.planes), k.axial_mass])
         blocks = [*[k.bending_stiffness] * self.planes, k.axial_stiffness]
         self.stiffness = scipy.sparse.block_diag(blocks, format="csr")
 

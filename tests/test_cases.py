@@ -190,6 +190,22 @@ def slide(theta, steps, velocity=(2.0, 0.0), friction=0.3):
     return history, solid, solid.place - start, stop
 
 
+@pytest.mark.parametrize("points", [2, 5, 20, 60])
+@pytest.mark.parametrize("height", [0.05, 0.2, 1.0])
+def test_sliding_block_that_stops_where_a_step_ends(height, points):
+    """Nothing moves then, but all points bear what they may: together they give way more than each
+    alone, and Newton's method would turn all of them round in every step."""
+    mu, v, g, steps = 0.3, 1.0, 1.0, 20
+    block = RigidSolid(
+        rectangle((points - 1, 1), (2.0, height)), mass=10.0, gravity=(0, -g), velocity=(v, 0)
+    )
+    contact = Contact(block, "base", FLOOR, friction=mu)
+    start, stop = float(block.place[0]), v / (mu * g)
+    history = finished(Scene([block], [contact]), 1.5 * stop, stop / steps)
+    assert float(block.place[0]) - start == pytest.approx(v * stop / 2, rel=1e-12)
+    assert np.abs(block.velocity).max() < 1e-14 and not history.remarks[20:]
+
+
 @pytest.mark.parametrize(("theta", "order"), [(1.0, 1), (0.5, 2)])
 def test_sliding_block_stops(theta, order):
     """After v0/(mu g) at v0²/(2 mu g), having dissipated m v0²/2."""

@@ -17,8 +17,9 @@ from typing import Protocol
 
 import numpy as np
 
-#: The springs in units of what the points themselves yield: the stiffest, and the softest.
-STIFFEST, SOFTEST = 1e-3, 1.0
+#: The springs in units of what the points themselves yield: the stiffest, and the softest, which gives
+#: way more than a thousand points together.
+STIFFEST, SOFTEST = 1e-3, 1e3
 #: Cost: how many times softer or stiffer the next ones are.
 CHANGE = 10.0
 #: So many Newton steps that do not halve the error are patience enough.

@@ -135,11 +135,12 @@ class SurfaceSystem(Statuses):
 
     def soften(self, compliance: float) -> None:
         """Put springs in series with the contact, so compliant (scaled), that are without strain at
-        the present multipliers; 0: take them away."""
+        the present multipliers; 0: take them away. What gives way more than the points do is
+        augmented less: points that slip together would turn round in every step."""
         self._centre = self._multipliers() if compliance else np.empty(0)
         self._compliance = compliance or self._firm
         for part in self.parts:
-            part.equations.freeze_bound(float(compliance > 0))
+            part.equations.freeze_bound(min(1.0, 1 / compliance) if compliance else 0.0)
         self.update()
 
     def iterate(self, enough: float = 0.0) -> bool:

@@ -171,7 +171,7 @@ def test_an_arch_of_thirty_blocks_falls_where_statics_says():
 def ironed(space, steps, n=2):
     """Forces on the die of demos/ironing.py in the plane or, between rollers, 0.5 wide in space."""
     demo, wide = load("ironing"), {"width": 0.5, "n_width": 1} if space else {}
-    meshes = [mesh_from_gmsh(demo.MESHES / f"{name}.geo", n=n, **wide) for name in ("die", "slab")]
+    meshes = [mesh_from_gmsh(MESHES / f"{name}.geo", n=n, **wide) for name in ("die", "slab")]
 
     def motion(t):
         along = 0.1 * max(0.0, t - 5)

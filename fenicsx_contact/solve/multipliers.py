@@ -17,8 +17,8 @@ from typing import Protocol
 
 import numpy as np
 
-#: The springs in units of what the points themselves yield: the stiffest, and the softest, which gives
-#: way more than a thousand points together.
+#: The springs in units of what the points themselves yield: the stiffest, and the softest, which
+#: gives way more than a thousand points together.
 STIFFEST, SOFTEST = 1e-3, 1e3
 #: Cost: how many times softer or stiffer the next ones are.
 CHANGE = 10.0

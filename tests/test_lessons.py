@@ -194,7 +194,7 @@ def right_16_gradients(of):
 
 DEMOS = sorted((TOP / "demos").glob("*.py"))
 #: Tools of the repository, not lessons.
-TOOLS = ("reliability", "tables")
+TOOLS = ("figures", "reliability", "tables")
 
 
 @pytest.mark.parametrize("demo", DEMOS, ids=lambda path: path.stem)

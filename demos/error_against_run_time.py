@@ -19,12 +19,12 @@
 #
 # ## What is measured
 #
-# Run time is that of the time loop alone, the median of repeated runs, and the processor's, so that
-# what else runs on the machine hardly matters; building the scene and fetching its compiled forms
-# stand apart, in the column "set-up". The rate is fitted to the errors over the number of steps;
-# for Hertz, where time only orders the loads, over that of elements. What fails stays in the table,
-# with its reason. A bar's front jumps: the error is the largest of the wall's *impulse* at any
-# time, for a reaction that jumps has no better norm in which a numerical one converges.
+# Run time is that of the time loop alone, the median of repeated runs; building the scene and
+# fetching its compiled forms stand apart, in the column "set-up". The rate is fitted to the errors
+# over the number of steps; for Hertz, where time only orders the loads, over that of elements. What
+# fails stays in the table, with its reason. A bar's front jumps: the error is the largest of the
+# wall's *impulse* at any time, for a reaction that jumps has no better norm in which a numerical
+# one converges.
 
 # %%
 import sys

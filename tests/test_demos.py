@@ -310,6 +310,9 @@ def test_rod_drop(tmp_path, monkeypatch, capsys):
     assert summary["gap"]["T5_s"] == pytest.approx(velocity["T5_s"], rel=5e-4)
     assert velocity["energy_balance_error"] < 1e-9
     assert summary["kinked"]["velocity"]["T5_s"] == pytest.approx(1.394, abs=5e-3)
+    stop, weight = summary["stop"], 9.81 * 126.4176  # of which water bears some; theta = 0.6 damps
+    free = stop["speed_m_per_s"] * np.sqrt(demo.Assumed().stop_stiffness * 126.4176)
+    assert free < stop["force_N"] < weight + np.hypot(weight, free)
     for picture in ("speed_against_time", "contact_force_tangent", "contact_force_kinked"):
         assert (demo.RESULTS / f"{picture}.png").stat().st_size > 5000
     assert capsys.readouterr().out.strip().splitlines()[-1].startswith("velocity: T5 1.31")

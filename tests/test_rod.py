@@ -19,6 +19,7 @@ from fenicsx_contact import (
     Scene,
     Section,
     ThetaScheme,
+    Tresca,
     Velocity,
     axis_mesh,
 )
@@ -399,6 +400,12 @@ def test_a_drop_of_something_else():
         RodDrop(lambda: 3, "rod", "guide")
     with pytest.raises(InputError, match="speed"):
         in_tube().insert(0.1, speed=-1.0)
+
+
+def test_a_drop_without_a_stop_ends_with_its_time():
+    drop = in_tube(friction=Tresca(0.0), scheme=ThetaScheme(0.5)).fall(0.2, 1e-2)
+    assert drop.history.finished and drop.stop_impact() == (0.0, 0.0)
+    assert drop.rod.travel == pytest.approx(0.5 * 9.81 * 0.2**2)
 
 
 # -- an earthquake --

@@ -85,7 +85,7 @@ def number(
     return result
 
 
-def keep(thing: Any, name: str, **limits: float) -> None:
+def keep(thing: Any, name: str, **limits: float | None) -> None:
     """Check a number that a frozen dataclass was given, see :func:`number`, and let it hold the
     float in place of a Constant, a fraction, an array of one number."""
     object.__setattr__(thing, name, number(name, getattr(thing, name), **limits))

@@ -94,7 +94,7 @@ def fronts(
         axes.loglog(
             [s.run_time_s for s in mine], [s.error for s in mine], "o", ms=4, color=line.get_color()
         )
-    axes.set_xlabel("processor time of the loop [s]")
+    axes.set_xlabel("run time of the loop [s]")
     axes.set_ylabel("error")
     axes.grid(True, which="both", alpha=0.3)
     axes.legend(fontsize=7)

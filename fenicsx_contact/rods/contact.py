@@ -19,6 +19,7 @@ from ..contact.contact import Contact
 from ..contact.nodal import NodalJump
 from ..contact.surface import Surface
 from ..theory.formulations import Formulation, Velocity
+from ..theory.friction import FrictionBound
 from ..theory.theta import Step
 from .beam import BeamSolid
 from .guide import Guide
@@ -56,14 +57,12 @@ class GuideCoupling(NodalJump):
         self._at, self._when, guide, rows = x, self.time, self._guide, self._stations
         self._distances = guide.distance(x, self.time).copy()
         self._outward = guide.normals(x, self.time).copy()
-        if self.driven:
-            x = x - guide.displacement(self.time)
         bent = self._trace.wall_slopes()
         if bent is not None:
             self._tilt(bent @ self._rod.frame)
         # the beam's slopes are by its own s, upwards, and in its own lateral directions
         slopes = -self._trace.slopes()[rows] @ self._turn
-        self._distances[rows], self._outward[rows] = guide.at_stations(x[rows], slopes)
+        self._distances[rows], self._outward[rows] = guide.at_stations(x[rows], slopes, self.time)
         self._distances[self._trace.void] = guide.far
 
     def _tilt(self, slopes: np.ndarray) -> None:
@@ -138,7 +137,7 @@ class GuideContact(Contact):
         facets: str,
         obstacle: Guide,
         formulation: Formulation | str = VELOCITY,
-        friction: float = 0.0,
+        friction: float | FrictionBound = 0.0,
         *,
         deepest: float = DEEPEST,
         **others: Any,

@@ -15,6 +15,7 @@ from ..base import checks
 from ..output.history import History
 from ..scene import Scene
 from ..theory.formulations import Formulation
+from ..theory.friction import FrictionBound
 from ..theory.theta import ThetaScheme
 from .beam import BeamSolid
 from .contact import VELOCITY, GuideContact
@@ -94,7 +95,7 @@ class RodDrop:
         stretch: str,
         guide: Guide,
         formulation: Formulation | str = VELOCITY,
-        friction: float = 0.0,
+        friction: float | FrictionBound = 0.0,
         *,
         scheme: ThetaScheme | None = None,
     ) -> None:
@@ -119,23 +120,21 @@ class RodDrop:
         Args:
             until: patience, s.
             dt: step, s.
-            to: travel at which the drop ends; default: where the rod meets its stop. inf: where
-                the stop has brought it to rest.
+            to: travel at which the drop ends; default: where the rod meets its stop, or the time
+                is up. inf: where the stop has brought it to rest.
             watch: called with the contact after each step, a ForceMap say.
         """
         contact = self._settled()
         rod = contact.solid.rod
         stop = rod.law.stop if rod.law else None
-        end = to if to is not None else stop if stop is not None else np.inf
         turn = np.inf if stop is None else stop
+        end = turn if to is None else to
+
+        def ends() -> bool:
+            return rod.travel >= end or (rod.travel > turn and rod.speed < 0)
+
         scene = Scene([contact.solid], [contact], self.scheme)
-        return _passage(
-            scene,
-            until,
-            dt,
-            lambda: rod.travel >= end or (rod.travel > turn and rod.speed < 0),
-            watch,
-        )
+        return _passage(scene, until, dt, ends if min(end, turn) < np.inf else None, watch)
 
     def insert(self, travel: float, *, speed: float = 0.5, step: float = 1e-3) -> Passage:
         """Push the rod in slowly.
@@ -149,7 +148,7 @@ class RodDrop:
 
     def withdraw(self, travel: float, *, speed: float = 0.5, step: float = 1e-3) -> Passage:
         """Pull the rod out slowly, from a travel to which it was pushed in: arguments as for
-        :meth:`insert`."""
+        :meth:`insert`, which is what is returned where that did not finish."""
         inserted, scene = self._driven(travel, speed, step)
         if not inserted.history.finished:
             return inserted

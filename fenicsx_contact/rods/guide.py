@@ -92,7 +92,7 @@ class Guide:
         self.moving, self._motion = motion is not None, motion
         if (first := self.displacement(0.0)).any():
             raise checks.InputError(f"motion: must be zero at time 0, not {first.tolist()}")
-        self._last: np.ndarray | None = None
+        self._last: tuple[np.ndarray | None, float] = None, 0.0
 
     def _segments(self) -> None:
         """Bounds of what lies between two depths; there the clearance is linear: begin, value,
@@ -234,41 +234,41 @@ class Guide:
             result[which == i] = tube.curve.curvature(depth[which == i])
         return result
 
-    def _look(self, points: np.ndarray) -> None:
+    def _look(self, points: np.ndarray, time: float) -> None:
         """Distances and normals; kept, for both are asked for at the same points."""
-        if points is self._last:
+        last, when = self._last
+        if points is last and (time == when or not self.moving):
             return
-        local, off, rate, clearance, taper, which = self.around(points)
+        self._last = points, time
+        local, off, rate, clearance, taper, which = self.around(points - self.displacement(time))
         size, across = _polar(off)
         axial = (across * rate).sum(axis=1) + taper
         steep = np.sqrt(1 + axial * axial)
         self._distance = np.where(which < 0, self.far, (clearance - size) / steep)
         local[:, 0], local[:, 1:] = axial / steep, across / -steep[:, None]
         self._normal = local @ self._axes
-        self._last = points
 
     def distance(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Signed distance of the points (n, d) from the walls, positive inside the corridor, m."""
-        self._look(points - self.displacement(time) if self.moving else points)
+        self._look(points, time)
         return self._distance
 
     def normals(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Unit normals of the nearest walls, into the corridor, (n, d)."""
-        self._look(points - self.displacement(time) if self.moving else points)
+        self._look(points, time)
         return self._normal
 
-    def at_stations(self, points: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Distances and normals of a rod at the stations, one point each.
+    def at_stations(
+        self, points: np.ndarray, slopes: np.ndarray, time: float = 0.0
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Signed distances of a rod at the stations, (k,), and unit normals into them, (k, d).
 
         Args:
-            points: of the rod, (k, d), less the displacement of a guide that moves.
+            points: of the rod, (k, d).
             slopes: derivative of the rod's lateral place by the depth there, in the lateral
                 directions of the guide, (k, d - 1): a corner has no normal, the rod has one.
-
-        Returns:
-            Distances (k,), positive inside, and unit normals into the corridor, (k, d).
         """
-        local = (points - self.origin) @ self._axes.T
+        local = (points - self.displacement(time) - self.origin) @ self._axes.T
         size, across = _polar(local[:, 1:] - self.centres)
         axial = (across * slopes).sum(axis=1)
         steep = np.sqrt(1 + axial * axial)

@@ -15,8 +15,13 @@ from ..base import checks
 Value = float | Callable[[np.ndarray], np.ndarray]
 #: A lateral field: of places along the axis [m] (n,), values (d - 1, n).
 Lateral = Callable[[np.ndarray], np.ndarray]
-# what a section may lack
-FROM_ZERO = ("mass", "rotary", "lateral_added_mass")
+# what need not be positive
+LEAST: dict[str, float | None] = {
+    "tension": None,
+    "mass": 0.0,
+    "rotary": 0.0,
+    "lateral_added_mass": 0.0,
+}
 
 
 @dataclass(frozen=True)
@@ -50,10 +55,8 @@ class Section:
             value = getattr(self, name)
             if checks.is_function(value) or (name in ("shear", "axial") and _endless(value)):
                 continue
-            if name == "tension":
-                checks.keep(self, name)
-            elif name in FROM_ZERO:
-                checks.keep(self, name, at_least=0)
+            if name in LEAST:
+                checks.keep(self, name, at_least=LEAST[name])
             else:
                 checks.keep(self, name, above=0)
 
@@ -66,9 +69,8 @@ class Section:
         values = checks.table(problem, checks.called(name, value, s))
         if values.shape not in ((), s.shape):
             raise checks.InputError(f"{problem}, they are {values.shape}")
-        least = 0.0 if name in FROM_ZERO else np.finfo(float).tiny
-        least = -math.inf if name == "tension" else least
-        if not (values >= least).all():
+        least = LEAST.get(name, np.finfo(float).tiny)
+        if least is not None and not (values >= least).all():
             raise checks.InputError(f"{name}: its function of s gives {values.min()!r}")
         return np.broadcast_to(values, s.shape)
 

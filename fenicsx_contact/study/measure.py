@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from statistics import median
-from time import perf_counter, process_time
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -51,8 +51,8 @@ class Study:
 
 @dataclass(frozen=True)
 class Sample:
-    """One setting, measured. Run time is the loop's, that of the processor (of all threads), which
-    other programs on the machine hardly change; a failure has an error of NaN and a reason.
+    """One setting, measured. Run time is that of the loop, by the clock; a failure has an error of
+    NaN and a reason.
 
     Attributes:
         method, setting: what was run.
@@ -112,11 +112,10 @@ def _sample(study: Study, method: str, setting: Setting, repeats: int) -> Sample
         try:
             problem = study.build(**setting)
             setups.append(perf_counter() - start)
-            begin = process_time()
             history = problem.run()
         except InputError as refusal:
             return Sample(method, dict(setting), np.nan, reason=f"refused: {refusal}")
-        times.append(process_time() - begin)
+        times.append(history.run_time)
         if sum(times) > LONG:
             break
     return Sample(

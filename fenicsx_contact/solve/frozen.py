@@ -37,8 +37,8 @@ class LinearSystem(Protocol):
     def iterate(self, step: Step) -> bool: ...
 
 
-#: Cost: so many Newton steps that do not halve the error before softer springs are tried. What falls
-#: at each of them is a function; the error is of its slope, and need not fall on the way down.
+#: Cost: so many Newton steps that do not halve the error before softer springs are tried. What
+#: falls at each of them is a function; the error is of its slope, and need not fall on the way down.
 PATIENCE = 20
 
 

@@ -38,7 +38,7 @@ class LinearSystem(Protocol):
 
 
 #: Cost: so many Newton steps that do not halve the error before softer springs are tried. What
-#: falls at each of them is a function; the error is of its slope, and need not fall on the way down.
+#: falls at each of them is a function; the error is that of its slope, and need not fall.
 PATIENCE = 20
 
 

@@ -27,6 +27,9 @@ QUICK = (
     "test_traps",
 )
 
+#: Files of the second tier: demos whole, and runs on several processes.
+SECOND = ("test_demos", "test_parallel", "test_parallel_errors", "test_parallel_resume")
+
 #: Generated tests: one of so many is in the default suite, spread evenly; the rest are long.
 SAMPLED = {
     "test_points": 10,
@@ -48,6 +51,8 @@ def pytest_collection_modifyitems(items):
                 item.add_marker(pytest.mark.long)
         if item.path.stem in QUICK and not marked:
             item.add_marker(pytest.mark.quick)
+        if item.path.stem in SECOND and not marked:
+            item.add_marker(pytest.mark.second)
 
 
 @pytest.hookimpl(optionalhook=True)

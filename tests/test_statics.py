@@ -128,6 +128,24 @@ def test_slope_of_triangles_near_the_angle(n, load, share):
     solved(block_on_floor(n=n, cell="triangle", slope=share, load=load), "velocity")
 
 
+@pytest.mark.parametrize(
+    ("n", "slope", "E", "friction", "law"),
+    [
+        ((5, 3), 0.999, 1.0, 0.3, "velocity"),
+        ((16, 8), 0.999, 2e11, 0.3, "gap"),
+        ((24, 4), 0.9, 2e11, 0.3, "velocity"),
+        ((3, 2), -0.99, 1.0, 0.1, "gap"),
+        ((1, 1, 2), 0.999, 5e9, 0.1, "velocity"),
+    ],
+)
+def test_slope_whose_error_does_not_fall_on_the_way_down(n, slope, E, friction, law):
+    """The function of the convex problem falls in every step; its slope, of which the error is,
+    need not, for tens of them."""
+    cell, load = ("triangle", "traction") if len(n) == 2 else ("tetrahedron", "weight")
+    same = {"n": n, "cell": cell, "load": load, "E": E, "friction": friction, "law": law}
+    solved(block_on_floor(slope=slope, **same), law)
+
+
 @pytest.mark.parametrize("load", ["weight", "traction"])
 def test_slope_of_many_tetrahedra(load):
     """MUMPS takes more memory for it than it estimates."""

@@ -233,7 +233,7 @@ def test_what_is_not_a_number_has_not_converged():
     """An error of NaN is above no tolerance."""
 
     class Endless:
-        size, worst = 1, np.nan
+        size, worst, patience = 1, np.nan, 3
 
         def iterate(self, enough=0.0):
             return True

@@ -37,6 +37,11 @@ class LinearSystem(Protocol):
     def iterate(self, step: Step) -> bool: ...
 
 
+#: Cost: so many Newton steps that do not halve the error before softer springs are tried. What
+#: falls at each of them is a function; the error is that of its slope, and need not fall.
+PATIENCE = 20
+
+
 class FrozenContact(Statuses):
     """What the inner loop of Newton's method solves, a
     :class:`~fenicsx_contact.solve.newton.ContactProblem`.
@@ -50,6 +55,8 @@ class FrozenContact(Statuses):
         system: begun.
         step: that it is for.
     """
+
+    patience = PATIENCE
 
     def __init__(self, system: LinearSystem, step: Step) -> None:
         self._system, self._step = system, step

@@ -29,8 +29,14 @@ ROUGH = 1e3
 
 
 class Softened(Protocol):
-    """What the method asks of a contact problem."""
+    """What the method asks of a contact problem.
 
+    Attributes:
+        patience: so many Newton steps that do not halve the error before softer springs are tried.
+        worst: the largest error of any row, after `error`.
+    """
+
+    patience: int
     worst: float
 
     def iterate(self) -> bool: ...
@@ -52,7 +58,7 @@ def method_of_multipliers(system: Softened, tolerance: float) -> int:
     # multipliers may have to double, or errors to halve, as often as a number has digits
     for _ in range(4 * np.finfo(float).nmant):
         system.soften(compliance)
-        inner, steps = Patience(system.error()), 0
+        inner, steps = Patience(system.error(), stalls=system.patience), 0
         while inner.lasts:
             steps += 1
             if not system.iterate():
@@ -62,7 +68,8 @@ def method_of_multipliers(system: Softened, tolerance: float) -> int:
                 break
         total += steps
         system.soften(0.0)
-        if system.error() <= tolerance:
+        lost = inner.best * np.finfo(float).eps > 1  # nothing holds it: no digit is left
+        if system.error() <= tolerance or lost:
             break
         if inner.best <= tolerance:
             compliance = max(compliance / CHANGE, STIFFEST) if steps <= STALLS else compliance
@@ -79,13 +86,14 @@ class Patience:
     Args:
         error: the first one.
         gain: how many times less one must be than all before to be a gain.
+        stalls: how many without a gain end it.
 
     Attributes:
         best: the smallest one so far.
     """
 
-    def __init__(self, error: float, gain: float = 2.0) -> None:
-        self.best, self._gain, self._stalls = error, gain, 0
+    def __init__(self, error: float, gain: float = 2.0, stalls: int = STALLS) -> None:
+        self.best, self._gain, self._stalls, self._most = error, gain, 0, stalls
 
     def see(self, error: float) -> None:
         """Take up one more."""
@@ -95,4 +103,4 @@ class Patience:
     @property
     def lasts(self) -> bool:
         """Whether there was a gain lately."""
-        return self._stalls < STALLS
+        return self._stalls < self._most

@@ -9,27 +9,23 @@ from typing import Protocol
 import numpy as np
 
 from ..base import checks
-from .multipliers import ROUGH, STALLS, method_of_multipliers
+from .multipliers import ROUGH, STALLS, Softened, method_of_multipliers
 
 
 class NotConverged(RuntimeError):
     """The surface problem was not solved; the message says what stalls or flips."""
 
 
-class ContactProblem(Protocol):
+class ContactProblem(Softened, Protocol):
     """A contact problem on frozen geometry: condensed on the surfaces, or with all solids.
 
     Attributes:
         size: number of its unknowns; 0: nothing may touch.
-        worst: the largest error of any row, after `error`.
     """
 
     size: int
-    worst: float
 
     def iterate(self, enough: float = 0.0) -> bool: ...
-    def error(self) -> float: ...
-    def soften(self, compliance: float) -> None: ...
     def remember(self) -> np.ndarray: ...
     def flips(self) -> str: ...
     def stall(self) -> str: ...

@@ -21,6 +21,7 @@ from scipy.linalg import lapack
 
 from ..base.vectors import largest
 from ..contact.part import Part
+from .multipliers import STALLS
 from .pointwise import PointwiseSolver, PointwiseStep
 from .statuses import Statuses
 from .yielding import COMPLIANCE, FIRM, Yielding
@@ -53,6 +54,8 @@ class SurfaceSystem(Statuses):
         worst: the largest error of any row, after :meth:`error`.
         linear_force: forces after :meth:`iterate` as the linearised equations have them.
     """
+
+    patience = STALLS
 
     def __init__(self, parts: Sequence[Part], names: Sequence[str], hyperstatic: bool) -> None:
         super().__init__(parts, names)

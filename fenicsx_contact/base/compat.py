@@ -243,14 +243,14 @@ class PointExpression:
 
 
 class PointCloud:
-    """n points anywhere, on which UFL of a position ``x`` (d components) and a time ``t`` is
-    evaluated: both are constant in each of n cells, which themselves are no place (one process)."""
+    """n points anywhere, on which UFL of a position ``x`` (d components), a time ``t`` and fields
+    of ``numbers`` is evaluated: constant in each of n cells, which are no place (one process)."""
 
     def __init__(self, n: int, dim: int) -> None:
         mesh = dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, n)
-        self._space = cellwise_space(mesh)
+        self.numbers = cellwise_space(mesh)
         vectors = cellwise_space(mesh, dim)
-        self.x, self.t = fem.Function(vectors, name="x"), fem.Function(self._space, name="t")
+        self.x, self.t = fem.Function(vectors, name="x"), fem.Function(self.numbers, name="t")
         self._rows = cell_dofs(vectors).ravel()
 
     def place(self, points: np.ndarray, time: float) -> None:
@@ -260,7 +260,7 @@ class PointCloud:
 
     def compiled(self, expression: Any) -> PointExpression:
         """An expression in ``x`` and ``t``; its values are (n, components)."""
-        return PointExpression(expression, self._space)
+        return PointExpression(expression, self.numbers)
 
 
 class PointValues:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import ufl
+from dolfinx import fem
 
 from ..base import checks, compat
 
@@ -19,16 +20,21 @@ class LevelSet:
 
     is a circle. The function need not be a distance: distances are ``phi/|grad phi|``, right to
     first order next to the surface (all that a contact asks), normals ``grad phi/|grad phi|``;
-    their derivatives are exact (``ufl.diff``). Where the surface moves it does so along its normals
-    unless a velocity tells of the material (a belt, a drum that turns).
+    their derivatives are exact (``ufl.diff``). Numbers that change, or by which a run is to be
+    differentiated (:class:`~fenicsx_contact.gradients.Shape`), stand in it as ``fem.Constant`` of
+    any mesh: what counts are their values when it is asked. Where the surface moves it does so
+    along its normals unless a velocity tells of the material (a belt, a drum that turns).
 
     Args:
         phi: from a position x (a UFL vector) and the time t [s] to a UFL scalar, positive outside.
         dim: 2 or 3.
         velocity: from x and t to the velocity of the material, d components in m/s.
 
+    Attributes:
+        numbers: the Constants that stand in phi.
+
     Raises:
-        InputError: no such functions, a phi without a gradient.
+        InputError: no such functions, a phi without a gradient, a Constant that is no scalar.
     """
 
     flat = False
@@ -43,10 +49,11 @@ class LevelSet:
         if dim > 3:
             raise checks.InputError(f"dim = {dim!r}: must be 2 or 3")
         self._phi, self._motion = phi, velocity
-        self._compiled: dict[tuple[str, int], tuple[compat.PointCloud, Callable]] = {}
+        self._compiled: dict[tuple[str, int], tuple[compat.PointCloud, list[Any], Callable]] = {}
         x, t = (cloud := compat.PointCloud(1, dim)).x, cloud.t
-        value = self._value(x, t)
+        value = _as_ufl("phi", phi, x, t, ())
         self._text = str(value)
+        self.numbers = _constants(value)
         used = ufl.algorithms.extract_coefficients(value)
         if x not in used:
             raise checks.InputError(f"phi = {phi!r}: must depend on the position, it is {value}")
@@ -55,35 +62,42 @@ class LevelSet:
             self._drift(x, t)  # refuse now what can be refused
             self.velocity = self._velocity
 
-    def _value(self, x: Any, t: Any) -> Any:
-        return _as_ufl("phi", self._phi, x, t, ())
-
     def _drift(self, x: Any, t: Any) -> Any:
         return _as_ufl("velocity", self._motion, x, t, (self.dim,))
 
-    def _over_slope(self, x: Any, t: Any) -> tuple[Any, Any]:
-        """phi and its gradient, both over the size of the gradient."""
-        phi = self._value(x, t)
+    def _expression(self, what: str, x: Any, t: Any, numbers: list[Any]) -> Any:
+        """In UFL, ``x`` and the values of ``numbers`` being variables of it."""
+        if what == "velocity":
+            return self._drift(x, t)
+        phi = _as_ufl("phi", self._phi, x, t, ())
+        phi = ufl.replace(phi, dict(zip(self.numbers, numbers))) if numbers else phi
         gradient = ufl.diff(phi, x)
         size = ufl.sqrt(ufl.dot(gradient, gradient))
-        return phi / size, gradient / size
+        distance, normal = phi / size, gradient / size
+        if what == "changes":
+            each = [distance, *(normal[i] for i in range(self.dim))]
+            return ufl.as_vector([ufl.diff(f, number) for number in numbers for f in each])
+        return {
+            "distance": lambda: distance,
+            "slopes": lambda: ufl.diff(distance, x),
+            "normals": lambda: normal,
+            "curvature": lambda: ufl.diff(normal, x),
+        }[what]()
 
     def _at(self, what: str, points: np.ndarray, time: float) -> np.ndarray:
         """One of the expressions at the points, compiled once for each number of points."""
         key = what, len(points)
         if key not in self._compiled:
             cloud = compat.PointCloud(len(points), self.dim)
-            x = ufl.variable(cloud.x)
-            expressions: dict[str, Callable[[], Any]] = {
-                "distance": lambda: self._over_slope(x, cloud.t)[0],
-                "normals": lambda: self._over_slope(x, cloud.t)[1],
-                "curvature": lambda: ufl.diff(self._over_slope(x, cloud.t)[1], x),
-                "velocity": lambda: self._drift(x, cloud.t),
-            }
-            self._compiled[key] = cloud, cloud.compiled(expressions[what]())
-        cloud, expression = self._compiled[key]
+            fields = [fem.Function(cloud.numbers) for _ in self.numbers]
+            x, *numbers = (ufl.variable(field) for field in (cloud.x, *fields))
+            expression = self._expression(what, x, cloud.t, numbers)
+            self._compiled[key] = cloud, fields, cloud.compiled(expression)
+        cloud, fields, compiled = self._compiled[key]
         cloud.place(points, time)
-        return expression()
+        for field, number in zip(fields, self.numbers):
+            field.x.array[:] = float(number.value)
+        return compiled()
 
     def distance(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Signed distance of the points (n, d), positive outside, to first order."""
@@ -97,11 +111,35 @@ class LevelSet:
         """Derivatives of the normals, (n, d, d)."""
         return self._at("curvature", points, time).reshape(-1, self.dim, self.dim)
 
+    def slopes(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """Derivatives of the distances by the position, (n, d): the normals only at the surface."""
+        return self._at("slopes", points, time)
+
+    def changes(
+        self, number: fem.Constant, points: np.ndarray, time: float = 0.0
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives of the distances (n,) and of the normals (n, d) by one of the numbers."""
+        first = (self.dim + 1) * next(i for i, c in enumerate(self.numbers) if c is number)
+        values = self._at("changes", points, time)[:, first : first + self.dim + 1]
+        return values[:, 0], values[:, 1:]
+
     def _velocity(self, points: np.ndarray, time: float) -> np.ndarray:
         return self._at("velocity", points, time)
 
     def __repr__(self) -> str:
         return f"LevelSet({self._text}, dim={self.dim})"
+
+
+def _constants(phi: Any) -> list[fem.Constant]:
+    """The Constants of an expression, each once, or a refusal."""
+    found = ufl.corealg.traversal.traverse_unique_terminals(phi)
+    constants = [each for each in found if isinstance(each, fem.Constant)]
+    for each in constants:
+        if each.ufl_shape:
+            raise checks.InputError(
+                f"phi: a Constant of shape {each.ufl_shape} stands in it; they must be scalars"
+            )
+    return constants
 
 
 def _as_ufl(name: str, function: Any, x: Any, t: Any, shape: tuple[int, ...]) -> Any:

@@ -25,6 +25,8 @@ class Obstacle(Protocol):
     * ``curvature(points, time)``: derivatives of the normals by the position, which are the second
       derivatives of the distance, (n, d, d) in 1/m. Without it Newton's method converges linearly
       where the obstacle is curved;
+    * ``slopes(points, time)``: derivatives of the distances by the position, (n, d). Without it
+      they are the normals, as of every true distance;
     * ``velocity(points, start, end)``: mean velocity of the obstacle's material beside the points
       between two times, (n, d) in m/s; or ``velocity(points, time)``. Without it an obstacle that
       moves does so along its normals;
@@ -63,6 +65,7 @@ class Wall:
         self.flat = bool(getattr(obstacle, "flat", False))
         self._distance, asks = _timed(obstacle.distance)
         self._normals, _ = _timed(obstacle.normals)
+        self._slopes, _ = _timed(getattr(obstacle, "slopes", obstacle.normals))
         curvature = getattr(obstacle, "curvature", None)
         self._curvature = _timed(curvature)[0] if curvature and not self.flat else None
         velocity = getattr(obstacle, "velocity", None)
@@ -80,6 +83,10 @@ class Wall:
     def normals(self, points: np.ndarray, time: float) -> np.ndarray:
         """Outward unit normals, (n, d); raises likewise."""
         return _finite("normal", self._normals(points, time), points)
+
+    def slopes(self, points: np.ndarray, time: float) -> np.ndarray:
+        """Derivatives of the distances by the position, (n, d)."""
+        return _finite("slope", self._slopes(points, time), points)
 
     def curvature(self, points: np.ndarray, time: float) -> np.ndarray | None:
         """Derivatives of the normals, (n, d, d) in 1/m; None where they vanish or are not known."""

@@ -4,16 +4,19 @@ steps. What is not supported is refused by name, where a derivative does not exi
 
 from .kinks import Kink, NoDerivative
 from .materials import Material, Modulus
-from .parameters import Bend, Gravity, Law, Mass, ObstacleShift, Parameter, Start
+from .obstacles import Bend, ObstacleShift, Shape
+from .parameters import Gravity, Law, Mass, Parameter, Start
 from .passing import Passing, passing
-from .quantities import At, Centre, Kinetic, Quantity, Strain, Travel, Turn
-from .sensitivities import Adjoints, Tangents, adjoints, tangents
+from .quantities import At, Centre, Force, Kinetic, Pressure, Quantity, Strain, Travel, Turn
+from .results import Adjoints, Tangents
+from .sensitivities import adjoints, tangents
 
 __all__ = [
     "Adjoints",
     "At",
     "Bend",
     "Centre",
+    "Force",
     "Gravity",
     "Kinetic",
     "Kink",
@@ -25,7 +28,9 @@ __all__ = [
     "ObstacleShift",
     "Parameter",
     "Passing",
+    "Pressure",
     "Quantity",
+    "Shape",
     "Start",
     "Strain",
     "Tangents",

@@ -133,6 +133,10 @@ class LinearStep:
             result = result + correction if falls else result
         return last[:, None] * result
 
+    def __len__(self) -> int:
+        """Number of its unknowns."""
+        return len(self._by)
+
     def tangent(self, start: np.ndarray) -> np.ndarray:
         """dx (unknowns, parameters) from ds (state, parameters)."""
         right = -(self._minus.times(start) + self._by)
@@ -147,7 +151,8 @@ class LinearStep:
 
     def adjoint(self, end: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives of functionals by the state at the start, (state, functionals), and by the
-        parameters in this step, (parameters, functionals), from those by the state at the end."""
+        parameters in this step, (parameters, functionals), from those by the state at the end, or
+        by all unknowns."""
         right = np.zeros((len(self._by), end.shape[1]))
         right[: len(end)] = end
         left, outer = np.zeros_like(right), right[self._outer]

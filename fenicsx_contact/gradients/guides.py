@@ -22,9 +22,10 @@ from ..solve.yielding import COMPLIANCE
 from ..theory.theta import Step
 from .beams import BeamMotion
 from .blocks import Blocks, LinearStep
+from .kinematics import square
 from .parameters import Parameter
 from .sight import Sight
-from .surface import ContactRows, refuse_law, square
+from .surface import ContactRows, refuse_law
 
 
 class GuideRows(ContactRows):

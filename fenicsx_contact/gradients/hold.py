@@ -101,7 +101,7 @@ class _Bearing:
             each[at].reshape(len(points), d, 3)
             for each in (new.place, new.bend, old.place, old.bend)
         )
-        n, n_old, w = rows.normal[points], rows.old_normal[points], rows.jump[points]
+        n, slope, w = rows.normal[points], rows.slope[points], rows.jump[points]
         w_old, C = rows.start_jump[points], rows.bend[points]
         rest, rate = step.dt - step.gap_rate, step.gap_rate
         starts = rows.reads_start[points]
@@ -114,12 +114,12 @@ class _Bearing:
         place = rows.places[points]
         gap = -wall.distance(place, 0.0)
         self.off = gap - contact.gap[points] - rate * dot(w, n) - rest * start
-        self.q = self.G - rate * (
+        self.q = np.einsum("pi,pij->pj", slope, J) - rate * (
             np.einsum("pi,pij->pj", n, H) + np.einsum("pi,pij->pj", w, turned)
         )
         self.q -= rest * np.einsum("p,pi,pij->pj", starts, w_old, turned)
         self.v = -rate * self.G
-        away = np.einsum("pi,pij->pj", n_old, J_old)
+        away = np.einsum("pi,pij->pj", rows.old_slope[points], J_old)
         self.q_old = -away - rest * starts[:, None] * np.einsum("pi,pij->pj", n, H_old)
         self.v_old = -rest * starts[:, None] * np.einsum("pi,pij->pj", n, J_old)
         theta = step.scheme.position_rate
@@ -127,16 +127,17 @@ class _Bearing:
         self.by = np.zeros((len(points), len(parameters)))
         self.moved: list[np.ndarray | None] = []
         for i, parameter in enumerate(parameters):
-            way = parameter.move(contact)
-            self.moved.append(way)
-            if way is not None:
-                bent = C @ way  # the normals turn the other way
-                self.by[:, i] = n_old @ way - n @ way + rate * dot(w, bent)
-                self.by[:, i] += rest * starts * dot(w_old, bent)
+            change = parameter.wall(contact, place)
+            self.moved.append(None if change is None else -change[1])
+            if change is not None:
+                closer, turned = (-each for each in change)  # gaps and normals of the slave
+                before = rows.closer(parameter, rows.old_places[points])
+                self.by[:, i] = closer - before - rate * dot(w, turned)
+                self.by[:, i] -= rest * starts * dot(w_old, turned)
 
-    def bent(self, way: np.ndarray) -> np.ndarray:
-        """Change of G where the obstacle moves."""
-        return -np.einsum("pij,j,pik->pk", self._C, way, self._J)
+    def bent(self, turned: np.ndarray) -> np.ndarray:
+        """Change of G where the normals turn."""
+        return np.einsum("pi,pij->pj", turned, self._J)
 
     def turned_forces(self, y: np.ndarray) -> np.ndarray:
         """Derivative of G' y by q, (3, 3)."""

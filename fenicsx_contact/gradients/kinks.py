@@ -11,6 +11,7 @@ solid are such.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from ..base.constants import ROUND_OFF
 from ..base.vectors import dot, largest
 from ..steps.certificate import ACCEPTED
 from ..steps.step import Trial
+from ..theory.theta import Step
 from .surface import ContactRows
 
 #: What a status is.
@@ -109,6 +111,22 @@ def grazing(rows: ContactRows, trial: Trial, speed: float) -> Iterator[Edge]:
         e, changed = contact.equations, contact.equations.values.copy()
         changed[: e.jumps] = (rows.jump + speed * rows.normal).ravel()
         yield Edge(points, ["open, on the edge of: bears"] * len(points), changed)
+
+
+def refuse_grazing(rows: ContactRows, at: int, step: Step, resolution: float) -> None:
+    """A point that arrives with no more speed than it loses within the tolerance of its place
+    may as well not arrive.
+
+    Raises:
+        NoDerivative: it does.
+    """
+    speed = float(rows.normal[at] @ rows.jump[at])
+    change = abs(speed - float(rows.normal[at] @ rows.start_jump[at])) / step.dt
+    graze = sqrt(2 * change * rows.contact.tolerance)
+    if speed <= max(graze, resolved(rows, resolution)):
+        place = tuple(rows.contact.surface.points[at].tolist())
+        kink = Kink(rows.contact.name, place, step.end, "arrives without speed: grazing")
+        raise NoDerivative(str(kink))
 
 
 def alike(left: np.ndarray, terms: np.ndarray) -> np.ndarray:

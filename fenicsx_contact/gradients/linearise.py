@@ -6,20 +6,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from math import sqrt
 from typing import Any
 
 import numpy as np
 
 from ..base import checks
 from ..contact.arrivals import arrival
+from ..contact.contact import Contact
 from ..scene import Scene
 from ..solve.yielding import COMPLIANCE
 from ..steps.step import Trial
 from ..theory.theta import QuasiStatic, Step, ThetaScheme
 from .blocks import Blocks, Inner, LinearStep
 from .hold import Shift, shift
-from .kinks import Kink, NoDerivative, alike, kinks, resolved
+from .kinks import Kink, alike, kinks, refuse_grazing
 from .motion import Motion, RigidMotion, Row
 from .parameters import Parameter
 from .supported import check_together, motion, rows_of
@@ -79,6 +79,15 @@ class Linearisation:
     def time(self) -> slice:
         """Where the time stands in the state."""
         return self._t
+
+    def bearing(self, contact: Contact) -> tuple[np.ndarray, slice, slice]:
+        """The candidates of a contact in the step that was linearised last, (k,), and where their
+        lam (k,) and forces (k d,) stand among its unknowns."""
+        rows = next(rows for rows in self.contacts if rows.contact is contact)
+        multipliers = self._m[id(rows)]
+        each = rows.unknowns // max(1, len(rows.points))
+        lam = slice(multipliers.start, multipliers.stop, each or 1)
+        return rows.points, lam, self._f[id(rows)]
 
     def start(self) -> np.ndarray:
         """Derivative of the present state by the parameters, as the initial one, (size, p)."""
@@ -185,13 +194,9 @@ class Linearisation:
             return
         rows = max(self.contacts, key=lambda rows: arrival(rows.contact)[0])
         at = arriving(rows)
-        self._refuse_grazing(rows, at, trial.step)
-        normal, d = rows.normal[at], rows.contact.surface.dim
-        gap = normal @ rows.new.place[at * d : (at + 1) * d]
-        plus.add(t, self._q[id(rows.motion)], np.asarray(gap).reshape(1, -1))
-        for i, parameter in enumerate(self._parameters):
-            way = parameter.move(rows.contact)
-            by[t, i] -= 0.0 if way is None else float(normal @ way)
+        refuse_grazing(rows, at, trial.step, self._scene.stepper.resolution)
+        plus.add(t, self._q[id(rows.motion)], rows.gap_row(at)[None])
+        by[t] += rows.gap_by(self._parameters, at)
 
     # -- where there is no derivative --------------------------------------------------------------
 
@@ -248,36 +253,22 @@ class Linearisation:
         found: list[Kink] = []
         first = max(self.contacts, key=lambda rows: arrival(rows.contact)[0], default=None)
         for rows in self.contacts:
-            contact, d = rows.contact, rows.contact.surface.dim
+            contact = rows.contact
             gaps, free = contact.coupling.gaps(), contact.chosen & ~contact.candidates.allowed
             ends = arriving(rows) if trial.arrives and rows is first else -1
             for point in np.flatnonzero(free & (np.abs(gaps) <= contact.tolerance)):
                 if point == ends:
                     continue
-                row = rows.normal[point] @ rows.new.place[point * d : (point + 1) * d]
-                row = np.asarray(row).ravel()
+                row = rows.gap_row(point)
                 if x is not None:
-                    way = x[self._q[id(rows.motion)]]
-                    moves = [parameter.move(contact) for parameter in self._parameters]
-                    by = [0.0 if c is None else rows.normal[point] @ c for c in moves]
-                    left, terms = row @ way - by, np.abs(row) @ _largest(way) + np.abs(by)
+                    way, by = x[self._q[id(rows.motion)]], rows.gap_by(self._parameters, point)
+                    left, terms = row @ way + by, np.abs(row) @ _largest(way) + np.abs(by)
                     if alike(left, terms).all():
                         continue
                 place = tuple(contact.surface.points[point].tolist())
                 with_it = "at the same instant as another point" if trial.arrives else "and no more"
                 found.append(Kink(contact.name, place, trial.step.end, f"touches {with_it}"))
         return found
-
-    def _refuse_grazing(self, rows: ContactRows, at: int, step: Step) -> None:
-        """A point that arrives with no more speed than it loses within the tolerance of its place
-        may as well not arrive."""
-        speed = float(rows.normal[at] @ rows.jump[at])
-        change = abs(speed - float(rows.normal[at] @ rows.start_jump[at])) / step.dt
-        graze = sqrt(2 * change * rows.contact.tolerance)
-        if speed <= max(graze, resolved(rows, self._scene.stepper.resolution)):
-            place = tuple(rows.contact.surface.points[at].tolist())
-            kink = Kink(rows.contact.name, place, step.end, "arrives without speed: grazing")
-            raise NoDerivative(str(kink))
 
 
 def _largest(changes: np.ndarray) -> np.ndarray:

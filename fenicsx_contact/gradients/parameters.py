@@ -10,9 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..base import checks
-from ..base.constants import SAME
 from ..contact.contact import Contact
-from ..rods import Curve, GuideContact
 from ..rods.beam import BeamSolid
 from ..rods.sections import Lateral, values_of
 from ..solids import DeformableSolid, RigidSolid, Solid
@@ -43,8 +41,9 @@ class Parameter:
         """Change of the rows of a contact's points, (n, unknowns of a point)."""
         return None
 
-    def move(self, contact: Contact) -> np.ndarray | None:
-        """How the obstacle of a contact moves, (d,)."""
+    def wall(self, contact: Contact, places: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """Changes of the distances of places (n, d) from the obstacle of a contact, (n,), and of
+        its outward normals there, (n, d)."""
         return None
 
     def bend(self, contact: Contact, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
@@ -61,7 +60,8 @@ class Parameter:
         """Refuse a scene in which it does not stand."""
 
 
-def _among(what: str, thing: Any, things: Sequence[Any]) -> None:
+def among(what: str, thing: Any, things: Sequence[Any]) -> None:
+    """Refuse what a parameter belongs to if it is not in the scene."""
     if not any(thing is each for each in things):
         raise checks.InputError(f"{what}: {getattr(thing, 'name', thing)!r} is not in the scene")
 
@@ -89,69 +89,7 @@ class Law(Parameter):
         return self._derivative() if contact is self.contact else None
 
     def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
-        _among("Law", self.contact, contacts)
-
-
-class ObstacleShift(Parameter):
-    """A shift of a contact's obstacle.
-
-    Args:
-        contact: the contact.
-        direction: of the shift, d numbers; the parameter is in multiples of it.
-    """
-
-    def __init__(self, contact: Contact, direction: Sequence[float]) -> None:
-        self.contact = contact
-        self.direction = checks.vector("direction", direction, contact.surface.dim)
-
-    def move(self, contact: Contact) -> np.ndarray | None:
-        return self.direction if contact is self.contact else None
-
-    def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
-        _among("ObstacleShift", self.contact, contacts)
-        if self.contact.coupling.encloses:
-            raise checks.InputError("ObstacleShift: the obstacle is a guide; see Bend")
-
-
-class Bend(Parameter):
-    """A displacement of the centre line of a guide; clearances stay the same.
-
-    Where the rod starts is a parameter of its own (:class:`Start`): what both change adds up.
-
-    Args:
-        contact: of a beam with the guide.
-        curve: the displacement; the parameter is in multiples of it. ``Sine(1.0, 3.66)`` makes it
-            the amplitude of a tube's ``Sine(amplitude, 3.66)``.
-        within: depths between which the centre line moves, m; of tubes and cards alike.
-
-    Raises:
-        InputError: no guide, no curve.
-    """
-
-    def __init__(
-        self,
-        contact: GuideContact,
-        curve: Curve,
-        within: tuple[float, float] = (-np.inf, np.inf),
-    ) -> None:
-        checks.instance("contact", contact, GuideContact, "a GuideContact")
-        checks.offers("curve", curve, Curve, "a curve (Straight, Sine, Bow, ...)")
-        self.contact, self.curve = contact, curve
-        top, bottom = within
-        same = SAME * float(np.ptp(contact.obstacle.stations))
-        self._within = top - same, bottom + same
-
-    def bend(self, contact: Contact, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        if contact is not self.contact:
-            return None
-        inside = (depth >= self._within[0]) & (depth <= self._within[1])
-        curve = self.curve
-        offset, slope = np.zeros((2, len(depth)))
-        offset[inside], slope[inside] = curve.offset(depth[inside]), curve.slope(depth[inside])
-        return offset, slope
-
-    def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
-        _among("Bend", self.contact, contacts)
+        among("Law", self.contact, contacts)
 
 
 def _check_rigid(what: str, solid: Any) -> None:
@@ -169,7 +107,7 @@ class OfSolid(Parameter):
     solid: Any
 
     def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
-        _among(type(self).__name__, self.solid, solids)
+        among(type(self).__name__, self.solid, solids)
 
 
 class Start(OfSolid):

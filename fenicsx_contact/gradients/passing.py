@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .sensitivities import Tangents
+from .results import Tangents
 
 
 class Passing(NamedTuple):

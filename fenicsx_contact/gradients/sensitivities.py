@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from math import ceil, isqrt
 from typing import Any
 
@@ -24,84 +23,9 @@ from ..steps.step import Trial
 from .blocks import LinearStep
 from .kinks import Kink, NoDerivative
 from .linearise import Linearisation
-from .parameters import Parameter
-from .quantities import Quantity
-
-
-@dataclass
-class Tangents:
-    """A run and its derivatives.
-
-    Attributes:
-        history: of the run; its probes are the quantities.
-        parameters: their names.
-        kinks: where the derivatives do not exist; they are then those of one side.
-    """
-
-    history: History
-    parameters: tuple[str, ...]
-    kinks: list[Kink]
-    _columns: dict[str, np.ndarray]
-
-    def one_sided(self, column: str) -> np.ndarray:
-        """Derivatives of a column of the history by the parameters, (rows, parameters): of a
-        quantity, of ``"time"`` or of a contact's force; where there are kinks those of the statuses
-        that the steps have settled on.
-
-        Raises:
-            KeyError: no such column, or one that is not differentiated.
-        """
-        if column not in self._columns:
-            raise KeyError(f"{column!r}: the columns are {', '.join(self._columns)}")
-        return self._columns[column]
-
-    def __getitem__(self, column: str) -> np.ndarray:
-        """The same, where the derivatives exist.
-
-        Raises:
-            NoDerivative: they do not; with contact, point and time.
-        """
-        _refuse(self.kinks)
-        return self.one_sided(column)
-
-
-@dataclass
-class Adjoints:
-    """A run and the derivatives of what it ends with.
-
-    Attributes:
-        history: of the run.
-        values: of the quantities, at its end.
-        parameters: their names.
-        kinks: where the derivatives may not exist; then they are of one side.
-        kept: states that were kept on the way.
-    """
-
-    history: History
-    values: dict[str, float]
-    parameters: tuple[str, ...]
-    kinks: list[Kink]
-    kept: int
-    _gradients: dict[str, np.ndarray]
-
-    def one_sided(self, quantity: str) -> np.ndarray:
-        """Derivatives of a quantity by the parameters, (parameters,), of one side if need be."""
-        return self._gradients[quantity]
-
-    def __getitem__(self, quantity: str) -> np.ndarray:
-        """The same, where they exist.
-
-        Raises:
-            NoDerivative: they do not; with contact, point and time.
-        """
-        _refuse(self.kinks)
-        return self.one_sided(quantity)
-
-
-def _refuse(kinks: list[Kink]) -> None:
-    if kinks:
-        more = f"; and {len(kinks) - 1} more" if len(kinks) > 1 else ""
-        raise NoDerivative(f"{kinks[0]}{more}")
+from .parameters import Parameter, among
+from .quantities import OfContact, Quantity
+from .results import Adjoints, Tangents
 
 
 def tangents(
@@ -140,10 +64,10 @@ def tangents(
         columns[name] = [_gradient(linear, quantity) @ state + _explicit(parameters, quantity)]
     names = [_forces(rows.contact) for rows in linear.contacts]
     columns |= {name: [np.zeros(size)] for each in names for name in each}
-    pending: list[Any] = []
+    x: np.ndarray | None = None
 
     def watch(trial: Trial) -> None:
-        nonlocal state
+        nonlocal state, x
         step = linear.step(trial)
         x = _finite(trial, step.tangent(state))
         found.extend(linear.kinks(trial, scene.stepper.resolution, x, state))
@@ -152,12 +76,11 @@ def tangents(
         for each, at in zip(names, step.forces):
             for i, name in enumerate(each):  # point by point
                 columns[name].append(x[at][i :: len(each)].sum(axis=0))
-        pending.append(state)
 
     def probe(name: str, quantity: Quantity) -> Callable[[], float]:
         def measure() -> float:
-            if pending:  # the start was measured before
-                row = _gradient(linear, quantity) @ state + _explicit(parameters, quantity)
+            if x is not None:  # the start was measured before
+                row = _gradient(linear, quantity, len(x)) @ x + _explicit(parameters, quantity)
                 columns[name].append(row)
             return float(quantity.value())
 
@@ -219,7 +142,7 @@ def adjoints(
     history.reason, history.times = part.reason, part.times
     last = scene.state()
     values = {name: quantity.value() for name, quantity in quantities.items()}
-    after = np.stack([_gradient(linear, quantity) for quantity in quantities.values()], axis=1)
+    after: np.ndarray | None = None  # what the end depends on
     by = np.stack([_explicit(parameters, quantity) for quantity in quantities.values()], axis=1)
 
     found: list[Kink] = []
@@ -233,6 +156,10 @@ def adjoints(
 
         with _watching(scene, watch):
             scene.run(first + end * dt, dt, progress=False)
+        if after is None:
+            size = len(steps[-1][1])
+            rows = [_gradient(linear, quantity, size) for quantity in quantities.values()]
+            after = np.stack(rows, axis=1)
         for trial, step in reversed(steps):
             after, more = step.adjoint(after)
             by = _finite(trial, by + more)
@@ -254,6 +181,8 @@ def _checked(
     for name, quantity in given.items():
         if not any(quantity.solid is solid for solid in scene.solids):
             raise checks.InputError(f"quantities[{name!r}]: its solid is not in the scene")
+        if isinstance(quantity, OfContact):
+            among(f"quantities[{name!r}]", quantity.contact, scene.contacts)
     return given
 
 
@@ -276,10 +205,15 @@ def _finite(trial: Trial, values: np.ndarray) -> np.ndarray:
     return values
 
 
-def _gradient(linear: Linearisation, quantity: Quantity) -> np.ndarray:
-    result, (q, v) = np.zeros(linear.size), quantity.gradient()
+def _gradient(linear: Linearisation, quantity: Quantity, unknowns: int = 0) -> np.ndarray:
+    """By the state, or by as many unknowns of the step that was linearised last."""
+    result, (q, v) = np.zeros(unknowns or linear.size), quantity.gradient()
     result[linear.part("q", quantity.solid)] = q
     result[linear.part("v", quantity.solid)] = v
+    if unknowns and isinstance(quantity, OfContact):
+        points, pressures, forces = linear.bearing(quantity.contact)
+        by_pressure, by_force = quantity.borne(points)
+        result[pressures], result[forces] = -by_pressure, by_force.ravel()
     return result
 
 

@@ -8,7 +8,7 @@ and the jump at the start; here they meet the solid's kinematics.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from copy import copy
 from typing import Any
@@ -20,6 +20,7 @@ from ..base import checks
 from ..base.expressions import is_expression
 from ..base.vectors import dot
 from ..contact.contact import Contact
+from ..contact.level_set import LevelSet
 from ..contact.nodal import NodalJump
 from ..contact.obstacle import Circle, Cylinder, HalfSpace, Sphere
 from ..solids import MonolithicTrace
@@ -27,40 +28,9 @@ from ..theory.formulations import Gap, Velocity
 from ..theory.friction import Coulomb, Tresca
 from ..theory.theta import Step
 from .forms import ByField
+from .kinematics import Kinematics, rigid, square
 from .motion import Motion, RigidMotion
 from .parameters import Parameter
-
-
-class Kinematics:
-    """Points of a solid, with derivatives by its unknowns; operators are (n d, size), flat.
-
-    Args:
-        place: derivative of the places by q, and of the velocities by v.
-        bend: of the velocities by q; None where places are linear in q.
-    """
-
-    def __init__(self, place: Any, bend: np.ndarray | None = None) -> None:
-        self.place, self.bend = place, bend
-
-    def at(self, points: np.ndarray, d: int) -> Kinematics:
-        """Those of some points."""
-        rows = (points[:, None] * d + np.arange(d)).ravel()
-        return Kinematics(self.place[rows], None if self.bend is None else self.bend[rows])
-
-    def by_place(self, weights: np.ndarray) -> Any:
-        """Derivative by q of what depends on the places by weights (k, r, d), (k r, size)."""
-        return _apply(weights, self.place)
-
-    def by_bend(self, weights: np.ndarray) -> Any:
-        """Derivative by q of what depends on the velocities by weights."""
-        return 0.0 if self.bend is None else _apply(weights, self.bend)
-
-
-def _apply(weights: np.ndarray, operator: Any) -> Any:
-    k, r, d = weights.shape
-    if isinstance(operator, np.ndarray):
-        return np.matmul(weights, operator.reshape(k, d, -1)).reshape(k * r, -1)
-    return _diagonal(weights) @ operator
 
 
 class ContactRows:
@@ -73,10 +43,11 @@ class ContactRows:
     Attributes:
         points: the candidates of the step, (k,).
         old, new: kinematics at the start and at the end of the step, before what bears was put back
-            to its gaps; ``places``: at the end, (n, d) in m.
+            to its gaps; ``old_places``, ``places``: at both, (n, d) in m.
         arms: of a rigid solid, from its centre to the points, at the start and at the end.
-        normal, old_normal, bend: normals of the slave, and the derivatives of the former by the
-            places.
+        normal, bend: normals of the slave at the end, and their derivatives by the places.
+        slope, old_slope: derivatives of the gaps by the places at the end and at the start: the
+            normals, where the obstacle tells true distances.
         jump, start_jump: at the end and at the start; ``reads_start``: 1 where the law reads that.
         unknowns: number of multipliers.
 
@@ -98,9 +69,9 @@ class ContactRows:
             raise checks.InputError(f"{name} is not one of points with an obstacle")
         if coupling.driven:
             raise checks.InputError(f"{name} has an obstacle that moves")
-        if not isinstance(coupling.obstacle, (HalfSpace, Circle, Sphere, Cylinder)):
+        if not isinstance(coupling.obstacle, (HalfSpace, Circle, Sphere, Cylinder, LevelSet)):
             kind = type(coupling.obstacle).__name__
-            raise checks.InputError(f"{name} has a {kind}, whose distances may not be exact")
+            raise checks.InputError(f"{name} has a {kind}, whose distances are not differentiated")
         refuse_law(contact)
         if contact.solid.dim == 2 and getattr(contact.solid, "degree", 1) > 2:
             raise checks.InputError(f"{name} is of higher degree")
@@ -129,7 +100,7 @@ class ContactRows:
             back = solid.trial_turn.T
             arms = [(x - solid.trial_place) @ (turn @ back).T for turn in self.motion.turn]
             spins = solid.velocity[2], solid.trial_velocity[2]
-            self.old, self.new = (_rigid(arm, spin, solid.held) for arm, spin in zip(arms, spins))
+            self.old, self.new = (rigid(arm, spin, solid.held) for arm, spin in zip(arms, spins))
             weight = step.scheme.force_weight
             self._forces = weight * self.new.place + (1 - weight) * self.old.place
             self.arms = arms
@@ -153,9 +124,10 @@ class ContactRows:
         self._start = self._by_start()
 
     def _normals(self, start: np.ndarray) -> None:
-        """Normals at the start and the end, and the derivatives of the latter by the places."""
+        """What the obstacle is at the start and the end, and how that depends on the places."""
         wall = self.contact.coupling.wall  # type: ignore[attr-defined]
-        self.normal, self.old_normal = self.contact.normal, -wall.normals(start, 0.0)
+        self.normal, self.old_places = self.contact.normal, start
+        self.slope, self.old_slope = (-wall.slopes(x, 0.0) for x in (self.places, start))
         bend = wall.curvature(self.places, 0.0)
         self.bend = np.zeros((*start.shape, self._d)) if bend is None else -bend
 
@@ -186,10 +158,11 @@ class ContactRows:
         rate, gap = share * self.step.gap_rate, G[:, :, :1]
         # what the rows depend on: velocities and places at the end, and at the start
         by_jump = T[:, :, :d] - rate * gap * n
-        by_place = share * gap * n - rate * gap * (w @ C) + G[:, :, 1:] @ C
+        slope, old_slope = self.slope[p][:, None, :], self.old_slope[p][:, None, :]
+        by_place = share * gap * slope - rate * gap * (w @ C) + G[:, :, 1:] @ C
         by_place = by_place + start * (self.start_jump[p][:, None, :] @ C)
         by_start = start * n
-        by_gap = gap * (self._reads_gap[p][:, None] * self.old_normal[p])[:, None, :]
+        by_gap = gap * self._reads_gap[p][:, None, None] * old_slope
         result = {"m": (square(T[:, d:, d:]), -square(T[:, :d, d:]))}
 
         def told(weights: Callable[[slice], Any]) -> tuple[Any, Any]:
@@ -205,18 +178,33 @@ class ContactRows:
         """Derivatives of the same by a parameter."""
         p, d = self.points, self._d
         result = np.zeros(self._blocks[p].shape[:2])
-        rows, shift = parameter.rows(self.contact), parameter.move(self.contact)
-        if rows is not None:
+        if (rows := parameter.rows(self.contact)) is not None:
             result += rows[p]
-        if shift is not None:  # as if the points moved the other way
+        if (wall := parameter.wall(self.contact, self.places[p])) is not None:
             G, share = self._parameters[p], float(self.contact.formulation.gap_share)
-            rate, turned = share * self.step.gap_rate, -self.bend[p] @ shift
-            gap = -share * self.normal[p] @ shift - rate * dot(self.jump[p], turned)
-            gap -= self._reads_gap[p] * (self.old_normal[p] @ shift)
+            closer, turned = (-change for change in wall)  # gaps and normals of the slave
+            gap = share * (closer - self.step.gap_rate * dot(self.jump[p], turned))
+            if self._reads_gap[p].any():
+                gap += self._reads_gap[p] * self.closer(parameter, self.old_places[p])
             result += G[:, :, 0] * gap[:, None] + np.einsum("pci,pi->pc", G[:, :, 1:], turned)
             started = dot(self.start_jump[p], turned) * self.reads_start[p]
             result += self._start[p] * started[:, None]
         return result[:, d:].ravel(), -result[:, :d].ravel()
+
+    def closer(self, parameter: Parameter, places: np.ndarray) -> np.ndarray:
+        """Change of the gaps of points at these places (k, d) by a parameter, (k,)."""
+        wall = parameter.wall(self.contact, places)
+        return np.zeros(len(places)) if wall is None else -wall[0]
+
+    def gap_row(self, point: int) -> np.ndarray:
+        """Derivative of the gap of a point at the end by q, (size,)."""
+        row = self.slope[point] @ self.new.place[point * self._d : (point + 1) * self._d]
+        return np.asarray(row).ravel()
+
+    def gap_by(self, parameters: Sequence[Parameter], point: int) -> np.ndarray:
+        """And by parameters, (p,)."""
+        place = self.places[point : point + 1]
+        return np.array([self.closer(parameter, place)[0] for parameter in parameters])
 
     def spread(self, forces: np.ndarray) -> Any:
         """Forces at the candidates as forces on the solid, (size, ...)."""
@@ -242,34 +230,6 @@ class ContactRows:
         columns, rows = self.contact.equations.scales()
         jumps = len(self.points) * self._d
         return (compliance / (columns * rows)[jumps:]).reshape(self._more, -1).T.ravel()
-
-
-def _rigid(arm: np.ndarray, spin: float, held: np.ndarray) -> Kinematics:
-    n = len(arm)
-    place, bend = np.zeros((2, n, 2, 3))
-    place[:, 0, 0] = place[:, 1, 1] = 1.0
-    place[:, 0, 2], place[:, 1, 2] = -arm[:, 1], arm[:, 0]
-    bend[:, :, 2] = -spin * arm
-    for each in (place, bend):
-        each[:, :, held] = 0.0
-    return Kinematics(place.reshape(2 * n, 3), bend.reshape(2 * n, 3))
-
-
-def square(blocks: np.ndarray) -> Any:
-    """A block diagonal matrix; dense where it is small."""
-    k, r, c = blocks.shape
-    result = np.zeros((k, r, k, c))
-    each = np.arange(k)
-    result[each, :, each] = blocks
-    return result.reshape(k * r, k * c)
-
-
-def _diagonal(blocks: np.ndarray) -> sp.csr_matrix:
-    """A block diagonal matrix from blocks (k, rows, columns)."""
-    k, r, c = blocks.shape
-    columns = (np.arange(k) * c)[:, None, None] + np.arange(c)
-    columns = np.broadcast_to(columns, (k, r, c)).reshape(-1)
-    return sp.csr_matrix((blocks.ravel(), columns, np.arange(0, k * r * c + 1, c)), (k * r, k * c))
 
 
 def refuse_law(contact: Contact) -> None:

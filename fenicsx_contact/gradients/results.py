@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What runs with derivatives give."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..output.history import History
+from .kinks import Kink, NoDerivative
+
+
+@dataclass
+class Tangents:
+    """A run and its derivatives.
+
+    Attributes:
+        history: of the run; its probes are the quantities.
+        parameters: their names.
+        kinks: where the derivatives do not exist; they are then those of one side.
+    """
+
+    history: History
+    parameters: tuple[str, ...]
+    kinks: list[Kink]
+    _columns: dict[str, np.ndarray]
+
+    def one_sided(self, column: str) -> np.ndarray:
+        """Derivatives of a column of the history by the parameters, (rows, parameters): of a
+        quantity, of ``"time"`` or of a contact's force; where there are kinks those of the statuses
+        that the steps have settled on.
+
+        Raises:
+            KeyError: no such column, or one that is not differentiated.
+        """
+        if column not in self._columns:
+            raise KeyError(f"{column!r}: the columns are {', '.join(self._columns)}")
+        return self._columns[column]
+
+    def __getitem__(self, column: str) -> np.ndarray:
+        """The same, where the derivatives exist.
+
+        Raises:
+            NoDerivative: they do not; with contact, point and time.
+        """
+        _refuse(self.kinks)
+        return self.one_sided(column)
+
+
+@dataclass
+class Adjoints:
+    """A run and the derivatives of what it ends with.
+
+    Attributes:
+        history: of the run.
+        values: of the quantities, at its end.
+        parameters: their names.
+        kinks: where the derivatives may not exist; then they are of one side.
+        kept: states that were kept on the way.
+    """
+
+    history: History
+    values: dict[str, float]
+    parameters: tuple[str, ...]
+    kinks: list[Kink]
+    kept: int
+    _gradients: dict[str, np.ndarray]
+
+    def one_sided(self, quantity: str) -> np.ndarray:
+        """Derivatives of a quantity by the parameters, (parameters,), of one side if need be."""
+        return self._gradients[quantity]
+
+    def __getitem__(self, quantity: str) -> np.ndarray:
+        """The same, where they exist.
+
+        Raises:
+            NoDerivative: they do not; with contact, point and time.
+        """
+        _refuse(self.kinks)
+        return self.one_sided(quantity)
+
+
+def _refuse(kinks: list[Kink]) -> None:
+    if kinks:
+        more = f"; and {len(kinks) - 1} more" if len(kinks) > 1 else ""
+        raise NoDerivative(f"{kinks[0]}{more}")

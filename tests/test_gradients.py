@@ -13,6 +13,7 @@ from dolfinx import fem
 from scenes import FLOOR, FLOOR_3D, G, box, rectangle, rocking_block
 
 from fenicsx_contact import (
+    Box,
     Circle,
     Contact,
     Discrete,
@@ -615,9 +616,11 @@ def on_floor(contact=None, scene=None, solid=None, obstacle=FLOOR):
 
 
 def test_what_is_not_supported_is_refused_by_name():
-    level = LevelSet(lambda x, t: x[1], dim=2)
+    belt = LevelSet(lambda x, t: x[1], dim=2, velocity=lambda x, t: (0.1, 0.0))
     still = Moved(FLOOR, lambda t: (0.0, 0.0))
-    refused(on_floor(obstacle=level), match="contact 'c' has a LevelSet")
+    bench = Box((0.0, -0.1), (2.0, 0.2))
+    refused(on_floor(obstacle=bench), match="contact 'c' has a Box")
+    refused(on_floor(obstacle=belt), match="contact 'c' has an obstacle that moves")
     refused(on_floor(obstacle=still), match="contact 'c' has an obstacle that moves")
     refused(on_floor({"formulation": Discrete(1e5)}), match="formulation 'discrete'")
     refused(on_floor({"friction": Stribeck(0.3, 0.2, 0.1)}), match="law Stribeck")

@@ -127,11 +127,11 @@ class _Bearing:
         self.by = np.zeros((len(points), len(parameters)))
         self.moved: list[np.ndarray | None] = []
         for i, parameter in enumerate(parameters):
-            change = parameter.wall(contact, place)
-            self.moved.append(None if change is None else -change[1])
+            change = parameter.wall(contact, rows.places)
+            self.moved.append(None if change is None else -change[1][points])
             if change is not None:
-                closer, turned = (-each for each in change)  # gaps and normals of the slave
-                before = rows.closer(parameter, rows.old_places[points])
+                closer, turned = (-each[points] for each in change)  # gaps and normals of the slave
+                before = rows.closer(parameter, rows.old_places)[points]
                 self.by[:, i] = closer - before - rate * dot(w, turned)
                 self.by[:, i] -= rest * starts * dot(w_old, turned)
 

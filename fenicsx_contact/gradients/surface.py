@@ -180,19 +180,19 @@ class ContactRows:
         result = np.zeros(self._blocks[p].shape[:2])
         if (rows := parameter.rows(self.contact)) is not None:
             result += rows[p]
-        if (wall := parameter.wall(self.contact, self.places[p])) is not None:
+        if (wall := parameter.wall(self.contact, self.places)) is not None:
             G, share = self._parameters[p], float(self.contact.formulation.gap_share)
-            closer, turned = (-change for change in wall)  # gaps and normals of the slave
+            closer, turned = (-change[p] for change in wall)  # gaps and normals of the slave
             gap = share * (closer - self.step.gap_rate * dot(self.jump[p], turned))
             if self._reads_gap[p].any():
-                gap += self._reads_gap[p] * self.closer(parameter, self.old_places[p])
+                gap += self._reads_gap[p] * self.closer(parameter, self.old_places)[p]
             result += G[:, :, 0] * gap[:, None] + np.einsum("pci,pi->pc", G[:, :, 1:], turned)
             started = dot(self.start_jump[p], turned) * self.reads_start[p]
             result += self._start[p] * started[:, None]
         return result[:, d:].ravel(), -result[:, :d].ravel()
 
     def closer(self, parameter: Parameter, places: np.ndarray) -> np.ndarray:
-        """Change of the gaps of points at these places (k, d) by a parameter, (k,)."""
+        """Change of the gaps at places (k, d) by a parameter, (k,)."""
         wall = parameter.wall(self.contact, places)
         return np.zeros(len(places)) if wall is None else -wall[0]
 

@@ -204,6 +204,11 @@ def search(wanted: Callable[[np.ndarray], np.ndarray], many: int, cells: int) ->
 # The face must follow that where the block touches it; farther out it is free, as long as it stays
 # away. At $x = b$ the slope of the second is infinite, which no polynomial can do: there it is
 # compared over 95 % of the width.
+#
+# What is left is an error of the mesh. With 10, 20 and 40 elements over the half width the first
+# is off by 0.82, 0.26 and 0.10 % of its depth, the second by 1.4, 0.59 and 0.10 %, after 3 to 6
+# runs each. Over nine tenths of the width, in which the flat die presses with 0.75 to 1.26 of an
+# even pressure, the one that was found presses with 0.995 to 1.008 of it.
 
 
 # %%

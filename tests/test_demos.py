@@ -500,3 +500,24 @@ def test_identify(tmp_path, monkeypatch, capsys):
     assert found["noise"] == pytest.approx(demo.ROD_NOISE, rel=0.2)
     assert (demo.RESULTS / "fit.png").stat().st_size > 5000
     assert "7 runs" in capsys.readouterr().out
+
+
+def test_design(tmp_path, monkeypatch, capsys):
+    """A fourth of the full demo's elements; its errors there are 0.1 %."""
+    monkeypatch.chdir(tmp_path)
+    demo = load("design")
+    summary = demo.main(quick=True)
+    hertz, even = summary["hertz"], summary["even"]
+    assert abs(hertz["radius_error"]) < 0.006 and abs(hertz["force_error"]) < 0.003
+    assert hertz["face_error"] < 0.01 and even["face_error"] < 0.02
+    for case in (hertz, even):
+        assert case["runs"] <= 15 and case["kinks"] == 0
+        assert case["pressure_errors"][0] > 0.9 and case["pressure_errors"][1] < 5e-3
+        (low, high), found = case["ratios"]
+        assert low < 0.76 and high > 1.2  # the flat die
+        assert found[0] > 0.98 and found[1] < 1.02
+    assert max(summary["differences"]["errors"]) < 1e-8
+    assert summary["differences"]["left_out"] <= 2
+    assert (demo.RESULTS / "design.png").stat().st_size > 5000
+    assert json.loads((demo.RESULTS / "summary.json").read_text())["cells"] == [10]
+    assert capsys.readouterr().out.startswith("Hertz's ellipse: radius off by 0.4")

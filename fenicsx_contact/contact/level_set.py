@@ -48,12 +48,12 @@ class LevelSet:
         self.dim = checks.whole_number("dim", dim, at_least=2)
         if dim > 3:
             raise checks.InputError(f"dim = {dim!r}: must be 2 or 3")
-        self._phi, self._motion = phi, velocity
+        self._motion = velocity
         self._compiled: dict[tuple[str, int], tuple[compat.PointCloud, list[Any], Callable]] = {}
         x, t = (cloud := compat.PointCloud(1, dim)).x, cloud.t
         value = _as_ufl("phi", phi, x, t, ())
-        self._text = str(value)
-        self.numbers = _constants(value)
+        self._phi, self.numbers = value, _constants(value)
+        self._terminals = x, t, *self.numbers
         used = ufl.algorithms.extract_coefficients(value)
         if x not in used:
             raise checks.InputError(f"phi = {phi!r}: must depend on the position, it is {value}")
@@ -66,11 +66,10 @@ class LevelSet:
         return _as_ufl("velocity", self._motion, x, t, (self.dim,))
 
     def _expression(self, what: str, x: Any, t: Any, numbers: list[Any]) -> Any:
-        """In UFL, ``x`` and the values of ``numbers`` being variables of it."""
+        """In UFL, ``x`` and ``numbers`` being variables of it."""
         if what == "velocity":
             return self._drift(x, t)
-        phi = _as_ufl("phi", self._phi, x, t, ())
-        phi = ufl.replace(phi, dict(zip(self.numbers, numbers))) if numbers else phi
+        phi = ufl.replace(self._phi, dict(zip(self._terminals, (x, t, *numbers))))
         gradient = ufl.diff(phi, x)
         size = ufl.sqrt(ufl.dot(gradient, gradient))
         distance, normal = phi / size, gradient / size
@@ -127,7 +126,7 @@ class LevelSet:
         return self._at("velocity", points, time)
 
     def __repr__(self) -> str:
-        return f"LevelSet({self._text}, dim={self.dim})"
+        return f"LevelSet({self._phi}, dim={self.dim})"
 
 
 def _constants(phi: Any) -> list[fem.Constant]:

@@ -228,8 +228,8 @@ class PointExpression:
         points = space.element.interpolation_points
         if not isinstance(points, np.ndarray):
             points = points()  # a method before 0.10
-        if not ufl.domain.extract_domains(expression):  # numbers know no mesh
-            expression = fem.Constant(mesh, 1.0) * expression
+        if not ufl.domain.extract_domains(ufl.algorithms.expand_derivatives(expression)):
+            expression += fem.Constant(mesh, np.zeros(expression.ufl_shape))  # numbers have no mesh
         with quiet_compiler():
             self._expression = fem.Expression(expression, points)
         self._cells = np.arange(num_local_cells(mesh), dtype=np.int32)

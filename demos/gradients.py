@@ -320,7 +320,7 @@ if __name__ == "__main__":
 # - `energy` at 0.4 s: the block has come to rest by ever shorter impacts. How many of them a run
 #   resolves depends on the tilt; the tangent is right for the impacts that there were, and
 #   differences find no plateau.
-# - `identify.py`: friction and stiffness from a measured motion.
+# - `identify.py`: friction and stiffness from a measured motion; `design.py`: the shape of a die.
 #
 # ## Sources
 #

@@ -37,7 +37,7 @@ class LinearSystem(Protocol):
     def iterate(self, step: Step) -> bool: ...
 
 
-#: Cost: so many Newton steps that do not halve the error before softer springs are tried. What
+#: Cost: so many Newton steps that do not halve the error are enough where fewer were not. What
 #: falls at each of them is a function; the error is that of its slope, and need not fall.
 PATIENCE = 20
 

@@ -32,7 +32,7 @@ class Softened(Protocol):
     """What the method asks of a contact problem.
 
     Attributes:
-        patience: so many Newton steps that do not halve the error before softer springs are tried.
+        patience: so many Newton steps that do not halve the error are enough where fewer were not.
         worst: the largest error of any row, after `error`.
     """
 
@@ -54,11 +54,11 @@ def method_of_multipliers(system: Softened, tolerance: float) -> int:
     Returns:
         The number of Newton steps. ``system.worst`` says whether they solved it.
     """
-    total, compliance = 0, STIFFEST
+    total, compliance, patience = 0, STIFFEST, STALLS
     # multipliers may have to double, or errors to halve, as often as a number has digits
     for _ in range(4 * np.finfo(float).nmant):
         system.soften(compliance)
-        inner, steps = Patience(system.error(), stalls=system.patience), 0
+        inner, steps = Patience(system.error(), stalls=patience), 0
         while inner.lasts:
             steps += 1
             if not system.iterate():
@@ -76,7 +76,9 @@ def method_of_multipliers(system: Softened, tolerance: float) -> int:
         elif compliance < SOFTEST:
             compliance *= CHANGE
         elif inner.best > ROUGH * tolerance:
-            break
+            if patience == system.patience:
+                break
+            patience, compliance = system.patience, STIFFEST
     return total
 
 

@@ -64,7 +64,7 @@ def method_of_multipliers(system: Softened, tolerance: float) -> int:
 
 def _rounds(system: Softened, tolerance: float, patience: int) -> int:
     """Of the method, with so much patience where an error does not halve."""
-    total, compliance = 0, STIFFEST
+    total, compliance, rough = 0, STIFFEST, 0
     # multipliers may have to double, or errors to halve, as often as a number has digits
     for _ in range(4 * np.finfo(float).nmant):
         system.soften(compliance)
@@ -85,8 +85,10 @@ def _rounds(system: Softened, tolerance: float, patience: int) -> int:
             compliance = max(compliance / CHANGE, STIFFEST) if steps <= STALLS else compliance
         elif compliance < SOFTEST:
             compliance *= CHANGE
-        elif inner.best > ROUGH * tolerance:
-            break
+        else:  # as soft as can be: near its round-off it may end a little lower next time
+            rough += 1
+            if inner.best > ROUGH * tolerance or rough > STALLS:
+                break
     return total
 
 

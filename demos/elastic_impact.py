@@ -261,7 +261,7 @@ def draw(
 def main(quick: bool = False) -> dict[str, Any]:
     """Everything; returns the summary that is also written."""
     n, steps = (14, 100) if quick else (20, 400)
-    sizes = [0.1, 0.025] if quick else [0.1, 0.05, 0.025, 0.0125]
+    sizes = [0.1, 0.0125] if quick else [0.1, 0.05, 0.025, 0.0125]
     impacts = [strike(small, n, steps) for small in sizes]
     pair = strike(0.02, 8 if quick else 12, 60 if quick else 200, other=True)
     table = [one.figures() for one in impacts]

@@ -270,6 +270,7 @@ def strap(*, friction: float = 0.3, start: str = "touching", law: Any = "velocit
         prescribed={"drawn": lambda t: (-1.5e-4 * radius * t, None)},
         name="strap",
     )
-    contact = Contact(body, "inner", Disc(radius - STARTS[start]), law, friction, name="c")
+    drum = radius * np.cos(np.pi / 4 / arc) - STARTS[start]  # the middles of the facets touch
+    contact = Contact(body, "inner", Disc(drum), law, friction, name="c")
     forces = {"c": [np.exp(friction * np.pi / 2) * tension, tension]}
     return Static(Scene([body], [contact], QuasiStatic()), forces, 3e-3, None, STARTS[start], 4.0)

@@ -3,11 +3,14 @@
 by which the package decides says what it bounds."""
 
 import ast
+import inspect
 import re
 from pathlib import Path
 
 import pytest
 
+import fenicsx_contact
+from fenicsx_contact import gradients, rods
 from fenicsx_contact.output.thresholds import thresholds
 
 ROOT = Path(__file__).parent.parent
@@ -95,3 +98,22 @@ def test_a_number_says_what_it_bounds(threshold):
 
 def test_few_numbers_decide():
     assert sum(not threshold.costs_only for threshold in thresholds()) <= 40
+
+
+HANDING_ON = {
+    name: getattr(room, name)
+    for room in (fenicsx_contact, rods, gradients)
+    for name in room.__all__
+    if "**others" in str(inspect.signature(getattr(getattr(room, name), "__init__", len)))
+}
+
+
+@pytest.mark.parametrize("name", HANDING_ON)
+def test_signatures_hide_nothing(name):
+    """Where arguments are handed on, the signature and what is said of it have all of them."""
+    thing = HANDING_ON[name]
+    given = inspect.signature(thing).parameters.values()
+    assert not [p for p in given if p.kind == p.VAR_KEYWORD]
+    told = thing.__doc__.partition("Args:\n")[2].partition("\n\n")[0]
+    entries = re.findall(r"^        (\w[\w, ]*):", told, re.M)
+    assert {p.name for p in given} == {each for entry in entries for each in entry.split(", ")}

@@ -176,6 +176,42 @@ def test_before_an_obstacle(cell, degree):
     assert np.abs(-seam.multiplier / STRESS[3] - 1).max() < 1e-10
 
 
+@pytest.mark.parametrize("load", ["moved", "traction", "weight"])
+@pytest.mark.parametrize("n", [1, 4, 7])
+@pytest.mark.parametrize("cell", [CellType.triangle, CellType.quadrilateral])
+def test_second_degree_in_the_plane_before_an_obstacle(cell, n, load):
+    """On uneven facets, at corners and middles."""
+    nu = 0.0 if load == "weight" else NU  # what widens by its weight bends its base
+    mesh = dolfinx.mesh.create_rectangle(MPI.COMM_WORLD, [[0, 0], [1, 0.5]], [n, 2], cell)
+    x = mesh.geometry.x[:, 0]
+    x += 0.3 * x * (1 - x)
+    sides = {
+        "base": lambda x: np.isclose(x[1], 0),
+        "top": lambda x: np.isclose(x[1], 0.5),
+        "x0": lambda x: np.isclose(x[0], 0),
+    }
+    held = {"x0": (0.0, None), **({"top": (None, -STRAIN / 2)} if load == "moved" else {})}
+    loads = {
+        "moved": {},
+        "traction": {"tractions": {"top": (0.0, -STRESS[2])}},
+        "weight": {"gravity": (0.0, -2 * STRESS[2])},
+    }
+    solid = ElasticSolid(
+        name_facets(mesh, sides),
+        youngs_modulus=E,
+        poisson_ratio=nu,
+        density=1.0,
+        degree=2,
+        prescribed=held,
+        **loads[load],
+    )
+    seam = Contact(solid, "base", HalfSpace((0, 0), (0, 1)), "gap")
+    history = Scene([solid], [seam], QuasiStatic(), Newton(tolerance=1e-13)).run(until=1, dt=1)
+    assert history.finished, history.reason
+    assert len(seam.pressure) == 2 * n + 1
+    assert np.abs(seam.pressure / STRESS[2] - 1).max() < 1e-10
+
+
 @pytest.mark.parametrize("cell", SPACE)
 def test_second_degree_thrown_at_an_obstacle(cell):
     """A block of second degree strikes: forces are those of the momentum, energy is not made."""

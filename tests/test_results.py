@@ -63,12 +63,13 @@ def uniaxial(sigma, across=0.0, d=2):
     return np.diag([0.0, sigma, across] if d == 2 else [0.0, 0.0, sigma])
 
 
+@pytest.mark.parametrize("degree", [1, 2])
 @pytest.mark.parametrize(
     ("plane", "across"), [("strain", -NU * P), ("stress", 0.0)], ids=["strain", "stress"]
 )
-def test_a_pressed_block(plane, across, tmp_path):
+def test_a_pressed_block(plane, across, degree, tmp_path):
     """p = F/A at every node; uniaxial stress in every cell; the same in the files."""
-    solid, contact = pressed(plane=plane, prescribed={"left": (0, None)})
+    solid, contact = pressed(plane=plane, prescribed={"left": (0, None)}, degree=degree)
     scene = Scene([solid], [contact], QuasiStatic())
     assert not contact.pressure.any()
     scene.run(1, 1, directory=tmp_path, fields_every=1)
@@ -78,7 +79,9 @@ def test_a_pressed_block(plane, across, tmp_path):
     np.testing.assert_allclose(solid.stress(), np.tile(exact, (24, 1, 1)), atol=1e-9 * P)
     points, _ = last(tmp_path, "floor")
     np.testing.assert_array_equal(points["pressure"], contact.pressure)
-    assert points["friction_traction"].shape == (5, 3) and (points["status"] == 1).all()
+    assert (
+        points["friction_traction"].shape == (4 * degree + 1, 3) and (points["status"] == 1).all()
+    )
     _, cells = last(tmp_path, "block")
     np.testing.assert_array_equal(cells["stress"].reshape(-1, 3, 3), solid.stress())
     mises = np.sqrt(P**2 - P * abs(across) + across**2)

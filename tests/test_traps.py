@@ -233,7 +233,7 @@ def test_what_is_not_a_number_has_not_converged():
     """An error of NaN is above no tolerance."""
 
     class Endless:
-        size, worst, patience = 1, np.nan, 3
+        size, worst = 1, np.nan
 
         def iterate(self, enough=0.0):
             return True
@@ -243,6 +243,9 @@ def test_what_is_not_a_number_has_not_converged():
 
         def soften(self, compliance):
             pass
+
+        def begin_again(self):
+            return True
 
         def remember(self):
             return np.zeros(1)

@@ -7,14 +7,9 @@
 # formulation?
 #
 # Nothing in the laws. But the jump $w = J v$, the gap $d_n$ and the normal $n$ now depend on where
-# the bodies are, and there are two ways to deal with that:
-#
-# - **the paper's fixed point**: freeze the geometry, solve the contact problem, move, and begin
-#   again until the geometry stands still;
-# - **one Newton loop** for solids, contact and geometry together, with the derivatives of the
-#   geometry. The fixed point has gone.
-#
-# One argument of `Scene` chooses. The solution is the same; the way to it is not.
+# the bodies are: they are differentiated along with everything else, and Newton's method finds
+# solids, contact and geometry in one loop. (The paper froze the geometry and began again until it
+# stood still; the next lesson compares the two.)
 
 # %%
 from pathlib import Path
@@ -45,7 +40,7 @@ mu = 0.3
 
 
 # %%
-def iron(geometry="newton", until=15, dt=1.0, n=6, friction=mu, depth=0.05):
+def iron(until=15, dt=1.0, n=6, friction=mu, depth=0.05):
     """The solids and the history of a die that is pressed into a slab and drawn across it."""
     die_mesh, slab_mesh = (mesh_from_gmsh(f"{name}.geo", n=n) for name in ("die", "slab"))
 
@@ -58,7 +53,7 @@ def iron(geometry="newton", until=15, dt=1.0, n=6, friction=mu, depth=0.05):
     )
     slab = HyperelasticSolid(slab_mesh, energy=soft, density=1, fixed=["bottom"], name="slab")
     contact = Contact(die, "bottom", (slab, "top"), "gap", friction=friction, name="joint")
-    scene = Scene([die, slab], [contact], QuasiStatic(), geometry=geometry)
+    scene = Scene([die, slab], [contact], QuasiStatic())
     return die, slab, scene.run(until=until, dt=dt)
 
 
@@ -66,15 +61,6 @@ die, slab, history = iron()
 print(history)
 ratio = -history["joint.force_x"] / np.maximum(history["joint.force_y"], 1e-12)
 print(f"drawn, the tangential over the normal force is {ratio[-1]:.6f}")
-
-# %%
-_, _, frozen = iron(geometry="fixed point", until=8)
-together = history["newton"][1:9]
-print("newton:     ", *together.astype(int), "iterations, geometry within each")
-print("fixed point:", *frozen["newton"][1:].astype(int), "iterations in", end=" ")
-print(*frozen["geometry"][1:].astype(int), "geometries")
-same = np.abs(frozen["joint.force_y"] - history["joint.force_y"][:9]).max()
-print(f"the forces differ by {same:.1e}")
 
 # %%
 fig, (above, below) = plt.subplots(2, 1, figsize=(7, 6), layout="constrained")

@@ -108,13 +108,13 @@ def lagrange_space(mesh: Any, degree: int = 1, shape: tuple[int, ...] = ()) -> A
 
 
 @quiet_compiler()
-def component_space(mesh: Any, components: int) -> Any:
-    """A mixed space of ``components`` scalar P1 fields (never blocked, so that any of them can
-    stand in a native sparse matrix)."""
+def component_space(mesh: Any, components: int, degree: int = 1) -> Any:
+    """A mixed space of ``components`` scalar Lagrange fields (never blocked, so that any of them
+    can stand in a native sparse matrix)."""
     if MODERN:
-        scalar = basix.ufl.element("Lagrange", mesh.basix_cell(), 1)
+        scalar = basix.ufl.element("Lagrange", mesh.basix_cell(), degree)
         return fem.functionspace(mesh, basix.ufl.mixed_element([scalar] * components))
-    scalar = ufl.FiniteElement("Lagrange", mesh.ufl_cell(), 1)
+    scalar = ufl.FiniteElement("Lagrange", mesh.ufl_cell(), degree)
     return fem.FunctionSpace(mesh, ufl.MixedElement([scalar] * components))
 
 
@@ -141,14 +141,14 @@ def _table(lists: Any) -> np.ndarray:
 # -- forms --------------------------------------------------------------------------------------
 
 
-def nodal_measure(mesh: Any) -> ufl.Measure:
-    """Integration by the values at the vertices.
+def nodal_measure(mesh: Any, degree: int = 1) -> ufl.Measure:
+    """Integration by the values at the nodes of degree 1 or, on intervals, 2.
 
-    The Lobatto rule of degree 1 is the vertex rule on intervals and quadrilaterals; the rule
-    named "vertex" does not compile on intervals in 0.5.2.
+    Lobatto's rule of degree 1 is the vertex rule on intervals and quadrilaterals (the one named
+    "vertex" does not compile on intervals in 0.5.2), that of degree 3 is Simpson's.
     """
     rule = "vertex" if cell_name(mesh) in ("triangle", "tetrahedron") else "GLL"
-    metadata = {"quadrature_rule": rule, "quadrature_degree": 1}
+    metadata = {"quadrature_rule": rule, "quadrature_degree": 2 * degree - 1}
     return ufl.Measure("dx", domain=mesh, metadata=metadata)
 
 
@@ -221,7 +221,7 @@ class MatrixAssembler(_Assembler):
 
 
 class PointExpression:
-    """A UFL expression evaluated at the vertices of a mesh, one row per cell."""
+    """A UFL expression evaluated at the nodes of a space, one row per cell."""
 
     def __init__(self, expression: Any, space: Any) -> None:
         mesh = space.mesh
@@ -236,7 +236,7 @@ class PointExpression:
         self._mesh = mesh
 
     def __call__(self) -> np.ndarray:
-        """Values, (cells, vertices x components)."""
+        """Values, (cells, nodes x components)."""
         mesh = (self._mesh,) if MODERN else ()
         values = self._expression.eval(*mesh, self._cells)
         return np.reshape(values, (len(self._cells), -1 if len(self._cells) else 1))

@@ -84,13 +84,13 @@ class Contact(SurfaceResults):
             checks.number("normal_augmentation", normal_augmentation, above=0),
             checks.number("tangential_augmentation", tangential_augmentation, above=0),
         )
+        self._paired = isinstance(other, tuple)
         self.surface = self._make_surface()
         self.name = checks.label("name", f"{solid.name}.{facets}" if name is None else name)
         share = checks.number("gap_tolerance", gap_tolerance, at_least=0)
         self.tolerance = share * self.surface.extent
 
         self.chosen, weight = acting_points(self.surface, self.formulation, facets)
-        self._paired = isinstance(other, tuple)
         if self._paired and weight is self.surface.area:
             weight = weight.copy()  # by what of it is paired
         self.equations = SurfaceEquations(
@@ -112,7 +112,10 @@ class Contact(SurfaceResults):
         return couple(self.solid, self.facets, self.equations, other)
 
     def _make_surface(self) -> Surface:
-        return Surface(*self.solid.mesh.boundary(self.facets))
+        # with middles where they bear: before obstacles, in the plane
+        lines = self.solid.dim == 2 and not self._paired
+        degree = getattr(self.solid, "degree", 1) if lines else 1
+        return Surface(*self.solid.mesh.boundary(self.facets), degree)
 
     def _locate(self) -> None:
         """Gap (n,) and jump (n, d) at the start of a step."""

@@ -99,9 +99,8 @@ def couple(solid: Solid, facets: str, equations: SurfaceEquations, other: Master
 
 def _mean_trace(solid: Solid, facets: str, equations: SurfaceEquations) -> Trace | None:
     """The trace of a solid of second degree in space by its means over the facets, if what acts
-    there acts on areas. An even pressure does not act at the corners of triangles at all; in the
-    plane it does in part, and there the corners bear: with the means a slender strap that slips
-    round a drum (tests/test_statics.py) is not solved from every start."""
+    there acts on areas: an even pressure does not act at the corners of triangles at all. In the
+    plane corners and middles bear, by Simpson's rule, and there are no means."""
     surface = equations.fields.surface
     if not isinstance(solid, DeformableSolid) or solid.degree == 1 or solid.dim == 2:
         return None

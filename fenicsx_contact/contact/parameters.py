@@ -22,7 +22,7 @@ class ParameterTangents:
 
     def __init__(self, k: SurfaceFields, form: ufl.Form, order_of_rows: np.ndarray) -> None:
         n, d = k.surface.size, k.surface.dim
-        space = compat.component_space(k.surface.mesh, 1 + d)
+        space = k.surface.components(1 + d)
         trial = ufl.split(ufl.TrialFunction(space))
         normal = ufl.as_vector(trial[1:])
         tangent = ufl.derivative(form, k.normal, normal) + ufl.derivative(form, k.gap, trial[0])

@@ -3,8 +3,10 @@
 
 All contact terms see the solids only through the velocity jump at the points of the surface. So
 the facets in contact become a mesh of their own (whole on every process), the jump ``w``, the
-multiplier ``lam`` and the semi-multiplier ``Lam`` are P1 fields on it, and the weak form is
-integrated there, by the values at the nodes.
+multiplier ``lam`` and the semi-multiplier ``Lam`` are P1 fields on it, or P2 fields where a solid
+of second degree in the plane meets an obstacle, and the weak form is integrated there, by the
+values at the nodes: by the trapezoidal rule, or by Simpson's, which shares an even pressure out as
+quadratic displacements do.
 """
 
 from __future__ import annotations
@@ -25,22 +27,29 @@ from .law_fields import LawFields
 class Surface:
     """A contact surface: points (n, d) in metres, cells, nodal integration.
 
+    Args:
+        points: corners of the cells, (n, d) in m.
+        cells: indices of their corners, (m, k).
+        cell: "interval", "triangle" or "quadrilateral".
+        degree: of its fields; of second degree, on intervals only, middles of cells are nodes too.
+
     Attributes:
         points: reference coordinates of the nodes, (n, d), in the order of all arrays here.
+        cell_nodes: nodes of each cell, (m, k), corners first.
         area: share of the surface that belongs to each node, (n,), in m (2D) or m² (3D).
         dim: dimension of space, d.
         extent: of the points along the axis along which it is largest, m.
     """
 
-    def __init__(self, points: np.ndarray, cells: np.ndarray, cell: str) -> None:
-        self.dim = points.shape[1]
+    def __init__(self, points: np.ndarray, cells: np.ndarray, cell: str, degree: int = 1) -> None:
+        self.dim, self._degree = points.shape[1], degree
         self.mesh = compat.create_mesh(MPI.COMM_SELF, cells, points, cell)
-        self.scalars = compat.lagrange_space(self.mesh)
-        self.vectors = compat.lagrange_space(self.mesh, shape=(self.dim,))
+        self.scalars = compat.lagrange_space(self.mesh, degree)
+        self.vectors = compat.lagrange_space(self.mesh, degree, shape=(self.dim,))
         self.cell_nodes = compat.cell_dofs(self.scalars)
         self.points = self.scalars.tabulate_dof_coordinates()[:, : self.dim].copy()
         self.extent = float(np.ptp(self.points, axis=0).max())
-        self.dx = compat.nodal_measure(self.mesh)
+        self.dx = compat.nodal_measure(self.mesh, degree)
         self.area = compat.VectorAssembler(ufl.TestFunction(self.scalars) * self.dx)().copy()
 
     @property
@@ -55,6 +64,10 @@ class Surface:
     def vector(self) -> Any:
         """A new vector coefficient; its array is (n, d) in the order of ``points``."""
         return fem.Function(self.vectors)
+
+    def components(self, count: int) -> Any:
+        """A mixed space of ``count`` scalar fields."""
+        return compat.component_space(self.mesh, count, self._degree)
 
     def constant(self, value: float = 0.0) -> Any:
         """A new constant."""
@@ -103,7 +116,7 @@ class SurfaceFields(LawFields):
         n_traction = (d - 1) * int(multipliers and friction is not None)
         self.components = d + n_mult + n_traction
 
-        space = compat.component_space(surface.mesh, self.components)
+        space = surface.components(self.components)
         self.unknowns = fem.Function(space)
         z, test = ufl.split(self.unknowns), ufl.split(ufl.TestFunction(space))
         self.velocity_jump: Any

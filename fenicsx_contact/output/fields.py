@@ -118,6 +118,8 @@ class FieldWriter:
     def _write_contact(self, contact: Contact, number: int) -> None:
         surface = contact.surface
         kind, order = TO_MESHIO[compat.cell_name(surface.mesh)]
+        if surface.cell_nodes.shape[1] > len(order):  # lines with middles
+            kind, order = "line3", [0, 1, 2]
         cells = [(kind, surface.cell_nodes[:, order])]
         data = {"force": contact.force, "gap": contact.gap, "status": contact.status}
         if contact.multiplier is not None:

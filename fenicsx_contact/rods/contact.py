@@ -15,6 +15,7 @@ import numpy as np
 
 from ..base import checks
 from ..base.constants import SAME
+from ..base.signatures import whole
 from ..contact.contact import Contact
 from ..contact.nodal import NodalJump
 from ..contact.surface import Surface
@@ -103,6 +104,7 @@ class GuideCoupling(NodalJump):
         return -self._outward
 
 
+@whole
 class GuideContact(Contact):
     """A contact between a stretch of a beam and a guide around it.
 
@@ -111,9 +113,9 @@ class GuideContact(Contact):
         facets: the name of the stretch of its axis that is guided.
         obstacle: the guide.
         formulation: the velocity law that takes drift back, or any other.
-        friction, others: as for :class:`~fenicsx_contact.contact.contact.Contact`.
-        deepest: penetration that is accepted at the start and where the tip enters a hole, as a
-            share of the smallest clearance.
+        others: as for :class:`~fenicsx_contact.contact.contact.Contact`.
+        deepest: penetration that is accepted where it starts or enters a hole, as a share of the
+            smallest clearance.
 
     Attributes:
         deepest: that penetration, m.

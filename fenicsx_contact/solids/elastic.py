@@ -16,6 +16,7 @@ from petsc4py import PETSc
 from ..base import assembly
 from ..base.constants import KEPT
 from ..base.mesh import NamedMesh
+from ..base.signatures import whole
 from ..theory.theta import Step
 from .coefficients import Scalar, constant, scalar
 from .damping import StiffnessDamper
@@ -30,6 +31,7 @@ def hooke(lmbda: Any, mu: Any, strain: Any) -> Any:
     return 2 * mu * strain + lmbda * ufl.tr(strain) * ufl.Identity(strain.ufl_shape[0])
 
 
+@whole
 class ElasticSolid(DeformableSolid):
     """A linear elastic solid; in 2D in plane strain, in plane stress, or of revolution.
 
@@ -53,9 +55,15 @@ class ElasticSolid(DeformableSolid):
     planes = tuple(PLANES)
 
     def __init__(
-        self, mesh: NamedMesh, *, youngs_modulus: Scalar, poisson_ratio: Scalar, **others: Any
+        self,
+        mesh: NamedMesh,
+        *,
+        youngs_modulus: Scalar,
+        poisson_ratio: Scalar,
+        name: str = "elastic",
+        **others: Any,
     ) -> None:
-        super().__init__(mesh, **{"name": "elastic", **others})
+        super().__init__(mesh, name=name, **others)
         E, modulus = scalar("youngs_modulus", youngs_modulus, mesh, above=0)
         nu, ratio = scalar("poisson_ratio", poisson_ratio, mesh, above=-1, below=0.5)
         self.moduli = {"youngs_modulus": E, "poisson_ratio": nu}

@@ -21,6 +21,7 @@ from ..base import assembly, checks, compat
 from ..base.compiling import compiled
 from ..base.constants import MADE, ROUND_OFF
 from ..base.mesh import NamedMesh
+from ..base.signatures import whole
 from ..theory.theta import Step
 from .coefficients import refuse_strange
 from .damping import StiffnessDamper
@@ -34,6 +35,7 @@ from .viscous import ViscousStress
 RATE = 0.1
 
 
+@whole
 class HyperelasticSolid(DeformableSolid):
     """A hyperelastic solid; plane strain in 2D.
 
@@ -47,10 +49,12 @@ class HyperelasticSolid(DeformableSolid):
     linear = False
     distributed = (*DeformableSolid.distributed, "tangent.start", "tangent.end")
 
-    def __init__(self, mesh: NamedMesh, *, energy: Energy, **others: Any) -> None:
+    def __init__(
+        self, mesh: NamedMesh, *, energy: Energy, name: str = "hyperelastic", **others: Any
+    ) -> None:
         if not checks.is_function(energy):
             raise checks.InputError(f"energy = {energy!r}: must be a function of F, in UFL")
-        super().__init__(mesh, **{"name": "hyperelastic", **others})
+        super().__init__(mesh, name=name, **others)
         self._energy = energy
         self._field = u = fem.Function(self.space)
         v, du = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)

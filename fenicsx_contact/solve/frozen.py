@@ -37,11 +37,6 @@ class LinearSystem(Protocol):
     def iterate(self, step: Step) -> bool: ...
 
 
-#: Cost: so many Newton steps that do not halve the error before softer springs are tried. What
-#: falls at each of them is a function; the error is that of its slope, and need not fall.
-PATIENCE = 20
-
-
 class FrozenContact(Statuses):
     """What the inner loop of Newton's method solves, a
     :class:`~fenicsx_contact.solve.newton.ContactProblem`.
@@ -56,13 +51,13 @@ class FrozenContact(Statuses):
         step: that it is for.
     """
 
-    patience = PATIENCE
-
     def __init__(self, system: LinearSystem, step: Step) -> None:
         self._system, self._step = system, step
         super().__init__(system.parts, [contact.name for contact in system.assembly.contacts])
         self.worst = np.inf
         self.size = system.size
+        self._start: tuple[list[np.ndarray], list[np.ndarray]] | None = None
+        self._convex = True
         self._see()
 
     def fall(self) -> None:
@@ -100,6 +95,9 @@ class FrozenContact(Statuses):
         the matrix says how long a step is, and it may be far too short as well as too long."""
         way = [solid.trial_velocity - a for solid, a in zip(self._system.solids, old)]
         first, last = (self._slope(share, old, way) for share in (0.0, 1.0))
+        if first > 0:  # a solid that buckles: nothing is least, and Newton's step stands
+            self._convex = False
+            return
         low, high, share = 0.0, np.inf, 1.0
         for _ in range(np.finfo(float).nmant):  # doublings or halvings to round-off
             if 2 * abs(last) <= abs(first):
@@ -145,12 +143,24 @@ class FrozenContact(Statuses):
         """Hold the multipliers, so that the jump rows see springs, so compliant, on top of them;
         0: let the multipliers be what these then bear."""
         system = self._system
+        if not self._start:
+            velocities = [solid.trial_velocity.copy() for solid in system.solids]
+            self._start = velocities, [part.equations.values for part in self.parts]
         for part in self.parts:
             if system.held:
                 part.equations.project_multipliers()
             part.equations.freeze_bound(1 / compliance if compliance else 0.0)
         system.held = compliance > 0
         self._see()
+
+    def begin_again(self) -> bool:
+        """Go back to where the springs came, if there is a function that is least somewhere."""
+        if self._start and self._convex:
+            for solid, velocity in zip(self._system.solids, self._start[0]):
+                solid.go(velocity, self._step)
+            for part, values in zip(self.parts, self._start[1]):
+                part.equations.values = values
+        return self._convex
 
     def stall(self) -> str:
         """What stalls."""

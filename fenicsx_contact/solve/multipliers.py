@@ -24,6 +24,9 @@ STIFFEST, SOFTEST = 1e-3, 1e3
 CHANGE = 10.0
 #: So many Newton steps that do not halve the error are patience enough.
 STALLS = 3
+#: Cost: and so many where that did not solve it, and what falls in each step is a convex function,
+#: which the error, that of its slope, need not do.
+PATIENCE = 20
 #: So many tolerances are accepted where iterations gain no more.
 ROUGH = 1e3
 
@@ -32,16 +35,15 @@ class Softened(Protocol):
     """What the method asks of a contact problem.
 
     Attributes:
-        patience: so many Newton steps that do not halve the error before softer springs are tried.
         worst: the largest error of any row, after `error`.
     """
 
-    patience: int
     worst: float
 
     def iterate(self) -> bool: ...
     def error(self) -> float: ...
     def soften(self, compliance: float) -> None: ...
+    def begin_again(self) -> bool: ...
 
 
 def method_of_multipliers(system: Softened, tolerance: float) -> int:
@@ -54,11 +56,19 @@ def method_of_multipliers(system: Softened, tolerance: float) -> int:
     Returns:
         The number of Newton steps. ``system.worst`` says whether they solved it.
     """
-    total, compliance = 0, STIFFEST
+    total = _rounds(system, tolerance, STALLS)
+    if not system.worst <= tolerance and system.begin_again():
+        total += _rounds(system, tolerance, PATIENCE)
+    return total
+
+
+def _rounds(system: Softened, tolerance: float, patience: int) -> int:
+    """Of the method, with so much patience where an error does not halve."""
+    total, compliance, rough = 0, STIFFEST, 0
     # multipliers may have to double, or errors to halve, as often as a number has digits
     for _ in range(4 * np.finfo(float).nmant):
         system.soften(compliance)
-        inner, steps = Patience(system.error(), stalls=system.patience), 0
+        inner, steps = Patience(system.error(), stalls=patience), 0
         while inner.lasts:
             steps += 1
             if not system.iterate():
@@ -75,8 +85,10 @@ def method_of_multipliers(system: Softened, tolerance: float) -> int:
             compliance = max(compliance / CHANGE, STIFFEST) if steps <= STALLS else compliance
         elif compliance < SOFTEST:
             compliance *= CHANGE
-        elif inner.best > ROUGH * tolerance:
-            break
+        else:  # as soft as can be: near its round-off it may end a little lower next time
+            rough += 1
+            if inner.best > ROUGH * tolerance or rough > STALLS:
+                break
     return total
 
 

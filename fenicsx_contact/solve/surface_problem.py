@@ -21,7 +21,6 @@ from scipy.linalg import lapack
 
 from ..base.vectors import largest
 from ..contact.part import Part
-from .multipliers import STALLS
 from .pointwise import PointwiseSolver, PointwiseStep
 from .statuses import Statuses
 from .yielding import COMPLIANCE, FIRM, Yielding
@@ -54,8 +53,6 @@ class SurfaceSystem(Statuses):
         worst: the largest error of any row, after :meth:`error`.
         linear_force: forces after :meth:`iterate` as the linearised equations have them.
     """
-
-    patience = STALLS
 
     def __init__(self, parts: Sequence[Part], names: Sequence[str], hyperstatic: bool) -> None:
         super().__init__(parts, names)
@@ -145,6 +142,10 @@ class SurfaceSystem(Statuses):
         for part in self.parts:
             part.equations.freeze_bound(min(1.0, 1 / compliance) if compliance else 0.0)
         self.update()
+
+    def begin_again(self) -> bool:
+        """It would not help: with the solids condensed no function falls."""
+        return False
 
     def iterate(self, enough: float = 0.0) -> bool:
         """One Newton step; False where the tangent is singular. A first one of a hyperstatic

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Values at the corners of a surface that stand for a field on it: means by dual functions.
 
-What bears before an obstacle is integrated by the corners of the facets. A field of second degree
-has more nodes; its values at the corners alone would leave the others without a force, and an even
-pressure would not be even. Its means (mortar.py), here over the whole reference surface, take what
-they share, and are those values where the field is linear.
+What bears before an obstacle in space is integrated by the corners of the facets. A field of second
+degree has more nodes; its values at the corners alone would leave the others without a force, and
+an even pressure would not be even. Its means (mortar.py), here over the whole reference surface,
+take what they share, and are those values where the field is linear.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 # %% [markdown]
-# # 15 A rod falls through a bent guide
+# # 17 A rod falls through a bent guide
 #
 # **The question.** The control rods of a reactor are let go, and must be in within two seconds.
 # The guides have bent in service. How much later do the rods arrive, and why? This is what the
@@ -85,7 +85,7 @@ above.set_ylabel("speed [m/s]")
 above.legend()
 below.set_ylabel("sum of the normal forces [N]")
 below.set_xlabel("travel [m]")
-fig.savefig(RESULTS / "15_drop.png", dpi=150)
+fig.savefig(RESULTS / "17_drop.png", dpi=150)
 
 # %% [markdown]
 # Where the energy went: what the rod lost in its fall is what friction took, and a little that

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 # %% [markdown]
-# # 13 When it stops, and why
+# # 14 When it stops, and why
 #
 # **The question.** A contact problem may have no solution, more than one, or one that the numbers
 # do not reach. What should a code do then? It should stop, keep what it has, and say why.
@@ -100,4 +100,4 @@ below.axhline(1e-5, color="C3", label="the largest error with which a step count
 below.set_ylabel("certificate")
 below.set_xlabel("time [s]")
 below.legend()
-fig.savefig(RESULTS / "13_certificate.png", dpi=150)
+fig.savefig(RESULTS / "14_certificate.png", dpi=150)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 # %% [markdown]
-# # 12 Impacts located: error against run time
+# # 13 Impacts located: error against run time
 #
 # **The question.** Between impacts a motion is smooth, and a scheme of second order follows it in a
 # few long steps. At an impact the velocity jumps. What does it cost to round the jump to the end of
@@ -76,7 +76,7 @@ left.set_ylabel("error of the times of impact")
 left.legend()
 for ax in (left, right):
     ax.grid(True, which="both", alpha=0.3)
-fig.savefig(RESULTS / "12_error.png", dpi=150)
+fig.savefig(RESULTS / "13_error.png", dpi=150)
 
 # %% [markdown]
 # Compare at the same error, not at the same step. Where a body rings at many frequencies, as an

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 # %% [markdown]
-# # 14 Your own law
+# # 15 Your own law
 #
 # **The question.** You have a law of friction that nobody has written. What must you write, and
 # what comes for nothing?
@@ -114,4 +114,4 @@ for name, run in runs.items():
 ax.set_xlabel("time [s]")
 ax.set_ylabel("way [m]; dots: exact")
 ax.legend()
-fig.savefig(RESULTS / "14_laws.png", dpi=150)
+fig.savefig(RESULTS / "15_laws.png", dpi=150)

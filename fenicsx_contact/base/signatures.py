@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Signatures that hide nothing: where a class hands ``**others`` on to the class that it extends,
+``help`` and the reference show these arguments, and what they are, in their place."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from typing import TypeVar
+
+C = TypeVar("C", bound=type)
+# one argument of a docstring: its line and those that are set in deeper
+ENTRY = re.compile(r"^        (\w[\w, ]*):.*\n(?:^            .*\n)*", re.M)
+
+
+def whole(cls: C) -> C:
+    """A class decorator: the keywords of the base take the place of ``**others``."""
+    base = cls.__mro__[1]
+    own = [p for p in inspect.signature(cls).parameters.values() if p.name != "others"]
+    known = {p.name for p in own}
+    theirs = inspect.signature(base).parameters.values()
+    further = [p for p in theirs if p.kind == p.KEYWORD_ONLY and p.name not in known]
+    cls.__signature__ = inspect.Signature([*own, *further])  # type: ignore[attr-defined]
+    begin, said, rest = _arguments(cls.__doc__ or "")
+    _, inherited, _ = _arguments(base.__doc__ or "")
+    del said["others"]
+    untold = {p.name for p in (*own, *further)} - {each for n in said for each in n.split(", ")}
+    said |= {n: text for n, text in inherited.items() if untold & set(n.split(", "))}
+    cls.__doc__ = begin + "".join(said.values()) + rest
+    return cls
+
+
+def _arguments(doc: str) -> tuple[str, dict[str, str], str]:
+    """What stands before the arguments of a docstring, each of them by its names, the rest."""
+    head, title, tail = doc.partition("    Args:\n")
+    block, blank, rest = tail.partition("\n\n")
+    entries = {match[1]: match[0] for match in ENTRY.finditer(block + "\n")}
+    return head + title, entries, blank[1:] + rest

@@ -477,6 +477,29 @@ class Incomplete:
         return "Incomplete()"
 
 
+class Untold:
+    """A law of friction that does not say what it is."""
+
+    def bound(self, k, pressure, S):
+        return pressure
+
+    def __repr__(self):
+        return "Untold()"
+
+
+class Strange(Untold):
+    """A law of friction whose bound may be no number."""
+
+    def __init__(self, factor):
+        self.factor = factor
+
+    def bound(self, k, pressure, S):
+        return self.factor(k) * pressure
+
+    def describe(self):
+        return "strange"
+
+
 def rigid():
     return RigidSolid(rectangle(), mass=1.0)
 
@@ -491,6 +514,10 @@ def rigid():
         (lambda: Contact(rigid(), "base", FLOOR, Incomplete()), "formulation = Incomplete.*lacks"),
         (lambda: Contact(rigid(), "base", FLOOR, Penalty), "formulation = <class.*call it"),
         (lambda: Contact(rigid(), "base", FLOOR, friction=Incomplete()), "friction = Incomplete"),
+        (lambda: Contact(rigid(), "base", FLOOR, friction=Untold()), r"Untold\(\): lacks describe"),
+        (lambda: Contact(rigid(), "base", FLOOR, friction=Untold), "Untold: must be an object"),
+        (lambda: Contact(rigid(), "base", FLOOR, friction=Strange(lambda k: np.nan)), "number nan"),
+        (lambda: Contact(rigid(), "base", FLOOR, friction=Strange(lambda k: np.inf)), "number inf"),
         (lambda: Scene([Incomplete()], []), r"solids = Incomplete\(\): must be solids; it lacks"),
         (lambda: Scene(rigid(), []), "solids = .*must be a list of solids"),
     ],
@@ -498,3 +525,22 @@ def rigid():
 def test_what_lacks_a_member_is_refused_by_name(make, says):
     with pytest.raises(InputError, match=says):
         make()
+
+
+@pytest.mark.parametrize("deforms", [False, True])
+@pytest.mark.parametrize(
+    "factor", [lambda k: ufl.sqrt(-k.slip_speed - 1), lambda k: ufl.ln(k.slip_speed - 10)]
+)
+def test_a_bound_that_is_no_number_is_no_friction_without_bound(factor, deforms):
+    """NaN is above no bound and below none: it must not pass for a point that sticks."""
+    start = {"mesh": rectangle(), "gravity": (0, -G)}
+    if deforms:
+        moving = lambda x: np.stack([1.0 + 0 * x[0], 0 * x[0]])  # noqa: E731
+        same = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1e3, "velocity": moving}
+        solid = ElasticSolid(**start, **same)
+    else:
+        solid = RigidSolid(**start, mass=1.0, velocity=(1.0, 0.0))
+    contact = Contact(solid, "base", FLOOR, friction=Strange(factor))
+    history = Scene([solid], [contact]).run(0.05, 0.01)
+    assert not history.finished and "no finite solution" in history.reason
+    assert np.isfinite(history.rows()).all()

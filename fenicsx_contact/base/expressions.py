@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import ufl
 from dolfinx import fem
+
+from .checks import InputError
 
 
 def is_expression(value: Any) -> bool:
@@ -26,3 +29,18 @@ def terminals_off(mesh: Any, expression: Any) -> list[Any]:
     here = mesh.ufl_domain()
     off = [each for each in found if isinstance(each, kinds)]
     return [each for each in off if here not in ufl.domain.extract_domains(each)]
+
+
+def finite_form(form: ufl.Form) -> ufl.Form:
+    """The form, if every number that is written in it is finite: C has no name for others.
+
+    Raises:
+        InputError: one is not.
+    """
+    for integral in form.integrals():
+        for each in ufl.corealg.traversal.traverse_unique_terminals(integral.integrand()):
+            if isinstance(each, ufl.classes.FloatValue) and not math.isfinite(float(each)):
+                raise InputError(
+                    f"a law of the contact has the number {float(each)}: must be finite"
+                )
+    return form

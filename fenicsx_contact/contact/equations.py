@@ -11,6 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import compat
+from ..base.expressions import finite_form
 from ..theory.formulations import Formulation
 from ..theory.friction import FrictionBound
 from .surface import Surface, SurfaceFields
@@ -46,7 +47,7 @@ class SurfaceEquations:
         discrete_sum = None if weight is surface.area else weight / surface.area
         self.fields = k = SurfaceFields(surface, friction, formulation.multipliers, discrete_sum)
         form, status = formulation.form(k)
-        self._residual = compat.VectorAssembler(form)
+        self._residual = compat.VectorAssembler(finite_form(form))
         self._status = compat.PointExpression(status, surface.scalars)
 
         self._surface, self._chosen = surface, chosen

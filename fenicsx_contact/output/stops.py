@@ -118,7 +118,7 @@ STOPS = {
             "inverted",
             "an element of solid ... is inverted",
             "a material was pressed through itself",
-            "smaller steps; a finer mesh where it is squeezed; a real load",
+            "smaller steps; a finer mesh where it is squeezed; if neither helps, less load",
         ),
         Stop(
             "strains too much",

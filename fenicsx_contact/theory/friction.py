@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
+from ..base.checks import InputError
 from .laws import Expr
 from .parameter import Parameter, keep_parameter, parameter, told, varies
 
@@ -89,7 +90,12 @@ def friction_bound(value: Any) -> FrictionBound | None:
     Raises:
         InputError: neither a law nor a parameter >= 0.
     """
-    if isinstance(value, FrictionBound):
+    if isinstance(value, type):
+        raise InputError(f"friction = {value.__name__}: must be an object, not a class: call it")
+    lacking = {"bound", "describe"} - set(dir(value))
+    if len(lacking) == 1:
+        raise InputError(f"friction = {value!r}: lacks {lacking.pop()}(), see FrictionBound")
+    if not lacking:
         return value
     mu = parameter("friction", value)
     return Coulomb(mu) if varies(mu) or mu else None

@@ -70,11 +70,12 @@ def bounded(b: Expr, g: Expr) -> Expr:
     """P_b(g) = b g / max(b, |g|): projection on the ball of radius b >= 0.
 
     The operand of the root is protected, as in :func:`ball_projection`: no tangent is NaN, and of a
-    ball without extent (b = 0: no pressure) the tangent is zero, also at g = 0.
+    ball without extent (b = 0: no pressure) the tangent is zero, also at g = 0. A bound that is no
+    number makes a projection that is none, not one without bound.
     """
     size = ufl.dot(g, g)
     safe = ufl.conditional(ufl.gt(size, 0), size, 1.0)
-    return ufl.conditional(ufl.ge(size, b**2), b / ufl.sqrt(safe), 1.0) * g
+    return ufl.conditional(ufl.lt(size, b**2), 1.0, b / ufl.sqrt(safe)) * g
 
 
 def slipping(b: Expr, g: Expr) -> Expr:

@@ -16,9 +16,10 @@ long = fall(Restitution(coefficient=0.7), until=2.0, dt=0.001, locate_impacts=Tr
 answer = long.time[np.abs(long["v"]) > 1e-3].max()
 
 # %% [markdown]
-# **3.** The law of positions rebounded because $\theta = 1/2$ gives the mass, at the end of the
-# step, minus the mean velocity that brought it to the floor. Show that $\theta = 1$ cures this: how
-# high does the mass rise then, after 0.4 s? Reach **0.0000** m. (Lesson 3 tells what this costs.)
+# **3.** The law of positions rebounded because the step must end on the floor, so from the height
+# $d$ at its start $v^+ = -v^- - 2d/\Delta t$ by $\theta = 1/2$. Show that $\theta = 1$ cures this:
+# how high does the mass rise then, after 0.4 s? Reach **0.0000** m. (Lesson 3 tells what this
+# costs.)
 
 # %%
 from fenicsx_contact import ThetaScheme

@@ -19,10 +19,10 @@ class Tresca:
 answer = throw(Tresca(20.0))["s"][-1]
 
 # %% [markdown]
-# **2.** A floor that becomes rough: $\mu = 0.1 + x/\mathrm{m}$, with $x$ the place of each point
-# now, `k.place[0]`. The base lies from -0.5 to 0.5 m, so let $\mu$ be $0.6 + x$. How far does the
-# block come? The mean of $\mu$ would say 0.081 m; but friction below its centre loads the front
-# more, where it is rougher. Reach **0.076** m.
+# **2.** A floor that becomes rough: $\mu = 0.6 + x/\mathrm{m}$, with $x$ the place of each point
+# now, `k.place[0]`; the base begins between -0.5 and 0.5 m. How far does the block come? The mean
+# of $\mu$ would say 0.080 m; but friction below its centre loads the front more, where it is
+# rougher. Reach **0.076** m.
 
 
 # %%

@@ -42,7 +42,7 @@ class RateState:
     slowly. A step has one solution, for friction rises with V at the given age, but in steps
     longer than about D/V, in which contacts are renewed; shorter ones are needed for the age, too.
     The law is for slip that goes on. Where it turns round b jumps from one side to the other within
-    a V of V_0 exp(-mu/a), too steep for Newton's method: such a run stops with its reason.
+    a V of V_0 exp(-mu/a), too steep for Newton's method: such a run may stop with its reason.
 
     In steady sliding mu = mu_0 + (a - b) ln(V/V_0). A slider that a spring pulls steadily is
     stable above the stiffness k_c = (b - a) sigma/D (1 + M V²/(a sigma D)), per area. ``theta``

@@ -114,6 +114,6 @@ def test_signatures_hide_nothing(name):
     thing = HANDING_ON[name]
     given = inspect.signature(thing).parameters.values()
     assert not [p for p in given if p.kind == p.VAR_KEYWORD]
-    told = thing.__doc__.partition("Args:\n")[2].partition("\n\n")[0]
-    entries = re.findall(r"^        (\w[\w, ]*):", told, re.M)
+    told = inspect.getdoc(thing).partition("Args:\n")[2].partition("\n\n")[0]
+    entries = re.findall(r"^    (\w[\w, ]*):", told, re.M)
     assert {p.name for p in given} == {each for entry in entries for each in entry.split(", ")}

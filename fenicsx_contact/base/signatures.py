@@ -10,7 +10,7 @@ from typing import TypeVar
 
 C = TypeVar("C", bound=type)
 # one argument of a docstring: its line and those that are set in deeper
-ENTRY = re.compile(r"^        (\w[\w, ]*):.*\n(?:^            .*\n)*", re.M)
+ENTRY = re.compile(r"^    (\w[\w, ]*):.*\n(?:^        .*\n)*", re.M)
 
 
 def whole(cls: C) -> C:
@@ -21,8 +21,8 @@ def whole(cls: C) -> C:
     theirs = inspect.signature(base).parameters.values()
     further = [p for p in theirs if p.kind == p.KEYWORD_ONLY and p.name not in known]
     cls.__signature__ = inspect.Signature([*own, *further])  # type: ignore[attr-defined]
-    begin, said, rest = _arguments(cls.__doc__ or "")
-    _, inherited, _ = _arguments(base.__doc__ or "")
+    begin, said, rest = _arguments(cls)
+    _, inherited, _ = _arguments(base)
     del said["others"]
     untold = {p.name for p in (*own, *further)} - {each for n in said for each in n.split(", ")}
     said |= {n: text for n, text in inherited.items() if untold & set(n.split(", "))}
@@ -30,9 +30,10 @@ def whole(cls: C) -> C:
     return cls
 
 
-def _arguments(doc: str) -> tuple[str, dict[str, str], str]:
-    """What stands before the arguments of a docstring, each of them by its names, the rest."""
-    head, title, tail = doc.partition("    Args:\n")
+def _arguments(cls: type) -> tuple[str, dict[str, str], str]:
+    """What stands before the arguments in a docstring, each of them by its names, the rest."""
+    doc = inspect.cleandoc(cls.__doc__ or "")  # from 3.13 on they come without their indent
+    head, title, tail = doc.partition("Args:\n")
     block, blank, rest = tail.partition("\n\n")
     entries = {match[1]: match[0] for match in ENTRY.finditer(block + "\n")}
     return head + title, entries, blank[1:] + rest

@@ -27,7 +27,8 @@ QUICK = (
     "test_traps",
 )
 
-#: Files of the second tier: demos whole, and runs on several processes.
+#: Files of the second tier: demos whole, and runs on several processes. (Single tests that take
+#: ten seconds are marked where they stand.)
 SECOND = ("test_demos", "test_parallel", "test_parallel_errors", "test_parallel_resume")
 
 #: Generated tests: one of so many is in the default suite, spread evenly; the rest are long.
@@ -44,7 +45,7 @@ SAMPLED = {
 def pytest_collection_modifyitems(items):
     count = dict.fromkeys(SAMPLED, 0)
     for item in items:
-        marked = item.get_closest_marker("long") or item.get_closest_marker("open")
+        marked = any(item.get_closest_marker(mark) for mark in ("long", "open"))
         if item.path.stem in SAMPLED and not marked:
             count[item.path.stem] += 1
             if count[item.path.stem] % SAMPLED[item.path.stem] != 1:

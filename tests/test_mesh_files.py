@@ -370,6 +370,7 @@ except BaseException:
 """
 
 
+@pytest.mark.second
 @pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
 def test_two_processes(tmp_path):
     for kind in SIZE:

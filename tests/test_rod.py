@@ -199,6 +199,7 @@ def test_the_drive_rod_is_guided_too(kinked):
     assert np.abs(history["balance"]).max() < 1e-9 * rod.mass * demo.G * rod.travel
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("case", ["smooth", "kinked"])
 def test_one_dof_law_fed_with_static_forces(case, smooth, kinked):
     """Lateral dynamics hardly matter: mu N(z) and the walls' push of a slow insertion give T5."""
@@ -215,6 +216,7 @@ def test_one_dof_law_fed_with_static_forces(case, smooth, kinked):
     assert drop.time_at(demo.DASHPOT) == pytest.approx(T5, rel=5e-4)
 
 
+@pytest.mark.second
 def test_the_lateral_budget_closes_at_theta_one_half():
     """Work of the walls = stored + lost in impacts (+ nothing: the scheme conserves)."""
     drop = demo.drop(SMOOTH, Velocity(), dt=1e-3, scheme=ThetaScheme(0.5))
@@ -316,7 +318,9 @@ def test_convergence_at_the_full_step(case):
 
 
 @pytest.mark.parametrize(
-    "case", [SMOOTH, pytest.param(KINKED, marks=pytest.mark.long)], ids=["smooth", "kinked"]
+    "case",
+    [pytest.param(SMOOTH, marks=pytest.mark.second), pytest.param(KINKED, marks=pytest.mark.long)],
+    ids=["smooth", "kinked"],
 )
 def test_convergence_of_coarse_drops(case, smooth, kinked):
     """The same at twenty times the step: half of it, and cells of half the length."""
@@ -366,6 +370,7 @@ def test_a_leaning_tube_resists_inward_and_outward_alike():
     assert travel[0] > travel[-1] == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.second
 def test_the_force_of_the_end_stop():
     """m g + sqrt((m g)² + k m v²); theta = 0.6 damps it by the first order of the step."""
     weight, k, way = 2.0 * 9.81, 1e5, 0.5

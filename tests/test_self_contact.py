@@ -80,7 +80,10 @@ def squashed(mesh, solver="monolithic", friction=0.0, mirror=False, steps=30):
     return body, contacts, history
 
 
-@pytest.mark.parametrize("solver", ["condensed", "monolithic", "iterative"])
+@pytest.mark.parametrize(
+    "solver",
+    ["condensed", "monolithic", pytest.param("iterative", marks=pytest.mark.second)],
+)
 @pytest.mark.parametrize("friction", [pytest.param(0.0, marks=pytest.mark.long), 0.3])
 def test_a_squashed_ring_touches_itself(solver, friction):
     """Every solver comes to the same; what is alike does not slip, and friction changes little."""

@@ -445,6 +445,7 @@ if MPI.COMM_WORLD.rank == 0:
 """
 
 
+@pytest.mark.second
 @pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
 def test_two_processes_give_the_numbers_of_one(tmp_path):
     found = []

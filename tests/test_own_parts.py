@@ -514,8 +514,11 @@ def rigid():
         (lambda: Contact(rigid(), "base", FLOOR, Incomplete()), "formulation = Incomplete.*lacks"),
         (lambda: Contact(rigid(), "base", FLOOR, Penalty), "formulation = <class.*call it"),
         (lambda: Contact(rigid(), "base", FLOOR, friction=Incomplete()), "friction = Incomplete"),
-        (lambda: Contact(rigid(), "base", FLOOR, friction=Untold()), r"Untold\(\): lacks describe"),
-        (lambda: Contact(rigid(), "base", FLOOR, friction=Untold), "Untold: must be an object"),
+        (
+            lambda: Contact(rigid(), "base", FLOOR, friction=Untold()),
+            r"Untold\(\): .*lacks describe",
+        ),
+        (lambda: Contact(rigid(), "base", FLOOR, friction=Untold), "Untold.*not a class"),
         (lambda: Contact(rigid(), "base", FLOOR, friction=Strange(lambda k: np.nan)), "number nan"),
         (lambda: Contact(rigid(), "base", FLOOR, friction=Strange(lambda k: np.inf)), "number inf"),
         (lambda: Scene([Incomplete()], []), r"solids = Incomplete\(\): must be solids; it lacks"),

@@ -11,8 +11,29 @@ from ..output.history import History
 from .kinks import Kink, NoDerivative
 
 
+class _OneSided:
+    """Derivatives that may be of one side only."""
+
+    kinks: list[Kink]
+
+    def one_sided(self, name: str) -> np.ndarray:
+        """Whether they exist or not."""
+        raise NotImplementedError
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """The same, where the derivatives exist.
+
+        Raises:
+            NoDerivative: they do not; with contact, point and time.
+        """
+        if self.kinks:
+            more = f"; and {len(self.kinks) - 1} more" if len(self.kinks) > 1 else ""
+            raise NoDerivative(f"{self.kinks[0]}{more}")
+        return self.one_sided(name)
+
+
 @dataclass
-class Tangents:
+class Tangents(_OneSided):
     """A run and its derivatives.
 
     Attributes:
@@ -26,7 +47,7 @@ class Tangents:
     kinks: list[Kink]
     _columns: dict[str, np.ndarray]
 
-    def one_sided(self, column: str) -> np.ndarray:
+    def one_sided(self, name: str) -> np.ndarray:
         """Derivatives of a column of the history by the parameters, (rows, parameters): of a
         quantity, of ``"time"`` or of a contact's force; where there are kinks those of the statuses
         that the steps have settled on.
@@ -34,22 +55,13 @@ class Tangents:
         Raises:
             KeyError: no such column, or one that is not differentiated.
         """
-        if column not in self._columns:
-            raise KeyError(f"{column!r}: the columns are {', '.join(self._columns)}")
-        return self._columns[column]
-
-    def __getitem__(self, column: str) -> np.ndarray:
-        """The same, where the derivatives exist.
-
-        Raises:
-            NoDerivative: they do not; with contact, point and time.
-        """
-        _refuse(self.kinks)
-        return self.one_sided(column)
+        if name not in self._columns:
+            raise KeyError(f"{name!r}: the columns are {', '.join(self._columns)}")
+        return self._columns[name]
 
 
 @dataclass
-class Adjoints:
+class Adjoints(_OneSided):
     """A run and the derivatives of what it ends with.
 
     Attributes:
@@ -67,21 +79,6 @@ class Adjoints:
     kept: int
     _gradients: dict[str, np.ndarray]
 
-    def one_sided(self, quantity: str) -> np.ndarray:
+    def one_sided(self, name: str) -> np.ndarray:
         """Derivatives of a quantity by the parameters, (parameters,), of one side if need be."""
-        return self._gradients[quantity]
-
-    def __getitem__(self, quantity: str) -> np.ndarray:
-        """The same, where they exist.
-
-        Raises:
-            NoDerivative: they do not; with contact, point and time.
-        """
-        _refuse(self.kinks)
-        return self.one_sided(quantity)
-
-
-def _refuse(kinks: list[Kink]) -> None:
-    if kinks:
-        more = f"; and {len(kinks) - 1} more" if len(kinks) > 1 else ""
-        raise NoDerivative(f"{kinks[0]}{more}")
+        return self._gradients[name]

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
-from ..base.checks import InputError
+from ..base import checks
 from .laws import Expr
 from .parameter import Parameter, keep_parameter, parameter, told, varies
 
@@ -90,12 +90,8 @@ def friction_bound(value: Any) -> FrictionBound | None:
     Raises:
         InputError: neither a law nor a parameter >= 0.
     """
-    if isinstance(value, type):
-        raise InputError(f"friction = {value.__name__}: must be an object, not a class: call it")
-    lacking = {"bound", "describe"} - set(dir(value))
-    if len(lacking) == 1:
-        raise InputError(f"friction = {value!r}: lacks {lacking.pop()}(), see FrictionBound")
-    if not lacking:
-        return value
+    if isinstance(value, type) or {"bound", "describe"} & set(dir(value)):
+        law: FrictionBound = checks.offers("friction", value, FrictionBound, "a law of friction")
+        return law
     mu = parameter("friction", value)
     return Coulomb(mu) if varies(mu) or mu else None

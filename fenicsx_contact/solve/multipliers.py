@@ -8,8 +8,8 @@ the softer the springs; their centre is then moved to the multipliers found, and
 them, until nothing moves any more: the springs then bear nothing, and what is found solves the
 problem as it was. The stiffer they are, the fewer rounds it takes: they are as stiff as lets the
 problem settle, softer where it does not, stiffer again where it does at once; where no springs do,
-and what is solved is known to be convex, all is tried once more, with patience.
-(M.J.D. Powell 1969, M.R. Hestenes 1969; R.T. Rockafellar, SIAM J. Control Optim. 14, 877-898, 1976.)
+and what is solved is known to be convex, all is tried once more, with patience. (M.J.D. Powell and
+M.R. Hestenes 1969; R.T. Rockafellar, SIAM J. Control Optim. 14, 877-898, 1976.)
 """
 
 from __future__ import annotations

@@ -201,6 +201,19 @@ def test_rows_are_the_printed_ones_times_the_bound(dim):
         np.testing.assert_allclose(row, -area * b / RHO_T * printed, rtol=1e-10, atol=1e-14)
 
 
+def test_no_nan_of_a_step_that_failed_is_left_in_the_bound():
+    """A method of multipliers that ended without numbers left its bound, times nothing, in all
+    steps after."""
+    eq = equations(2, VELOCITY, Coulomb(MU))
+    good = eq.values = np.random.default_rng(5).normal(size=eq.size)
+    before = eq.residual()
+    eq.values = good * np.nan
+    eq.freeze_bound(1.0)
+    eq.freeze_bound(0.0)
+    eq.values = good
+    np.testing.assert_array_equal(eq.residual(), before)
+
+
 @pytest.mark.parametrize("friction", ["coulomb", "tresca"])
 @pytest.mark.parametrize("dim", [2, 3])
 def test_residual_vanishes_exactly_on_solutions_of_the_laws(dim, friction):

@@ -153,9 +153,9 @@ class SurfaceEquations:
         if self._speed:
             self.set_scale(self._units, self._speed)
         if self.size > self.tractions:
-            k = self.fields
-            k.frozen.value = float(augmentation > 0)
-            k.known_pressure.x.array[:] = np.maximum(-self.values[self.jumps : self.tractions], 0)
+            self.fields.frozen.value = float(augmentation > 0)
+            lam = self.values[self.jumps : self.tractions]
+            self.fields.known_pressure.x.array[:] = np.maximum(-lam, 0) if augmentation else 0.0
             self.refresh()
 
     def project_multipliers(self) -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from problems import bar_at_wall, rocking, sliding_elastic, squeezed
+from problems import bar_at_wall, rocking, sliding_elastic, squeezed, stacked
 from scenes import rectangle
 
 from fenicsx_contact import Contact, HalfSpace, HyperelasticSolid, InputError, Scene, neo_hookean
@@ -78,3 +78,22 @@ def test_an_impact_at_the_end_of_a_step_is_located(share):
     # the next one took it through its whole length, and 57 % of the third maximum were lost
     problem = rocking(tilt=1e-2, share=share, located=True)
     assert problem.error(problem.run()) < 0.01
+
+
+@pytest.mark.parametrize("dt", [1e-4, 1e-6])
+@pytest.mark.parametrize("mass_ratio", [1e-3, 1.0, 1e2])
+def test_blocks_that_rest_on_each_other_in_short_steps(dt, mass_ratio):
+    # gaps of 1e-16 m open faster, in steps of 1 µs, than weights close them: forces were off by
+    # 4e-7, relative speeds of 1e-12 m/s were taken for impacts, and runs stopped
+    problem = stacked(mass_ratio=mass_ratio, dt=dt)
+    history = problem.run()
+    assert history.finished and not history.remarks
+    assert (history["dt"][1:] > 0).all()
+    assert problem.error(history) < problem.bound
+
+
+@pytest.mark.parametrize("tangential", [1e-6, 1e-4])
+def test_friction_rows_that_are_augmented_by_next_to_nothing(tangential):
+    # the certificate took a row that says what a multiplier is for a speed: times 1e8 and more
+    problem = sliding_elastic(normal_augmentation=1e4, tangential_augmentation=tangential)
+    assert problem.error(problem.run()) < problem.bound

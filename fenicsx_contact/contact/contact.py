@@ -32,7 +32,7 @@ class Contact(SurfaceResults):
     Args:
         solid: the slave; between two solids better the softer one, or the one of the finer mesh.
         facets: the name of its facets in contact.
-        master: an obstacle, or another solid and the name of its facets.
+        master: an obstacle, or another solid and the name of its facets; the same ones: itself.
         formulation: a formulation or its name; see :mod:`fenicsx_contact.theory.formulations`.
         friction: Coulomb's coefficient, or a law of friction (see
             :mod:`fenicsx_contact.theory.friction`); 0 leaves friction out, unknowns and all.
@@ -56,7 +56,7 @@ class Contact(SurfaceResults):
     Raises:
         InputError: friction < 0 or NaN, unknown formulation or facets, dimensions that differ,
             points of a formulation that are no nodes of the facets, surfaces that do not face
-            each other anywhere or are the same.
+            each other anywhere, a rigid solid before itself.
     """
 
     #: Whether its forces can only take energy from the solids, as far as the books of these say.
@@ -182,8 +182,9 @@ class Contact(SurfaceResults):
         if not self.coupling.fixed_normal:
             self._set_normal(self.coupling.normals())
         gap = self.gap if step.dt else np.minimum(self.gap, 0.0)  # no way to correct a drift
-        # what less than the resolved speed would close is closed
-        gap = np.where((gap < 0) & (gap >= -self.resolution * step.horizon), 0.0, gap)
+        # what less than the resolved speed would close is closed, and what round-off opened
+        closed = max(self.resolution * step.horizon, self.noise)
+        gap = np.where((gap < 0) & (gap >= -closed), 0.0, gap)
         if share:
             # the gap at the end of the step as a function of w: end + gap_rate w_n
             approach = dot(self.coupling.jump("trial_velocity"), self.normal)

@@ -12,9 +12,10 @@ from .contact import Contact
 
 def approaching(contact: Contact, step: Step, where: np.ndarray) -> np.ndarray:
     """Points that start the step faster than its law allows, by more than the last step
-    resolved, among ``where`` (n,)."""
+    resolved and than round-off of their gaps is worth, among ``where`` (n,)."""
     asked = where & contact.chosen & contact.coupling.near()
-    return np.asarray(asked & (_excess(contact, step) > contact.resolution))
+    least = contact.resolution + contact.noise / step.horizon
+    return np.asarray(asked & (_excess(contact, step) > least))
 
 
 def strikes(contact: Contact, step: Step, points: np.ndarray) -> bool:

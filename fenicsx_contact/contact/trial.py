@@ -43,7 +43,7 @@ def violation(contact: Contact, step: Step) -> float:
         way = step.gap_rate * dot(contact.trial_jump, contact.normal)
         k.gap.x.array[:] = (1 - share) * contact.gap + share * (contact.coupling.gaps() - way)
     n = len(e.active_jumps)
-    rows = e.active_residual()[n:] * e.scales()[1][n:]
+    rows = e.natural(e.active_residual() * e.scales()[1])[n:]
     e.values, k.gap.x.array[:] = before, gap
     force = e.residual()[e.active_jumps].reshape(len(e.candidates), -1)
     pushed = contact.push(force, step)

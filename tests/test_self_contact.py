@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""A solid that touches itself: two of its surfaces before each other."""
+"""A solid that touches itself: two of its surfaces before each other, or one before itself."""
 
 from functools import cache
 
+import dolfinx
 import numpy as np
 import pytest
 from corpus_meshes import ring_mesh
@@ -13,9 +14,13 @@ from fenicsx_contact import (
     Contact,
     ElasticSolid,
     HyperelasticSolid,
+    InputError,
     LevelSet,
+    NamedMesh,
     QuasiStatic,
+    RigidSolid,
     Scene,
+    mesh_from_gmsh,
     name_facets,
     neo_hookean,
 )
@@ -24,8 +29,8 @@ from fenicsx_contact.base import compat
 R, THICK = 1.0, 0.08
 
 
-def ring(n=40, layers=0):
-    """Mesh of a ring, or of so many layers of it in space; its inner side in two halves."""
+def ring(n=40, layers=0, halves=True):
+    """Mesh of a ring, or of so many layers of it in space; its inner side whole or in halves."""
     flat = ring_mesh(R, THICK, n).mesh
     rim = R * np.cos(np.pi / n)
 
@@ -35,9 +40,12 @@ def ring(n=40, layers=0):
     names = {
         "top": lambda p: outer(p) & (p[1] > 0.95 * R),
         "bottom": lambda p: outer(p) & (p[1] < -0.95 * R),
-        "above": lambda p: ~outer(p) & (p[1] > 0),
-        "below": lambda p: ~outer(p) & (p[1] < 0),
     }
+    if halves:
+        names["above"] = lambda p: ~outer(p) & (p[1] > 0)
+        names["below"] = lambda p: ~outer(p) & (p[1] < 0)
+    else:
+        names["inner"] = lambda p: ~outer(p)
     if not layers:
         return name_facets(flat, names)
     # in the plane of x and z, layers along y
@@ -57,8 +65,8 @@ def ring(n=40, layers=0):
 
 
 def squashed(mesh, solver="monolithic", friction=0.0, mirror=False, steps=30):
-    """A ring between two plates that come together: its last state and its history. With ``mirror``
-    it meets a plane half way between them in place of itself."""
+    """A ring between two plates that come together: its last state and its history. Its halves
+    meet each other, or its inner side itself; with ``mirror`` a plane half way between them."""
     d, way = mesh.dim, 2 * R - 2.2 * THICK
     free = [0.0, *[None] * (d - 2)]
     held = {"top": lambda t: [*free, -t], "bottom": [*free, 0.0]}
@@ -69,7 +77,8 @@ def squashed(mesh, solver="monolithic", friction=0.0, mirror=False, steps=30):
         "above": LevelSet(lambda x, t: x[d - 1] + t / 2, d),
         "below": LevelSet(lambda x, t: -x[d - 1] - t / 2, d),
     }
-    others = planes if mirror else {"above": (body, "below")}
+    sides = [("above", "below")] if "above" in mesh.names else [("inner", "inner")]
+    others = planes if mirror else {one: (body, other) for one, other in sides}
     contacts = [
         Contact(body, side, other, "gap", friction=friction, name=side)
         for side, other in others.items()
@@ -121,8 +130,9 @@ def test_in_space_it_is_the_same():
     )
 
 
-def fork():
-    """Two arms of three cells each, joined at their left end; a slit of 5 mm between them."""
+def fork(skin=False):
+    """Two arms of three cells each, joined at their left end; a slit of 5 mm between them. The
+    two sides of the slit have names, or their four sides one."""
     cells, points = [], {}
 
     def corner(i, y):
@@ -134,10 +144,34 @@ def fork():
     mesh = compat.create_mesh(
         MPI.COMM_SELF, np.array(cells), np.array(list(points)), "quadrilateral"
     )
-    arm = lambda y: lambda x: np.isclose(x[1], y) & (x[0] > 0.101)  # noqa: E731
-    return name_facets(
-        mesh, {"upper": arm(0.025), "lower": arm(0.02), "end": lambda x: np.isclose(x[0], 0)}
+    side = lambda y: lambda x: np.isclose(x[1], y) & (x[0] > 0.099)  # noqa: E731
+    sides = {"upper": side(0.025), "lower": side(0.02)}
+    if skin:
+        sides |= {"top": side(0.045), "bottom": side(0.0)}
+    named = name_facets(mesh, {**sides, "end": lambda x: np.isclose(x[0], 0)})
+    if not skin:
+        return named
+    tags = named.facet_tags
+    one = np.where(tags.values == named.names["end"], 2, 1).astype(np.int32)
+    tags = dolfinx.mesh.meshtags(mesh, 1, tags.indices, one)
+    return NamedMesh(mesh, tags, {"skin": 1, "end": 2})
+
+
+def clapping(sides, law, locate=False):
+    """The arms are thrown at each other; the solid and its history."""
+    fast = lambda x: np.stack([0 * x[0], np.where(x[1] > 0.0225, -1.0, 1.0) * x[0] ** 2 * 8])  # noqa: E731
+    solid = ElasticSolid(
+        fork("skin" in sides),
+        youngs_modulus=1e8,
+        poisson_ratio=0.3,
+        density=1000.0,
+        fixed=["end"],
+        velocity=fast,
     )
+    contact = Contact(solid, sides[0], (solid, sides[1]), law, name="slit")
+    history = Scene([solid], [contact], locate_impacts=locate).run(0.03, 2e-4)
+    assert history.finished, history.reason
+    return solid, history
 
 
 @pytest.mark.parametrize(
@@ -146,13 +180,7 @@ def fork():
 def test_the_arms_of_a_fork_clap(law, locate):
     """Linear, condensed: what the arms do to each other goes through the one matrix of the solid.
     They meet in the middle, alike; nothing is gained, and momentum across stays none."""
-    fast = lambda x: np.stack([0 * x[0], np.where(x[1] > 0.0225, -1.0, 1.0) * x[0] ** 2 * 8])  # noqa: E731
-    solid = ElasticSolid(
-        fork(), youngs_modulus=1e8, poisson_ratio=0.3, density=1000.0, fixed=["end"], velocity=fast
-    )
-    contact = Contact(solid, "upper", (solid, "lower"), law, name="slit")
-    history = Scene([solid], [contact], locate_impacts=locate).run(0.03, 2e-4)
-    assert history.finished, history.reason
+    solid, history = clapping(("upper", "lower"), law, locate)
     assert history["slit.bearing"].max() >= 1 and history["slit.force_y"].max() > 0
     # arms that turn give and take a little, as two solids do
     total = total_energy(history)
@@ -164,3 +192,60 @@ def test_the_arms_of_a_fork_clap(law, locate):
     mirror = u[order[0]] * [1, -1]
     np.testing.assert_allclose(u[order[1]], mirror, rtol=0, atol=0.01 * np.abs(u).max())
     assert history["slit.penetration"].max() < (1e-9 if law == "gap" else 5e-4)
+
+
+@pytest.mark.parametrize("layers", [0, 1])
+@pytest.mark.parametrize("solver", ["condensed", "monolithic"])
+def test_one_surface_before_itself(solver, layers):
+    """Nobody says which of its parts meet: they are found, and do what they do when named."""
+    _, _, named = squashed(ring(layers=layers), solver)
+    _, _, found = squashed(ring(layers=layers, halves=False), solver)
+    up = f"force_{'yz'[layers]}"
+    assert found["inner.bearing"][-1] == named["above.bearing"][-1] >= 3
+    # the lower half is the slave
+    np.testing.assert_allclose(
+        found[f"inner.{up}"], -named[f"above.{up}"], rtol=1e-6, atol=1e-6 * named[f"above.{up}"][-1]
+    )
+
+
+@pytest.mark.parametrize("solver", ["condensed", "monolithic", "iterative"])
+def test_one_surface_with_friction(solver):
+    """Steps are cut where halves that fold stick and slip; then it is what the halves do."""
+    _, _, named = squashed(ring(80), friction=0.3)
+    _, _, found = squashed(ring(80, halves=False), solver, friction=0.3)
+    pressed = named["above.force_y"][-1]
+    assert found["inner.force_y"][-1] == pytest.approx(-pressed, rel=0.02)
+    assert found["inner.penetration"].max() < 1e-9
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+def test_a_wall_does_not_meet_its_own_far_side(law):
+    """Both sides of both arms are one surface, of facets five times as long as an arm is thick: the
+    sides of the slit meet, the two of an arm do not."""
+    solid, history = clapping(("skin", "skin"), law)
+    other, expected = clapping(("lower", "upper"), law)
+    assert expected["slit.bearing"].max() >= 1
+    # speeds are judged by those of more points, and bounces make more of what that leaves
+    for column in ("kinetic", "strain", "impact", "slit.bearing", "slit.force_y"):
+        size = np.abs(expected[column]).max()
+        np.testing.assert_allclose(history[column], expected[column], rtol=0, atol=1e-4 * size)
+    size = np.abs(other.displacement).max()
+    np.testing.assert_allclose(solid.displacement, other.displacement, rtol=0, atol=1e-4 * size)
+
+
+def test_what_folds_far_away_touches_nothing_yet():
+    """A flat strip faces itself nowhere; that is no reason to refuse it."""
+    mesh = mesh_from_gmsh("block.geo", width=1.0, height=0.01, n_width=10, n_height=1)
+    body = ElasticSolid(
+        mesh, youngs_modulus=1e6, poisson_ratio=0.3, density=1.0, fixed=["left"], gravity=(0, -9.81)
+    )
+    contact = Contact(body, "top", (body, "top"), name="top")
+    history = Scene([body], [contact]).run(0.02, 1e-3)
+    assert history.finished and not history["top.bearing"].any()
+
+
+def test_what_is_rigid_cannot_touch_itself():
+    mesh = mesh_from_gmsh("block.geo", width=1.0, height=0.1)
+    body = RigidSolid(mesh, mass=1.0)
+    with pytest.raises(InputError, match=r"master = \('rigid', 'base'\): what is rigid"):
+        Contact(body, "base", (body, "base"))

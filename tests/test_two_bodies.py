@@ -424,8 +424,6 @@ def test_surfaces_that_cannot_meet():
     a, b = block("elastic", "a", 0.8), block("elastic", "b")
     with pytest.raises(InputError, match="nowhere faces 'top'"):
         Contact(a, "top", (b, "top"))
-    with pytest.raises(InputError, match="in contact with itself"):
-        Contact(a, "base", (a, "base"))
     with pytest.raises(InputError, match="dimension 3"):
         Contact(a, "base", (RigidSolid(box(), mass=1.0, name="c"), "top"))
 

@@ -209,10 +209,16 @@ class MortarJump(Coupling):
         theirs = self._start[last:], pair.places[last:]
         facets = np.arange(len(pair.master.cells))
         into = passed((mine[0][lost], mine[1][lost]), pair.master, theirs, facets)
+        into[:, 0] = lost[into[:, 0]]
         facets = np.flatnonzero(alone[pair.slave.corners].any(axis=1))
         out = passed(theirs, pair.slave, mine, facets)
+        if pair.master is pair.slave:  # no point goes through its own facets
+            into, out = (
+                each[(pair.slave.corners[each[:, 1]] != each[:, :1]).all(axis=1)]
+                for each in (into, out)
+            )
         through = np.zeros(self._n, dtype=bool)
-        through[lost[into[:, 0]]] = through[pair.slave.corners[out[:, 1]]] = True
+        through[into[:, 0]] = through[pair.slave.corners[out[:, 1]]] = True
         return np.where(through & alone, np.inf, end)
 
     def normals(self) -> np.ndarray:

@@ -41,10 +41,9 @@ def check_master(solid: Solid, facets: str, master: Any) -> Master:
             f"master = ({other.name!r}, {theirs!r}): has dimension {other.dim}, "
             f"{solid.name!r} has {solid.dim}"
         )
-    if other is solid and theirs == facets:
+    if other is solid and not isinstance(solid, DeformableSolid):
         raise checks.InputError(
-            f"master = ({other.name!r}, {theirs!r}): a surface cannot be in contact with itself; "
-            "name the two parts that may meet"
+            f"master = ({other.name!r}, {theirs!r}): what is rigid cannot touch itself"
         )
     return other, theirs
 
@@ -87,9 +86,11 @@ def couple(solid: Solid, facets: str, equations: SurfaceEquations, other: Master
         coupling.wall.check(coupling.positions())
         return coupling
     master, theirs = other
-    sides = side_of(solid, facets, equations.fields.surface), side_of(master, theirs)
+    side = side_of(solid, facets, equations.fields.surface)
+    itself = master is solid and theirs == facets  # may be far from touching, flat even
+    sides = side, side if itself else side_of(master, theirs)
     pair = MortarJump((solid, master), sides, equations, theirs)
-    if not pair.faces:
+    if not pair.faces and not itself:
         raise checks.InputError(
             f"master = ({master.name!r}, {theirs!r}): nowhere faces {facets!r} of "
             f"{solid.name!r}; the outward normals of the two must point at each other"

@@ -35,7 +35,7 @@ from ..theory.theta import Scheme, Step
 from .pace import Pace
 from .step import Stepper, Trial
 
-#: Share of the allowed error that a step aims at when its length is changed.
+#: Cost: share of the allowed error that a step aims at when its length is changed.
 SAFETY = 0.8
 #: A part that would be shorter than this share of its usual length is one with the next.
 AHEAD = 0.25

@@ -13,6 +13,7 @@ import basix
 import numpy as np
 
 from .clipping import gauss
+from .itself import Admits
 from .partners import Partners
 from .pieces import Pieces
 from .search import Near, Spheres
@@ -47,9 +48,9 @@ def whole(side: Side) -> Points:
 class Lines:
     """Finds what the facets of two lines share, by rays along the slave's normals."""
 
-    def __init__(self, slave: Side, master: Side) -> None:
+    def __init__(self, slave: Side, master: Side, admits: Admits) -> None:
         self._slave, self._master = slave, master
-        self._cuts, self._partners = Cuts(slave, master), Partners(slave, master)
+        self._cuts, self._partners = Cuts(slave, master), Partners(slave, master, admits)
 
     def meet(self, xs: np.ndarray, xm: np.ndarray, reach: np.ndarray) -> tuple[Pieces, None]:
         """Points on the pieces in the present places of the nodes, (N, 2) of slave and master, each

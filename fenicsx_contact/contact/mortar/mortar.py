@@ -21,6 +21,7 @@ from math import prod
 import numpy as np
 
 from .integration import Lines, whole
+from .itself import Itself, any_other
 from .matrices import DENSE, Matrix, add_up, gather
 from .overlaps import Overlaps
 from .pieces import Brink, Pieces
@@ -40,7 +41,7 @@ class Pairing:
     Arrays of positions and velocities are (N, d), the slave's nodes before the master's.
 
     Args:
-        slave, master: the sides.
+        slave, master: the sides; the same one twice: a surface before itself.
 
     Attributes:
         operator: J of one component, (n, N).
@@ -62,7 +63,9 @@ class Pairing:
         self.dense = (self.total * slave.dim) ** 2 <= DENSE
         self._sizes = np.zeros(self.n)  # of the largest facet at each node
         np.maximum.at(self._sizes, slave.corners, slave.sizes[:, None])
-        self._common: Lines | Overlaps = (Lines if slave.dim == 2 else Overlaps)(slave, master)
+        admits = Itself(slave) if master is slave else any_other
+        common = Lines if slave.dim == 2 else Overlaps
+        self._common: Lines | Overlaps = common(slave, master, admits)
         self.brink: Brink | None = None
         self.places, self._way = np.empty((0, slave.dim)), np.nan
         self._rule = rule = whole(slave)

@@ -20,6 +20,7 @@ import numpy as np
 
 from ...base.vectors import largest
 from .clipping import areas, clip, covers, cross, fans, gauss, points
+from .itself import Admits
 from .partners import FACING, inverses
 from .pieces import Brink, Pieces
 from .search import Near, Spheres, counted, first_of_each, in_tubes
@@ -34,8 +35,8 @@ OUTLINE = {"triangle": [0, 1, 2], "quadrilateral": [0, 1, 3, 2]}
 class Overlaps:
     """Finds what the facets of two sides share, in the planes of the slave's."""
 
-    def __init__(self, slave: Side, master: Side) -> None:
-        self._slave, self._master = slave, master
+    def __init__(self, slave: Side, master: Side, admits: Admits) -> None:
+        self._slave, self._master, self._admits = slave, master, admits
         self._near = Near()
         # exact, with derivatives, between triangles, and quadrilaterals that are parallelograms
         degree = max(slave.degree, master.degree)
@@ -92,8 +93,8 @@ class Overlaps:
         facet, other = facet[facing], other[facing]
         pairs = _Pairs(facet, other, planes.see(xm[side.cells[other]], facet))
         low, high = pairs.corners.min(axis=1), pairs.corners.max(axis=1)
-        met = (low < planes.high[facet]) & (high > planes.low[facet])
-        return pairs.of(met[:, :2].all(axis=1))
+        met = ((low < planes.high[facet]) & (high > planes.low[facet]))[:, :2].all(axis=1)
+        return pairs.of(met & self._admits(facet, other, pairs.corners[..., 2].mean(axis=1)))
 
     def _nearest(
         self, planes: _Planes, pairs: _Pairs, number: np.ndarray, p: np.ndarray

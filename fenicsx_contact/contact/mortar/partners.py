@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...base.vectors import cross, largest
+from .itself import Admits
 from .search import Near, Spheres, candidates, first_of_each
 from .side import Side
 
@@ -38,8 +39,8 @@ class Hits:
 class Partners:
     """Shoots rays from the facets of one side to those of the other."""
 
-    def __init__(self, side: Side, other: Side) -> None:
-        self._side, self._other = side, other
+    def __init__(self, side: Side, other: Side, admits: Admits) -> None:
+        self._side, self._other, self._admits = side, other, admits
         self._near = Near()
 
     def meet(
@@ -68,6 +69,7 @@ class Partners:
         size = np.sqrt((normal**2).sum(axis=1))
         facing = (normal * direction).sum(axis=1) < FACING * size
         good = facing & side.holds(xi, EDGE) & (np.abs(alpha) <= reach[origin[ray]])
+        good &= self._admits(origin[ray], facet, alpha)
         good = np.flatnonzero(good)
         order = good[np.lexsort((facet[good], np.abs(alpha[good]), ray[good]))]
         best = order[first_of_each(ray[order])]

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Which facets of one surface may meet which others of it.
+
+Every two that face each other are asked once: the first of them, in an order that does not change,
+is the slave. The order runs along a direction of the undeformed body: what folds then meets as two
+surfaces that are named, one of them slave throughout, but where a fold lies across the direction.
+And what a ray meets on the far side of the body's own wall is no contact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from .side import Side
+
+#: Says of facets (q,) whether they may meet others (q,) so far away along their normals, (q,) in m.
+Admits = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+
+#: What lies so deep in the wall behind a facet, as a share of how deep it was in the undeformed
+#: body, is the far side of the wall, not what went through the facet.
+WALL = 0.5
+#: Cost: the direction of the order, which no symmetry of a mesh is likely to have: where a fold
+#: lies across it slave and master take turns, and Newton's method some more iterations.
+ALONG = (1.0, 0.618, 0.382)
+
+
+class Itself:
+    """Says of two facets of a side, one before the other, whether they may touch.
+
+    Args:
+        side: both slave and master.
+    """
+
+    def __init__(self, side: Side) -> None:
+        m = len(side.cells)
+        self._middles = side.nodes[side.corners].mean(axis=1)
+        slopes = side.shape(np.tile(side.midpoint, (m, 1)))[1]
+        normals = side.normals(side.nodes, np.arange(m), slopes)
+        self._normals = normals / np.linalg.norm(normals, axis=1)[:, None]
+        self._rank = np.empty(m, dtype=int)
+        way = self._middles @ ALONG[: side.dim]
+        self._rank[np.argsort(way, kind="stable")] = np.arange(m)
+
+    def __call__(self, facet: np.ndarray, other: np.ndarray, away: np.ndarray) -> np.ndarray:
+        """Whether facets (q,) may meet others ``away`` [m] along their normals, (q,) of bool."""
+        arm = self._middles[other] - self._middles[facet]
+        before = (arm * self._normals[facet]).sum(axis=1)
+        wall = (before < 0) & (away <= WALL * before)
+        return (self._rank[facet] < self._rank[other]) & ~wall
+
+
+def any_other(facet: np.ndarray, other: np.ndarray, away: np.ndarray) -> np.ndarray:
+    """Facets of two surfaces may meet, whichever and however far."""
+    return np.ones(len(facet), dtype=bool)

@@ -24,6 +24,7 @@ from fenicsx_contact import (
     HyperelasticSolid,
     InputError,
     Lagrange,
+    LevelSet,
     Moved,
     NamedMesh,
     Newton,
@@ -254,6 +255,15 @@ def test_points_that_are_no_nodes(formulation, points):
 @pytest.mark.parametrize("energy", [None, 3.0, "neo-hookean", lambda F: F, lambda F: "x"])
 def test_energy(energy):
     refused(lambda: hyperelastic(energy=energy), "energy", repr(energy))
+
+
+@pytest.mark.parametrize("number", [NAN, np.inf])
+def test_numbers_in_ufl_that_are_none(number):
+    """The compiler of C would refuse them in its own words."""
+    found = f"the number {number}"
+    refused(lambda: hyperelastic(energy=lambda F: number * ufl.tr(F)), "energy", found)
+    refused(lambda: LevelSet(lambda x, t: x[1] + number, 2), "phi", found)
+    refused(lambda: elastic(youngs_modulus=lambda x: 1e6 + number * x[0]), "youngs_modulus", found)
 
 
 @pytest.mark.parametrize("make", [elastic, hyperelastic])

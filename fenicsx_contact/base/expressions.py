@@ -31,16 +31,21 @@ def terminals_off(mesh: Any, expression: Any) -> list[Any]:
     return [each for each in off if here not in ufl.domain.extract_domains(each)]
 
 
+def wrong_number(expression: Any) -> str:
+    """What is written in it that is no finite number, for which C has no name, or nothing."""
+    for each in ufl.corealg.traversal.traverse_unique_terminals(expression):
+        if isinstance(each, ufl.classes.FloatValue) and not math.isfinite(float(each)):
+            return f"the number {float(each)} stands in it: must be finite"
+    return ""
+
+
 def finite_form(form: ufl.Form) -> ufl.Form:
-    """The form, if every number that is written in it is finite: C has no name for others.
+    """The form, if every number that is written in it is finite.
 
     Raises:
         InputError: one is not.
     """
     for integral in form.integrals():
-        for each in ufl.corealg.traversal.traverse_unique_terminals(integral.integrand()):
-            if isinstance(each, ufl.classes.FloatValue) and not math.isfinite(float(each)):
-                raise InputError(
-                    f"a law of the contact has the number {float(each)}: must be finite"
-                )
+        if problem := wrong_number(integral.integrand()):
+            raise InputError(f"a law of the contact: {problem}")
     return form

@@ -11,6 +11,7 @@ import ufl
 from dolfinx import fem
 
 from ..base import checks, compat
+from ..base.expressions import wrong_number
 
 
 class LevelSet:
@@ -155,4 +156,6 @@ def _as_ufl(name: str, function: Any, x: Any, t: Any, shape: tuple[int, ...]) ->
         raise checks.InputError(f"{problem}; {error}") from None
     if value.ufl_shape != shape:
         raise checks.InputError(f"{problem}; its shape is {value.ufl_shape}")
+    if wrong := wrong_number(value):
+        raise checks.InputError(f"{name} = {function!r}: {wrong}")
     return value

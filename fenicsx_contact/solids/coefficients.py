@@ -21,7 +21,7 @@ from dolfinx import fem
 
 from ..base import checks, compat
 from ..base.checks import is_function
-from ..base.expressions import terminals_off
+from ..base.expressions import terminals_off, wrong_number
 from ..base.mesh import NamedMesh
 
 Expression = ufl.core.expr.Expr
@@ -177,6 +177,8 @@ def _strange(expression: Any, mesh: NamedMesh) -> str:
         return "it lives on another mesh"
     if ufl.algorithms.extract_arguments(expression):
         return "it holds test or trial functions"
+    if problem := wrong_number(expression):
+        return problem
     parts = [c.x.array for c in ufl.algorithms.extract_coefficients(expression)]
     parts += [c.value for c in ufl.algorithms.analysis.extract_constants(expression)]
     return "it is complex" if any(np.iscomplexobj(part) for part in parts) else ""

@@ -35,6 +35,9 @@ def batch(
 
     Returns:
         The lines of the cases, in their order.
+
+    Raises:
+        Exception: what the function raised; other cases that are done by then are on file.
     """
     from tqdm import tqdm
 
@@ -51,11 +54,14 @@ def batch(
     with ProcessPoolExecutor(processes or os.cpu_count(), fork) as pool, file.open("a") as out:
         found = {pool.submit(function, **case): case for case in todo}
         done = len(cases) - len(todo)
-        for future in tqdm(as_completed(found), total=len(cases), initial=done, disable=not show):
-            line = {**found[future], **future.result()}
-            known[key(line)] = line
-            out.write(json.dumps(line) + "\n")
-            out.flush()
+        try:
+            for each in tqdm(as_completed(found), total=len(cases), initial=done, disable=not show):
+                line = {**found[each], **each.result()}
+                known[key(line)] = line
+                out.write(json.dumps(line) + "\n")
+                out.flush()
+        finally:
+            pool.shutdown(cancel_futures=True)  # who is stopped does not wait for all the others
     return [known[key(case)] for case in cases]
 
 

@@ -17,10 +17,7 @@
 # line in `drops.jsonl`: a map that was stopped goes on where it was.
 
 # %%
-import json
-import os
 import sys
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +25,7 @@ import numpy as np
 from rod_drop import BOTTOM, DASHPOT, Assumed, drop
 
 from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.study import batch
 
 RESULTS = Path("results") / "rod_drop_map"
 FRICTION = np.round(np.linspace(0.0, 0.6, 13), 3)
@@ -40,13 +38,10 @@ DT, PATIENCE = 1e-3, 4.0  # s; T5 differs by 0.01 % from that at a tenth of the 
 
 # %%
 def one(friction: float, amplitude: float, dt: float) -> dict[str, Any]:
-    """A drop, as a line of the file."""
+    """A drop: what the file has of it beside its numbers."""
     case = Assumed(friction=friction, amplitude=amplitude, kinked=True)
     fallen = drop(case, dt=dt, until=PATIENCE)
     return {
-        "friction": friction,
-        "amplitude": amplitude,
-        "dt": dt,
         "T5_s": fallen.time_at(DASHPOT),
         "total_s": fallen.time_at(BOTTOM),
         "travel_m": fallen.rod.travel,
@@ -55,42 +50,17 @@ def one(friction: float, amplitude: float, dt: float) -> dict[str, Any]:
     }
 
 
-def finished(file: Path, dt: float) -> dict[tuple[float, float], dict[str, Any]]:
-    """The drops that the file holds; a line that was cut off is left out."""
-    found = {}
-    for line in file.read_text().splitlines() if file.is_file() else []:
-        try:
-            result = json.loads(line)
-        except json.JSONDecodeError:
-            continue
-        if result["dt"] == dt:
-            found[result["friction"], result["amplitude"]] = result
-    return found
-
-
 def compute(
-    frictions: np.ndarray, amplitudes: np.ndarray, dt: float, processes: int | None = None
+    frictions: np.ndarray, amplitudes: np.ndarray, dt: float
 ) -> dict[tuple[float, float], dict[str, Any]]:
     """All drops, over the machine's processes, with a bar; those on file are not repeated."""
-    from tqdm import tqdm
-
-    RESULTS.mkdir(parents=True, exist_ok=True)
-    file = RESULTS / "drops.jsonl"
-    done = finished(file, dt)
-    wanted = [(float(f), float(a)) for f in frictions for a in amplitudes]
-    todo = [case for case in wanted if case not in done]
-    with (
-        ProcessPoolExecutor(processes or os.cpu_count()) as pool,
-        tqdm(total=len(wanted), initial=len(wanted) - len(todo), unit="drop") as bar,
-        open(file, "a") as lines,
-    ):
-        for future in as_completed([pool.submit(one, *case, dt) for case in todo]):
-            result = future.result()
-            done[result["friction"], result["amplitude"]] = result
-            lines.write(json.dumps(result) + "\n")
-            lines.flush()
-            bar.update()
-    return {case: done[case] for case in wanted}
+    cases = [
+        {"friction": float(f), "amplitude": float(a), "dt": dt}
+        for f in frictions
+        for a in amplitudes
+    ]
+    found = batch(one, cases, RESULTS / "drops.jsonl", progress=True)
+    return {(drop["friction"], drop["amplitude"]): drop for drop in found}
 
 
 # %% [markdown]

@@ -502,6 +502,47 @@ def test_identify(tmp_path, monkeypatch, capsys):
     assert "7 runs" in capsys.readouterr().out
 
 
+def test_uncertainty(tmp_path, monkeypatch, capsys):
+    """Steps and cells twice as long as the full demo's, and twelve drops."""
+    monkeypatch.chdir(tmp_path)
+    demo = load("uncertainty")
+    summary = demo.main(quick=True)
+    first = summary["first_order"]
+    assert first["T5"]["time_s"] == pytest.approx(first["drop"]["T5_s"], rel=1e-14)
+    assert first["T5"]["time_s"] == pytest.approx(1.3094, abs=2e-4)
+    assert first["T5"]["sigma_s"] == pytest.approx(0.01496, abs=5e-5)
+    for name in demo.TIMES:
+        assert sum(first[name]["shares"].values()) == pytest.approx(1)
+        assert 0 < first[name]["step_error"] < 1e-3
+        # twelve drops know little of sigma; but each does nearly what first order predicts of it
+        many = summary["samples"][name]
+        assert many["drops"] == 12 and many["correlation"] > 0.99
+        low, high = many["sigma_interval_s"]
+        assert low < first[name]["sigma_s"] < high
+        assert abs(many["bias_s"]) < 2 * many["bias_interval_s"]
+    assert max(first["T5"]["shares"], key=first["T5"]["shares"].get) == "drag"
+    # the adjoint is the tangents of the same run, transposed; these meet no kink
+    scene = demo.scene(demo.MEANS, 0.1)
+    (rod,) = scene.solids
+    asked = {"z": demo.gradients.Travel(rod), "v": demo.gradients.Travel(rod, "velocity")}
+    until = first["drop"]["steps"] * 8e-3
+    run = demo.gradients.tangents(scene, until, 8e-3, demo.parameters(scene), asked)
+    for name, level in demo.TIMES.items():
+        slopes = demo.gradients.passing(run, "z", "v", level).gradient
+        np.testing.assert_allclose(list(first[name]["slopes"].values()), slopes, rtol=1e-8)
+    lines = (demo.RESULTS / "drops.jsonl").read_text()
+    assert len(lines.splitlines()) == 12
+    again = demo.samples(12, 8e-3, 0.1)
+    assert [drop["number"] for drop in again] == list(range(12))
+    assert (demo.RESULTS / "drops.jsonl").read_text() == lines
+    assert summary["thousand_min"]["run_time_s"] > summary["thousand_min"]["cpu_s"] / 2 > 0
+    assert (demo.RESULTS / "uncertainty.png").stat().st_size > 5000
+    assert (demo.RESULTS / "table.md").read_text().count(
+        "| one adjoint, 8 numbers | 1309.44 |"
+    ) == 1
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("T5 1.3094 s, sigma 14.96")
+
+
 def test_design(tmp_path, monkeypatch, capsys):
     """A fourth of the full demo's elements; its errors there are 0.1 %."""
     monkeypatch.chdir(tmp_path)

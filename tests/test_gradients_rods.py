@@ -4,6 +4,8 @@ tangents, and what is refused."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from test_demos import load
@@ -24,21 +26,27 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.gradients import (
     Bend,
+    DriveLaw,
     Gravity,
+    Instant,
     Kinetic,
     Law,
     Mass,
     ObstacleShift,
     Start,
+    Stiffness,
     Strain,
     Travel,
+    Widening,
     adjoints,
     passing,
     tangents,
 )
 from fenicsx_contact.gradients.duals import value_of, variables
 from fenicsx_contact.rods import AnyCurve, Card, Guide, GuideContact, RodInTube, Sine, Tube
+from fenicsx_contact.rods.drop import time_at
 from fenicsx_contact.rods.sections import Support
+from fenicsx_contact.rods.settle import settle
 
 G = 9.81
 WAVE = 1.2  # m
@@ -51,12 +59,39 @@ def beam(cells=12, gravity=(0, -G), law=None, length=1.2, **others):
     return BeamSolid(axis, sections, gravity=gravity, law=law, name="rod", **others)
 
 
-def drop(mu=0.3, amplitude=5e-3, aside=0.0, inlet="tangent", theta=0.6, formulation=None, **scene):
+def drop(
+    mu=0.3,
+    amplitude=5e-3,
+    aside=0.0,
+    inlet="tangent",
+    theta=0.6,
+    formulation=None,
+    stiffness=1.0,
+    wider=0.0,
+    drag=WATER.before,
+    added=WATER.mass,
+    buoyancy=WATER.buoyancy,
+    mass=4.6,
+    height=0.0,
+    **scene,
+):
     """A short rod that falls in water through two cards into an S with a dashpot."""
-    rod = beam(law=Fall(WATER), masses=[(1.2, 1.0)], displacement=lambda s: aside + 0 * s[None])
-    narrow = [(0, 0.8e-3), (1.0, 0.8e-3), (1.1, 0.4e-3), (2.0, 0.4e-3)]
+    water = replace(WATER, before=drag, mass=added, buoyancy=buoyancy)
+    rod = beam(
+        law=Fall(water),
+        sections=Section(mass=3.0 * mass / 4.6, bending=40.0 * stiffness),
+        masses=[(1.2, mass / 4.6)],
+        displacement=lambda s: aside + 0 * s[None],
+    )
+    state = rod.state()
+    state["displacement"] = state["displacement"] + np.append(
+        np.zeros(rod.unknowns.bending), height
+    )
+    rod.restore(state)
+    clear = (np.array([0.5, 0.8, 0.4]) * 1e-3 + wider).tolist()
+    narrow = [(0, clear[1]), (1.0, clear[1]), (1.1, clear[2]), (2.0, clear[2])]
     bent = Tube(0.0, 2.0, narrow, Sine(amplitude, WAVE, inlet))
-    corridor = Guide([Card(-0.6, 0.5e-3), Card(-0.3, 0.5e-3), bent])
+    corridor = Guide([Card(-0.6, clear[0]), Card(-0.3, clear[0]), bent])
     law = () if formulation is None else (formulation,)
     contact = GuideContact(rod, "rods", corridor, *law, friction=mu, name="g")
     return Scene([rod], [contact], ThetaScheme(theta), **scene)
@@ -85,6 +120,16 @@ def evenly(s):
     return np.ones((1, len(s)))
 
 
+#: What is not in the contact: the rod, its water, its guide's width, where it starts.
+OTHERS = {
+    "stiffness": (1.0, lambda s: Stiffness(s.solids[0])),
+    "wider": (1e-4, lambda s: Widening(s.contacts[0])),
+    "drag": (WATER.before, lambda s: DriveLaw(s.solids[0], "water.before")),
+    "added": (WATER.mass, lambda s: DriveLaw(s.solids[0], "water.mass")),
+    "buoyancy": (WATER.buoyancy, lambda s: DriveLaw(s.solids[0], "water.buoyancy")),
+    "mass": (4.6, lambda s: Mass(s.solids[0])),
+    "height": (1e-2, lambda s: Start(s.solids[0], place=(0, 1))),
+}
 PARAMETERS = {
     "mu": (0.3, lambda s: Law(s.contacts[0])),
     "amplitude": (5e-3, bow),
@@ -140,6 +185,48 @@ def test_a_drop_through_an_s():
         np.testing.assert_array_equal(plain[column], run.history[column])
 
 
+def test_a_drop_by_rod_water_and_width():
+    """By stiffness, mass, water, the guide's clearances, and the height of the release."""
+    run = check(drop, dict(OTHERS, amplitude=(8e-3, bow)), 0.4, 5e-3, of_rod, shares=(2e-5,))
+    assert run.history["g.bearing"].max() >= 3 and grows(run.history)
+    assert (np.abs(run["z"][-1]) > 0).all()
+
+
+@pytest.mark.parametrize("formulation", [None, pytest.param("gap", marks=pytest.mark.long)])
+def test_the_instant_of_a_passing_from_one_adjoint(formulation):
+    """Against the tangents of the same run, and against central differences of the instant."""
+    values = {name: value for name, (value, _) in {**PARAMETERS, **OTHERS}.items()}
+    values["amplitude"], until, dt, levels = 8e-3, 0.4, 5e-3, (0.2, 0.35)
+
+    def asked(scene):
+        return {name: of(scene) for name, (_, of) in {**PARAMETERS, **OTHERS}.items()}
+
+    scene = drop(formulation=formulation, **values)
+    run = tangents(scene, until, dt, asked(scene), of_rod(scene))
+    scene = drop(formulation=formulation, **values)
+    instants = {f"t{level}": Instant("z", "v", level) for level in levels}
+    back = adjoints(scene, until, dt, asked(scene), of_rod(scene), functionals=instants, every=7)
+    np.testing.assert_array_equal(back.history["z"], run.history["z"])
+    for name in of_rod(scene):
+        np.testing.assert_allclose(back[name], run[name][-1], rtol=1e-8)
+    for level in levels:
+        time, gradient = passing(run, "z", "v", level)
+        assert back.values[f"t{level}"] == pytest.approx(time, rel=1e-14)  # parts of a run
+        np.testing.assert_allclose(back[f"t{level}"], gradient, rtol=1e-8)
+
+    def late(**changed):
+        scene = drop(formulation=formulation, **{**values, **changed})
+        probes = {name: quantity.value for name, quantity in of_rod(scene).items()}
+        history = scene.run(until, dt, probes=probes)
+        return np.array([instant(history)[0] for instant in instants.values()])
+
+    slopes = np.array([back[name] for name in instants]) * list(values.values())
+    for i, (name, value) in enumerate(values.items()):
+        h = 2e-5 * value
+        found = (late(**{name: value + h}) - late(**{name: value - h})) / (2 * h) * value
+        np.testing.assert_allclose(found, slopes[:, i], atol=1e-6 * np.abs(slopes).max(), rtol=0)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize(
     "how",
@@ -181,17 +268,17 @@ def test_the_time_of_a_rod_drop():
         def start(friction, kinked=kinked):
             a = demo.Assumed(friction=friction, kinked=kinked)
             rod, corridor = demo.rod(a), demo.guide(a)
-            demo.settle(rod, "rods", corridor)
+            settle(rod, "rods", corridor)
             contact = GuideContact(rod, "rods", corridor, demo.VELOCITY, friction, name="guide")
             return rod, contact, Scene([rod], [contact], demo.SCHEME)
 
         def time(friction, start=start):
-            rod, contact, scene = start(friction)
+            rod, _, scene = start(friction)
             probes = {"travel": lambda: rod.travel, "speed": lambda: rod.speed}
             history = scene.run(
                 1.6, 1e-3, probes=probes, stop_when=lambda: rod.travel >= demo.DASHPOT
             )
-            return demo.Drop(history, rod, contact).time_at(demo.DASHPOT)
+            return time_at(history, demo.DASHPOT)
 
         rod, contact, scene = start(0.3)
         quantities = {"z": Travel(rod), "v": Travel(rod, "velocity")}
@@ -265,6 +352,16 @@ def test_what_is_refused_in_guides():
     refused(rod, GuideContact(rod, "rods", Guide([bent]), name="g"), "second = None")
     with pytest.raises(InputError, match="GuideContact"):
         Bend(Contact(rod, "rods", HalfSpace((1, 0), (-1, 0))), Sine(1.0, 1.0))
+    with pytest.raises(InputError, match="must be that of a number"):
+        DriveLaw(beam(law=Fall(WATER)), "water.temperature")
+    with pytest.raises(InputError, match="springs or tension"):
+        Stiffness(beam(sections=Section(mass=3.0, bending=40.0, tension=5.0)))
+    rod = beam()
+    with pytest.raises(InputError, match="no quantity"):
+        adjoints(
+            Scene([rod], [inside(rod)], ThetaScheme(0.6)), 0.02, 0.01, {"m": Mass(rod)}, {},
+            functionals={"t": lambda history: (0.0, {"z": np.zeros(len(history))})},
+        )  # fmt: skip
     with pytest.raises(InputError, match="no turn"):
         Start(rod, turn=1.0)
     across = axis_mesh((0, 0, 0), (0, 0, 1), rods=(1.0, 4))

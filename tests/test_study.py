@@ -23,6 +23,7 @@ from fenicsx_contact.study import (
     Map,
     Sample,
     Study,
+    batch,
     judge,
     ladder,
     measure,
@@ -211,6 +212,34 @@ def test_maps_are_resumed(tmp_path):
     assert [v.kind for v in again["slope"]] == kinds
     assert len(file.read_text().splitlines()) == 4
     assert summary(first["slope"])["cells"] == 4
+
+
+def halved(x, kind):
+    """Half of a number, and the process that made it."""
+    return {"half": x / 2, "process": os.getpid()}
+
+
+def test_a_batch_goes_on(tmp_path):
+    """What is on file is not done again, what was cut off is, and other cases stay there."""
+    file = tmp_path / "new" / "lines.jsonl"
+    assert batch(halved, [], file) == [] and file.read_text() == ""
+    cases = [{"x": float(x), "kind": "a"} for x in range(5)]
+    first = batch(halved, cases, file, processes=2, progress=False)
+    assert [line["half"] for line in first] == [0, 0.5, 1, 1.5, 2]
+    assert os.getpid() not in {line["process"] for line in first}
+    lines = file.read_text().splitlines()
+    assert len(lines) == 5 and {**cases[0], "half": 0.0}.items() <= first[0].items()
+    file.write_text("\n".join(lines[:4]) + "\n" + lines[4][:9])  # killed while it wrote
+    lost = json.loads(lines[4])["x"]
+    others = [{"x": 3.0, "kind": "b"}, *reversed(cases)]
+    again = batch(halved, others, file, processes=1, progress=False)
+    assert [line["half"] for line in again] == [1.5, 2, 1.5, 1, 0.5, 0]
+    kept = [line for line in first if line["x"] != lost]
+    assert all(line in again for line in kept)
+    assert len(file.read_text().splitlines()) == 6
+    with pytest.raises(TypeError):
+        batch(halved, [{"x": None, "kind": "a"}], file, processes=1, progress=False)
+    assert len(file.read_text().splitlines()) == 6
 
 
 def test_what_is_shipped():

@@ -293,8 +293,8 @@ class PointValues:
         return np.asarray(values).reshape(len(self._points), -1).squeeze(axis=1)
 
 
-def cell_constants(mesh: Any, values: np.ndarray) -> Any:
-    """A coefficient that is constant in each cell, from values (cells,) (one process)."""
-    function = fem.Function(cellwise_space(mesh))
-    function.x.array[cell_dofs(function.function_space).ravel()] = values
+def cell_constants(space: Any, values: np.ndarray) -> Any:
+    """A coefficient of a :func:`cellwise_space` of scalars, from values (cells,) (one process)."""
+    function = fem.Function(space)
+    function.x.array[cell_dofs(space).ravel()] = values
     return function

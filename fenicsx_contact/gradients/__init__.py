@@ -2,11 +2,12 @@
 """Exact derivatives of runs, through impacts and friction: tangents and adjoints of the discrete
 steps. What is not supported is refused by name, where a derivative does not exist it is told."""
 
+from .beam_parameters import DriveLaw, Stiffness, Widening
 from .kinks import Kink, NoDerivative
 from .materials import Material, Modulus
 from .obstacles import Bend, ObstacleShift, Shape
 from .parameters import Gravity, Law, Mass, Parameter, Start
-from .passing import Passing, passing
+from .passing import Instant, Passing, passing
 from .quantities import At, Centre, Force, Kinetic, Pressure, Quantity, Strain, Travel, Turn
 from .results import Adjoints, Tangents
 from .sensitivities import adjoints, tangents
@@ -16,8 +17,10 @@ __all__ = [
     "At",
     "Bend",
     "Centre",
+    "DriveLaw",
     "Force",
     "Gravity",
+    "Instant",
     "Kinetic",
     "Kink",
     "Law",
@@ -32,10 +35,12 @@ __all__ = [
     "Quantity",
     "Shape",
     "Start",
+    "Stiffness",
     "Strain",
     "Tangents",
     "Travel",
     "Turn",
+    "Widening",
     "adjoints",
     "passing",
     "tangents",

@@ -10,7 +10,9 @@ Bending is linear, and so is axial motion but for the law that drives it. With u
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -18,6 +20,7 @@ import scipy.sparse as sp
 from ..base import checks
 from ..base.constants import KEPT
 from ..rods.beam import BeamSolid
+from ..rods.drive import AxialLaw
 from ..theory.theta import Step
 from .duals import Dual, variables
 from .motion import Motion, Row
@@ -52,7 +55,8 @@ class BeamMotion(Motion):
         solid = self.solid
         self.horizon = step.coming.dt
         self._bending = solid.matrices.flexibilities(step.span, step.force_rate)[0]
-        self._force, self._rate = self._law(step)
+        self._law_sees = self._sees(step)
+        self._force, self._rate = self._take(solid.law, variables(*self._law_sees), step)
         self._axial = solid.mass * step.inertia_rate + self._rate.value
         self._inner = Inner(step.gap_rate)
         self._end(solid.trial_velocity)
@@ -61,7 +65,11 @@ class BeamMotion(Motion):
         """Take up the velocity at the end."""
         self._change = velocity - self.solid.velocity
         # of F + c (u'+ - u'-), by travel, speed, mass and gravity
-        self._drive = self._force.slopes + self._rate.slopes * self._change[-1]
+        self._drive = self._driven(self._force, self._rate)
+
+    def _driven(self, force: Dual, rate: Dual) -> np.ndarray:
+        """Derivatives of F + c (u'+ - u'-)."""
+        return force.slopes + rate.slopes * self._change[-1]
 
     def with_velocity(self, velocity: np.ndarray) -> BeamMotion:
         """The same in a step that ends with another velocity."""
@@ -69,18 +77,25 @@ class BeamMotion(Motion):
         other._end(velocity)
         return other
 
-    def _law(self, step: Step) -> tuple[Dual, Dual]:
-        """F and c with their derivatives by travel, speed, mass and gravity."""
-        solid, law = self.solid, self.solid.law
-        force = rate = Dual(0.0, np.zeros(4))
+    def _sees(self, step: Step) -> tuple[float, float, float, float]:
+        """What the law reads: travel, speed, mass and gravity."""
+        solid = self.solid
+        place = solid.travel + step.scheme.force_weight * step.dt * solid.speed
+        return place, solid.speed, solid.mass, solid.gravity
+
+    def _take(
+        self, law: AxialLaw | None, sees: Sequence[Any], step: Step, size: int = 4
+    ) -> tuple[Dual, Dual]:
+        """F and c of a law with as many derivatives as there are."""
+        solid = self.solid
+        force = rate = Dual(0.0, np.zeros(size))
         if law is None:
             return force, rate
-        weight = step.scheme.force_weight
-        place = solid.travel + weight * step.dt * solid.speed
-        travel, speed, *others = variables(place, solid.speed, solid.mass, solid.gravity)
+        weight, (travel, speed, mass, gravity) = step.scheme.force_weight, sees
         try:
             rate += law.added_mass(travel) / step.span
-            for each in law.forces(travel, speed, *others, step.dt) if step.dt else ():
+            forces = law.forces(travel, speed, mass, gravity, step.dt) if step.dt else ()
+            for each in forces:
                 force += each.value
                 rate -= weight * (each.by_speed + step.gap_rate * each.by_travel)
         except (TypeError, AttributeError) as error:
@@ -117,7 +132,12 @@ class BeamMotion(Motion):
         rows = np.zeros(self.size) + parameter.momentum(solid, self._change) * step.inertia_rate
         if step.loaded:
             rows = rows - step.load_weight * parameter.load(solid)
+            start, end = solid.displacement, solid.velocity + self._change
+            end = start + step.increment(solid.velocity, end, None)
+            rows = rows + parameter.internal(solid, step.linear_mean(start, end))
         rows[-1] += self._drive[2:] @ parameter.driven(solid)
+        if (law := parameter.law(solid)) is not None:
+            rows[-1] += self._driven(*self._take(law, self._law_sees, step, 1))[0]
         return self.lift(rows)
 
     def lift(self, forces: np.ndarray) -> np.ndarray:

@@ -130,13 +130,11 @@ class GuideRows(ContactRows):
         if self._back:
             by_slope = self._weights()[2] @ new.normal_by[:, :, None]
             result += by_slope[:, :, 0] * (new.slope @ self._back.by(parameter))[:, None]
-        before, after = (parameter.bend(self.contact, sight.depth) for sight in (old, new))
-        if before is not None and after is not None:
+        (slope, gap), (_, before) = new.moved(parameter), old.moved(parameter)
+        if slope.any() or gap.any() or before.any():
             _, _, by_normal, by_gap, by_end = self._weights()
-            slope, gap = new.bent(*after)
             result += (by_normal @ (new.normal_by * slope[:, None])[:, :, None])[:, :, 0]
-            result += by_end[:, :, 0] * gap[:, None]
-            result += by_gap[:, :, 0] * old.bent(*before)[1][:, None]
+            result += by_end[:, :, 0] * gap[:, None] + by_gap[:, :, 0] * before[:, None]
         return result[:, d:].ravel(), -result[:, :d].ravel()
 
     def spread(self, forces: np.ndarray) -> Any:

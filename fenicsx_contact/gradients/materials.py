@@ -100,8 +100,8 @@ class Material(OfSolid):
 
 def _number(solid: DeformableSolid, value: float) -> Any:
     """A number as a field, by which UFL can differentiate."""
-    number = compat.cell_constants(solid.mesh.mesh, np.full(_cells(solid), value))
-    return number
+    space = compat.cellwise_space(solid.mesh.mesh)
+    return compat.cell_constants(space, np.full(_cells(solid), value))
 
 
 def _one(number: Any) -> Any:

@@ -101,9 +101,11 @@ class Bend(Parameter):
         same = SAME * float(np.ptp(contact.obstacle.stations))
         self._within = top - same, bottom + same
 
-    def bend(self, contact: Contact, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    def bend(
+        self, contact: Contact, depth: np.ndarray
+    ) -> tuple[np.ndarray | float, np.ndarray | float]:
         if contact is not self.contact:
-            return None
+            return 0.0, 0.0
         inside = (depth >= self._within[0]) & (depth <= self._within[1])
         curve = self.curve
         offset, slope = np.zeros((2, len(depth)))

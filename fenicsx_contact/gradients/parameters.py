@@ -12,6 +12,7 @@ import numpy as np
 from ..base import checks
 from ..contact.contact import Contact
 from ..rods.beam import BeamSolid
+from ..rods.drive import AxialLaw
 from ..rods.sections import Lateral, values_of
 from ..solids import DeformableSolid, RigidSolid, Solid
 from .forms import ByConstant
@@ -46,15 +47,26 @@ class Parameter:
         its outward normals there, (n, d)."""
         return None
 
-    def bend(self, contact: Contact, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    def bend(
+        self, contact: Contact, depth: np.ndarray
+    ) -> tuple[np.ndarray | float, np.ndarray | float]:
         """How the centre line of a contact's guide moves at depths (n,), m, and the slope of
         that, (n,) each."""
-        return None
+        return 0.0, 0.0
+
+    def widened(self, contact: Contact, depth: np.ndarray) -> np.ndarray | float:
+        """Changes of the clearance of a contact's guide at depths (n,), (n,) in m."""
+        return 0.0
 
     def driven(self, solid: Solid) -> tuple[float, float]:
         """Changes of what the law that drives a beam reads: its mass, kg, and gravity along the
         travel, m/s²."""
         return 0.0, 0.0
+
+    def law(self, solid: Solid) -> AxialLaw | None:
+        """The law that drives a beam, where a number of its own changes: with a
+        :class:`~.duals.Dual` in its place."""
+        return None
 
     def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
         """Refuse a scene in which it does not stand."""

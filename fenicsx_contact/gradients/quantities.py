@@ -14,7 +14,7 @@ from ..base.constants import SAME
 from ..contact.contact import Contact
 from ..rods.beam import BeamSolid
 from ..solids import DeformableSolid, RigidSolid, Solid
-from .duals import variables
+from .duals import Dual, variables
 from .parameters import Parameter
 
 
@@ -165,8 +165,9 @@ class Strain:
         return self.solid.unknowns.stiffness @ u, np.zeros_like(u)
 
     def explicit(self, parameter: Parameter) -> float:
-        """None."""
-        return 0.0
+        """By the stiffness."""
+        u = self.solid.displacement
+        return 0.5 * float(np.sum(u * parameter.internal(self.solid, u)))
 
 
 class Kinetic:
@@ -194,9 +195,13 @@ class Kinetic:
         return np.zeros_like(momentum), momentum
 
     def explicit(self, parameter: Parameter) -> float:
-        """By the mass."""
-        v = self.solid.velocity
-        return float(np.sum(0.5 * v * parameter.momentum(self.solid, v)))
+        """By the mass, and by that of the water."""
+        solid, v = self.solid, self.solid.velocity
+        energy = float(np.sum(0.5 * v * parameter.momentum(solid, v)))
+        if isinstance(solid, BeamSolid) and (law := parameter.law(solid)) is not None:
+            added = law.added_mass(solid.travel)
+            energy += 0.5 * float((added + Dual(0.0, np.zeros(1))).slopes[0]) * solid.speed**2
+        return energy
 
 
 class OfContact:

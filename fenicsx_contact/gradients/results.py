@@ -62,11 +62,11 @@ class Tangents(_OneSided):
 
 @dataclass
 class Adjoints(_OneSided):
-    """A run and the derivatives of what it ends with.
+    """A run and the derivatives of what it ends with, and of functionals of all of it.
 
     Attributes:
-        history: of the run.
-        values: of the quantities, at its end.
+        history: of the run; its probes are the quantities.
+        values: of the quantities, at its end, and of the functionals.
         parameters: their names.
         kinks: where the derivatives may not exist; then they are of one side.
         kept: states that were kept on the way.
@@ -80,5 +80,6 @@ class Adjoints(_OneSided):
     _gradients: dict[str, np.ndarray]
 
     def one_sided(self, name: str) -> np.ndarray:
-        """Derivatives of a quantity by the parameters, (parameters,), of one side if need be."""
+        """Derivatives of a quantity or functional by the parameters, (parameters,), of one side if
+        need be."""
         return self._gradients[name]

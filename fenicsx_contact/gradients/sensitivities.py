@@ -26,6 +26,7 @@ from .linearise import Linearisation
 from .parameters import Parameter, among
 from .quantities import OfContact, Quantity
 from .results import Adjoints, Tangents
+from .seeds import Functional, Seeds, explicit, gradient
 
 
 def tangents(
@@ -61,7 +62,7 @@ def tangents(
     size = len(parameters)
     columns: dict[str, list[np.ndarray]] = {"time": [np.zeros(size)]}
     for name, quantity in quantities.items():
-        columns[name] = [_gradient(linear, quantity) @ state + _explicit(parameters, quantity)]
+        columns[name] = [gradient(linear, quantity) @ state + explicit(parameters, quantity)]
     names = [_forces(rows.contact) for rows in linear.contacts]
     columns |= {name: [np.zeros(size)] for each in names for name in each}
     x: np.ndarray | None = None
@@ -80,7 +81,7 @@ def tangents(
     def probe(name: str, quantity: Quantity) -> Callable[[], float]:
         def measure() -> float:
             if x is not None:  # the start was measured before
-                row = _gradient(linear, quantity, len(x)) @ x + _explicit(parameters, quantity)
+                row = gradient(linear, quantity, len(x)) @ x + explicit(parameters, quantity)
                 columns[name].append(row)
             return float(quantity.value())
 
@@ -101,9 +102,11 @@ def adjoints(
     parameters: Mapping[str, Parameter],
     quantities: Mapping[str, Quantity],
     *,
+    functionals: Mapping[str, Functional] | None = None,
     every: int | None = None,
 ) -> Adjoints:
-    """Run a scene by uniform steps, and go back for the derivatives of quantities at its end.
+    """Run a scene by uniform steps, and go back for the derivatives of quantities at its end, and
+    of functionals of all of it.
 
     States are kept every so many steps; from each the steps up to the next are run once more and
     gone back through. Memory grows with the root of the number of steps; the run is done twice.
@@ -112,7 +115,10 @@ def adjoints(
         scene: the scene; the derivatives are by its state as it is.
         until, dt: as for :meth:`~fenicsx_contact.scene.Scene.run`.
         parameters: by name, see :mod:`~.parameters`.
-        quantities: by name, see :mod:`~.quantities`.
+        quantities: by name, see :mod:`~.quantities`; they are probes of the run.
+        functionals: by name: functions of the history that give a value, and its derivatives by
+            the rows (rows,) of quantities, and of ``"time"``, by their names; such as
+            :class:`~.passing.Instant`.
         every: keep a state every so many steps; default: the root of their number.
 
     Raises:
@@ -129,10 +135,12 @@ def adjoints(
     ends = [min(k * each, count) for k in range(1, ceil(count / each) + 1)]
     begin = linear.start()
 
-    kept, history = [], History(scene.columns)
+    probes = {name: quantity.value for name, quantity in quantities.items()}
+    kept, firsts, history = [], [], History((*scene.columns, *quantities))
     for end in ends:
         kept.append({name: np.array(value) for name, value in scene.state().items()})
-        part = scene.run(first + end * dt, dt, progress=False)
+        firsts.append(max(len(history) - 1, 0))
+        part = scene.run(first + end * dt, dt, progress=False, probes=probes)
         if not part.finished:
             raise checks.InputError(f"adjoints: the run {part.reason}")
         _refuse_halved(scene, part, first, dt)
@@ -141,32 +149,31 @@ def adjoints(
         history.remarks += part.remarks
     history.reason, history.times = part.reason, part.times
     last = scene.state()
-    values = {name: quantity.value() for name, quantity in quantities.items()}
-    after: np.ndarray | None = None  # what the end depends on
-    by = np.stack([_explicit(parameters, quantity) for quantity in quantities.values()], axis=1)
+    seeds = Seeds(linear, parameters, quantities, functionals or {}, history)
 
+    after, by = (np.zeros((n, len(seeds.values))) for n in (linear.size, len(parameters)))
     found: list[Kink] = []
-    for end, start in zip(reversed(ends), reversed(kept)):
+    for end, start, row in zip(reversed(ends), reversed(kept), reversed(firsts)):
         scene.restore(start)
         steps: list[tuple[Trial, LinearStep]] = []
+        seeds.begin(row)
 
         def watch(trial: Trial, steps: list[tuple[Trial, LinearStep]] = steps) -> None:
             steps.append((trial, linear.step(trial)))
+            seeds.unknowns = len(steps[-1][1])
             found.extend(linear.kinks(trial, scene.stepper.resolution, None, None))
 
         with _watching(scene, watch):
-            scene.run(first + end * dt, dt, progress=False)
-        if after is None:
-            size = len(steps[-1][1])
-            rows = [_gradient(linear, quantity, size) for quantity in quantities.values()]
-            after = np.stack(rows, axis=1)
-        for trial, step in reversed(steps):
-            after, more = step.adjoint(after)
-            by = _finite(trial, by + more)
+            scene.run(first + end * dt, dt, progress=False, probes={"seeds": seeds})
+        for (trial, step), (seed, more) in zip(reversed(steps), reversed(seeds.found)):
+            seed[: linear.size] += after
+            after, passed = step.adjoint(seed)
+            by = _finite(trial, by + more + passed)
+    seed, more = seeds.found[0]
     scene.restore(last)
-    gradient = by + begin.T @ after
-    gradients = {name: gradient[:, i] for i, name in enumerate(quantities)}
-    return Adjoints(history, values, tuple(parameters), found, len(kept), gradients)
+    by = by + more + begin.T @ (after + seed)
+    gradients = dict(zip(seeds.values, by.T))
+    return Adjoints(history, seeds.values, tuple(parameters), found, len(kept), gradients)
 
 
 def _checked(
@@ -203,22 +210,6 @@ def _finite(trial: Trial, values: np.ndarray) -> np.ndarray:
     if not np.isfinite(values).all():
         raise NoDerivative(f"t = {trial.step.end:.9g} s: the linearised step is singular")
     return values
-
-
-def _gradient(linear: Linearisation, quantity: Quantity, unknowns: int = 0) -> np.ndarray:
-    """By the state, or by as many unknowns of the step that was linearised last."""
-    result, (q, v) = np.zeros(unknowns or linear.size), quantity.gradient()
-    result[linear.part("q", quantity.solid)] = q
-    result[linear.part("v", quantity.solid)] = v
-    if unknowns and isinstance(quantity, OfContact):
-        points, pressures, forces = linear.bearing(quantity.contact)
-        by_pressure, by_force = quantity.borne(points)
-        result[pressures], result[forces] = -by_pressure, by_force.ravel()
-    return result
-
-
-def _explicit(parameters: Mapping[str, Parameter], quantity: Quantity) -> np.ndarray:
-    return np.array([quantity.explicit(parameter) for parameter in parameters.values()])
 
 
 def _forces(contact: Any) -> list[str]:

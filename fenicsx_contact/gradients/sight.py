@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..rods import GuideContact
+from .parameters import Parameter
 
 
 class Sight:
@@ -32,6 +33,7 @@ class Sight:
     def __init__(
         self, contact: GuideContact, points: np.ndarray, displacement: np.ndarray, seen: float
     ) -> None:
+        self._contact = contact
         rod, guide = contact.solid.rod, contact.obstacle
         axis, k, m, n = rod.axis, rod.matrices, len(points), len(displacement)
         self._along = axis.along(contact.surface.points[points])
@@ -95,8 +97,10 @@ class Sight:
         away = self._stands & ((self._along < low) | (self._along > high))
         self.gap[away], self.gap_slides[away] = 0.0, 0.0
 
-    def bent(self, offset: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Changes of the slope a and of the gap where the centre line moves by an offset (k,), m,
-        with this slope (k,)."""
+    def moved(self, parameter: Parameter) -> tuple[np.ndarray, np.ndarray]:
+        """Changes of the slope a and of the gap where a parameter moves or widens the guide, (k,)
+        each."""
+        offset, slope = parameter.bend(self._contact, self.depth)
         change = self._side * slope * ~self._stands
-        return change, self._gap(-(self._side * offset)[:, None], change[:, None])[:, 0]
+        nearer = -self._side * offset - parameter.widened(self._contact, self.depth)
+        return change, self._gap(nearer[:, None], change[:, None])[:, 0]

@@ -52,6 +52,7 @@ class BeamMatrices:
     ) -> None:
         mesh = axis.mesh
         scalars, pairs = compat.lagrange_space(mesh), compat.component_space(mesh, 2)
+        cells = compat.cellwise_space(mesh)
         s = axis.along(scalars.tabulate_dof_coordinates()[:, : axis.dim])
         order = np.argsort(s)
         self.s = s[order]
@@ -78,7 +79,7 @@ class BeamMatrices:
         self.shapes = shape_functions(h[along], ratio[along])
 
         def field(numbers: np.ndarray) -> ufl.core.expr.Expr:
-            return compat.cell_constants(mesh, numbers)
+            return compat.cell_constants(cells, numbers)
 
         e = ufl.as_vector(axis.direction.tolist())
         dx, nodal = ufl.dx(mesh), compat.nodal_measure(mesh)

@@ -32,6 +32,7 @@ class BeamUnknowns:
         self.own_masses = np.concatenate([np.tile(own, self.planes), k.axial_mass])
         blocks = [*[k.bending_stiffness] * self.planes, k.axial_stiffness]
         self.stiffness = scipy.sparse.block_diag(blocks, format="csr")
+        self.stiffness.eliminate_zeros()  # which it keeps of dense blocks
 
     def split(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Views of the unknowns: (w, psi) by node in each plane, (d - 1, 2m), and axial."""

@@ -3,9 +3,11 @@
 
 A :class:`Problem` is a scene with its reference. A :class:`Study` runs it under ladders of settings
 and measures error and run time; a :class:`Map` runs it over a grid of two axes and judges each
-cell. Those of the demos stand beside them, in ``demos/problems``.
+cell. Those of the demos stand beside them, in ``demos/problems``. A :func:`batch` is any function
+of many cases, over the processes of a machine.
 """
 
+from .batch import batch
 from .judge import CLASSES, Verdict, judge
 from .maps import Axis, Map, run_maps, summary
 from .measure import Sample, Study, ladder, measure, pareto, rate, table
@@ -19,6 +21,7 @@ __all__ = [
     "Sample",
     "Study",
     "Verdict",
+    "batch",
     "judge",
     "ladder",
     "measure",

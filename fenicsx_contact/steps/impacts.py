@@ -35,9 +35,8 @@ MAX_FLIGHTS, INSTANT = 50, 1e-13
 Flight = tuple[Trial, float, float, float]
 
 
-class _Crossing:
-    """What both keep: accelerations of the last part, m/s², by which the geometry of the next
-    one is guessed. That spares a linearisation, and changes nothing that is solved.
+class UniformImpacts:
+    """Crosses steps with impacts at their start.
 
     Args:
         scheme: of the scene.
@@ -45,31 +44,6 @@ class _Crossing:
 
     def __init__(self, scheme: Scheme) -> None:
         self._scheme = scheme
-        self._rates: list[np.ndarray] | None = None
-
-    def _attempt(self, stepper: StepTaker, step: Step, closing: bool = True) -> Trial:
-        rates, self._rates = self._rates, None  # not those of a step that fails
-        trial = stepper.attempt(step, closing, rates)
-        self._rates = stepper.mean_accelerations(step)
-        return trial
-
-    def _strike(self, stepper: StepTaker, dt: float, remarks: list[str]) -> list[float]:
-        self._rates = None
-        trial = stepper.attempt(Step(0.0, self._scheme, stepper.time, dt))
-        remarks.extend(trial.remarks)
-        return stepper.accept(trial)
-
-    def state(self) -> dict[str, np.ndarray]:
-        """The arrays from which :meth:`restore` continues identically."""
-        return {f"rate.{i}": rate for i, rate in enumerate(self._rates or [])}
-
-    def restore(self, state: Mapping[str, np.ndarray]) -> None:
-        """Take up a state that :meth:`state` gave."""
-        self._rates = [np.array(state[f"rate.{i}"]) for i in range(len(state))] or None
-
-
-class UniformImpacts(_Crossing):
-    """Crosses steps with impacts at their start."""
 
     def cross(self, stepper: StepTaker, dt: float, remarks: list[str]) -> Iterator[list[float]]:
         """Cross ``dt`` seconds; yields a row of the history after each impact and at the end.
@@ -79,14 +53,33 @@ class UniformImpacts(_Crossing):
         """
         step = Step(dt, self._scheme, stepper.time)
         if stepper.struck(step):
-            yield self._strike(stepper, dt, remarks)
-        trial = self._attempt(stepper, step)
-        remarks.extend(trial.remarks)
-        yield stepper.accept(trial)
+            yield _accept(stepper, Step(0.0, self._scheme, stepper.time, dt), remarks)
+        yield _accept(stepper, step, remarks)
+
+    def state(self) -> dict[str, np.ndarray]:
+        """The arrays from which :meth:`restore` continues identically: none."""
+        return {}
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Take up a state that :meth:`state` gave."""
 
 
-class LocatedImpacts(_Crossing):
-    """Crosses steps from impact to impact."""
+def _accept(stepper: StepTaker, step: Step, remarks: list[str]) -> list[float]:
+    trial = stepper.attempt(step)
+    remarks.extend(trial.remarks)
+    return stepper.accept(trial)
+
+
+class LocatedImpacts:
+    """Crosses steps from impact to impact.
+
+    Args:
+        scheme: of the scene.
+    """
+
+    def __init__(self, scheme: Scheme) -> None:
+        self._scheme = scheme
+        self._rates: list[np.ndarray] | None = None  # accelerations in the last flight, m/s²
 
     def cross(self, stepper: StepTaker, dt: float, remarks: list[str]) -> Iterator[list[float]]:
         """Cross ``dt`` seconds; yields a row of the history after each part and impact.
@@ -110,16 +103,28 @@ class LocatedImpacts(_Crossing):
                 yield self._strike(stepper, dt, remarks)
             if left <= 1e-9 * dt:
                 return
-        trial = self._attempt(stepper, Step(left, self._scheme, stepper.time, dt))
-        remarks.extend(trial.remarks)
-        yield stepper.accept(trial)
+        yield _accept(stepper, Step(left, self._scheme, stepper.time, dt), remarks)
+
+    def _strike(self, stepper: StepTaker, dt: float, remarks: list[str]) -> list[float]:
+        self._rates = None
+        return _accept(stepper, Step(0.0, self._scheme, stepper.time, dt), remarks)
 
     def _fly(self, stepper: StepTaker, length: float, whole: float) -> Flight:
         """A part of the whole step as if no open point could close."""
         step = Step(length, self._scheme, stepper.time, whole)
-        trial = self._attempt(stepper, step, closing=False)
+        rates, self._rates = self._rates, None  # not those of a step that fails
+        trial = stepper.attempt(step, closing=False, rates=rates)
+        self._rates = stepper.mean_accelerations(step)
         nothing = (-np.inf, 0.0, 0.0)
         return trial, *max((arrival(c) for c in stepper.contacts), default=nothing)
+
+    def state(self) -> dict[str, np.ndarray]:
+        """The arrays from which :meth:`restore` continues identically."""
+        return {f"rate.{i}": rate for i, rate in enumerate(self._rates or [])}
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Take up a state that :meth:`state` gave."""
+        self._rates = [np.array(state[f"rate.{i}"]) for i in range(len(state))] or None
 
 
 def _arrive(fly: Callable[[float], Flight], flight: Flight, tolerance: float) -> Trial:

@@ -52,25 +52,33 @@ class Direct:
     def _by_mumps(self) -> bool:
         return str(self._solver.getPC().getFactorSolverType()) == "mumps"
 
-    def factor(self) -> None:
-        """Factor the matrix, if it has changed."""
+    def factor(self) -> bool:
+        """Factor the matrix, if it has changed; False where MUMPS finds it singular."""
         self._solver.setUp()
-        while self._by_mumps and self._solver.getPC().getFactorMatrix().getMumpsInfog(1) in LACKS:
+        while (found := self._complaint()) in LACKS:
             self._room *= 2
             self._solver.destroy()
             self._make()
             self._solver.setUp()
+        return found >= 0
+
+    def _complaint(self) -> int:
+        """MUMPS' error, negative; it must not be asked to solve after one."""
+        return self._solver.getPC().getFactorMatrix().getMumpsInfog(1) if self._by_mumps else 0
 
     def solve(self, right: PETSc.Vec, left: PETSc.Vec) -> bool:
         """Whether there is a solution."""
-        self.factor()
+        if not self.factor():
+            return False
         self._solver.solve(right, left)
         return bool(self._solver.getConvergedReason() >= 0)
 
     def solve_many(self, right: PETSc.Mat, left: PETSc.Mat) -> None:
         """For dense columns, on one process."""
-        self.factor()
-        self._solver.getPC().getFactorMatrix().matSolve(right, left)
+        if self.factor():
+            self._solver.getPC().getFactorMatrix().matSolve(right, left)
+        else:
+            left.getDenseArray()[:] = np.nan
 
     def refactor(self) -> None:
         """The matrix has new values; it is factored when it is next needed."""

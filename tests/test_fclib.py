@@ -30,6 +30,7 @@ from fenicsx_contact import (
     write_fclib,
 )
 from fenicsx_contact.base.checks import StepFailed
+from fenicsx_contact.solve.newton import NotConverged
 
 
 def chance(contacts=4, dim=3, seed=1):
@@ -233,12 +234,17 @@ def test_a_contact_without_friction():
     )
 
 
+class NoneFound(Newton):
+    """A method that solves nothing."""
+
+    def solve(self, system):
+        raise NotConverged("nothing is found")
+
+
 def test_a_step_that_fails_gives_its_problem():
-    """One Newton step and the method of multipliers do not solve these by round-off's tolerance."""
     body, floor = block(velocity=falling((0.5, -1.0)))
-    contact = Contact(body, "base", floor, friction=0.3)
-    scene = Scene([body], [contact], newton=Newton(tolerance=1e-59))
-    with pytest.raises(StepFailed):
+    scene = Scene([body], [Contact(body, "base", floor, friction=0.3)], newton=NoneFound())
+    with pytest.raises(StepFailed, match="nothing is found"):
         next(scene.step(1e-3))
     problem = frictional_problem(scene, 1e-3)
     assert problem.title == "impact at t = 0 s" and problem.solve().error < 1e-10
@@ -428,7 +434,7 @@ def test_other_kinds_of_matrices_are_read(tmp_path):
         ),
         ("fclib_local/vectors/q", [np.nan] * 12, r"q = nan at \(0,\)"),
         ("fclib_local/W/nz", [-3], r"W/nz = -3: must be -1, -2 or a number"),
-        ("fclib_local/W/m", [11], "FCLib's layout; row index values must be < 11"),
+        ("fclib_local/W/m", [11], "FCLib's layout; .* must be < 11"),
         ("fclib_local/W/i", np.full(144, 99), "FCLib's layout; "),
         ("fclib_local/W", [1.0], "FCLib's layout; "),
         ("fclib_local/spacedim", [7], r"dim = 7: must be 2 or 3"),

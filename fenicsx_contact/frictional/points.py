@@ -74,15 +74,24 @@ class Points:
         system = SurfaceSystem([e], ["points"], hyperstatic=np.linalg.matrix_rank(W) < len(W))
         system.arrange()
         system.begin(q, W)
-        reason = ""
         try:
-            solution = newton.solve(system)
+            solution, reason = _solved(system, newton), ""
         except NotConverged as failure:
-            reason = str(failure)
-            solution = Solution(system.force(), 0, system.worst)
+            solution, reason = Solution(system.force(), 0, system.worst), str(failure)
         force = np.zeros(len(q))
         force[order] = solution.force.reshape(-1, d)[e.candidates].ravel()
         return force, solution, reason
+
+
+def _solved(system: SurfaceSystem, newton: Newton) -> Solution:
+    """As in a step; where that ends without a solution once more from there: the method of
+    multipliers is slow, and Newton's method ends what it came near. A step would be halved."""
+    try:
+        return newton.solve(system)
+    except NotConverged as failure:
+        found = newton.solve(system)
+        found.remarks.insert(0, str(failure))
+        return found
 
 
 @lru_cache(maxsize=KEPT)

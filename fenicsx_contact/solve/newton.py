@@ -77,12 +77,9 @@ class Newton:
         if system.worst <= rough:
             return Solution(system.force(), iterations, system.worst)
         remark = system.flips()
-        steps, enough = method_of_multipliers(system, self.tolerance), self.tolerance
+        steps = method_of_multipliers(system, self.tolerance)
         remark += f"; method of multipliers took over, {steps} steps"
-        if not system.worst <= enough:  # it is slow, but may have come near
-            more, enough = self._iterate(system)
-            steps += more
-        if not system.worst <= enough:  # NaN is not
+        if not system.worst <= self.tolerance:  # NaN is not
             raise NotConverged(f"{system.stall()}; {remark}")
         return Solution(system.force(), iterations + steps, system.worst, [remark])
 

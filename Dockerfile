@@ -9,7 +9,7 @@ FROM debian:12-slim
 RUN apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends \
         python3-dolfinx python3-gmsh python3-meshio python3-matplotlib python3-scipy python3-tqdm \
         python3-pytest python3-pytest-xdist python3-hypothesis python3-venv libegl1 mpi-default-bin \
-        libopenblas0-serial \
+        libopenblas0-serial python3-h5py \
     && rm -rf /var/lib/apt/lists/*
 
 COPY . /fenicsx_contact

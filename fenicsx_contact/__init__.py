@@ -21,6 +21,13 @@ from .contact.shapes.revolution import Revolution  # noqa: E402
 from .contact.shapes.triangulated import Triangulated  # noqa: E402
 from .contact.torques import torques  # noqa: E402
 from .contact.wall import Obstacle  # noqa: E402
+from .frictional import (  # noqa: E402
+    FrictionalProblem,
+    FrictionalSolution,
+    frictional_problem,
+    read_fclib,
+    write_fclib,
+)
 from .output.history import History  # noqa: E402
 from .output.storage import read_history  # noqa: E402
 from .rods.axis import AxisMesh, axis_mesh  # noqa: E402
@@ -86,6 +93,8 @@ __all__ = [
     "ElasticSolid",
     "EnergyMomentum",
     "Fall",
+    "FrictionalProblem",
+    "FrictionalSolution",
     "Gap",
     "GeneralisedAlpha",
     "GuideTubeWater",
@@ -121,12 +130,15 @@ __all__ = [
     "Wedge",
     "axis_mesh",
     "ciarlet",
+    "frictional_problem",
     "mesh_from_file",
     "mesh_from_gmsh",
     "name_facets",
     "name_points",
     "neo_hookean",
+    "read_fclib",
     "read_history",
     "st_venant_kirchhoff",
     "torques",
+    "write_fclib",
 ]

@@ -748,3 +748,50 @@ subject(
     {"path": ("path", "history.json")},
     path=st.nothing(),
 )
+
+PROBLEM = fc.FrictionalProblem(np.eye(6), np.ones(6), [0.1, 0.2])
+SOLUTION = PROBLEM.solve()
+subject(
+    "FrictionalProblem",
+    lambda **k: fc.FrictionalProblem(
+        **{"W": np.eye(6), "q": np.ones(6), "mu": [0.1, 0.2], "dim": 3, **k}
+    ),
+    {"dim": ("dim", "W"), "W": ("W", "q", "mu")},
+    W=fixed(np.eye(6), 2 * np.ones((6, 6))),
+    q=numbers(6),
+    mu=st.tuples(SHARE, SHARE),
+    dim=fixed(3),
+    title=NAME,
+    description=NAME,
+    frames=fixed(None, np.stack([np.eye(3)] * 2)),
+    points=fixed({}, {"a": np.arange(2)}),
+)
+subject(
+    "FrictionalSolution",
+    lambda **k: fc.FrictionalSolution(**{"u": SOLUTION.u, "r": SOLUTION.r, "error": 0.0, **k}),
+    u=fixed(SOLUTION.u),
+    r=fixed(SOLUTION.r),
+    error=SHARE,
+)
+subject(
+    "frictional_problem",
+    lambda **k: fc.frictional_problem(**{"scene": None, "dt": 1e-3, **k}),
+    {"dt": ("dt", "scene")},
+    scene=st.nothing(),
+    dt=sized(-4, 0),
+)
+subject(
+    "read_fclib",
+    lambda **k: fc.read_fclib(**{"path": MESHES / "none", **k}),
+    {"path": ("path",)},
+    path=st.nothing(),
+)
+subject(
+    "write_fclib",
+    lambda **k: fc.write_fclib(**{"path": "a.hdf5", "problem": PROBLEM, **k}),
+    {"guesses": ("guesses",)},
+    path=fixed("a.hdf5"),
+    problem=fixed(PROBLEM),
+    solution=fixed(None, SOLUTION),
+    guesses=fixed([], [SOLUTION]),
+)

@@ -211,6 +211,22 @@ def test_friction_truth(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.strip().splitlines()[-1].startswith("ours: errors up to")
 
 
+def test_frictional_problems(tmp_path, monkeypatch, capsys):
+    """All but sliding stacks, which are at friction's bound everywhere, are solved to 1e-8."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SICONOS_PYTHON", "/nowhere/python")
+    demo = load("frictional_problems")
+    summary = demo.main(quick=True)
+    assert summary["missing"].startswith("left out")
+    assert len(summary["rows"]) == summary["problems"] >= 40
+    easy = [row for row in summary["rows"] if "sliding" not in row["family"]]
+    assert demo.solved(easy, "ours") == len(easy)
+    assert len(list((demo.RESULTS / "problems").glob("*.hdf5"))) == summary["problems"]
+    assert (demo.RESULTS / "frictional_problems.png").stat().st_size > 5000
+    last = capsys.readouterr().out.strip().splitlines()[-1]
+    assert last.startswith(f"ours: {summary['solved']['ours']} of {summary['problems']} problems")
+
+
 def test_fe_truth(tmp_path, monkeypatch, capsys):
     """The profile within 4 % on some 900 cells, and a third of that on half the size; the patch."""
     monkeypatch.chdir(tmp_path)

@@ -24,7 +24,7 @@ FLOORS = [
     ["solve", "output"],
     ["steps"],
     ["scene"],
-    ["rods"],
+    ["rods", "frictional"],
     ["gradients"],
     ["references"],
     ["study"],

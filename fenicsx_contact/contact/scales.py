@@ -37,7 +37,7 @@ class Scales:
             mobility = self._coupling.mobility()
             along = (mobility * normal**2).sum(axis=1)
             across = (mobility.sum(axis=1) - along) / (normal.shape[1] - 1)
-            self._units = np.array([_inverse(each * weight) for each in (along, across)])
+            self._units = np.array([inverse(each * weight) for each in (along, across)])
             if len(self._coupling.solids) > 1:
                 self._units *= MEETING
             self._octave, self._mobility = octave, float(mobility.max())
@@ -58,7 +58,7 @@ class Scales:
         self._octave, self._mobility = map(float, state["octave"])
 
 
-def _inverse(flexible: np.ndarray) -> np.ndarray:
+def inverse(flexible: np.ndarray) -> np.ndarray:
     """1 over these, (n,); where they vanish (held points, points without area) as at the median of
     the others, or 1."""
     there = flexible > 0

@@ -26,6 +26,7 @@ class Condensed:
 
     Attributes:
         near: the error up to which derivatives of the geometry are used.
+        surfaces: the surface problem.
         patient: whether old tangents of the solids may serve: a new one costs a new compliance.
     """
 
@@ -34,12 +35,12 @@ class Condensed:
 
     def __init__(self, assembly: Assembly) -> None:
         self._all = assembly
-        self._surfaces = assembly.surface_system()
+        self.surfaces = assembly.surface_system()
         self._force: np.ndarray | float = 0.0  # of the last state
 
     def restart(self) -> None:
         """A step begins: what is kept between iterations is that of the state."""
-        self._surfaces.forget()
+        self.surfaces.forget()
         self._force = 0.0
 
     def free(self) -> np.ndarray:
@@ -49,9 +50,9 @@ class Condensed:
 
     def freeze(self, step: Step) -> SurfaceSystem:
         """The contact problem with solids and geometry linearised as they are, after `free`."""
-        active = self._surfaces.arrange()
-        self._surfaces.begin(self._free[active], self._all.compliance(active))
-        return self._surfaces
+        active = self.surfaces.arrange()
+        self.surfaces.begin(self._free[active], self._all.compliance(active))
+        return self.surfaces
 
     def carry(self, step: Step, force: np.ndarray) -> None:
         """Move the solids under the forces on all points, flat in N."""
@@ -67,15 +68,15 @@ class Condensed:
     def begin(self, step: Step) -> tuple[float, np.ndarray]:
         """Residual of the present state: its largest relative error, and the forces on all points
         (flat, N)."""
-        active = self._surfaces.arrange()
-        self._surfaces.begin(self.free()[active], self._all.compliance(active))
-        force = self._surfaces.force()
+        active = self.surfaces.arrange()
+        self.surfaces.begin(self.free()[active], self._all.compliance(active))
+        force = self.surfaces.force()
         self._all.spread(force)
         errors = self._all.imbalances(step, [s for s in self._all.solids if not s.linear])
-        if self._surfaces.size:
-            errors.append(self._surfaces.error(slow=0.0))
+        if self.surfaces.size:
+            errors.append(self.surfaces.error(slow=0.0))
             errors.append(SETTLED * self._changed(force))
-            self._surfaces.remember()
+            self.surfaces.remember()
         return max(errors, default=0.0), force
 
     def _changed(self, force: np.ndarray) -> float:
@@ -87,7 +88,7 @@ class Condensed:
 
     def iterate(self, step: Step) -> bool:
         """Solve, and move the solids; False if the system is singular."""
-        surfaces = self._surfaces
+        surfaces = self.surfaces
         if surfaces.size and not surfaces.iterate():
             return False
         self.carry(step, surfaces.linear_force if surfaces.size else surfaces.force())
@@ -95,6 +96,6 @@ class Condensed:
 
     def stall(self) -> str:
         """What stalls or flips."""
-        if not self._surfaces.size:
+        if not self.surfaces.size:
             return "the momentum balance stalls"
-        return f"{self._surfaces.stall()}; {self._surfaces.flips()}"
+        return f"{self.surfaces.stall()}; {self.surfaces.flips()}"

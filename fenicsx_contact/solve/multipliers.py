@@ -8,8 +8,11 @@ the softer the springs; their centre is then moved to the multipliers found, and
 them, until nothing moves any more: the springs then bear nothing, and what is found solves the
 problem as it was. The stiffer they are, the fewer rounds it takes: they are as stiff as lets the
 problem settle, softer where it does not, stiffer again where it does at once; where no springs do,
-and what is solved is known to be convex, all is tried once more, with patience. (M.J.D. Powell and
-M.R. Hestenes 1969; R.T. Rockafellar, SIAM J. Control Optim. 14, 877-898, 1976.)
+and what is solved is known to be convex, all is tried once more, with patience. Where every problem
+settles and bounds turn round and round all the same (much friction at points that jam each other)
+the springs become softer, too: pressures, and bounds with them, then move less in a round.
+(M.J.D. Powell 1969, M.R. Hestenes 1969; R.T. Rockafellar, SIAM J. Control Optim. 14, 877-898,
+1976.)
 """
 
 from __future__ import annotations
@@ -65,7 +68,8 @@ def method_of_multipliers(system: Softened, tolerance: float) -> int:
 
 def _rounds(system: Softened, tolerance: float, patience: int) -> int:
     """Of the method, with so much patience where an error does not halve."""
-    total, compliance, rough = 0, STIFFEST, 0
+    total, compliance, rough, stiffest = 0, STIFFEST, 0, STIFFEST
+    outer = Patience(np.inf, stalls=np.finfo(float).nmant)
     # multipliers may have to double, or errors to halve, as often as a number has digits
     for _ in range(4 * np.finfo(float).nmant):
         system.soften(compliance)
@@ -82,8 +86,13 @@ def _rounds(system: Softened, tolerance: float, patience: int) -> int:
         lost = inner.best * np.finfo(float).eps > 1  # nothing holds it: no digit is left
         if system.error() <= tolerance or lost:
             break
-        if inner.best <= tolerance:
-            compliance = max(compliance / CHANGE, STIFFEST) if steps <= STALLS else compliance
+        outer.see(system.worst)
+        if not outer.lasts and inner.best <= tolerance and stiffest < SOFTEST:
+            # bounds that follow pressures at once turn round with them
+            stiffest = compliance = max(compliance, CHANGE * stiffest)
+            outer = Patience(outer.best, stalls=np.finfo(float).nmant)
+        elif inner.best <= tolerance:
+            compliance = max(compliance / CHANGE, stiffest) if steps <= STALLS else compliance
         elif compliance < SOFTEST:
             compliance *= CHANGE
         else:  # as soft as can be: near its round-off it may end a little lower next time

@@ -61,7 +61,7 @@ class SurfaceSystem(Statuses):
         self._revision = -1
         self._solver = PointwiseSolver(COMPLIANCE)
         self._sizes = np.empty(0), np.empty(0)
-        self.W, self._nodal = np.empty((0, 0)), False
+        self.W, self.free, self._nodal = np.empty((0, 0)), np.empty(0), False
         self.worst = 0.0
         self._firm = COMPLIANCE if hyperstatic else FIRM
         self._compliance, self._centre = self._firm, np.empty(0)

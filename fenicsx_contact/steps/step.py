@@ -16,10 +16,12 @@ from ..contact.contact import Contact
 from ..contact.percussion import approaching, strikes
 from ..contact.work import counts, work
 from ..solids import DeformableSolid, Solid
+from ..solve.condensed import Condensed
 from ..solve.krylov import Krylov
 from ..solve.loop import StepSolver
 from ..solve.newton import Newton
 from ..solve.problem import Assembly, Clock
+from ..solve.surface_problem import SurfaceSystem
 from ..theory.theta import Step
 from .certificate import Certificate, certify
 from .hold import hold_gaps
@@ -238,6 +240,13 @@ class Stepper:
         """Iterations of the last linear solves, at most 100, if the solver is iterative."""
         system = getattr(self._method, "system", None)
         return list(system.counts) if isinstance(system, Krylov) else []
+
+    @property
+    def surfaces(self) -> SurfaceSystem:
+        """The surface problem of the step that was attempted last; the solver is condensed."""
+        system = self._method.system
+        assert isinstance(system, Condensed)
+        return system.surfaces
 
     @property
     def errors(self) -> list[float]:

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The frictional problem of the next step of a scene, in the frames of its points."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from ..base import checks
+from ..contact.contact import Contact
+from ..scene import Scene
+from ..theory.formulations import Gap, Lagrange, Printed, Velocity
+from ..theory.friction import Coulomb
+from ..theory.parameter import varies
+from ..theory.theta import Step
+from .problem import FrictionalProblem
+
+#: Laws that say ``w_n <= limit``, lam <= 0, complementary, and nothing else.
+SIGNORINI = (Velocity, Printed, Gap, Lagrange)
+
+
+def frictional_problem(scene: Scene, dt: float) -> FrictionalProblem:
+    """The frictional contact problem of the next step of a scene, which stays as it is.
+
+    The step is solved, and what stands for the solids and the geometry at its end is taken: the
+    compliance ``W = J A^-1 J'`` of the points that may bear, and their velocities without contact;
+    velocities count from those that the law allows (a point may arrive). Of a step that cannot be
+    solved it is the problem at which this ended: one for a collection. Where points are struck at
+    the start of the step it is the impact that comes first, whose forces are impulses; impacts
+    within a step are not located.
+
+    Args:
+        scene: whose solver is "condensed": it forms W.
+        dt: length of the step, s.
+
+    Returns:
+        The problem, with the points in the order of ``points`` and their frames: the normal away
+        from the obstacle, tangents.
+
+    Raises:
+        InputError: a solver that forms no W, springs or other laws than Signorini's, a law of
+            friction that is no number, or nothing that may bear in the step.
+        StepFailed: the solids cannot be linearised in the step.
+    """
+    checks.instance("scene", scene, Scene, "a scene")
+    checks.number("dt", dt, above=0)
+    if scene.solver != "condensed":
+        raise checks.InputError(
+            f"scene: its solver = {scene.solver!r} forms no compliance of the points; make it with "
+            "solver='condensed'"
+        )
+    for contact in scene.contacts:
+        _refuse(contact)
+    before, stepper = scene.state(), scene.stepper
+    step = Step(dt, scene.scheme, scene.time)
+    if stepper.struck(step, touching=scene.locate_impacts):
+        step = Step(0.0, scene.scheme, scene.time, dt)
+    last = stepper.surfaces.free
+    try:
+        try:
+            stepper.attempt(step)
+        except checks.StepFailed:
+            if stepper.surfaces.free is last:  # it did not come to a problem
+                raise
+        return _problem(scene, step)
+    finally:
+        scene.restore(before)
+
+
+def _refuse(contact: Contact) -> None:
+    """What is no law of Signorini and Coulomb."""
+    if type(contact.formulation) not in SIGNORINI:
+        raise checks.InputError(
+            f"scene: the {contact.formulation.name} law of contact {contact.name!r} is not "
+            "Signorini's; must be velocity, printed, gap or lagrange"
+        )
+    law = contact.friction_law
+    if law is not None and (type(law) is not Coulomb or varies(law.mu)):
+        raise checks.InputError(
+            f"scene: the friction of contact {contact.name!r} ({law.describe()}) must be Coulomb's "
+            "with a number"
+        )
+
+
+def _problem(scene: Scene, step: Step) -> FrictionalProblem:
+    """That of the step that was attempted."""
+    system = scene.stepper.surfaces
+    dim = scene.solids[0].dim
+    rows, offsets, mu, frames, points = [], [], [], [], {}
+    for contact in scene.contacts:
+        e = contact.equations
+        bearing = e.weight[e.candidates] > 0  # others face nothing: no force acts there
+        normal = contact.normal[e.candidates][bearing]
+        # the opening, -w . n, and any tangents
+        frame = np.linalg.qr(normal[:, :, None], mode="complete")[0].swapaxes(1, 2)
+        frame[:, 0] = -normal
+        J = contact.part.jump_operator()
+        if J is None:
+            J = np.eye(len(e.active_jumps))
+        J = J.reshape(len(bearing), dim, J.shape[1])[bearing]
+        rows.append((frame @ J).reshape(normal.size, J.shape[2]))
+        carried = e.carried.reshape(-1, dim)[e.candidates][bearing]
+        offset = -np.einsum("pij,pj->pi", frame, carried)
+        limit = contact.limit(step)
+        assert limit is not None, "springs are refused"
+        offset[:, 0] += limit[e.candidates][bearing]
+        offsets.append(offset.ravel())
+        law = contact.friction_law
+        mu.append(np.full(len(normal), law.mu if isinstance(law, Coulomb) else 0.0))
+        frames.append(frame)
+        points[contact.name] = e.candidates[bearing]
+    if not sum(map(len, mu)):
+        raise checks.InputError(f"dt = {step.horizon!r}: nothing may bear in this step")
+    G = block_diag(*rows)
+    return FrictionalProblem(
+        G @ system.W @ G.T,
+        G @ system.free + np.concatenate(offsets),
+        np.concatenate(mu),
+        dim,
+        title=f"{'impact' if not step.dt else 'step'} at t = {step.start:g} s",
+        description=scene.describe(),
+        frames=np.concatenate(frames),
+        points=points,
+    )

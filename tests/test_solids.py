@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 import ufl
+from mpi4py import MPI
 from problems import bar_at_wall
 from scenes import G, box, check_energies, rates, rectangle, total_energy
 from scipy.spatial.transform import Rotation
@@ -21,6 +23,8 @@ from fenicsx_contact import (
     neo_hookean,
     st_venant_kirchhoff,
 )
+from fenicsx_contact.solids.factor import Direct
+from fenicsx_contact.solve.solid_rows import petsc_matrix
 from fenicsx_contact.theory.theta import Step
 
 CELLS_2D, CELLS_3D = ("triangle", "quadrilateral"), ("tetrahedron", "hexahedron")
@@ -624,3 +628,14 @@ def test_round_off_of_a_stored_energy_stops_no_slow_solid():
     history = bar.run()
     assert history.finished and not history.remarks, history.reason
     assert bar.error(history) < bar.bound < 0.2
+
+
+@pytest.mark.parametrize("package", ["mumps", "petsc"])
+def test_a_singular_matrix_has_no_solution(package):
+    """Newton's method may come by one; PETSc answers whoever asks MUMPS all the same by an error."""
+    # two springs in a row that nothing holds
+    matrix = petsc_matrix(sp.csr_matrix([[1.0, -1, 0], [-1, 2, -1], [0, -1, 1]]), MPI.COMM_SELF)
+    solver = Direct(matrix, "singular", package)
+    left, right = matrix.createVecs()
+    right.setArray([1.0, 0.0, 0.0])
+    assert not solver.solve(right, left)

@@ -632,7 +632,7 @@ def test_round_off_of_a_stored_energy_stops_no_slow_solid():
 
 @pytest.mark.parametrize("package", ["mumps", "petsc"])
 def test_a_singular_matrix_has_no_solution(package):
-    """Newton's method may come by one; PETSc answers whoever asks MUMPS all the same by an error."""
+    """Newton's method may come by one; who asks MUMPS all the same gets an error of PETSc's."""
     rows = sp.csr_matrix([[2.0, 1, 0], [1, 1, 0], [0, 0, 1]])
     matrix = petsc_matrix(rows, MPI.COMM_SELF)
     solver = Direct(matrix, "singular", package)

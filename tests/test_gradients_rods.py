@@ -192,7 +192,10 @@ def test_a_drop_by_rod_water_and_width():
     assert (np.abs(run["z"][-1]) > 0).all()
 
 
-@pytest.mark.parametrize("formulation", [None, pytest.param("gap", marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "formulation",
+    [pytest.param(None, marks=pytest.mark.second), pytest.param("gap", marks=pytest.mark.long)],
+)
 def test_the_instant_of_a_passing_from_one_adjoint(formulation):
     """Against the tangents of the same run, and against central differences of the instant."""
     values = {name: value for name, (value, _) in {**PARAMETERS, **OTHERS}.items()}

@@ -135,7 +135,11 @@ def borne(scene):
 
 @pytest.mark.parametrize(
     ("formulation", "friction"),
-    [("gap", 0.0), ("gap", 0.3), pytest.param("velocity", 0.3, marks=LONG)],
+    [
+        pytest.param("gap", 0.0, marks=pytest.mark.second),
+        pytest.param("gap", 0.3, marks=pytest.mark.second),
+        pytest.param("velocity", 0.3, marks=LONG),
+    ],
 )
 def test_force_and_pressures_of_an_elastic_block(formulation, friction):
     """All points bear, or some are open; force is what the pressures make."""

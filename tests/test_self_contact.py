@@ -208,7 +208,14 @@ def test_one_surface_before_itself(solver, layers):
     )
 
 
-@pytest.mark.parametrize("solver", ["condensed", "monolithic", "iterative"])
+@pytest.mark.parametrize(
+    "solver",
+    [
+        pytest.param("condensed", marks=pytest.mark.second),
+        "monolithic",
+        pytest.param("iterative", marks=pytest.mark.second),
+    ],
+)
 def test_one_surface_with_friction(solver):
     """Steps are cut where halves that fold stick and slip; then it is what the halves do."""
     _, _, named = squashed(ring(80), friction=0.3)

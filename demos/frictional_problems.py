@@ -219,7 +219,7 @@ def draw(rows: list[Row], file: Path) -> None:
     left.axvline(SOLVED, color="0.6", linewidth=0.8)
     left.set(xscale="log", xlabel="error (-)", ylabel="share of the problems (-)", xlim=(1e-17, 1))
     right.set(xscale="log", xlabel="solved within (ms)", ylim=left.get_ylim())
-    left.legend(fontsize="small", loc="lower left")
+    left.legend(fontsize="small", loc="center right")
     plots.save(figure, file)
 
 

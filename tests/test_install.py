@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The ways to install name the same packages: run, pyproject.toml, Dockerfile, environment.yml."""
 
+import json
 import re
 import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -85,6 +88,25 @@ def test_all_ways_bring_the_tests_and_the_pictures():
         name = bare(package)
         assert name in third_party or name == "numpy"  # comes with scipy
         assert f"python3-{name}" in shell_list("debs") or name == "numpy"
+
+
+def test_the_extra_for_hosted_runtimes_is_what_run_takes():
+    third_party = {each for each in shell_list("third_party")}
+    assert {re.split(r"[;<>=]", each)[0] for each in project("dolfinx")} <= third_party
+
+
+@pytest.mark.quick
+def test_the_hosted_notebook_runs(tmp_path):
+    """Its cells one after the other; the first installs nothing where dolfinx is there."""
+    cells = json.loads((TOP / "demos" / "hosted.ipynb").read_text())["cells"]
+    assert all(not each.get("outputs") for each in cells)
+    code = ["".join(each["source"]) for each in cells if each["cell_type"] == "code"]
+    script = "\n".join(["import matplotlib", 'matplotlib.use("agg")', *code])
+    run = [sys.executable, "-c", script]
+    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    reason, energy = done.stdout.split()
+    assert reason == "finished" and float(energy) == pytest.approx(7.291925, rel=1e-4)  # Housner
 
 
 @pytest.mark.parametrize("file", [DOCKERFILE, ENVIRONMENT], ids=lambda f: f.name)

@@ -168,7 +168,7 @@ def books(history: History, depth: float = 1.0) -> dict[str, float]:
 # Its section, $R = 1$, nearly incompressible; one plate comes down. In the groove two walls stand
 # 1.08 from its middle: it comes to them when it is squeezed by some 15 % of its diameter. What is
 # incompressible yields together: with the augmentation of a point that is alone (1) Newton's method
-# chooses too hastily who slips, and takes ten to a hundred times the iterations.
+# chooses too hastily who slips, and takes ten times the iterations and more.
 
 
 # %%

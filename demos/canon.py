@@ -167,8 +167,8 @@ def books(history: History, depth: float = 1.0) -> dict[str, float]:
 #
 # Its section, $R = 1$, nearly incompressible; one plate comes down. In the groove two walls stand
 # 1.08 from its middle: it comes to them when it is squeezed by some 15 % of its diameter. What is
-# incompressible yields together: with the augmentation of a point that is alone (1) Newton's method
-# chooses too hastily who slips, and takes ten times the iterations and more.
+# incompressible yields together: augmented as if each point were alone, Newton's method would
+# choose too hastily who slips, and take ten times the iterations and more.
 
 
 # %%
@@ -192,8 +192,7 @@ def o_ring(h: float, squeeze: float, steps: int, wall: float = 0.0, **output: An
     if wall:
         sides |= {"left": HalfSpace((-wall, 0), (1, 0)), "right": HalfSpace((wall, 0), (-1, 0))}
     contacts = [
-        Contact(ring, name, master, "gap", 0.3, tangential_augmentation=0.03, name=name)
-        for name, master in sides.items()
+        Contact(ring, name, master, "gap", 0.3, name=name) for name, master in sides.items()
     ]
     return ended(Scene([ring], contacts, QuasiStatic()).run(steps, 1.0, **output))
 

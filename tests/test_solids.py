@@ -24,6 +24,7 @@ from fenicsx_contact import (
     st_venant_kirchhoff,
 )
 from fenicsx_contact.solids.factor import Direct
+from fenicsx_contact.solids.neighbourhood import ABOUT, yielding
 from fenicsx_contact.solve.solid_rows import petsc_matrix
 from fenicsx_contact.theory.theta import Step
 
@@ -645,3 +646,13 @@ def test_a_singular_matrix_has_no_solution(package):
         matrix.assemble()
         solver.refactor()
         assert not solver.solve(right, left)
+
+
+def test_how_far_an_unknown_yields_with_its_neighbours():
+    """Springs in a row: held m + 1 places off on both sides, (m + 1)/2 of what one spring gives,
+    which alone is 1/2. At most half of the unknowns go along, and at most a bounded number."""
+    for n, m in ((1, 0), (7, 1), (101, 24), (10_000, (ABOUT - 1) // 2)):
+        row = sp.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(n, n)).tocsr()
+        assert yielding(petsc_matrix(row, MPI.COMM_SELF), n // 2) == pytest.approx(m + 1, rel=1e-10)
+    loose = sp.csr_matrix(np.kron(np.eye(4), [[1.0, -1.0], [-1.0, 1.0]]))
+    assert yielding(petsc_matrix(loose, MPI.COMM_SELF), 0) == np.inf

@@ -38,7 +38,7 @@ STOPS = {
             "row stalls",
             "a ... row stalls at a scaled residual of ...",
             "a row of a contact: which, and with which points, follows",
-            "smaller steps; `tangential_augmentation=0.03`; less friction: near the angle of "
+            "smaller steps; `tangential_augmentation=0.1`; less friction: near the angle of "
             "friction there may be two solutions; in statics a `ThetaScheme(1.0)`, or a side or a "
             "spring that holds the body",
         ),

@@ -14,6 +14,7 @@ from ..base.constants import SAME
 from ..theory.theta import Step
 from .base import MonolithicTrace, Trace
 from .factor import Factorisation
+from .neighbourhood import ASKED, yielding
 from .vector_space import VectorSpace
 
 #: Cost: up to so many components all columns of A^-1 J' are computed, above only what is needed.
@@ -166,9 +167,21 @@ class DeformableTrace(MonolithicTrace):
         if size <= FEW and not self._solid.floating:
             return self.compliance(np.arange(size), self, np.arange(size)).diagonal()
         diagonal = self._solid.factorisation.matrix.getDiagonal()
-        mobility = self._spreading.power(2).T @ (1 / diagonal.array_r)
+        alone = self._sum(self._spreading.power(2).T @ (1 / diagonal.array_r))
         diagonal.destroy()
-        return self._sum(mobility)
+        return alone * self._yielding()
+
+    def _yielding(self) -> float:
+        """How much more the nodes yield together with what is about them than alone, to a power of
+        two: the least of a few, as what is thin bends far but does not stretch."""
+        matrix, d = self._solid.factorisation.matrix, self._reference.shape[1]
+        first, last = matrix.getOwnershipRange()
+        points = np.linspace(0, len(self._reference) - 1, ASKED).astype(int)
+        rows = [self._whole[k].indices for k in (points[:, None] * d + np.arange(d)).ravel()]
+        asked = {row[0] for row in rows if len(row)}
+        found = [yielding(matrix, i) for i in sorted(asked) if first <= i < last]
+        least = min((x for every in self._comm.allgather(found) for x in every), default=1.0)
+        return float(2 ** np.round(np.log2(least))) if 1 <= least < np.inf else 1.0
 
     def seeing(self) -> scipy.sparse.csr_matrix:
         return self._whole

@@ -15,7 +15,7 @@ from petsc4py import PETSc
 #: Cost: nodes of a surface that are asked.
 ASKED = 4
 #: Cost: unknowns about one, at most; the elements farther off are left out.
-ABOUT = 400
+ABOUT = 200
 
 
 def yielding(matrix: PETSc.Mat, unknown: int) -> float:

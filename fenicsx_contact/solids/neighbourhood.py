@@ -15,26 +15,26 @@ from petsc4py import PETSc
 #: Cost: nodes of a surface that are asked.
 ASKED = 4
 #: Cost: unknowns about one, at most; the elements farther off are left out.
-ABOUT = 200
+ABOUT = 400
 
 
-def yielding(matrix: PETSc.Mat, unknown: int) -> float:
-    """``(A_PP^-1)_ii A_ii`` of the patch P about an owned unknown, which is held beyond: >= 1 where
-    A is symmetric and positive, inf where it is singular. P is at most half of the solid: what
-    nothing holds would go off.
+def yielding(matrix: PETSc.Mat, node: np.ndarray) -> float:
+    """The least of ``(A_PP^-1)_ii A_ii`` of the unknowns i of a node, P being the patch about it,
+    which is held beyond: >= 1 where A is symmetric and positive, inf where it is singular. P is at
+    most half of the solid: what nothing holds would go off.
 
     Args:
         matrix: A, whose rows this process has in part.
-        unknown: i, in the numbers of all processes.
+        node: its unknowns, owned, in the numbers of all processes.
     """
     first, last = matrix.getOwnershipRange()
-    most = min(ABOUT, max(matrix.getSize()[0] // 2, 1))
+    most = min(ABOUT, max(matrix.getSize()[0] // 2, len(node)))
     rows: dict[int, tuple[np.ndarray, np.ndarray]] = {}
-    patch, about = np.zeros(0, dtype=int), np.array([unknown])
+    patch, about = np.zeros(0, dtype=int), np.unique(node)
     while len(patch) < len(about) <= most:
         patch = about
         rows |= {i: matrix.getRow(i) for i in patch if i not in rows}
-        about = np.unique(np.concatenate([rows[i][0] for i in patch]))
+        about = np.unique(np.concatenate([patch, *(rows[i][0] for i in patch)]))
         about = about[(about >= first) & (about < last)]
     block = np.zeros((len(patch), len(patch)))
     for k, i in enumerate(patch):
@@ -42,10 +42,10 @@ def yielding(matrix: PETSc.Mat, unknown: int) -> float:
         place = np.searchsorted(patch, columns)
         there = patch[np.minimum(place, len(patch) - 1)] == columns
         block[k, place[there]] = values[there]
-    own = int(np.searchsorted(patch, unknown))
-    force = np.zeros(len(patch))
-    force[own] = block[own, own]
+    own = np.searchsorted(patch, node)
+    forces = np.zeros((len(patch), len(node)))
+    forces[own, np.arange(len(node))] = block[own, own]
     try:
-        return float(np.linalg.solve(block, force)[own])
+        return float(np.linalg.solve(block, forces)[own, np.arange(len(node))].min())
     except np.linalg.LinAlgError:  # it moves for nothing
         return np.inf

@@ -176,10 +176,12 @@ class DeformableTrace(MonolithicTrace):
         two: the least of a few, as what is thin bends far but does not stretch."""
         matrix, d = self._solid.factorisation.matrix, self._reference.shape[1]
         first, last = matrix.getOwnershipRange()
-        points = np.linspace(0, len(self._reference) - 1, ASKED).astype(int)
-        rows = [self._whole[k].indices for k in (points[:, None] * d + np.arange(d)).ravel()]
-        asked = {row[0] for row in rows if len(row)}
-        found = [yielding(matrix, i) for i in sorted(asked) if first <= i < last]
+        found = []
+        for point in np.linspace(0, len(self._reference) - 1, ASKED).astype(int):
+            rows = [self._whole[point * d + k].indices for k in range(d)]
+            node = np.array([row[0] for row in rows if len(row)], dtype=int)
+            if len(node) and first <= node.min() <= node.max() < last:
+                found.append(yielding(matrix, node))
         least = min((x for every in self._comm.allgather(found) for x in every), default=1.0)
         return float(2 ** np.round(np.log2(least))) if 1 <= least < np.inf else 1.0
 

@@ -71,6 +71,8 @@ ax.legend()
 fig.savefig(RESULTS / "01_graph.png", dpi=150)
 
 # %% [markdown]
+# *Figure.* Signorini's graph, and the iterates of Newton's method on it.
+#
 # ## By the package
 #
 # The same mass as a small block that may not turn. It falls through $h$, and with
@@ -113,3 +115,6 @@ shorter = fall("gap", dt=0.009)
 other = shorter["height"][shorter.time > 0.4].max()
 print(f"without any restitution the law of positions rebounds by {rise:.3f} m;")
 print(f"by steps of 9 ms by {other:.3f} m: where in a step the mass lands decides")
+
+# %% [markdown]
+# *Figure.* The fall by three laws. That of positions has no say in how the mass leaves.

@@ -76,6 +76,9 @@ left.legend()
 fig.savefig(RESULTS / "02_slope.png", dpi=150)
 
 # %% [markdown]
+# *Figure.* What friction bears (left) and how the block is accelerated (right), over the slope;
+# lines are exact.
+#
 # ## What regularised friction does
 #
 # Many codes replace the law by a steep curve, $r = -\mu|\lambda|\,\tanh(w_t/v_0)$, say. Then some

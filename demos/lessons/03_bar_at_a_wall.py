@@ -85,6 +85,8 @@ above.legend()
 fig.savefig(RESULTS / "03_bar.png", dpi=150)
 
 # %% [markdown]
+# *Figure.* The force of the wall and what is left of the energy, by three schemes.
+#
 # The impact itself takes the kinetic energy of the mass that stops at once, here that of $\sqrt3/6
 # = 0.289$ of an element (a consistent mass matrix's). It vanishes with the elements. The rest of
 # the loss is the scheme's. The history keeps books of both:

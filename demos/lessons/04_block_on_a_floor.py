@@ -85,6 +85,9 @@ axes[0].legend()
 fig.savefig(RESULTS / "04_pressure.png", dpi=150)
 
 # %% [markdown]
+# *Figure.* Pressure and tangential traction on the base over the load: friction that keeps the base
+# from spreading presses the edges.
+#
 # Without friction it is exact to round-off: the elements hold a linear displacement.
 
 # %%

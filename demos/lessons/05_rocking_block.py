@@ -76,6 +76,8 @@ below.set_xlabel("time [ms]")
 fig.savefig(RESULTS / "05_rocking.png", dpi=150)
 
 # %% [markdown]
+# *Figure.* Kinetic energy and tilt over time; dots: Housner's maxima at the impacts.
+#
 # ## What the floor bears
 #
 # Between impacts the force acts at a corner. A row with `dt = 0` is an impact; its force is a

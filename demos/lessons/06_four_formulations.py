@@ -93,6 +93,8 @@ for ax in axes[:, 0]:
 fig.savefig(RESULTS / "06_formulations.png", dpi=150)
 
 # %% [markdown]
+# *Figure.* Kinetic energy by the four formulations, at the same step; dots: Housner's maxima.
+#
 # All are of first order: the instant of an impact is rounded to a step. The law of velocities alone
 # lets a step end at the instant of an impact, since what happens there is a matter of velocities:
 

@@ -74,6 +74,8 @@ below.set_xlabel("time [ms]")
 fig.savefig(RESULTS / "07_oscillator.png", dpi=150)
 
 # %% [markdown]
+# *Figure.* Place and force of friction; within the grey band friction can hold the spring.
+#
 # The force jumps where the mass turns and, once it sticks, is what the spring asks for: 0.5 N. The
 # work of friction is what the spring has lost:
 

@@ -105,3 +105,6 @@ ax.set_xlabel("place on the joint [m]")
 ax.set_ylabel("over that of an even pressure")
 ax.legend()
 fig.savefig(RESULTS / "08_patch.png", dpi=150)
+
+# %% [markdown]
+# *Figure.* Pressure of the mortar contact, even, beside what single nodes would do to the master.

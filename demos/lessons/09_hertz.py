@@ -83,3 +83,6 @@ ax.set_xlabel("place [mm]")
 ax.set_ylabel("pressure [N/mm²]")
 ax.legend()
 fig.savefig(RESULTS / "09_hertz.png", dpi=150)
+
+# %% [markdown]
+# *Figure.* The pressure at the nodes over Hertz's half ellipse.

@@ -87,3 +87,6 @@ ax.set_xlabel("place [mm]")
 ax.set_ylabel("traction [N/mm²]")
 ax.legend()
 fig.savefig(RESULTS / "10_shear.png", dpi=150)
+
+# %% [markdown]
+# *Figure.* Shear beside what friction bears at most: it slips at the edges, and sticks between.

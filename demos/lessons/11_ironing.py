@@ -78,3 +78,6 @@ below.set_xlabel("step: five to press, ten to draw")
 below.set_ylabel("force per depth")
 below.legend()
 fig.savefig(RESULTS / "11_ironing.png", dpi=150)
+
+# %% [markdown]
+# *Figure.* The last step, drawn as it is, and both forces over the steps.

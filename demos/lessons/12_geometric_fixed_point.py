@@ -96,5 +96,7 @@ left.legend()
 fig.savefig(RESULTS / "12_errors.png", dpi=150)
 
 # %% [markdown]
+# *Figure.* Relative errors over rounds of the fixed point (left) and Newton's iterations (right).
+#
 # From far Newton's method knows less: its first iterations look for the points that bear. Where
 # they find no end the solver turns to frozen geometry by itself, settles there, and comes back.

@@ -79,5 +79,7 @@ for ax in (left, right):
 fig.savefig(RESULTS / "13_error.png", dpi=150)
 
 # %% [markdown]
+# *Figure.* The same errors over the step, and over the run time that it costs.
+#
 # Compare at the same error, not at the same step. Where a body rings at many frequencies, as an
 # elastic one does, there is no instant to locate that pays, and uniform steps serve (lesson 3).

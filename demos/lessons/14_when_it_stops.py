@@ -101,3 +101,6 @@ below.set_ylabel("certificate")
 below.set_xlabel("time [s]")
 below.legend()
 fig.savefig(RESULTS / "14_certificate.png", dpi=150)
+
+# %% [markdown]
+# *Figure.* The force of the floor, and of each accepted step the largest error.

@@ -115,3 +115,6 @@ ax.set_xlabel("time [s]")
 ax.set_ylabel("way [m]; dots: exact")
 ax.legend()
 fig.savefig(RESULTS / "15_laws.png", dpi=150)
+
+# %% [markdown]
+# *Figure.* The way of the block by three bounds of friction, each of a few lines.

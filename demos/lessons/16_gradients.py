@@ -81,6 +81,8 @@ right.set_ylabel("difference quotient")
 fig.savefig(RESULTS / "16_gradients.png", dpi=150)
 
 # %% [markdown]
+# *Figure.* Where the block rests over the height of its fall, and difference quotients of that.
+#
 # By uniform steps of this length the instant of the impact is rounded to a step. The result jumps
 # where the impact passes from one step to the next: between the jumps the derivative is that of
 # another problem, and at a jump it is nothing. An optimiser that trusts it is lost. Located, the

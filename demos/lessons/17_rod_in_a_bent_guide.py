@@ -88,6 +88,8 @@ below.set_xlabel("travel [m]")
 fig.savefig(RESULTS / "17_drop.png", dpi=150)
 
 # %% [markdown]
+# *Figure.* Speed and normal forces over the travel, by three guides.
+#
 # Where the energy went: what the rod lost in its fall is what friction took, and a little that
 # lateral impacts and the scheme did.
 

@@ -101,3 +101,7 @@ right.set_xlabel("travel [m]")
 right.set_ylabel("resistance of the guide [N]")
 right.legend()
 fig.savefig(RESULTS / "18_drop.png", dpi=150)
+
+# %% [markdown]
+# *Figure.* Two rods of the same T5 (grey): speeds over time, and what the guide resists over
+# travel.

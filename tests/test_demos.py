@@ -217,7 +217,7 @@ def test_frictional_problems(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("SICONOS_PYTHON", "/nowhere/python")
     demo = load("frictional_problems")
     summary = demo.main(quick=True)
-    assert all(why.startswith("left out") for why in summary["missing"].values())
+    assert summary["missing"].startswith("left out")
     assert len(summary["rows"]) == summary["problems"] >= 40
     easy = [row for row in summary["rows"] if "sliding" not in row["family"]]
     assert demo.solved(easy, "ours") == len(easy)

@@ -121,8 +121,8 @@ class Solid(ABC):
         """Set up A and b of ``A v+ = b + J' f`` about the trial state, and drop old forces."""
 
     def shift(self, way: np.ndarray) -> None:
-        """Put a shiftable solid elsewhere in its trial state: ways [m] and turns [rad] of its
-        unknowns; its momentum stays."""
+        """Put a shiftable solid elsewhere in its trial state, ways [m] and turns [rad] of its
+        unknowns, and in all that follow in the step; its momentum stays."""
         raise AttributeError("only what is shiftable can be shifted")
 
     @property

@@ -40,6 +40,8 @@ class RigidMotion(MonolithicSolid):
     _mobility: np.ndarray
     _momentum: np.ndarray
     _trial_momentum: np.ndarray
+    #: What it has been shifted by in the step, beside its velocities.
+    _shifted: np.ndarray | None = None
 
     @abstractmethod
     def push(self, force: np.ndarray) -> None:
@@ -52,6 +54,12 @@ class RigidMotion(MonolithicSolid):
         if self.dim == 3:  # products of many rotations would lose orthogonality, momentum with it
             turn = turn @ (1.5 * EYE - 0.5 * turn.T @ turn)
         self.trial_turn = turn
+        if self._shifted is not None:
+            self._put(self._shifted)
+
+    def _put(self, way: np.ndarray) -> None:
+        self.trial_place = self.trial_place + way[: self.dim]
+        self.trial_turn = rotation_matrix(way[self.dim :]) @ self.trial_turn
 
     def _spatial(self, tensor: np.ndarray, turn: np.ndarray) -> np.ndarray:
         return tensor if self.dim == 2 else turn @ tensor @ turn.T
@@ -71,8 +79,8 @@ class RigidMotion(MonolithicSolid):
 
     def shift(self, way: np.ndarray) -> None:
         d = self.dim
-        self.trial_place = self.trial_place + way[:d]
-        self.trial_turn = rotation_matrix(way[d:]) @ self.trial_turn
+        self._shifted = way if self._shifted is None else self._shifted + way
+        self._put(way)
         if d == 3:  # the spin that belongs to the momentum
             spin = self._spatial(self._mobility, self.trial_turn) @ self._trial_momentum[d:]
             self.trial_velocity = np.concatenate([self.trial_velocity[:d], spin])

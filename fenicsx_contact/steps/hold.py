@@ -5,7 +5,8 @@ A velocity law moves a point as its velocities say, ``dt (theta w_n + (1 - theta
 rigid solid that turns, the point goes elsewhere, by a small length of second order in the turn
 (of third for theta = 1/2). Left alone these add up, and a corner that has sunk makes the points
 beside it land before the far corner does, each on its own. So the solids are put back by that much,
-as little as their mass allows: a translation and a turn without velocity.
+as little as their mass allows: a translation and a turn without velocity. Where that turns what is
+seen of a contact (a corner on a face that turns, too) the step is solved again about it.
 """
 
 from __future__ import annotations
@@ -19,8 +20,9 @@ from ..contact.trial import astray, farthest, normal_rows
 from ..theory.theta import Step
 
 
-def hold_gaps(contacts: Sequence[Contact], step: Step) -> None:
-    """Put rigid solids in their trial states where the bearing points of velocity laws belong."""
+def hold_gaps(contacts: Sequence[Contact], step: Step) -> bool:
+    """Put rigid solids in their trial states where the bearing points of velocity laws belong;
+    whether they were not there."""
     held = []
     for contact in contacts:
         if not contact.formulation.percussive or not all(s.shiftable for s in contact.solids):
@@ -31,7 +33,7 @@ def hold_gaps(contacts: Sequence[Contact], step: Step) -> None:
             off[np.abs(off) <= 2 * np.spacing(farthest(contact))] = 0.0
             held.append((contact, bearing, off))
     if not any(off.any() for _, _, off in held):
-        return
+        return False
     solids = list({id(s): s for contact, _, _ in held for s in contact.solids}.values())
     starts = np.cumsum([0, *(len(s.velocity) for s in solids)])
     rows, mobility = [], np.zeros((starts[-1], starts[-1]))
@@ -52,3 +54,4 @@ def hold_gaps(contacts: Sequence[Contact], step: Step) -> None:
         solid.shift(shift[starts[k] : starts[k + 1]])
     for contact in contacts:
         contact.follow()
+    return True

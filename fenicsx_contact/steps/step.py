@@ -34,7 +34,8 @@ LOOSE = 10.0
 @dataclass(frozen=True)
 class Trial:
     """A step that was solved and not yet accepted: the solids stand in their trial states.
-    ``arrives``: it ends where a point arrives, at an instant that depends on everything."""
+    ``arrives``: it ends where a point arrives, at an instant that depends on everything;
+    ``again``: it was solved again about where rigid solids had been put."""
 
     step: Step
     force: np.ndarray
@@ -43,6 +44,13 @@ class Trial:
     remarks: list[str]
     certificate: float = 0.0
     arrives: bool = False
+    again: bool = False
+
+    def then(self, other: Trial) -> Trial:
+        """The other one, which came after this one and for it."""
+        newton, geometry = self.newton + other.newton, self.geometry + other.geometry
+        remarks = self.remarks + other.remarks
+        return replace(other, newton=newton, geometry=geometry, remarks=remarks, again=True)
 
 
 class StepTaker(Protocol):
@@ -129,16 +137,13 @@ class Stepper:
             if rates is not None:
                 self._guess(step, rates)
             clock("pairing")
-            trial = Trial(step, *self._method.solve(step, clock))
-            if step.dt and not self._linear:
-                hold_gaps(self.contacts, step)
-            for solid in self.solids:
-                if reason := solid.unsound(step):
-                    raise StepFailed(reason)
-            for contact in self.contacts:
-                if reason := missed(contact, closing):
-                    raise StepFailed(reason)
-            certificate = self._certify(step)
+            trial, certificate, moved = self._solved(step, closing, clock)
+            gains = True
+            while certificate.refusal and moved and gains:
+                last, before = certificate.worst, trial
+                trial, certificate, moved = self._solved(step, closing, clock)
+                trial = before.then(trial)
+                gains = certificate.worst < last
             if certificate.refusal:
                 raise StepFailed(certificate.refusal)
             return replace(trial, certificate=certificate.worst)
@@ -146,6 +151,18 @@ class Stepper:
             for contact, values in zip(self.contacts, before):
                 contact.equations.values = values
             raise
+
+    def _solved(self, step: Step, closing: bool, clock: Clock) -> tuple[Trial, Certificate, bool]:
+        """The step solved about where solids are put; whether they are put elsewhere after it."""
+        trial = Trial(step, *self._method.solve(step, clock))
+        moved = bool(step.dt) and not self._linear and hold_gaps(self.contacts, step)
+        for solid in self.solids:
+            if reason := solid.unsound(step):
+                raise StepFailed(reason)
+        for contact in self.contacts:
+            if reason := missed(contact, closing):
+                raise StepFailed(reason)
+        return trial, self._certify(step), moved
 
     def _certify(self, step: Step) -> Certificate:
         takes = all(contact.gives_nothing for contact in self.contacts)

@@ -169,11 +169,11 @@ def _match(vectors: VectorSpace, pair: tuple[str, str]) -> tuple[np.ndarray, np.
     without = np.setdiff1d(np.arange(len(first)), partner[~lost])
     if lost.any() or len(without):
         back = cKDTree(y).query(x[without] + way)[0] if len(without) else np.zeros(0)
-        far = max(distance.max(), back.max(initial=0.0))
+        far, by = max(distance.max(), back.max(initial=0.0)), ", ".join(f"{w:.6g}" for w in way)
         raise checks.InputError(
             f"periodic: {pair!r}: must match node by node; {lost.sum()} of {len(second)} nodes of "
             f"{pair[1]!r} and {len(without)} of {len(first)} of {pair[0]!r} have no partner by the "
-            f"translation {way.tolist()}, the nearest node is up to {far:.3g} m away"
+            f"translation [{by}], the nearest node is up to {far:.3g} m away"
         )
     return np.array([second, first[partner]]), way
 

@@ -29,6 +29,7 @@ from fenicsx_contact import (
     neo_hookean,
 )
 from fenicsx_contact.base import compat
+from fenicsx_contact.gradients import At, Law, Modulus, Pressure, tangents
 from fenicsx_contact.references.hertz import effective_modulus
 from fenicsx_contact.references.westergaard import WavyContact
 from fenicsx_contact.solids.vector_space import VectorSpace
@@ -312,6 +313,17 @@ def test_a_hyperelastic_layer_is_pressed_evenly():
     assert -stress[0, 1, 1] > 0.2 * E
 
 
+@pytest.mark.parametrize("solver", ["condensed", "monolithic", "iterative"])
+def test_every_solver_finds_it(solver):
+    drag = {"top": lambda t: (SLIDE * t, -DEPTH)}
+    solid = elastic(crooked("triangle"), prescribed=drag)
+    contact = Contact(solid, "base", FLOOR, "gap", friction=MU)
+    history = Scene([solid], [contact], QuasiStatic(), solver=solver).run(1.0, 1.0)
+    assert history.finished, history.reason
+    np.testing.assert_allclose(contact.pressure, M * DEPTH / H, rtol=1e-7)
+    np.testing.assert_allclose(contact.friction_traction[:, 0], -MU * M * DEPTH / H, rtol=1e-7)
+
+
 def test_a_layer_that_is_thrown_lands_flat():
     """All points of the base strike at once, rebound at once: a bar that cannot widen."""
     solid = elastic(
@@ -322,6 +334,20 @@ def test_a_layer_that_is_thrown_lands_flat():
     assert history.finished, history.reason
     check_energies(history)
     assert solid.mean(solid.velocity)[0] == pytest.approx(2, rel=1e-10)
+
+
+def test_derivatives_across_the_seam():
+    """Of what is dragged the base stays behind by mu p H/G, p = M d/H, whatever E."""
+    drag = {"top": lambda t: (SLIDE * t, -DEPTH)}
+    solid = elastic(rectangle((3, 2), (W, H)), prescribed=drag)
+    contact = Contact(solid, "base", FLOOR, "gap", friction=MU)
+    scene, p = Scene([solid], [contact], QuasiStatic()), M * DEPTH / H
+    of = {"mu": Law(contact), "E": Modulus(solid)}
+    what = {"x": At(solid, (W / 2, 0.0), (1, 0)), "p": Pressure(contact, (W / 2, 0.0))}
+    result = tangents(scene, 1.0, 1.0, of, what)
+    assert what["x"].value() == pytest.approx(SLIDE - MU * p * H / G, rel=1e-9)
+    np.testing.assert_allclose(result["x"][-1], [-p * H / G, 0], rtol=1e-8, atol=1e-17)
+    np.testing.assert_allclose(result["p"][-1], [0, p / E], rtol=1e-8, atol=1e-9 * p)
 
 
 # -- contact: waves --

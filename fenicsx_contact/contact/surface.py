@@ -102,8 +102,8 @@ class Surface:
 
     def nodes_at(self, points: np.ndarray, tolerance: float) -> np.ndarray:
         """For each of ``points`` (k, d) the nearest node, or -1 where none is within reach."""
-        distance = np.linalg.norm(self.points[None, :, :] - points[:, None, :], axis=2)
-        nearest = distance.argmin(axis=1)
+        distance = np.linalg.norm(self.sites[None, :, :] - points[:, None, :], axis=2)
+        nearest = self.site_nodes[distance.argmin(axis=1)]
         nearest[~(distance.min(axis=1) <= tolerance)] = -1  # NaN is not within reach
         return nearest
 

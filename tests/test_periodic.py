@@ -20,9 +20,11 @@ from fenicsx_contact import (
     HalfSpace,
     HyperelasticSolid,
     InputError,
+    KelvinVoigt,
     LevelSet,
     NamedMesh,
     QuasiStatic,
+    RigidSolid,
     Scene,
     ThetaScheme,
     name_facets,
@@ -182,9 +184,10 @@ def test_a_wave_comes_back_after_a_period():
     assert rates(errors).min() > 1.8
 
 
-@pytest.mark.parametrize("kind", ["elastic", "hyperelastic"])
+@pytest.mark.parametrize("kind", ["elastic", "damped", "hyperelastic"])
 def test_momentum_along_the_period_is_kept(kind):
-    """A layer that flies and shakes keeps both components of its momentum, and its energy."""
+    """A layer that flies and shakes keeps both components of its momentum; without damping its
+    energy, with damping the books close."""
     mesh, rng = crooked("triangle"), np.random.default_rng(1)
     a = rng.uniform(-1, 1, (2, 3))
 
@@ -192,8 +195,9 @@ def test_momentum_along_the_period_is_kept(kind):
         wave = 2 * np.pi * x[0] / W
         return np.stack([3 + 5 * p * np.sin(wave + q * x[1]) + r * x[1] for p, q, r in a])
 
-    if kind == "elastic":
-        solid = elastic(mesh, velocity=velocity)
+    if kind != "hyperelastic":
+        damping = KelvinVoigt(1e-3) if kind == "damped" else None
+        solid = elastic(mesh, velocity=velocity, damping=damping)
     else:
         energy = neo_hookean(E, NU)
         solid = HyperelasticSolid(mesh, energy=energy, density=RHO, periodic=X, velocity=velocity)
@@ -203,8 +207,12 @@ def test_momentum_along_the_period_is_kept(kind):
     assert history["strain"].max() > 0.1 * history["kinetic"][0]
     np.testing.assert_allclose(solid.mean(solid.velocity), before, rtol=1e-10)
     total = total_energy(history)
-    loose = 1e-10 if kind == "elastic" else 1e-5
-    np.testing.assert_allclose(total, total[0], rtol=loose)
+    if kind == "damped":
+        check_energies(history)
+        assert history["damping"][-1] < -0.01 * total[0]
+    else:
+        loose = 1e-10 if kind == "elastic" else 1e-5
+        np.testing.assert_allclose(total, total[0], rtol=loose)
 
 
 def test_two_periods_are_one_twice():
@@ -334,6 +342,16 @@ def test_a_layer_that_is_thrown_lands_flat():
     assert history.finished, history.reason
     check_energies(history)
     assert solid.mean(solid.velocity)[0] == pytest.approx(2, rel=1e-10)
+
+
+def test_one_cell_is_a_period():
+    """All nodes of a row are one, and the base is one point."""
+    drag = {"top": lambda t: (SLIDE * t, -DEPTH)}
+    solid = elastic(rectangle((1, 3), (W, H)), prescribed=drag)
+    contact = Contact(solid, "base", FLOOR, "gap", friction=MU)
+    equilibrium(solid, [contact])
+    assert solid.unknowns == 4 * 2
+    np.testing.assert_allclose(contact.force, [[-MU * M * DEPTH * W / H, M * DEPTH * W / H]])
 
 
 def test_derivatives_across_the_seam():
@@ -529,6 +547,16 @@ def test_nothing_holds_a_layer_that_may_slide():
         Scene([solid], [], QuasiStatic())
     held = {"prescribed": {"base": (None, 0), (0.0, 0.0): (0, None)}}
     Scene([elastic(rectangle((4, 2), (W, H)), **held)], [], QuasiStatic())
+    bar = elastic(cube((2, 2, 2), (1, 1, 1)), fixed=[(0.0, 0.0, 0.0)], name="bar")
+    with pytest.raises(InputError, match="nothing holds 'bar' against turning about x"):
+        Scene([bar], [], QuasiStatic())
+    closed = elastic(bar.mesh, periodic=[*X, ("front", "back")], fixed=[(1.0, 1.0, 0.0)])
+    Scene([closed], [], QuasiStatic())
+
+
+def test_what_is_rigid_has_no_periods():
+    with pytest.raises(TypeError, match="'periodic'"):
+        RigidSolid(rectangle(), mass=1.0, periodic=X)
 
 
 SCRIPT = """

@@ -3,7 +3,8 @@
 the second have the unknowns of those of the first.
 
 So nothing else of a solid has to know of it: energies, masses, loads and supports are those of the
-cylinder, or torus, to which the sides close it.
+cylinder, or torus, to which the sides close it. What holds one side holds the other, and loads on
+them act along the seam, within the solid.
 """
 
 from __future__ import annotations

@@ -73,7 +73,8 @@ class DeformableTrace(MonolithicTrace):
         self._comm, owned = vectors.comm, vectors.owned
         n, d = points.shape
         distance, nearest = vectors.nearest(points)
-        mine = np.flatnonzero(distance <= SAME * np.ptp(points, axis=0).max())
+        size = np.ptp(np.concatenate([points, vectors.sites]), axis=0).max()
+        mine = np.flatnonzero(distance <= SAME * size)
         node = nearest[mine]
         if self._comm.allreduce(len(mine)) != n:
             raise checks.InputError("points: each point of a trace must be a node of the solid")

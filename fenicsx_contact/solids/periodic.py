@@ -95,12 +95,15 @@ class PeriodicSpace(VectorSpace):
         out = ufl.dot(ufl.FacetNormal(domain), ufl.TestFunction(self.space))
         sides = [ds(int(self.mesh.names[name])) for name in pair]
         form = compiled(out * sides[0] + second * out * sides[1])
-        sizes = []
-        for second.value in (0.0, 1.0):
+        sizes = np.empty((2, self.owned // self.dim))
+        for second.value, size in zip((0.0, 1.0), sizes):
             load = np.empty(self.owned)
             assembly.assemble_owned(form, load)
-            sizes.append(max(self.comm.allgather(largest(load))))
-        if not sizes[1] < sizes[0]:
+            size[:] = np.linalg.norm(load.reshape(-1, self.dim), axis=1)
+        one, both = sizes
+        most = max(self.comm.allgather(largest(one)))
+        off = ((both > SAME * most) & (both >= one)).any()
+        if most == 0 or any(self.comm.allgather(bool(off))):
             raise checks.InputError(
                 f"periodic: {pair!r}: must be two sides of the boundary of the mesh, with outward "
                 "normals that are opposite"

@@ -70,7 +70,7 @@ def rock(facets, uneven, way, size=SHAPES[0], tilt=0.01, dim=2, finer=1):
     scene = standing(
         facets, law, theta, uneven=uneven, dim=dim, size=size, tilt=tilt, located=located
     )
-    history = finished(scene, (times[3] + times[4]) / 2 + dt, dt)
+    history = finished(scene, times[4], dt)
     never_gains(history)
     share = dt / (np.diff(times[:4], prepend=-times[0]) / 2)
     order = 2 if located and theta == 0.5 else 1

@@ -657,3 +657,21 @@ def test_how_far_an_unknown_yields_with_its_neighbours():
         assert found == pytest.approx(m + 1, rel=1e-10)
     loose = sp.csr_matrix(np.kron(np.eye(4), [[1.0, -1.0], [-1.0, 1.0]]))
     assert yielding(petsc_matrix(loose, MPI.COMM_SELF), np.array([0, 1])) == np.inf
+
+
+def test_how_far_a_node_yields_is_the_same_in_any_axes():
+    """Nodes in a row, which yield far across it and hardly along it: the lesser one counts,
+    however the row is turned."""
+    along, across = (
+        sp.diags([-1.0, 2.0 + held, -1.0], [-1, 0, 1], shape=(31, 31)) for held in (1e2, 0.0)
+    )
+    row = (sp.kron(along, np.diag([1.0, 0.0])) + sp.kron(across, np.diag([0.0, 1.0]))).toarray()
+    found = []
+    for angle in (0.0, 0.3, np.pi / 4, np.pi / 2):
+        turn = np.kron(
+            np.eye(31), [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+        )
+        turned = petsc_matrix(sp.csr_matrix(turn @ row @ turn.T), MPI.COMM_SELF)
+        found.append(yielding(turned, np.array([30, 31])))
+    assert found == pytest.approx(4 * [found[0]], rel=1e-10)
+    assert 1.0 < found[0] < 1.001

@@ -19,7 +19,7 @@ from time import perf_counter
 
 import numpy as np
 
-MOST = 100
+ITERATIONS = 100
 
 
 def settings(E, nu, fixed, tolerance):
@@ -64,7 +64,7 @@ def settings(E, nu, fixed, tolerance):
         "convergence_criterion": "contact_residual_criterion",
         "residual_relative_tolerance": tolerance,
         "residual_absolute_tolerance": tolerance,
-        "max_iteration": MOST,
+        "max_iteration": ITERATIONS,
         "linear_solver_settings": {"solver_type": "LinearSolversApplication.sparse_lu"},
     }
     law = {"name": "LinearElasticPlaneStrain2DLaw"}
@@ -115,18 +115,20 @@ def pressed(s, points, cells):
     k = np.arange(len(x) - 1)
     rigid = np.c_[k, k + 1, k + len(x) + 1, k + len(x)]
     half = points, cells, near & (wide < 1.2), "top", np.abs(y - y.max()) < 1e-9
-    below = plane, rigid, plane[:, 1] == 0, "plane", plane[:, 1] <= 0
+    below = plane, rigid, plane[:, 1] == 0, "plane", np.ones(len(plane), dtype=bool)
     return [half, below], {"top": top, "plane": (0.0, 0.0)}
 
 
 def stacked(s, upper, lower):
-    """Likewise, one block on another one."""
-    rows = []
-    for (points, cells), name in ((upper, "top"), (lower, "base")):
-        y = points[:, 1]
-        low, high = np.abs(y - y.min()) < 1e-9, np.abs(y - y.max()) < 1e-9
-        rows.append((points, cells, *((low, name, high) if name == "top" else (high, name, low))))
-    return rows, {"top": (0.0, -s["depth"]), "base": (0.0, 0.0)}
+    """Likewise, one block on another one; they meet at y = 0."""
+
+    def level(points, y):
+        return np.abs(points[:, 1] - y) < 1e-9
+
+    (above, high), (below, low) = upper, lower
+    slave = above, high, level(above, 0.0), "top", level(above, 1.0)
+    master = below, low, level(below, 0.0), "base", level(below, -1.0)
+    return [slave, master], {"top": (0.0, -s["depth"]), "base": (0.0, 0.0)}
 
 
 def solve(s, meshes):
@@ -167,7 +169,12 @@ def solve(s, meshes):
     analysis.RunSolutionLoop()
     seconds = perf_counter() - start
     newton = int(part.ProcessInfo[KM.NL_ITERATION_NUMBER])
-    row = {"brick": "mortar", "seconds": seconds, "newton": newton, "converged": newton < MOST}
+    row = {
+        "brick": "mortar",
+        "seconds": seconds,
+        "newton": newton,
+        "converged": newton < ITERATIONS,
+    }
     if hertz:
         scale, nodes = part.ProcessInfo[KM.SCALE_FACTOR], list(model["Structure.slave"].Nodes)
         pressure = CSM.LAGRANGE_MULTIPLIER_CONTACT_PRESSURE

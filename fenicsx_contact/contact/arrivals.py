@@ -44,6 +44,18 @@ def missed(contact: Contact, closing: bool) -> str:
     return ""
 
 
+def starts_inside(contact: Contact) -> str:
+    """What a reader should know of a contact that overlaps, whose law leaves it so, or nothing."""
+    law = contact.formulation
+    corrects = getattr(law, "drift_correction", 1.0)
+    if law.gap_share or corrects or contact.depth() <= contact.tolerance:
+        return ""
+    return (
+        f"contact {contact.name!r} starts {contact.depth():.3g} m inside, and {law.name!r} keeps "
+        "it there: 'gap' takes it back, and so does a drift_correction"
+    )
+
+
 def depth(contact: Contact) -> float:
     """Gap [m] in the trial state of the deepest point that was open at the start of the step."""
     opened = contact.chosen & ~contact.touching()

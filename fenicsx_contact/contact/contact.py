@@ -17,6 +17,7 @@ from ..theory.formulations import formulation as as_formulation
 from ..theory.friction import FrictionBound, friction_bound
 from ..theory.theta import Step
 from .candidates import Candidates
+from .clearance import Clearance
 from .equations import SurfaceEquations
 from .jump import Coupling
 from .pairing import Master, acting_points, check_master, couple, worn
@@ -39,6 +40,8 @@ class Contact(SurfaceResults):
         normal_augmentation, tangential_augmentation: pure numbers; rho_n and rho_t are these
             times values scaled by the scene. They act on the way to the solution, not on it.
         gap_tolerance: share of the surface's extent to which the arrival of a point is located.
+        clearance: of two solids that stay opposite each other, m at the start (< 0: they
+            interfere), a number or a function of x (d, n), in place of what their meshes say.
         name: for messages and files.
 
     Attributes:
@@ -48,9 +51,8 @@ class Contact(SurfaceResults):
         resolution: speeds below it, m/s, the last step did not resolve.
         noise: distances below it, m, are round-off of the places.
         candidates: of the step.
-        status, force: of the last step: 0 open, 1 stick, 2 slip; mean on the solid, N.
-        pressure, friction_traction: of the last step, (n,) and (n, d) in Pa, see
-            :class:`~fenicsx_contact.contact.results.SurfaceResults`.
+        status, force: of the last step: 0 open, 1 stick, 2 slip; mean on the solid, N; pressures
+            see :class:`~fenicsx_contact.contact.results.SurfaceResults`.
         memory: what its laws remember; empty if they do not.
 
     Raises:
@@ -73,6 +75,7 @@ class Contact(SurfaceResults):
         normal_augmentation: float = 1.0,
         tangential_augmentation: float = 1.0,
         gap_tolerance: float = 1e-11,
+        clearance: Clearance = None,
         name: str | None = None,
     ) -> None:
         checks.offers("solid", solid, Solid, "a solid")
@@ -98,6 +101,7 @@ class Contact(SurfaceResults):
         )
         self.memory = self.equations.fields.memory
         self.coupling = coupling = self._couple(other)
+        coupling.keep_apart(clearance)
         coupling.recess = worn(self.memory, self.formulation)
         self.solids, self.traces, self.part = coupling.solids, coupling.traces, coupling.part
         self.force, self.status = np.zeros(self.surface.points.shape), np.zeros(self.surface.size)
@@ -113,8 +117,8 @@ class Contact(SurfaceResults):
 
     def _make_surface(self) -> Surface:
         # with middles where they bear: before obstacles, in the plane
-        lines = self.solid.dim == 2 and not self._paired
-        degree = getattr(self.solid, "degree", 1) if lines else 1
+        middles = self.solid.dim == 2 and not self._paired
+        degree = getattr(self.solid, "degree", 1) if middles else 1
         twins = getattr(self.solid, "twins", None)
         return Surface(*self.solid.mesh.boundary(self.facets), degree, twins)
 
@@ -183,7 +187,7 @@ class Contact(SurfaceResults):
         if not self.coupling.fixed_normal:
             self._set_normal(self.coupling.normals())
         gap = self.gap if step.dt else np.minimum(self.gap, 0.0)  # no way to correct a drift
-        # what less than the resolved speed would close is closed, and what round-off opened
+        # what less than the resolved speed would close counts as closed, and round-off
         closed = max(self.resolution * step.horizon, self.noise)
         gap = np.where((gap < 0) & (gap >= -closed), 0.0, gap)
         if share:
@@ -290,10 +294,7 @@ class Contact(SurfaceResults):
         """What is there and what was left out."""
         n = int(self.chosen.sum())
         unknowns = n * (self.equations.fields.components - self.surface.dim)
-        parts = [
-            f"{self.formulation.name}, {n} points of {self.solid.name!r}",
-            f"before {self.coupling.describe()}",
-            self.friction_law.describe() if self.friction_law else "no friction (no tau)",
-            f"{unknowns} multipliers" if unknowns else "springs (no multipliers)",
-        ]
-        return ", ".join(parts)
+        friction = self.friction_law.describe() if self.friction_law else "no friction (no tau)"
+        what = f"{unknowns} multipliers" if unknowns else "springs (no multipliers)"
+        name, where = self.formulation.name, f"{n} points of {self.solid.name!r}"
+        return f"{name}, {where}, before {self.coupling.describe()}, {friction}, {what}"

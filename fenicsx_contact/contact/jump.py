@@ -12,8 +12,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ..base import checks
 from ..solids import Solid, Trace
 from ..theory.theta import Step
+from .clearance import Clearance, apart_at
 from .equations import SurfaceEquations
 from .mortar import Pairing, Side
 from .mortar.matrices import by_component, square
@@ -62,6 +64,13 @@ class Coupling(ABC):
     @abstractmethod
     def _depths(self) -> np.ndarray:
         """Those of a surface without wear."""
+
+    def keep_apart(self, clearance: Clearance) -> None:
+        """Let the followed state have this clearance, whatever the meshes say."""
+        if clearance is not None:
+            raise checks.InputError(
+                f"clearance = {clearance!r}: is between two solids; move the obstacle instead"
+            )
 
     def deepest(self, asked: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         """The largest gap of the points that are ``asked``, (n,) of bool, on their ways from the
@@ -157,6 +166,7 @@ class MortarJump(Coupling):
     """The facets of a solid before those of another."""
 
     fixed_normal = False
+    _chords: np.ndarray | float = 0.0
 
     def __init__(
         self,
@@ -195,7 +205,12 @@ class MortarJump(Coupling):
         self.pairing.update(places, float(np.abs(places - self._start).max()))
 
     def _depths(self) -> np.ndarray:
-        return self.pairing.gap
+        return self.pairing.gap - self._chords
+
+    def keep_apart(self, clearance: Clearance) -> None:
+        if clearance is not None:
+            apart = apart_at(self.pairing.places[: self._n], clearance)
+            self._chords = np.where(self.pairing.paired, self.pairing.gap + apart, 0.0)
 
     def deepest(self, asked: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         # nobody knows how deep a point was that went through and has no partner now

@@ -19,9 +19,10 @@ ABOUT = 400
 
 
 def yielding(matrix: PETSc.Mat, node: np.ndarray) -> float:
-    """The least of ``(A_PP^-1)_ii A_ii`` of the unknowns i of a node, P being the patch about it,
-    which is held beyond: >= 1 where A is symmetric and positive, inf where it is singular. P is at
-    most half of the solid: what nothing holds would go off.
+    """How far a node n yields at least, in whatever direction: the least eigenvalue of
+    ``(A_PP^-1)_nn A_nn``, P being the patch about it, which is held beyond. It is >= 1 where A is
+    symmetric and positive, inf where it is singular, and the same in any axes. P is at most half
+    of the solid: what nothing holds would go off.
 
     Args:
         matrix: A, whose rows this process has in part.
@@ -44,8 +45,8 @@ def yielding(matrix: PETSc.Mat, node: np.ndarray) -> float:
         block[k, place[there]] = values[there]
     own = np.searchsorted(patch, node)
     forces = np.zeros((len(patch), len(node)))
-    forces[own, np.arange(len(node))] = block[own, own]
+    forces[own] = block[np.ix_(own, own)]
     try:
-        return float(np.linalg.solve(block, forces)[own, np.arange(len(node))].min())
+        return float(np.linalg.eigvals(np.linalg.solve(block, forces)[own]).real.min())
     except np.linalg.LinAlgError:  # it moves for nothing
         return np.inf

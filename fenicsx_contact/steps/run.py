@@ -16,6 +16,7 @@ import numpy as np
 from ..base import checks
 from ..base.checks import StepFailed
 from ..base.processes import any_of
+from ..contact.arrivals import starts_inside
 from ..contact.contact import Contact
 from ..output.history import History
 from ..output.stops import hint
@@ -129,6 +130,8 @@ class _Course:
             self.pace.restore(state)
             return
         self.history.append([*self.scene.stepper.row(), *_measure(self.probes)])
+        told = filter(None, map(starts_inside, self.scene.contacts))
+        self.history.remarks += [(self.scene.time, remark) for remark in told]
         if self.files:
             try:
                 self.files.begin(self.history, fingerprint)

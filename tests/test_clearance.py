@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A clearance that is given in place of what the meshes say, and starts that overlap."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from corpus_meshes import mapped, moved
+from scenes import rates, rectangle
+
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    HalfSpace,
+    InputError,
+    QuasiStatic,
+    RigidSolid,
+    Scene,
+    Velocity,
+)
+
+E, NU, INNER, SEAT, OUTER = 2.1e11, 0.3, 0.05, 0.1, 0.2  # Pa, 1, m
+
+
+def quarter(inside, outside, n, names):
+    """A quarter of a ring."""
+
+    def place(s, t):
+        r, angle = inside + (outside - inside) * s, np.pi / 2 * t
+        return r * np.cos(angle), r * np.sin(angle)
+
+    return mapped(n, place, (*names, "bottom", "side"))
+
+
+def fit(n, interference, given=True, law="gap"):
+    """Rings of which one is too large for the other, pressed by that alone; meshes do not match."""
+    rollers = {"bottom": (None, 0), "side": (0, None)}
+    common = {"youngs_modulus": E, "poisson_ratio": NU, "density": 1.0, "prescribed": rollers}
+    meshes = [
+        quarter(INNER, SEAT + interference, (n, 2 * n), ("bore", "seat")),
+        quarter(SEAT, OUTER, (n, 3 * n), ("hole", "rim")),
+    ]
+    shaft, hub = (ElasticSolid(m, name=name, **common) for m, name in zip(meshes, ("a", "b")))
+    clearance = -interference if given else None
+    contact = Contact(shaft, "seat", (hub, "hole"), law, clearance=clearance, name="fit")
+    history = Scene([shaft, hub], [contact], QuasiStatic()).run(1, 1)
+    assert history.finished, history.reason
+    return contact, history
+
+
+def lame(interference):
+    """Pressure of a fit in plane strain (Timoshenko and Goodier, Theory of Elasticity, 28)."""
+    plane, lateral = E / (1 - NU**2), NU / (1 - NU)
+    hub = (OUTER**2 + SEAT**2) / (OUTER**2 - SEAT**2) + lateral
+    shaft = (SEAT**2 + INNER**2) / (SEAT**2 - INNER**2) - lateral
+    return interference * plane / SEAT / (hub + shaft)
+
+
+@pytest.mark.parametrize("interference", [1e-6, 5e-5])
+def test_interference_fit(interference):
+    """Chords of the coarse meshes lie 2e-4 m off their circles, many times what is pressed."""
+    errors = []
+    for n in (4, 8, 16):
+        contact, history = fit(n, interference)
+        assert not history.remarks
+        pressure, area = contact.pressure, contact.surface.area
+        errors.append(abs(area @ pressure / area.sum() / lame(interference) - 1))
+        assert np.abs(pressure / lame(interference) - 1).max() < 0.25 / n
+    assert errors[-1] < 1.5e-3 and (rates(errors) > 1.7).all(), (errors, rates(errors))
+
+
+def test_as_meshed_such_a_fit_is_loose():
+    contact, _ = fit(4, 1e-5, given=False)
+    assert not contact.pressure.any() and contact.gap.max() < 0
+
+
+def test_a_velocity_law_that_starts_inside_says_so():
+    contact, history = fit(4, 5e-5, law="velocity")
+    assert not contact.pressure.any()
+    assert contact.gap == pytest.approx(5e-5, rel=1e-9)
+    [(time, remark)] = history.remarks
+    assert time == 0 and "'fit' starts 5e-05 m inside, and 'velocity' keeps it there" in remark
+    contact, history = fit(4, 5e-5, law=Velocity(drift_correction=1.0))
+    assert not history.remarks
+    assert contact.pressure == pytest.approx(lame(5e-5), rel=0.05)
+
+
+def blocks(clearance):
+    upper = RigidSolid(rectangle((4, 1), (1.0, 1.0)), mass=1.0, name="upper")
+    lower = RigidSolid(moved(rectangle((3, 1), (1.4, 1.0)), 0, -1), mass=1.0, name="lower")
+    return upper, Contact(upper, "base", (lower, "top"), clearance=clearance)
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.1])
+def test_of_the_place(slope):
+    _, contact = blocks(lambda x: 0.5 + slope * x[0])
+    assert contact.gap == pytest.approx(-0.5 - slope * contact.surface.points[:, 0], abs=1e-14)
+
+
+def test_they_meet_when_they_have_crossed_it():
+    mesh = rectangle((4, 1), (1.0, 1.0))
+    upper = RigidSolid(mesh, mass=1.0, velocity=(0, -1), name="upper")
+    slab = ElasticSolid(
+        moved(rectangle((3, 1), (1.4, 1.0)), 0, -1),
+        youngs_modulus=1e12,
+        poisson_ratio=0.3,
+        density=1e9,
+        fixed=["base"],
+        name="slab",
+    )
+    contact = Contact(upper, "base", (slab, "top"), clearance=0.25, name="face")
+    scene = Scene([upper, slab], [contact])
+    history = scene.run(0.2, 0.01)
+    assert not history["face.force_y"].any()
+    assert contact.gap == pytest.approx(-0.05, abs=1e-12)
+    assert scene.run(0.3, 0.01)["face.force_y"].any()
+
+
+@pytest.mark.parametrize(
+    ("clearance", "problem"),
+    [
+        (np.nan, "clearance = nan: must be a finite number"),
+        ("loose", "clearance = 'loose': must be a finite number"),
+        (lambda x: x, "must be 5 finite numbers"),
+        (lambda x: np.nan * x[0], "must be 5 finite numbers"),
+        (lambda x: 1 / 0, "raises ZeroDivisionError"),
+    ],
+)
+def test_refused(clearance, problem):
+    with pytest.raises(InputError, match=problem):
+        blocks(clearance)
+
+
+def test_an_obstacle_has_none():
+    upper = RigidSolid(rectangle(), mass=1.0)
+    with pytest.raises(InputError, match=r"clearance = 0.1: .* move the obstacle instead"):
+        Contact(upper, "base", HalfSpace((0, 0), (0, 1)), clearance=0.1)

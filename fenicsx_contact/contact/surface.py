@@ -90,6 +90,8 @@ class Surface:
     def components(self, count: int) -> Any:
         """A mixed space of ``count`` scalar fields."""
         space = compat.component_space(self.mesh, count, self._degree)
+        if self.size == len(self.sites):
+            return space
         onto, dofs = np.arange(count * len(self.sites)), np.empty(len(self.sites), dtype=np.int64)
         for component in range(count):
             dofs[self.cell_sites.ravel()] = compat.cell_dofs(space.sub(component)).ravel()

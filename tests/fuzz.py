@@ -247,6 +247,7 @@ DEFORMABLE = {
     **SOLID,
     "density": POSITIVE,
     "degree": fixed(1, 2),
+    "periodic": fixed((), [("left", "right")]),
     "fixed": fixed((), ["top"], "top", [("top", "left")], [(0.18, 0.80)]),
     "prescribed": fixed(None, {}, {"top": (None, 0.0)}, {"left": lambda t: (t, None)}),
     "springs": fixed(None, {}, {"base": 1e3}, {("top", "left"): (1.0, 0.0)}),

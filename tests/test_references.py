@@ -20,6 +20,7 @@ from fenicsx_contact.references.hertz import (
     effective_modulus,
     effective_radius,
 )
+from fenicsx_contact.references.westergaard import WavyContact
 
 LINE = LineContact(load=2.0, modulus=30.0, radius=0.7)
 POINT = PointContact(load=0.2, modulus=30.0, radius=0.7)
@@ -256,3 +257,44 @@ def test_combinations_that_are_refused():
     ):
         with pytest.raises(InputError, match=words):
             make()
+
+
+# -- Westergaard --
+
+
+@pytest.mark.parametrize("share", [0.01, 0.4, 0.99, 1.0, 2.5])
+def test_waves_bear_what_presses_them(share):
+    """The pressure bears the mean pressure and levels the waves: with a mean slope of the surface
+    by Hilbert's transform (K.L. Johnson 1985, 13.2) the gap is flat where they touch."""
+    unit = WavyContact(1.0, 30.0, 2.0, 0.01)
+    assert unit.full_pressure == pytest.approx(math.pi * 30 * 0.01 / 2)
+    waves = WavyContact(share * unit.full_pressure, 30.0, 2.0, 0.01)
+    n = 1 << 16
+    x = (np.arange(n) + 0.5) / n * 2.0 - 1.0
+    p = waves.pressure(x)
+    assert p.mean() == pytest.approx(waves.mean_pressure, rel=1e-6)
+    assert (p[np.abs(x) > waves.half_width] == 0).all()
+    assert (p[np.abs(x) < 0.999 * waves.half_width] > 0).all()
+    # displacements of a half-space: those of a wave of pressure are 2/(E* k) times as high
+    k = 2 * np.pi * np.fft.rfftfreq(n, 2.0 / n)
+    inverse = np.divide(2.0, 30.0 * k, out=np.zeros_like(k), where=k > 0)
+    gap = 0.01 * (1 - np.cos(np.pi * x)) + np.fft.irfft(inverse * np.fft.rfft(p), n)
+    touching = np.abs(x) <= waves.half_width
+    assert np.ptp(gap[touching]) < 1e-4 * 0.01
+    assert gap[~touching].min(initial=1.0) > gap[touching].mean() - 1e-6
+
+
+def test_waves_lightly_pressed_are_cylinders():
+    """Crests of radius lambda²/(4 pi² Delta), Hertz's line."""
+    light = WavyContact(1e-3, 30.0, 2.0, 0.01)
+    hertz = LineContact(load=2e-3, modulus=30.0, radius=4.0 / (4 * math.pi**2 * 0.01))
+    assert light.half_width == pytest.approx(hertz.half_width, rel=1e-3)
+    assert light.pressure(np.zeros(1))[0] == pytest.approx(hertz.peak_pressure, rel=1e-3)
+
+
+@pytest.mark.parametrize("i", range(4))
+def test_waves_of_positive_numbers(i):
+    numbers = [1.0, 30.0, 2.0, 0.01]
+    numbers[i] = 0.0
+    with pytest.raises(InputError, match="must be a finite number > 0"):
+        WavyContact(*numbers)

@@ -138,6 +138,27 @@ def _table(lists: Any) -> np.ndarray:
     return lists.array.reshape(lists.num_nodes, -1 if lists.num_nodes else 1)
 
 
+def space_with(space: Any, cells: np.ndarray, owned: int, ghosts: Any, ranks: Any) -> Any:
+    """A space with other numbers for its blocks of unknowns.
+
+    Args:
+        space: whose elements it keeps.
+        cells: the local numbers of the blocks of each local cell, ghosts after the owned ones.
+        owned: how many blocks this process owns.
+        ghosts: of the others the numbers among all, and the processes that own them.
+        ranks: the processes that own ghosts of this one, and those which have some of its blocks.
+    """
+    old, V, cpp = space.dofmap, space._cpp_object, dolfinx.cpp
+    of = np.asarray(ghosts[0], dtype=np.int64), np.asarray(ghosts[1], dtype=np.int32)
+    known = [np.asarray(each, dtype=np.int32) for each in ranks]
+    blocks = cpp.common.IndexMap(space.mesh.comm, owned, known, *of)
+    table = cpp.graph.AdjacencyList_int32(np.ascontiguousarray(cells, dtype=np.int32))
+    dofs = cpp.fem.DofMap(old.dof_layout, blocks, old.index_map_bs, table, old.bs)
+    make = cpp.fem.FunctionSpace_float64 if MODERN else cpp.fem.FunctionSpace
+    shape = (space.value_shape,) if MODERN and VERSION < (0, 10) else ()
+    return fem.FunctionSpace(space.mesh, space.ufl_element(), make(V.mesh, V.element, dofs, *shape))
+
+
 # -- forms --------------------------------------------------------------------------------------
 
 
@@ -240,27 +261,6 @@ class PointExpression:
         mesh = (self._mesh,) if MODERN else ()
         values = self._expression.eval(*mesh, self._cells)
         return np.reshape(values, (len(self._cells), -1 if len(self._cells) else 1))
-
-
-class PointCloud:
-    """n points anywhere, on which UFL of a position ``x`` (d components), a time ``t`` and fields
-    of ``numbers`` is evaluated: constant in each of n cells, which are no place (one process)."""
-
-    def __init__(self, n: int, dim: int) -> None:
-        mesh = dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, n)
-        self.numbers = cellwise_space(mesh)
-        vectors = cellwise_space(mesh, dim)
-        self.x, self.t = fem.Function(vectors, name="x"), fem.Function(self.numbers, name="t")
-        self._rows = cell_dofs(vectors).ravel()
-
-    def place(self, points: np.ndarray, time: float) -> None:
-        """Put the points (n, d) where they are at a time."""
-        self.x.x.array.reshape(points.shape)[self._rows] = points
-        self.t.x.array[:] = time
-
-    def compiled(self, expression: Any) -> PointExpression:
-        """An expression in ``x`` and ``t``; its values are (n, components)."""
-        return PointExpression(expression, self.numbers)
 
 
 class PointValues:

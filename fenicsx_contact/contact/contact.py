@@ -119,7 +119,8 @@ class Contact(SurfaceResults):
         # with middles where they bear: before obstacles, in the plane
         middles = self.solid.dim == 2 and not self._paired
         degree = getattr(self.solid, "degree", 1) if middles else 1
-        return Surface(*self.solid.mesh.boundary(self.facets), degree)
+        twins = getattr(self.solid, "twins", None)
+        return Surface(*self.solid.mesh.boundary(self.facets), degree, twins)
 
     def _locate(self) -> None:
         """Gap (n,) and jump (n, d) at the start of a step."""

@@ -286,9 +286,10 @@ class MortarJump(Coupling):
 
 
 def side_of(solid: Solid, facets: str, surface: Surface | None = None) -> Side:
-    """The side that the named facets of a solid are, in the numbers of the surface, if given."""
+    """The side that the named facets of a solid are, in the numbers of the sites of the surface, if
+    given."""
     points, cells, cell = solid.mesh.boundary(facets)
     inside = solid.mesh.behind(facets)
     if surface is not None:
-        points, cells = surface.points, surface.cell_nodes
+        points, cells = surface.sites, surface.cell_sites
     return Side(points, cells, cell, inside, getattr(solid, "degree", 1))

@@ -10,8 +10,9 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from ..base import checks, compat
+from ..base import checks
 from ..base.expressions import wrong_number
+from ..base.point_cloud import PointCloud
 
 
 class LevelSet:
@@ -50,8 +51,8 @@ class LevelSet:
         if dim > 3:
             raise checks.InputError(f"dim = {dim!r}: must be 2 or 3")
         self._motion = velocity
-        self._compiled: dict[tuple[str, int], tuple[compat.PointCloud, list[Any], Callable]] = {}
-        x, t = (cloud := compat.PointCloud(1, dim)).x, cloud.t
+        self._compiled: dict[tuple[str, int], tuple[PointCloud, list[Any], Callable]] = {}
+        x, t = (cloud := PointCloud(1, dim)).x, cloud.t
         value = _as_ufl("phi", phi, x, t, ())
         self._phi, self.numbers = value, _constants(value)
         self._terminals = x, t, *self.numbers
@@ -88,7 +89,7 @@ class LevelSet:
         """One of the expressions at the points, compiled once for each number of points."""
         key = what, len(points)
         if key not in self._compiled:
-            cloud = compat.PointCloud(len(points), self.dim)
+            cloud = PointCloud(len(points), self.dim)
             fields = [fem.Function(cloud.numbers) for _ in self.numbers]
             x, *numbers = (ufl.variable(field) for field in (cloud.x, *fields))
             expression = self._expression(what, x, cloud.t, numbers)

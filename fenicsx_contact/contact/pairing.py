@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from ..base import checks
 from ..solids import DeformableSolid, Solid, Trace
@@ -24,6 +25,7 @@ Master = Obstacle | tuple[Solid, str]
 
 def check_master(solid: Solid, facets: str, master: Any) -> Master:
     """The master as given, or a refusal."""
+    _refuse_joined("facets", solid, facets)
     if not isinstance(master, tuple):
         checks.instance(
             "master", master, Obstacle, "an obstacle (HalfSpace, ...) or (solid, name of facets)"
@@ -45,7 +47,16 @@ def check_master(solid: Solid, facets: str, master: Any) -> Master:
         raise checks.InputError(
             f"master = ({other.name!r}, {theirs!r}): what is rigid cannot touch itself"
         )
+    _refuse_joined("master", other, theirs)
     return other, theirs
+
+
+def _refuse_joined(what: str, solid: Solid, facets: str) -> None:
+    if facets in getattr(solid, "joined", ()):
+        raise checks.InputError(
+            f"{what} = {facets!r}: is a periodic side of {solid.name!r}, behind which it goes on; "
+            "nothing can touch it there"
+        )
 
 
 def acting_points(
@@ -86,7 +97,13 @@ def couple(solid: Solid, facets: str, equations: SurfaceEquations, other: Master
         coupling.wall.check(coupling.positions())
         return coupling
     master, theirs = other
-    side = side_of(solid, facets, equations.fields.surface)
+    surface = equations.fields.surface
+    if surface.size < len(surface.sites):
+        raise checks.InputError(
+            f"facets = {facets!r}: run across the periodic sides of {solid.name!r}, where no other "
+            "solid goes on after them; they may only meet an obstacle, or be the master"
+        )
+    side = side_of(solid, facets, surface)
     itself = master is solid and theirs == facets  # may be far from touching, flat even
     sides = side, side if itself else side_of(master, theirs)
     pair = MortarJump((solid, master), sides, equations, theirs)
@@ -108,4 +125,7 @@ def _mean_trace(solid: Solid, facets: str, equations: SurfaceEquations) -> Trace
     if equations.weight is not surface.area:
         return None
     side = side_of(solid, facets, surface)
-    return solid.trace(side.nodes, means(side))
+    share = surface.site_area / surface.area[surface.site_nodes]
+    sites = np.arange(len(surface.sites))
+    of_nodes = sp.csr_matrix((share, (surface.site_nodes, sites)))
+    return solid.trace(side.nodes, of_nodes @ means(side))

@@ -11,6 +11,7 @@ quadratic displacements do.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from dolfinx import fem
 from mpi4py import MPI
 
 from ..base import compat
+from ..base.glued import glued_space
 from ..base.vectors import cross
 from ..theory.friction import FrictionBound
 from .law_fields import LawFields
@@ -32,25 +34,45 @@ class Surface:
         cells: indices of their corners, (m, k).
         cell: "interval", "triangle" or "quadrilateral".
         degree: of its fields; of second degree, on intervals only, middles of cells are nodes too.
+        twins: of a solid that repeats itself: which of some sites (s, d) stands for each, (s,). All
+            for which the same one stands are one node, which has the areas of them all.
 
     Attributes:
         points: reference coordinates of the nodes, (n, d), in the order of all arrays here.
         cell_nodes: nodes of each cell, (m, k), corners first.
+        sites, site_nodes, cell_sites: as it is drawn: places, (s, d), the node of each, (s,), and
+            those of each cell, (m, k).
+        site_area: share of the surface that belongs to each site, (s,).
         area: share of the surface that belongs to each node, (n,), in m (2D) or m² (3D).
         dim: dimension of space, d.
         extent: of the points along the axis along which it is largest, m.
     """
 
-    def __init__(self, points: np.ndarray, cells: np.ndarray, cell: str, degree: int = 1) -> None:
+    def __init__(
+        self,
+        points: np.ndarray,
+        cells: np.ndarray,
+        cell: str,
+        degree: int = 1,
+        twins: Callable[[np.ndarray], np.ndarray] | None = None,
+    ) -> None:
         self.dim, self._degree = points.shape[1], degree
         self.mesh = compat.create_mesh(MPI.COMM_SELF, cells, points, cell)
-        self.scalars = compat.lagrange_space(self.mesh, degree)
-        self.vectors = compat.lagrange_space(self.mesh, degree, shape=(self.dim,))
-        self.cell_nodes = compat.cell_dofs(self.scalars)
-        self.points = self.scalars.tabulate_dof_coordinates()[:, : self.dim].copy()
-        self.extent = float(np.ptp(self.points, axis=0).max())
+        every = compat.lagrange_space(self.mesh, degree)
+        self.cell_sites = compat.cell_dofs(every)
+        self.sites = every.tabulate_dof_coordinates()[:, : self.dim].copy()
+        self.extent = float(np.ptp(self.sites, axis=0).max())
         self.dx = compat.nodal_measure(self.mesh, degree)
-        self.area = compat.VectorAssembler(ufl.TestFunction(self.scalars) * self.dx)().copy()
+        self.site_area = compat.VectorAssembler(ufl.TestFunction(every) * self.dx)().copy()
+        self._twins = twins(self.sites) if twins else np.arange(len(self.sites))
+        self.scalars = glued_space(every, self._twins)
+        vectors = compat.lagrange_space(self.mesh, degree, shape=(self.dim,))
+        self.vectors = glued_space(vectors, self._twins)
+        self.cell_nodes = compat.cell_dofs(self.scalars)
+        self.site_nodes = np.empty(len(self.sites), dtype=np.int64)
+        self.site_nodes[self.cell_sites.ravel()] = self.cell_nodes.ravel()
+        self.points = self.sites[self._twins == np.arange(len(self.sites))]
+        self.area = np.bincount(self.site_nodes, self.site_area)
 
     @property
     def size(self) -> int:
@@ -67,7 +89,14 @@ class Surface:
 
     def components(self, count: int) -> Any:
         """A mixed space of ``count`` scalar fields."""
-        return compat.component_space(self.mesh, count, self._degree)
+        space = compat.component_space(self.mesh, count, self._degree)
+        if self.size == len(self.sites):
+            return space
+        onto, dofs = np.arange(count * len(self.sites)), np.empty(len(self.sites), dtype=np.int64)
+        for component in range(count):
+            dofs[self.cell_sites.ravel()] = compat.cell_dofs(space.sub(component)).ravel()
+            onto[dofs] = dofs[self._twins]
+        return glued_space(space, onto)
 
     def constant(self, value: float = 0.0) -> Any:
         """A new constant."""
@@ -75,8 +104,8 @@ class Surface:
 
     def nodes_at(self, points: np.ndarray, tolerance: float) -> np.ndarray:
         """For each of ``points`` (k, d) the nearest node, or -1 where none is within reach."""
-        distance = np.linalg.norm(self.points[None, :, :] - points[:, None, :], axis=2)
-        nearest = distance.argmin(axis=1)
+        distance = np.linalg.norm(self.sites[None, :, :] - points[:, None, :], axis=2)
+        nearest = self.site_nodes[distance.argmin(axis=1)]
         nearest[~(distance.min(axis=1) <= tolerance)] = -1  # NaN is not within reach
         return nearest
 

@@ -118,10 +118,10 @@ class At(_Linear):
     ) -> None:
         checks.instance("solid", solid, DeformableSolid, "a deformable solid")
         self.solid, self._of = solid, checks.choice("of", of, ["place", "velocity"])
-        places, d = solid.vectors.places, solid.dim
-        off = np.linalg.norm(places - checks.vector("point", point, d), axis=1)
-        node = int(off.argmin())
-        if off[node] > SAME * float(np.ptp(places, axis=0).max()):
+        sites, d = solid.vectors.sites, solid.dim
+        off = np.linalg.norm(sites - checks.vector("point", point, d), axis=1)
+        node = int(solid.vectors.site_nodes[off.argmin()])
+        if off.min() > SAME * float(np.ptp(sites, axis=0).max()):
             raise checks.InputError(f"At: point = {list(point)}: is no node of {solid.name!r}")
         self._row = np.zeros(solid.owned)
         self._row[d * node : d * (node + 1)] = checks.vector("direction", direction, d)

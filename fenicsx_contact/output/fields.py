@@ -118,9 +118,9 @@ class FieldWriter:
     def _write_contact(self, contact: Contact, number: int) -> None:
         surface = contact.surface
         kind, order = TO_MESHIO[compat.cell_name(surface.mesh)]
-        if surface.cell_nodes.shape[1] > len(order):  # lines with middles
+        if surface.cell_sites.shape[1] > len(order):  # lines with middles
             kind, order = "line3", [0, 1, 2]
-        cells = [(kind, surface.cell_nodes[:, order])]
+        cells = [(kind, surface.cell_sites[:, order])]
         data = {"force": contact.force, "gap": contact.gap, "status": contact.status}
         if contact.multiplier is not None:
             data["multiplier"] = contact.multiplier
@@ -128,7 +128,8 @@ class FieldWriter:
             data |= {"pressure": contact.pressure, "friction_traction": contact.friction_traction}
         data["displacement"] = contact.coupling.positions() - surface.points  # asks every process
         if self._comm.rank == 0:
-            self._write(contact.name, number, surface.points, cells, data)
+            drawn = {name: values[surface.site_nodes] for name, values in data.items()}
+            self._write(contact.name, number, surface.sites, cells, drawn)
 
     def _write(
         self,

@@ -13,30 +13,28 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import scipy.sparse as sp
 import ufl
-from mpi4py import MPI
 from petsc4py import PETSc
 
 from ..base import checks
 from ..base.mesh import NamedMesh
-from ..base.vectors import largest
 from ..theory.theta import Step
-from .balance import BalancedSolid
 from .boundary import Motion, Supports
 from .coefficients import Scalar
 from .damping import Damping, MassDamper, Rayleigh
-from .factor import Factorisation
 from .foundation import Foundation, Stiffness
 from .loads import Load, Loads
 from .locations import Location
 from .mass import Mass
 from .mass_redistribution import relax
+from .periodic import vector_space
 from .planes import PLANES, Whole
 from .stress import Stressed
+from .system_rows import SystemRows
 from .trace import DeformableTrace
-from .vector_space import Field, VectorSpace
+from .vector_space import Field
 
 
-class DeformableSolid(BalancedSolid, Stressed):
+class DeformableSolid(SystemRows, Stressed):
     """A solid with a displacement field; see its two kinds.
 
     Args:
@@ -44,6 +42,8 @@ class DeformableSolid(BalancedSolid, Stressed):
         density: kg/m³; a number, ``fem.Constant``, ``fem.Function``, expression in UFL, or function
             of x, see :mod:`~.coefficients`.
         degree: of the displacement, 1 or 2.
+        periodic: pairs of names of sides that are one, a translation apart: the second moves as
+            the first does, see :mod:`~.periodic`.
         plane: what a mesh in the plane stands for, see :mod:`~.planes`.
         gravity: acceleration, d numbers, m/s².
         fixed: what is held fast, by location: a name of facets or of a point, several names of
@@ -64,14 +64,13 @@ class DeformableSolid(BalancedSolid, Stressed):
 
     Attributes:
         mass: kg (kg/m in 2D).
+        joined: names of the periodic sides, which nothing can touch.
 
     Raises:
         InputError: numbers out of range, a name that the mesh lacks.
     """
 
     parameters: str  # for describe()
-    factorisation: Factorisation
-    free_load: np.ndarray
     #: Arrays of the state that hold owned unknowns.
     distributed: tuple[str, ...] = ("displacement", "velocity", "momentum", "memory")
     #: Only contact holds it: its matrix is singular.
@@ -89,6 +88,7 @@ class DeformableSolid(BalancedSolid, Stressed):
         *,
         density: Scalar,
         degree: int = 1,
+        periodic: Sequence[tuple[str, str]] = (),
         plane: str = "strain",
         gravity: Sequence[float] | None = None,
         fixed: str | Sequence[Location] = (),
@@ -104,7 +104,8 @@ class DeformableSolid(BalancedSolid, Stressed):
     ) -> None:
         checks.instance("mesh", mesh, NamedMesh, "a NamedMesh (mesh_from_gmsh, name_facets)")
         self.name, self.mesh, self.dim = checks.label("name", name), mesh, mesh.dim
-        self.vectors = VectorSpace(mesh, degree)
+        self.vectors = vector_space(mesh, degree, periodic)
+        self.joined = self.vectors.joined
         self.comm, self.space, self.degree = self.vectors.comm, self.vectors.space, degree
         self.owned, self.unknowns = self.vectors.owned, self.vectors.unknowns
         checks.choice("plane", plane, self.planes if mesh.dim == 2 else self.planes[:1])
@@ -130,7 +131,7 @@ class DeformableSolid(BalancedSolid, Stressed):
         self.mass, self._sum = self.inertia.total, self.vectors.sum
         self.massless = self.comm.allreduce(len(self.inertia.massless)) > 0
         self.weight = np.zeros(self.owned)
-        self.parameters = f"density {self.inertia.told}"
+        self.parameters = f"density {self.inertia.told}{self.vectors.told}"
         if gravity is not None:
             acceleration = checks.vector("gravity", gravity, mesh.dim)
             self.parameters += f", gravity {acceleration.tolist()}"
@@ -228,36 +229,6 @@ class DeformableSolid(BalancedSolid, Stressed):
     def drop_forces(self) -> None:
         self._force = np.zeros(self.owned)
 
-    def layout(self, comm: MPI.Comm) -> list[int]:
-        return list(comm.allgather(self.owned))
-
-    def owned_range(self, comm: MPI.Comm) -> slice:
-        return slice(self.vectors.first, self.vectors.first + self.owned)
-
-    def matrix_rows(self, comm: MPI.Comm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        return self.factorisation.matrix.getValuesCSR()
-
-    def residual(self) -> np.ndarray:
-        return self.linear_residual()
-
-    def load_size(self) -> float:
-        free = self.free_load.copy()
-        free[self.fixed_unknowns] = 0.0
-        return float(max(largest(free), largest(self._force)))
-
-    def load_speed(self) -> float:
-        """The largest speed that the loads of the step give to a node alone, m/s: a scale."""
-        free = self.free_load / self.vectors.diagonal(self.factorisation.matrix)
-        free[self.fixed_unknowns] = 0.0
-        own = largest(free)
-        return max(self.comm.allgather(own))
-
-    def linear_residual(self) -> np.ndarray:
-        moved = self.multiply(self.factorisation.matrix, self.trial_velocity)
-        result = moved - self.free_load - self._force
-        result[self.fixed_unknowns] = 0.0
-        return result
-
     def accept(self, step: Step) -> None:
         self.memory = step.remember(self.velocity, self.trial_velocity, self._acting, self.memory)
         self.velocity = self.trial_velocity.copy()
@@ -275,6 +246,10 @@ class DeformableSolid(BalancedSolid, Stressed):
     def trace(self, points: np.ndarray, means: sp.csr_matrix | None = None) -> DeformableTrace:
         """The solid seen from points (N, d), or from means of them by a matrix (n, N)."""
         return DeformableTrace(self, points, means)
+
+    def twins(self, points: np.ndarray) -> np.ndarray:
+        """Which of these nodes stands for each, see :meth:`~.vector_space.VectorSpace.twins`."""
+        return self.vectors.twins(points)
 
     def state(self) -> dict[str, np.ndarray]:
         state = {"displacement": self.displacement, "velocity": self.velocity}

@@ -51,12 +51,12 @@ def nodes_at(vectors: VectorSpace, where: Any, what: str) -> np.ndarray:
 
 def _node(vectors: VectorSpace, point: Any, what: str, shown: str) -> np.ndarray:
     place, comm = checks.vector(what, point, vectors.dim), vectors.comm
-    far = np.linalg.norm(vectors.places - place, axis=1)
+    far = np.linalg.norm(vectors.sites - place, axis=1)
     nearest = min(comm.allgather((float(far.min(initial=np.inf)), comm.rank)))
-    size = max(comm.allgather(largest(vectors.places)))
+    size = max(comm.allgather(largest(vectors.sites)))
     if nearest[0] > SAME * size:
-        own = vectors.places[far.argmin()].tolist() if comm.rank == nearest[1] else None
+        own = vectors.sites[far.argmin()].tolist() if comm.rank == nearest[1] else None
         raise checks.InputError(
             f"{what} = {shown}: must be a node; the nearest one is {comm.bcast(own, nearest[1])}"
         )
-    return np.flatnonzero(far <= SAME * size)
+    return np.unique(vectors.site_nodes[far <= SAME * size])

@@ -38,8 +38,14 @@ def move_mass_inwards(
         layers: of nodes behind the boundary, which take over its mass.
 
     Raises:
-        InputError: a displacement of degree 2, or no free nodes behind the boundary.
+        InputError: a displacement of degree 2, periodic sides, or no free nodes behind the
+            boundary.
     """
+    if len(vectors.periods):
+        raise checks.InputError(
+            "mass_redistribution: moments about the centre, which it keeps, are none of a solid "
+            "with periodic sides"
+        )
     if vectors.degree != 1:
         raise checks.InputError(
             f"mass_redistribution: needs a displacement of degree 1, not {vectors.degree}"

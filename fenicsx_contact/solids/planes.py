@@ -84,6 +84,10 @@ class Axisymmetric(Whole):
             raise checks.InputError(
                 f"plane = 'axisymmetric': x is the radius, and must be >= 0; the mesh has {least:g}"
             )
+        if largest(vectors.periods[:, 0]) > SAME * size:
+            raise checks.InputError(
+                "periodic: a solid of revolution may repeat itself along its axis, not along x"
+            )
         return np.flatnonzero(radius <= SAME * size)
 
 

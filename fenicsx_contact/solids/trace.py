@@ -7,7 +7,6 @@ from typing import Protocol
 
 import numpy as np
 import scipy.sparse
-from scipy.spatial import cKDTree
 
 from ..base import checks
 from ..base.constants import SAME
@@ -71,15 +70,12 @@ class DeformableTrace(MonolithicTrace):
             means = scipy.sparse.identity(len(points), format="csr")
         self._solid, self._reference = solid, means @ points
         vectors = solid.vectors
-        self._comm, nodes, owned = vectors.comm, vectors.places, vectors.owned
+        self._comm, owned = vectors.comm, vectors.owned
         n, d = points.shape
-        reach = SAME * np.ptp(points, axis=0).max()
-        mine = np.zeros(0, dtype=int)
-        node = np.zeros(0, dtype=int)
-        if len(nodes):
-            distance, nearest = cKDTree(nodes).query(points)
-            mine = np.flatnonzero(distance <= reach)
-            node = nearest[mine]
+        distance, nearest = vectors.nearest(points)
+        size = np.ptp(np.concatenate([points, vectors.sites]), axis=0).max()
+        mine = np.flatnonzero(distance <= SAME * size)
+        node = nearest[mine]
         if self._comm.allreduce(len(mine)) != n:
             raise checks.InputError("points: each point of a trace must be a node of the solid")
         rows, columns = (vectors.at(each) for each in (mine, node))

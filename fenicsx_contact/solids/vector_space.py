@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from dolfinx import fem
 from petsc4py import PETSc
+from scipy.spatial import cKDTree
 
 from ..base import checks, compat
 from ..base.expressions import is_expression
@@ -29,6 +30,7 @@ class VectorSpace:
     Args:
         mesh: the mesh.
         degree: 1 or 2.
+        space: the function space, if not that of all nodes of the mesh.
 
     Attributes:
         dim, comm: dimension of space, and the processes.
@@ -36,23 +38,34 @@ class VectorSpace:
         owned, unknowns: how many unknowns this process owns, and how many there are.
         first: the number of this process's first unknown among all.
         places: of the owned nodes, (owned/d, d) in m.
+        sites, site_nodes: all places of owned nodes, which may have several, (m, d), and whose
+            they are, (m,).
+        periods: translations by which all fields repeat themselves, (p, d) in m.
+        joined: names of facets that are none of the surface, because their nodes are one with
+            those of others.
+        told: what of it is said of a solid.
 
     Raises:
         InputError: another degree.
     """
 
-    def __init__(self, mesh: NamedMesh, degree: int) -> None:
+    joined: frozenset[str] = frozenset()
+    told = ""
+
+    def __init__(self, mesh: NamedMesh, degree: int, space: Any = None) -> None:
         if checks.whole_number("degree", degree, at_least=1) > 2:
             raise checks.InputError(f"degree = {degree!r}: must be 1 or 2")
         self.mesh, self.degree, self.dim = mesh, degree, mesh.dim
         self.comm, d = mesh.mesh.comm, mesh.dim
-        self.space = compat.lagrange_space(mesh.mesh, degree, shape=(d,))
+        every = compat.lagrange_space(mesh.mesh, degree, shape=(d,)) if space is None else space
+        self.space, self.periods = every, np.empty((0, d))
         self._linear = compat.lagrange_space(mesh.mesh, 1, shape=(d,))
         index_map = self.space.dofmap.index_map
         self.owned = index_map.size_local * d
         self.unknowns = index_map.size_global * d
         self.first = index_map.local_range[0] * d
         self.places = self.space.tabulate_dof_coordinates()[: index_map.size_local, :d]
+        self.sites, self.site_nodes = self.places, np.arange(len(self.places))
         self._x, self._y = (self._vector() for _ in range(2))
 
     def _vector(self) -> PETSc.Vec:
@@ -89,6 +102,19 @@ class VectorSpace:
             blocks.append(fem.locate_dofs_topological(self.space, self.dim - 1, facets))
         nodes = np.unique(np.concatenate(blocks)).astype(np.int64)
         return nodes[nodes < self.owned // self.dim]
+
+    def nearest(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The owned node next to each point (n, d): distances in m, infinite where this process
+        owns none, and nodes, (n,)."""
+        if not len(self.sites):
+            return np.full(len(points), np.inf), np.zeros(len(points), dtype=np.int64)
+        distance, site = cKDTree(self.sites).query(points)
+        return distance, self.site_nodes[site]
+
+    def twins(self, points: np.ndarray) -> np.ndarray:
+        """For each of these nodes, given by coordinates (n, d), which of them stands for it: itself
+        unless others have the same unknowns, (n,)."""
+        return np.arange(len(points))
 
     def at(self, nodes: np.ndarray) -> np.ndarray:
         """All unknowns of some nodes, flat."""

@@ -91,8 +91,7 @@ class Multigrid:
 
 def rigid_modes(solid: DeformableSolid) -> np.ndarray:
     """Rigid motions at the owned unknowns, (owned, 3 or 6)."""
-    d = solid.dim
-    x = solid.space.tabulate_dof_coordinates()[: solid.owned // d, :d]
+    d, x = solid.dim, solid.vectors.places
     pairs = [(i, j) for i in range(d) for j in range(i)]
     modes = np.zeros((len(x), d, d + len(pairs)))
     modes[:, range(d), range(d)] = 1.0

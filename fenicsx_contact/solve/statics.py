@@ -68,8 +68,7 @@ def free_motion(solids: Sequence[Any], step: Step) -> str:
     the end of a sentence; nothing if none has."""
     for solid in solids:
         motions = _Motions(solid)
-        x = solid.space.tabulate_dof_coordinates()[: solid.owned // solid.dim]
-        rows = motions(x).reshape(-1, len(motions.names))
+        rows = motions(solid.vectors.places).reshape(-1, len(motions.names))
         comm, way = solid.comm, solid.trial_displacement - solid.displacement
         gram, right = comm.allreduce(rows.T @ rows), comm.allreduce(rows.T @ way)
         amounts = np.abs(np.linalg.solve(gram, right))
@@ -98,7 +97,7 @@ class _Motions:
         """How the supports resist each motion, (motions, motions)."""
         solid = self._solid
         held = solid.fixed_unknowns
-        rows = self(solid.space.tabulate_dof_coordinates()[held // solid.dim])
+        rows = self(solid.vectors.places[held // solid.dim])
         rows = rows[np.arange(len(held)), held % solid.dim]
         gram = rows.T @ rows
         every = self(solid.vectors.places).reshape(solid.owned, -1)
@@ -108,6 +107,9 @@ class _Motions:
         gram = np.array(solid.comm.allreduce(gram))
         for motion in solid.plane.resisted:
             gram[motion, motion] += 1.0
+        for period in solid.vectors.periods:  # what differs a period on strains it
+            apart = np.diff(self(np.stack([self._centre, self._centre + period])), axis=0)[0]
+            gram += apart.T @ apart
         return gram
 
     def __call__(self, points: np.ndarray) -> np.ndarray:

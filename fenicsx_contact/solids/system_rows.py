@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A deformable solid's rows of a monolithic system."""
+
+from __future__ import annotations
+
+import numpy as np
+from mpi4py import MPI
+
+from ..base.vectors import largest
+from .balance import BalancedSolid
+from .factor import Factorisation
+
+
+class SystemRows(BalancedSolid):
+    """What a solid with a displacement field gives to a system whose rows are shared out by
+    process: those of its owned unknowns."""
+
+    factorisation: Factorisation
+    free_load: np.ndarray
+
+    def layout(self, comm: MPI.Comm) -> list[int]:
+        return list(comm.allgather(self.owned))
+
+    def owned_range(self, comm: MPI.Comm) -> slice:
+        return slice(self.vectors.first, self.vectors.first + self.owned)
+
+    def matrix_rows(self, comm: MPI.Comm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return self.factorisation.matrix.getValuesCSR()
+
+    def residual(self) -> np.ndarray:
+        return self.linear_residual()
+
+    def load_size(self) -> float:
+        free = self.free_load.copy()
+        free[self.fixed_unknowns] = 0.0
+        return float(max(largest(free), largest(self._force)))
+
+    def load_speed(self) -> float:
+        """The largest speed that the loads of the step give to a node alone, m/s: a scale."""
+        free = self.free_load / self.vectors.diagonal(self.factorisation.matrix)
+        free[self.fixed_unknowns] = 0.0
+        own = largest(free)
+        return max(self.comm.allgather(own))
+
+    def linear_residual(self) -> np.ndarray:
+        moved = self.vectors.multiply(self.factorisation.matrix, self.trial_velocity)
+        result = moved - self.free_load - self._force
+        result[self.fixed_unknowns] = 0.0
+        return result

@@ -168,8 +168,8 @@ class DeformableTrace(MonolithicTrace):
         return alone * self._yielding()
 
     def _yielding(self) -> float:
-        """How much more the nodes yield together with what is about them than alone, to a power of
-        two: the least of a few, as what is thin bends far but does not stretch."""
+        """How much more the nodes yield together with what is about them than alone, to a power
+        of two: the least of a few, as what is thin bends far but does not stretch."""
         matrix, d = self._solid.factorisation.matrix, self._reference.shape[1]
         first, last = matrix.getOwnershipRange()
         found = []
@@ -179,7 +179,7 @@ class DeformableTrace(MonolithicTrace):
             if len(node) and first <= node.min() <= node.max() < last:
                 found.append(yielding(matrix, node))
         least = min((x for every in self._comm.allgather(found) for x in every), default=1.0)
-        return float(2 ** np.round(np.log2(least))) if 1 <= least < np.inf else 1.0
+        return float(2 ** np.round(np.log2(least) + 0.25)) if 1 <= least < np.inf else 1.0
 
     def seeing(self) -> scipy.sparse.csr_matrix:
         return self._whole

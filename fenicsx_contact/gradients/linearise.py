@@ -20,8 +20,9 @@ from ..theory.theta import QuasiStatic, Step, ThetaScheme
 from .blocks import Blocks, Inner, LinearStep
 from .hold import Shift, shift
 from .kinks import Kink, alike, kinks, refuse_grazing
-from .motion import Motion, RigidMotion, Row
+from .motion import Motion, Row
 from .parameters import Parameter
+from .rigid import RigidMotion
 from .supported import check_together, motion, rows_of
 from .surface import ContactRows
 
@@ -120,13 +121,15 @@ class Linearisation:
 
     def _see(self, step: Step) -> None:
         """Take up the step, and where its unknowns stand."""
-        self._unknowns, self._before = self.size, dict(self._q)
+        self._unknowns = self.size
+        self._before, self._moving = dict(self._q), dict(self._v)
         self._m: dict[int, slice] = {}
         self._f: dict[int, slice] = {}
         for m in self.motions:
             m.see(step)
             if isinstance(m, RigidMotion):  # before what bears is put back to its gaps
-                self._before[id(m)], self._unknowns = _next(self._unknowns, m.size)
+                for each in (self._before, self._moving):
+                    each[id(m)], self._unknowns = _next(self._unknowns, m.size)
         for rows in self.contacts:
             rows.see(step)
             self._m[id(rows)], self._unknowns = _next(self._unknowns, rows.unknowns)
@@ -135,26 +138,31 @@ class Linearisation:
 
     def _move(self, m: Motion, step: Step, plus: Blocks, minus: Blocks, by: np.ndarray) -> None:
         """The rows of a solid but for the forces of contacts."""
-        before = self._before[id(m)]
+        before, moving = self._before[id(m)], self._moving[id(m)]
         self._add(before, m, m.kinematics(step), plus, minus)
-        self._add(self._v[id(m)], m, m.balance(step), plus, minus)
+        self._add(moving, m, m.balance(step), plus, minus)
         for i, parameter in enumerate(self._parameters):
-            by[self._v[id(m)], i] += m.by(parameter, step)
+            by[moving, i] += m.by(parameter, step)
         if isinstance(m, RigidMotion):
             mine = [rows for rows in self.contacts if rows.motion is m]
-            one, here = m.one, self._q[id(m)]
-            plus.add(here, here, one)
-            plus.add(here, before, -one)
+            here, ends = self._q[id(m)], self._v[id(m)]
+            for at, block in zip((here, ends, before, moving), m.kept()):
+                plus.add(ends, at, block)
+            plus.add(here, here, m.one)
             put = shift(m, mine, step, self._parameters)
-            if isinstance(put, Shift):
-                row = Row(-put.q, -put.v, -put.q_old, -put.v_old, -put.dt)
-                self._add(here, m, row, plus, minus)
-                by[here] -= put.by
+            if not isinstance(put, Shift):
+                plus.add(here, before, -m.one)
+                return
+            onwards, further = m.onwards(put.way)
+            plus.add(here, before, -onwards)
+            *row, parameters = (-further @ each for each in put[1:])
+            self._add(here, m, Row(*row), plus, minus)
+            by[here] += parameters
 
     def _add(self, at: slice, m: Motion, row: Row, plus: Blocks, minus: Blocks) -> None:
         if isinstance(m, RigidMotion):  # others have solvers of their own
             plus.add(at, self._before[id(m)], row.q)
-            plus.add(at, self._v[id(m)], row.v)
+            plus.add(at, self._moving[id(m)], row.v)
         minus.add(at, self._q[id(m)], row.q_old)
         minus.add(at, self._v[id(m)], row.v_old)
         if self._scene.locate_impacts:  # else instants do not depend on anything
@@ -166,9 +174,9 @@ class Linearisation:
         if not len(rows.points):
             return
         m, at, force = rows.motion, self._m[id(rows)], self._f[id(rows)]
-        ends = {"v": self._v[id(m)], "q": self._before[id(m)], "m": at}
+        balance = self._moving[id(m)]
+        ends = {"v": balance, "q": self._before[id(m)], "m": at}
         starts = {"v_old": self._v[id(m)], "q_old": self._q[id(m)]}
-        balance = self._v[id(m)]
         for name, (multipliers, forces) in rows.derivatives().items():
             into, where = (plus, ends) if name in ends else (minus, starts)
             into.add(at, where[name], multipliers)
@@ -227,7 +235,7 @@ class Linearisation:
             return np.ones(len(points), dtype=bool)
         m, at = rows.motion, np.flatnonzero(np.isin(rows.points, points))
         changes = {
-            "v": x[self._v[id(m)]],
+            "v": x[self._moving[id(m)]],
             "q": x[self._before[id(m)]],
             "v_old": start[self._v[id(m)]],
             "q_old": start[self._q[id(m)]],

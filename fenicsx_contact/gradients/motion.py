@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The rows of a solid in a linearised step: how it moves, and its balance of momentum.
 
-With q the displacement (of a rigid solid in the plane: the centre of mass and the angle), v the
-velocity, dt the length of the step::
+With q the displacement (of a rigid solid: the centre of mass and the angle, in space a small
+rotation beside the one there is), v the velocity, dt the length of the step::
 
     q+ = q- + increment(v-, v+)            (p+ - p-)/dt + internal - loads - J' f = 0
 
@@ -21,9 +21,8 @@ import scipy.sparse as sp
 from petsc4py import PETSc
 
 from ..base.constants import KEPT
-from ..solids import DeformableSolid, ElasticSolid, RigidSolid
+from ..solids import DeformableSolid, ElasticSolid
 from ..solids.factor import Factorisation
-from ..solids.rotations import rotation_matrix
 from ..theory.theta import Step
 from .blocks import Inner as OwnRows
 from .parameters import Parameter
@@ -80,53 +79,6 @@ class Motion(ABC):
     def increment(self, step: Step) -> np.ndarray:
         """q+ - q-."""
         return step.increment(self.solid.velocity, self.solid.trial_velocity, None)
-
-
-class RigidMotion(Motion):
-    """A rigid solid in the plane.
-
-    Attributes:
-        place, turn: at the start and at the end, before what bears was put back to its gaps.
-    """
-
-    size = 3
-
-    def __init__(self, solid: RigidSolid) -> None:
-        self.solid, self.held, self.one = solid, solid.held, np.eye(3)
-        self._holding = np.zeros((3, 3))
-        self._holding[self.held, self.held] = 1.0
-        self._mass = np.diag([solid.mass, solid.mass, solid.inertia[0, 0]])
-
-    def see(self, step: Step) -> None:
-        state, way = self.solid.state(), self.increment(step)
-        self.turn = state["turn"], rotation_matrix(way[2:]) @ state["turn"]
-        self.place = state["place"], state["place"] + way[:2]
-        self._momentum = self._mass @ (self.solid.trial_velocity - self.solid.velocity)
-
-    def balance(self, step: Step) -> Row:
-        inertia = self._mass * step.inertia_rate
-        old, new = np.zeros((2, 3, 3))
-        if step.loaded:
-            before, after = step.scheme.linear_weights
-            for spring in self.solid.springs:
-                old += before * spring.stiffness(self.place[0], self.turn[0])
-                new += after * spring.stiffness(self.place[1], self.turn[1])
-        rows = [self._hold(each) for each in (new, inertia, old, -inertia)]
-        by_dt = -self._momentum / step.dt**2 if step.dt else np.zeros(3)
-        return Row(rows[0], rows[1] + self._holding, rows[2], rows[3], self._hold(by_dt))
-
-    def _hold(self, rows: np.ndarray) -> np.ndarray:
-        """Without those of what is held."""
-        rows[self.held] = 0.0
-        return rows
-
-    def by(self, parameter: Parameter, step: Step) -> np.ndarray:
-        solid = self.solid
-        change = parameter.momentum(solid, solid.trial_velocity - solid.velocity)
-        rows = np.zeros(3) + change * step.inertia_rate
-        if step.loaded:
-            rows = rows - step.load_weight * parameter.load(solid)
-        return self._hold(rows)
 
 
 class DeformableMotion(Motion):

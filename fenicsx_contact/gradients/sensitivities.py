@@ -20,11 +20,12 @@ from ..base.constants import SAME
 from ..output.history import History
 from ..scene import Scene
 from ..steps.step import Trial
+from .bearing import OfContact
 from .blocks import LinearStep
 from .kinks import Kink, NoDerivative
 from .linearise import Linearisation
 from .parameters import Parameter, among
-from .quantities import OfContact, Quantity
+from .quantities import Quantity
 from .results import Adjoints, Tangents
 from .seeds import Functional, Seeds, explicit, gradient
 

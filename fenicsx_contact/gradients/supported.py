@@ -12,7 +12,8 @@ from ..rods.beam import BeamSolid
 from ..solids import ElasticSolid, HyperelasticSolid, RigidSolid, Solid
 from .beams import BeamMotion
 from .guides import GuideRows
-from .motion import DeformableMotion, Motion, RigidMotion
+from .motion import DeformableMotion, Motion
+from .rigid import RigidMotion
 from .surface import ContactRows
 
 
@@ -29,8 +30,6 @@ def motion(solid: Solid, inertia: bool, moving_time: bool) -> Motion:
     """
     name = f"solid {solid.name!r}"
     if isinstance(solid, RigidSolid):
-        if solid.dim == 3:
-            raise checks.InputError(f"gradients: {name} is rigid in space; only in the plane")
         if solid.applied and moving_time:
             raise checks.InputError(f"gradients: {name} has forces in time and located impacts")
         return RigidMotion(solid)
@@ -73,6 +72,11 @@ def rows_of(contact: Contact, motion: Motion, settles: bool) -> ContactRows:
         raise checks.InputError(
             f"gradients: contact {contact.name!r} is one of a beam, but not of a BeamSolid with a "
             "guide"
+        )
+    if isinstance(motion, RigidMotion) and motion.hinged and contact.formulation.percussive:
+        raise checks.InputError(
+            f"gradients: contact {contact.name!r} puts back solid {motion.solid.name!r}, which is "
+            "held about one or two axes"
         )
     return ContactRows(contact, motion)
 

@@ -91,7 +91,6 @@ class ContactRows:
         self._reads_gap = (k.gap.x.array != 0) * (1.0 - share)
         self.reads_start = (k.start_jump_n.x.array != 0).astype(float)
         self._linearise()
-        self._force = -e.residual()[e.active_jumps]
 
     def _kinematics(self) -> None:
         """Places, velocities and normals, and what they depend on."""
@@ -121,8 +120,9 @@ class ContactRows:
         self._normals(start)
 
     def _linearise(self) -> None:
-        """Take up the derivatives of the form."""
-        tangents = self.contact.equations.tangents
+        """Take up the forces and the derivatives of the form."""
+        e = self.contact.equations
+        self._force, tangents = -e.residual()[e.active_jumps], e.tangents
         self._blocks = tangents.blocks(frozen=True).copy()
         self._parameters = tangents.parameters().copy()
         self._start = self._by_start()

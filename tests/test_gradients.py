@@ -25,7 +25,6 @@ from fenicsx_contact import (
     LevelSet,
     Moved,
     QuasiStatic,
-    Rayleigh,
     RigidSolid,
     Scene,
     Stribeck,
@@ -643,12 +642,6 @@ def test_what_is_not_supported_is_refused_by_name():
     only = "RodInTube, is not supported; only deformable solids, beams and rigid solids"
     with pytest.raises(InputError, match=only):
         Start(RodInTube.__new__(RodInTube), velocity=(1, 0))
-    damped = ElasticSolid(
-        rectangle(), youngs_modulus=1e6, poisson_ratio=0.3, density=1.0, damping=Rayleigh(1.0),
-        name="damped",
-    )  # fmt: skip
-    scene = Scene([damped], [Contact(damped, "base", FLOOR)])
-    refused(scene, {"g": weight(scene)}, "'damped' has damping")
     light = ElasticSolid(
         rectangle(), youngs_modulus=1e6, poisson_ratio=0.3, density=1.0, name="light",
         mass_redistribution=["base"],

@@ -5,7 +5,7 @@ steps. What is not supported is refused by name, where a derivative does not exi
 from .beam_parameters import DriveLaw, Stiffness, Widening
 from .bearing import Force, Pressure
 from .kinks import Kink, NoDerivative
-from .materials import Material, Modulus
+from .materials import Damped, Material, Modulus
 from .obstacles import Bend, ObstacleShift, Shape
 from .parameters import Gravity, Law, Mass, Parameter, Start
 from .passing import Instant, Passing, passing
@@ -18,6 +18,7 @@ __all__ = [
     "At",
     "Bend",
     "Centre",
+    "Damped",
     "DriveLaw",
     "Force",
     "Gravity",

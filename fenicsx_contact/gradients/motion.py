@@ -13,6 +13,7 @@ for those to tell.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple, cast
 
@@ -23,7 +24,7 @@ from petsc4py import PETSc
 from ..base.constants import KEPT
 from ..solids import DeformableSolid, ElasticSolid
 from ..solids.factor import Factorisation
-from ..theory.theta import Step
+from ..theory.theta import Step, ThetaScheme
 from .blocks import Inner as OwnRows
 from .parameters import Parameter
 
@@ -92,9 +93,10 @@ class DeformableMotion(Motion):
         self.one = sp.identity(self.size, format="csr")
         self._holding, self._freeing = (sp.diags(each, format="csr") for each in (hold, 1 - hold))
         self._massive = self._freeing @ self._mass
-        self._kept: dict[tuple[float, float], Factor] = {}
+        self._kept: dict[tuple[float, ...], Factor] = {}
         self._none = sp.csr_matrix(self._mass.shape)
         self._linear, self._own = isinstance(solid, ElasticSolid), cast(Any, None)
+        self._viscous: Any = None  # of a linear solid
         if self._linear:
             self._stiffness = self._freeing @ _scipy(solid.last_stiffness)
 
@@ -108,18 +110,53 @@ class DeformableMotion(Motion):
         old = new = self._none
         if step.loaded:
             old, new = self._stiffnesses(step)
+        early, late = -inertia, inertia
+        if step.loaded and step.scheme.inertia and self.solid.dampers:
+            before, after = step.scheme.linear_weights
+            viscous, bent = self._dampers(step)
+            early, late = early + before * viscous, late + after * viscous
+            old, new = old + (1 - step.force_share) * bent, new + step.force_share * bent
         by_dt = np.zeros(self.size)
         if step.dt and step.scheme.inertia:
             by_dt = self._freeing @ (-self._momentum / step.dt**2)
-        self._inner = self._make_inner(step, inertia, new)
-        return Row(new, inertia + self._holding, old, -inertia, by_dt)
+        self._inner = self._make_inner(step, late, new)
+        return Row(new, late + self._holding, old, early, by_dt)
+
+    def _dampers(self, step: Step) -> tuple[Any, Any]:
+        """Derivatives of the damping forces by the velocity, and by the displacement at which they
+        are taken."""
+        if self._viscous is not None:
+            return self._viscous, self._none
+        solid, (start, end), share = self.solid, self._ends, step.force_share
+        place = share * end + (1 - share) * start
+        rate = step.rate(solid.velocity, solid.trial_velocity)
+        whole = replace(step, scheme=ThetaScheme(1.0))  # of which the velocity is that at the end
+        matrix = self._empty()
+        for damper in solid.dampers:
+            damper.add_to(matrix, whole, place, place)
+        viscous = self._freeing @ _scipy(matrix)
+        if self._linear:
+            self._viscous = viscous
+            return viscous, self._none
+        matrix = self._empty()
+        for damper in solid.dampers:
+            damper.add_bent(matrix, place, rate)
+        return viscous, self._freeing @ _scipy(matrix)
+
+    def _empty(self) -> PETSc.Mat:
+        """A matrix of the solid's pattern without values, always the same."""
+        if self._own is None:
+            self._own = self.solid.last_stiffness.duplicate()
+        self._own.zeroEntries()
+        return self._own
 
     def _make_inner(self, step: Step, inertia: Any, stiffness: Any) -> Inner:
-        key = step.inertia_rate, step.gap_rate
+        key = step.inertia_rate, step.gap_rate, step.rate_weight
         factor = self._kept.get(key) if self._linear else None
         if factor is None:
             matrix = (inertia + step.gap_rate * stiffness) @ self._freeing + self._holding
-            factor = Factor(sp.csr_matrix(matrix), self.solid.name)
+            symmetric = self._linear or not self.solid.dampers
+            factor = Factor(sp.csr_matrix(matrix), self.solid.name, symmetric)
         if self._linear:  # of a linear solid it comes again
             if len(self._kept) >= KEPT:
                 self._kept.clear()
@@ -136,12 +173,10 @@ class DeformableMotion(Motion):
             return before * self._stiffness, after * self._stiffness
         old = new = self._none
         start, end = self._ends
-        if self._own is None:
-            self._own = self.solid.last_stiffness.duplicate()
         for share, weight in step.scheme.force_points:
-            self._own.zeroEntries()
-            self.solid.add_stiffness(self._own, share * end + (1 - share) * start, weight)
-            stiffness = self._freeing @ _scipy(self._own)
+            matrix = self._empty()
+            self.solid.add_stiffness(matrix, share * end + (1 - share) * start, weight)
+            stiffness = self._freeing @ _scipy(matrix)
             old, new = old + (1 - share) * stiffness, new + share * stiffness
         return old, new
 
@@ -155,6 +190,7 @@ class DeformableMotion(Motion):
             for share, weight in step.scheme.force_points:
                 place = share * end + (1 - share) * start
                 rows = rows + weight * parameter.internal(solid, place)
+            rows = rows + parameter.damped(solid, step)
         return np.asarray(self._freeing @ rows)
 
 
@@ -180,23 +216,35 @@ class Inner:
         K, rate = self._stiffness, self._rate
         load = last + rate * first if transposed else last - K @ first
         load[self._held] = 0.0  # nothing moves what is held
-        v = self._factor.solve(load)
+        v = (self._factor.transposed if transposed else self._factor).solve(load)
         return np.concatenate([first - K.T @ v if transposed else first + rate * v, v])
 
 
 class Factor:
     """A direct factorisation of a matrix, made when it is first asked; knows what it has solved for
-    points, which come again."""
+    points, which come again.
 
-    def __init__(self, matrix: sp.csr_matrix, name: str) -> None:
-        self._matrix, self._name = matrix, f"{name}_gradients"
+    Args:
+        matrix: the matrix, and whether it is symmetric.
+        name: of the solid.
+    """
+
+    def __init__(self, matrix: sp.csr_matrix, name: str, symmetric: bool) -> None:
+        self._matrix, self._name, self._symmetric = matrix, name, symmetric
         self._known: dict[bytes, np.ndarray] = {}
 
     @cached_property
     def _factor(self) -> Factorisation:
         parts = self._matrix.indptr, self._matrix.indices, self._matrix.data
         made = PETSc.Mat().createAIJ(self._matrix.shape, csr=parts, comm=PETSc.COMM_SELF)
-        return Factorisation(made, self._name)
+        return Factorisation(made, f"{self._name}_gradients")
+
+    @cached_property
+    def transposed(self) -> Factor:
+        """That of the transpose."""
+        if self._symmetric:
+            return self
+        return Factor(self._matrix.T.tocsr(), self._name, False)
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """For columns (n, k)."""

@@ -16,6 +16,7 @@ from ..rods.drive import AxialLaw
 from ..rods.sections import Lateral, values_of
 from ..solids import DeformableSolid, RigidSolid, Solid
 from ..solids.rotations import angles, cross
+from ..theory.theta import Step
 from .forms import ByConstant
 
 
@@ -38,6 +39,10 @@ class Parameter:
 
     def internal(self, solid: Solid, displacement: np.ndarray) -> np.ndarray | float:
         """Change of the internal forces at a displacement."""
+        return 0.0
+
+    def damped(self, solid: DeformableSolid, step: Step) -> np.ndarray | float:
+        """Change of the damping forces of a deformable solid in the trial state of a step."""
         return 0.0
 
     def rows(self, contact: Contact) -> np.ndarray | None:
@@ -72,6 +77,17 @@ class Parameter:
 
     def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
         """Refuse a scene in which it does not stand."""
+
+
+def damping(solid: DeformableSolid, step: Step, number: str) -> np.ndarray:
+    """The damping forces of a solid in the trial state of a step that are proportional to a number
+    of its damping, ``"alpha"`` or ``"beta"``."""
+    ends = solid.displacement, solid.trial_displacement
+    rate, force = step.rate(solid.velocity, solid.trial_velocity), np.zeros(solid.owned)
+    for damper in solid.dampers:
+        if damper.number == number:
+            force += damper.force(step, *ends, rate)
+    return force
 
 
 def among(what: str, thing: Any, things: Sequence[Any]) -> None:
@@ -252,6 +268,9 @@ class Mass(OfSolid):
             return solid.weight / solid.mass
         assert isinstance(solid, RigidSolid)
         return np.append(solid.gravity, np.zeros(len(solid.inertia)))
+
+    def damped(self, solid: DeformableSolid, step: Step) -> np.ndarray | float:
+        return damping(solid, step, "alpha") / solid.mass if solid is self.solid else 0.0
 
     def driven(self, solid: Solid) -> tuple[float, float]:
         return (1.0, 0.0) if solid is self.solid else (0.0, 0.0)

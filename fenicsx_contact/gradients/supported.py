@@ -45,9 +45,10 @@ def motion(solid: Solid, inertia: bool, moving_time: bool) -> Motion:
         raise checks.InputError(f"gradients: {name} is shared by processes; use one")
     if not inertia and not solid.supported:
         raise checks.InputError(f"gradients: {name} is held by contact alone, without inertia")
-    if solid.dampers or solid.massless:
-        what = "damping" if solid.dampers else "a boundary without mass"
-        raise checks.InputError(f"gradients: {name} has {what}, which is not supported")
+    if solid.massless:
+        raise checks.InputError(
+            f"gradients: {name} has a boundary without mass, which is not supported"
+        )
     if moving_time and (solid.applied or solid.supports.moving):
         raise checks.InputError(f"gradients: {name} has motions in time and located impacts")
     return DeformableMotion(solid)

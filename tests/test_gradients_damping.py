@@ -75,7 +75,8 @@ def test_a_damped_oscillator(damping):
 # -- plateaus of central differences --
 
 
-def struck(E=1e6, mu=0.3, alpha=20.0, beta=2e-3, g=G, speed=0.5, theta=0.5, **scene):
+def struck(E=1e6, mu=0.3, alpha=20.0, beta=2e-3, g=G, speed=0.5,
+           formulation="velocity", theta=0.5, **scene):  # fmt: skip
     """A soft damped block, on springs, thrown obliquely on a floor."""
     block = ElasticSolid(
         rectangle((3, 3), (0.4, 0.4)),
@@ -88,7 +89,7 @@ def struck(E=1e6, mu=0.3, alpha=20.0, beta=2e-3, g=G, speed=0.5, theta=0.5, **sc
         displacement=lambda x: np.stack([-0.02 * x[1], 0.02 * x[0] + 0.006]),
         velocity=lambda x: np.stack([speed + 0 * x[0], -1.0 - 0.2 * x[0]]),
     )
-    contact = Contact(block, "base", FLOOR, friction=mu, name="c")
+    contact = Contact(block, "base", FLOOR, formulation, friction=mu, name="c")
     return Scene([block], [contact], ThetaScheme(theta), **scene)
 
 
@@ -103,16 +104,16 @@ STRUCK = {
 
 
 @pytest.mark.parametrize(
-    ("theta", "scene"),
+    ("formulation", "theta", "scene"),
     [
-        (0.5, {"locate_impacts": True}),
-        pytest.param(0.5, {}, marks=LONG),
-        pytest.param(1.0, {}, marks=LONG),
+        ("velocity", 0.5, {"locate_impacts": True}),
+        pytest.param("velocity", 0.5, {}, marks=LONG),
+        pytest.param("gap", 1.0, {}, marks=LONG),
     ],
 )
-def test_a_damped_elastic_block_that_strikes(theta, scene):
+def test_a_damped_elastic_block_that_strikes(formulation, theta, scene):
     def build(**values):
-        return struck(**values, theta=theta, **scene)
+        return struck(**values, formulation=formulation, theta=theta, **scene)
 
     result = check(build, STRUCK, 0.015, 5e-4, shares=[1e-4])
     assert result.history["c.bearing"].max() >= 3 and result.history["damping"][-1] < -1

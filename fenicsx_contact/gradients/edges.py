@@ -4,7 +4,6 @@ meet."""
 
 from __future__ import annotations
 
-from contextlib import ExitStack
 from functools import partial
 
 import numpy as np
@@ -15,7 +14,7 @@ from ..steps.step import Trial
 from .kinks import Kink, alike, kinks
 from .linearise import Linearisation, arriving
 from .surface import ContactRows
-from .undetermined import hyperstatic, shifted, sliding
+from .undetermined import rigid, shifted, sliding
 
 
 class Edges:
@@ -80,8 +79,9 @@ class Edges:
         """Points that slide under pressures that are not unique, where the motion hangs on these:
         the run has taken some of them."""
         linear = self._linear
-        asked = [rows for rows in linear.contacts if hyperstatic(rows)]
-        idle = linear.last.idle() if asked else None
+        asked = [rows for rows in linear.contacts if rigid(rows)]
+        slide = {id(rows): at for rows in asked if (at := sliding(rows)) is not None}
+        idle = linear.last.idle() if slide else None
         if idle is None:
             return []
         state, sizes = slice(0, linear.size), linear.last.sizes
@@ -90,21 +90,22 @@ class Edges:
             if x is None or start is None:  # any
                 start = np.cos(np.arange(linear.size) + np.zeros((len(self._parameters), 1))).T
                 x = linear.last.tangent(start)
-            with ExitStack() as stack:
-                others = [
-                    stack.enter_context(shifted(rows, idle[linear.multipliers(rows)]))
-                    if rows in asked
-                    else rows
-                    for rows in linear.contacts
-                ]
-                other = linear.assembled(trial, others).tangent(start)
+            with shifted(asked, [idle[linear.multipliers(rows)] for rows in asked]) as others:
+                instead = {id(rows): other for rows, other in zip(asked, others)}
+                contacts = [instead.get(id(rows), rows) for rows in linear.contacts]
+                other = linear.assembled(trial, contacts).tangent(start)
             largest = np.abs(x / sizes[:, None]).max(axis=0)
             change = (other - x)[state] / sizes[state, None]
             moves = not alike(change, np.broadcast_to(largest, change.shape)).all()
+        if not moves:
+            return []
         what = "slides under pressures that are not unique, on which its motion hangs"
-        return [
-            Kink(rows.contact.name, sliding(rows), trial.step.end, what) for rows in asked * moves
-        ]
+        found = []
+        for rows in asked:
+            if id(rows) in slide:
+                place = tuple(rows.contact.surface.points[slide[id(rows)]].tolist())
+                found.append(Kink(rows.contact.name, place, trial.step.end, what))
+        return found
 
     def _touches(self, trial: Trial, x: np.ndarray | None) -> list[Kink]:
         """Points that are open and just touch where the step ends, beside the one that ends it."""

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Pressures of a rigid solid in space that are not unique: four points on a plane bear a solid in
-many ways. Where it slides and turns about the normal, friction, and so the motion, hangs on them.
+"""Pressures of rigid solids that are not unique: four points on a plane bear a solid in many ways,
+and so do two walls between which it is wedged. Where it slides, friction and with it the motion may
+hang on these: by how the friction adds up now, or by how it would after a change of the motion.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
@@ -14,38 +15,67 @@ from .rigid import RigidMotion
 from .surface import ContactRows
 
 
-def hyperstatic(rows: ContactRows) -> bool:
-    """Whether points slide and more bear than a solid in space has ways along one normal."""
-    motion, status = rows.motion, rows.contact.equations.statuses()
-    space = isinstance(motion, RigidMotion) and motion.solid.dim == 3
-    return space and int((status > 0).sum()) > 3 and bool((status > 1).any())
+def rigid(rows: ContactRows) -> bool:
+    """Whether a contact has candidates of a rigid solid."""
+    return isinstance(rows.motion, RigidMotion) and len(rows.points) > 0
 
 
-def sliding(rows: ContactRows) -> tuple[float, ...]:
-    """Reference coordinates of the first point that slides, m."""
-    point = int(rows.contact.equations.statuses().argmax())
-    return tuple(rows.contact.surface.points[point].tolist())
+def sliding(rows: ContactRows) -> int | None:
+    """The first point of a contact that slides, if one does."""
+    slides = np.flatnonzero(rows.contact.equations.statuses() > 1)
+    return int(slides[0]) if len(slides) else None
 
 
 @contextmanager
-def shifted(rows: ContactRows, change: np.ndarray) -> Iterator[ContactRows]:
-    """The rows of a contact with other multipliers of the same statuses.
+def shifted(
+    contacts: Sequence[ContactRows], changes: Sequence[np.ndarray]
+) -> Iterator[list[ContactRows]]:
+    """The rows of contacts with other multipliers of the same statuses.
 
     Args:
-        rows: of the contact.
-        change: of the multipliers of the candidates, point by point: its direction counts.
+        contacts: the contacts.
+        changes: of the multipliers of their candidates, point by point, all in one proportion;
+            the direction counts.
     """
-    e, points = rows.contact.equations, rows.points
-    each = change.reshape(len(points), -1)
-    before, values, status = e.values, e.values.copy(), e.statuses()
-    kinds = e.jumps + np.arange(each.shape[1])[None] * len(rows.normal) + points[:, None]
-    bears = (status[points] > 0) & (each[:, 0] != 0)
-    share = 0.5 * np.abs(values[kinds][bears, 0] / each[bears, 0]).min(initial=np.inf)
-    same = not np.isfinite(share)
-    while not same:
-        values[kinds] = before[kinds] + share * each
-        e.values = values
-        same, share = bool((e.statuses() == status).all()) or share == 0, 0.5 * share
-    e.values = before
-    with rows.other(points, values) as other:
-        yield other
+    ways = [_Way(rows, change) for rows, change in zip(contacts, changes)]
+    share = 0.5 * min(way.reach for way in ways)
+    while np.isfinite(share) and share > 0 and not all(way.keeps(share) for way in ways):
+        share *= 0.5
+    with ExitStack() as stack:
+        yield [
+            stack.enter_context(way.rows.other(way.rows.points, way.values(share))) for way in ways
+        ]
+
+
+class _Way:
+    """A change of the multipliers of a contact.
+
+    Attributes:
+        rows: of the contact.
+        reach: by how many times of it the first pressure would vanish; infinite if none changes.
+    """
+
+    def __init__(self, rows: ContactRows, change: np.ndarray) -> None:
+        self.rows, e, points = rows, rows.contact.equations, rows.points
+        self._change = change.reshape(len(points), -1)
+        kinds = np.arange(self._change.shape[1]) * len(rows.normal)
+        self._places = e.jumps + kinds + points[:, None]
+        self._values, self._statuses = e.values.copy(), e.statuses()
+        pressure, by = self._values[self._places][:, 0], self._change[:, 0]
+        bears = (self._statuses[points] > 0) & (by != 0)
+        self.reach = float(np.abs(pressure[bears] / by[bears]).min(initial=np.inf))
+
+    def values(self, share: float) -> np.ndarray:
+        """The unknowns after as many times of it; as they are where it cannot be told."""
+        result = self._values.copy()
+        if np.isfinite(share):
+            result[self._places] += share * self._change
+        return result
+
+    def keeps(self, share: float) -> bool:
+        """Whether all statuses stay."""
+        e = self.rows.contact.equations
+        e.values = self.values(share)
+        same = bool((e.statuses() == self._statuses).all())
+        e.values = self._values
+        return same

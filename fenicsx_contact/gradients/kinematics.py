@@ -40,7 +40,7 @@ def _apply(weights: np.ndarray, operator: Any) -> Any:
     k, r, d = weights.shape
     if isinstance(operator, np.ndarray):
         return np.matmul(weights, operator.reshape(k, d, -1)).reshape(k * r, -1)
-    return _diagonal(weights) @ operator
+    return diagonal(weights) @ operator
 
 
 class Arms:
@@ -84,7 +84,7 @@ def square(blocks: np.ndarray) -> Any:
     return result.reshape(k * r, k * c)
 
 
-def _diagonal(blocks: np.ndarray) -> sp.csr_matrix:
+def diagonal(blocks: np.ndarray) -> sp.csr_matrix:
     """A block diagonal matrix from blocks (k, rows, columns)."""
     k, r, c = blocks.shape
     columns = (np.arange(k) * c)[:, None, None] + np.arange(c)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from ..base import checks
 from ..contact.arrivals import arrival
@@ -57,13 +58,9 @@ class Linearisation:
         of = {id(m.solid): m for m in self.motions}
         self.contacts = []
         for contact in scene.contacts:
-            if len(contact.solids) > 1:
-                raise checks.InputError(
-                    f"gradients: contact {contact.name!r} is between two solids; only with "
-                    "obstacles"
-                )
             settles = scene.geometry == "fixed point"
-            self.contacts.append(rows_of(contact, of[id(contact.solid)], settles))
+            motions = [of[id(solid)] for solid in contact.solids]
+            self.contacts.append(rows_of(contact, motions, settles, located))
         check_together(self.contacts)
         self._q: dict[int, slice] = {}
         self._v: dict[int, slice] = {}
@@ -98,13 +95,17 @@ class Linearisation:
 
     def changes(self, rows: ContactRows, x: np.ndarray, start: np.ndarray) -> dict[str, np.ndarray]:
         """Changes of what the rows of a contact read of its solid in the same step."""
-        m = rows.motion
-        return {
-            "v": x[self._moving[id(m)]],
-            "q": x[self._before[id(m)]],
-            "v_old": start[self._v[id(m)]],
-            "q_old": start[self._q[id(m)]],
-        }
+        found: dict[str, np.ndarray] = {}
+        for i, m in enumerate(rows.motions):
+            ends, starts = self._ends(m)
+            found |= {rows.key(name, i): x[at] for name, at in ends.items()}
+            found |= {rows.key(name, i): start[at] for name, at in starts.items()}
+        return found
+
+    def _ends(self, m: Motion) -> tuple[dict[str, slice], dict[str, slice]]:
+        """Where what a contact reads of a solid stands among the unknowns, and in the state."""
+        ends = {"v": self._moving[id(m)], "q": self._before[id(m)]}
+        return ends, {"v_old": self._v[id(m)], "q_old": self._q[id(m)]}
 
     def start(self) -> np.ndarray:
         """Derivative of the present state by the parameters, as the initial one, (size, p)."""
@@ -147,6 +148,7 @@ class Linearisation:
         self._before, self._moving = dict(self._q), dict(self._v)
         self._m: dict[int, slice] = {}
         self._f: dict[int, slice] = {}
+        self._y: dict[int, slice] = {}
         for m in self.motions:
             m.see(step)
             if isinstance(m, RigidMotion):  # before what bears is put back to its gaps
@@ -157,6 +159,9 @@ class Linearisation:
             self._m[id(rows.contact)], self._unknowns = _next(self._unknowns, rows.unknowns)
             forces = len(rows.points) * rows.contact.surface.dim
             self._f[id(rows.contact)], self._unknowns = _next(self._unknowns, forces)
+            nodes = sum(seen.shape[0] for _, seen in rows.read()) if len(rows.points) else 0
+            first = self._unknowns
+            self._y[id(rows.contact)], self._unknowns = slice(first, first), first + nodes
 
     def _move(
         self,
@@ -202,20 +207,29 @@ class Linearisation:
         """The rows of a contact: of its multipliers, and of its forces, which act on the solid."""
         if not len(rows.points):
             return
-        m, at, force = rows.motion, self._m[id(rows.contact)], self._f[id(rows.contact)]
-        balance = self._moving[id(m)]
-        ends = {"v": balance, "q": self._before[id(m)], "m": at}
-        starts = {"v_old": self._v[id(m)], "q_old": self._q[id(m)]}
+        at, force = self._m[id(rows.contact)], self._f[id(rows.contact)]
+        ends: dict[str, slice] = {"m": at}
+        starts: dict[str, slice] = {}
+        for i, m in enumerate(rows.motions):
+            for every, mine in zip((ends, starts), self._ends(m)):
+                every |= {rows.key(name, i): each for name, each in mine.items()}
         for name, (multipliers, forces) in rows.derivatives().items():
             into, where = (plus, ends) if name in ends else (minus, starts)
             into.add(at, where[name], multipliers)
             into.add(force, where[name], -forces)
         one = np.eye(force.stop - force.start)
         plus.add(force, force, one)
-        plus.add(balance, force, -rows.spread(one))
-        for name, turned in rows.turned().items():
+        last = self._y[id(rows.contact)]
+        for m, seen in rows.read():
+            last, _ = _next(last.stop, seen.shape[0])
+            plus.add(last, last, sp.identity(seen.shape[0]))
+            plus.add(last, self._before[id(m)], -seen)
+            ends["y"] = slice(self._y[id(rows.contact)].start, last.stop)
+        for m, spread in rows.spreads(one):
+            plus.add(self._moving[id(m)], force, -spread)
+        for m, name, turned in rows.bent():
             into, where = (plus, ends) if name in ends else (minus, starts)
-            into.add(balance, where[name], -turned)
+            into.add(self._moving[id(m)], where[name], -turned)
         for i, parameter in enumerate(self.parameters):
             change, forces = rows.by(parameter)
             by[at, i] += change

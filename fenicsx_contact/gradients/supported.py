@@ -13,6 +13,7 @@ from ..solids import ElasticSolid, HyperelasticSolid, RigidSolid, Solid
 from .beams import BeamMotion
 from .guides import GuideRows
 from .motion import DeformableMotion, Motion
+from .pairs import PairRows
 from .rigid import RigidMotion
 from .surface import ContactRows
 
@@ -54,17 +55,28 @@ def motion(solid: Solid, inertia: bool, moving_time: bool) -> Motion:
     return DeformableMotion(solid)
 
 
-def rows_of(contact: Contact, motion: Motion, settles: bool) -> ContactRows:
+def rows_of(
+    contact: Contact, motions: Sequence[Motion], settles: bool, moving_time: bool
+) -> ContactRows:
     """The rows of a contact.
 
     Args:
         contact: the contact.
-        motion: of its solid.
+        motions: of its solids.
         settles: whether steps settle on frozen geometry ("fixed point").
+        moving_time: whether instants depend on parameters.
 
     Raises:
         InputError: what is not supported, by name.
     """
+    if len(motions) > 1:
+        if moving_time:
+            raise checks.InputError(
+                f"gradients: contact {contact.name!r} is between two solids, in a scene with "
+                "located impacts"
+            )
+        return PairRows(contact, motions)
+    (motion,) = motions
     if isinstance(motion, BeamMotion) and isinstance(contact, GuideContact):
         if contact.obstacle.moving:
             raise checks.InputError(f"gradients: the guide of contact {contact.name!r} moves")

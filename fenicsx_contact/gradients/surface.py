@@ -60,6 +60,7 @@ class ContactRows:
     def __init__(self, contact: Contact, motion: Motion) -> None:
         self._refuse(contact)
         self.contact, self.motion = contact, motion
+        self.motions: Sequence[Motion] = [motion]
         self._by_start = ByField(contact, contact.equations.fields.start_jump_n)
         self._d = contact.surface.dim
         self._more = contact.equations.fields.components - self._d  # multipliers of a point
@@ -217,6 +218,25 @@ class ContactRows:
         places = (self.points[:, None] * self._d + np.arange(self._d)).ravel()
         spreading = self._forces[places].T
         return spreading @ (forces if isinstance(spreading, np.ndarray) else sp.csr_matrix(forces))
+
+    @staticmethod
+    def key(name: str, number: int) -> str:
+        """What a derivative by q, v, ... of a solid of the contact is called."""
+        return name if not number else f"{name} of the master"
+
+    def spreads(self, forces: np.ndarray) -> Iterator[tuple[Motion, Any]]:
+        """The same, solid by solid."""
+        yield self.motion, self.spread(forces)
+
+    def bent(self) -> Iterator[tuple[Motion, str, Any]]:
+        """Derivatives of J' f at fixed forces on each solid, by what J depends on."""
+        for name, block in self.turned().items():
+            yield self.motion, name, block
+
+    def read(self) -> list[tuple[Motion, Any]]:
+        """Operators from solids to the places of nodes, ``"y"``, by which their forces on each
+        other change; of obstacles none."""
+        return []
 
     def turned(self) -> dict[str, Any]:
         """Derivatives of J' f at fixed forces, of what J depends on."""

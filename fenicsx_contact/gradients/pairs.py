@@ -2,7 +2,8 @@
 """The rows of a contact between two deformable solids in a linearised step.
 
 The jump is a mean over what faces each node, ``w = J(q) v``, with J, gaps and normals of the places
-of the nodes of both sides; how these change, :mod:`~fenicsx_contact.contact.mortar.rates` knows.
+of the nodes of both sides; how these change, :mod:`~fenicsx_contact.contact.mortar.rates` knows,
+where the master does not end beside a point that bears.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import checks
+from ..base.constants import SAME
 from ..contact.contact import Contact
 from ..contact.jump import MortarJump
 from ..contact.mortar import Pairing
@@ -68,6 +70,24 @@ class PairRows(ContactRows):
         ways = [s.trial_displacement - s.displacement for s in contact.solids]  # type: ignore
         way = np.concatenate([(S @ w).reshape(-1, d) for S, w in zip(self._seeing, ways)])
         self._start_places = self._pair.places - way
+        self._refuse_edges()
+
+    def _refuse_edges(self) -> None:
+        """Refuse points that bear beside an edge of the master: how their areas change with it is
+        not known.
+
+        Raises:
+            InputError: there are.
+        """
+        pair, contact = self._pair, self.contact
+        bears = contact.equations.statuses() > 0
+        lost = np.flatnonzero(bears & (pair.area < (1 - SAME) * pair.full_area))
+        if len(lost):
+            place = tuple(contact.surface.points[lost[0]].tolist())
+            raise checks.InputError(
+                f"gradients: contact {contact.name!r}, point {place}, t = {self.step.end:.9g} s: "
+                "reaches beyond its master while it bears, which is not supported"
+            )
 
     def _split(self, matrix: Any) -> list[Any]:
         """Derivatives by the unknowns of both solids, from those by the nodes of both sides."""

@@ -142,7 +142,6 @@ def both(scene):
         pytest.param({"geometry": "newton", "solver": "monolithic"}, marks=LONG),
         pytest.param({"formulation": "gap", "theta": 1.0, "geometry": "newton"}, marks=LONG),
         pytest.param({"kind": HyperelasticSolid, "geometry": "newton"}, marks=LONG),
-        pytest.param({"degree": 2, "geometry": "newton"}, marks=LONG),
     ],
     ids=str,
 )
@@ -150,7 +149,7 @@ def test_a_block_thrown_on_another(given):
     def build(**values):
         return thrown(**values, **given)
 
-    result = check(build, THROWN, 0.012, 1e-3, both, shares=[1e-5])
+    result = check(build, THROWN, 0.010, 1e-3, both, shares=[1e-5])
     assert result.history["c.bearing"].max() >= 3 and result.history["c.slipping"].max() >= 1
 
 
@@ -186,7 +185,7 @@ def test_blocks_in_space():
 
 def test_adjoints_are_tangents():
     def made():
-        scene = thrown(kind=HyperelasticSolid)
+        scene = thrown()
         return scene, {name: of(scene) for name, (_, of) in THROWN.items()}
 
     scene, asked = made()
@@ -203,6 +202,8 @@ def test_what_is_not_supported_is_refused_by_name():
     scene = thrown()
     shift = ObstacleShift(scene.contacts[0], (0, -1))
     refused(scene, {"up": shift}, "contact 'c' is between two solids; see Start")
+    curved = thrown(degree=2)
+    refused(curved, {"g": weight(curved)}, "contact 'c' is between two solids, and one is of sec")
     over = thrown(wide=0.36)
     with pytest.raises(InputError, match=r"contact 'c', point .* reaches beyond its master"):
         tangents(over, 0.012, 1e-3, {"g": weight(over)})

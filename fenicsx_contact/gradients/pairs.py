@@ -43,6 +43,8 @@ class PairRows(ContactRows):
             raise checks.InputError(f"{name} is between two solids of which one is not deformable")
         if motions[0] is motions[1]:
             raise checks.InputError(f"{name} is of a solid with itself")
+        if any(solid.degree > 1 for solid in contact.solids):  # type: ignore[attr-defined]
+            raise checks.InputError(f"{name} is between two solids, and one is of second degree")
         pair = contact.coupling.pairing  # type: ignore[attr-defined]
         self._before = Pairing(pair.slave, pair.master)
 

@@ -106,7 +106,7 @@ STRUCK = {
 @pytest.mark.parametrize(
     ("formulation", "theta", "scene"),
     [
-        ("velocity", 0.5, {"locate_impacts": True}),
+        pytest.param("velocity", 0.5, {"locate_impacts": True}, marks=LONG),
         pytest.param("velocity", 0.5, {}, marks=LONG),
         pytest.param("gap", 1.0, {}, marks=LONG),
     ],

@@ -93,6 +93,7 @@ fig.savefig(RESULTS / "16_gradients.png", dpi=150)
 # A step solves $F(x^+, x^-, p) = 0$, smooth in the statuses that it has settled on; the derivative
 # of its solution costs one linear solve. Carried from step to step, the instant of the impact among
 # the unknowns, this is a *tangent*: the derivative of what is computed, exact, from one run.
+# It is so for bodies that turn in space, that deform and that are damped, too.
 # (`gradients.py` tells more: adjoints, and points at which there is no derivative.)
 
 # %%

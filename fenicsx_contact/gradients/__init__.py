@@ -3,12 +3,13 @@
 steps. What is not supported is refused by name, where a derivative does not exist it is told."""
 
 from .beam_parameters import DriveLaw, Stiffness, Widening
+from .bearing import Force, Pressure
 from .kinks import Kink, NoDerivative
-from .materials import Material, Modulus
+from .materials import Damped, Material, Modulus
 from .obstacles import Bend, ObstacleShift, Shape
 from .parameters import Gravity, Law, Mass, Parameter, Start
 from .passing import Instant, Passing, passing
-from .quantities import At, Centre, Force, Kinetic, Pressure, Quantity, Strain, Travel, Turn
+from .quantities import At, Centre, Kinetic, Quantity, Strain, Travel, Turn
 from .results import Adjoints, Tangents
 from .sensitivities import adjoints, tangents
 
@@ -17,6 +18,7 @@ __all__ = [
     "At",
     "Bend",
     "Centre",
+    "Damped",
     "DriveLaw",
     "Force",
     "Gravity",

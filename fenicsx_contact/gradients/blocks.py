@@ -81,6 +81,9 @@ class LinearStep:
         forces: where the forces of each contact stand among the unknowns, point by point.
         inner: solids with solvers of their own, and where their unknowns stand; the others are
             solved for together, dense.
+
+    Attributes:
+        sizes: by which the unknowns are scaled; infinite for those of inner solids.
     """
 
     def __init__(
@@ -109,6 +112,8 @@ class LinearStep:
             matrix[:, joined] -= into @ columns
             self._joints.append((at, solid, into, joined, columns))
         self._lapack(matrix, soft[self._outer])
+        self.sizes = np.full(len(soft), np.inf)
+        self.sizes[self._outer] = self._columns
 
     def _lapack(self, matrix: np.ndarray, soft: np.ndarray) -> None:
         sizes = np.abs(matrix).max(axis=1, initial=0.0)
@@ -117,7 +122,8 @@ class LinearStep:
         sizes = np.abs(scaled).max(axis=0, initial=0.0)
         self._columns = 1 / np.where(sizes > 0, sizes, 1.0)
         self._matrix = scaled * self._columns
-        self._factors = lu_factor(self._matrix - np.diag(self._rows * soft * self._columns))
+        self._soft = self._rows * soft * self._columns
+        self._factors = lu_factor(self._matrix - np.diag(self._soft))
 
     def _solve(self, right: np.ndarray, transposed: bool) -> np.ndarray:
         """The outer unknowns; what is soft is made hard by iteration (proximal point)."""
@@ -132,6 +138,21 @@ class LinearStep:
             falls = change < before
             result = result + correction if falls else result
         return last[:, None] * result
+
+    def idle(self) -> np.ndarray | None:
+        """A change of the unknowns, (unknowns,), which no row tells, of those that are not inner;
+        None if there is none. Softness alone then holds it: ``(A - S) x = S z`` gives -z back."""
+        soft, share = self._soft > 0, 0.0
+        z = soft * np.cos(np.arange(len(soft)))
+        for _ in range(3):
+            z = z / (np.abs(z[soft]).max(initial=0.0) or 1.0)
+            z = lu_solve(self._factors, self._soft * z)
+            share = float(np.abs(z[soft]).max(initial=0.0))
+        if share < 0.5:
+            return None
+        result = np.zeros(len(self))
+        result[self._outer] = self._columns * z
+        return result
 
     def __len__(self) -> int:
         """Number of its unknowns."""

@@ -4,7 +4,8 @@
 
     s = -m G' y,      (G m G') y = off
 
-m: the inverse of the mass, G: derivatives of the gaps of the bearing points by the place.
+m: the inverse of the mass, G: derivatives of the gaps of the bearing points by the place; both turn
+with the solid, G with the normals of an obstacle, too.
 """
 
 from __future__ import annotations
@@ -16,14 +17,17 @@ import numpy as np
 
 from ..base.vectors import dot
 from ..theory.theta import Step
-from .motion import RigidMotion
+from .kinematics import Arms
 from .parameters import Parameter
+from .rigid import RigidMotion
 from .surface import ContactRows
 
 
 class Shift(NamedTuple):
-    """Derivatives of a shift by q before it, v, q_old, v_old (3, 3), dt (3,), parameters (3, p)."""
+    """A shift (size,), and its derivatives by q before it, v, q_old, v_old (size, size), dt (size,)
+    and parameters (size, p)."""
 
+    way: np.ndarray
     q: np.ndarray
     v: np.ndarray
     q_old: np.ndarray
@@ -49,23 +53,23 @@ def shift(
             bearing.append(_Bearing(rows, points, step, parameters))
     if not bearing:
         return None
-    m = motion.solid.mobility
+    m = motion.mobility(motion.turn[1])
     G, off = (np.concatenate([getattr(b, each) for b in bearing]) for each in ("G", "off"))
     inverse = np.linalg.pinv(G @ m @ G.T, rcond=1e-10, hermitian=True)
     y = inverse @ off
-    u, first, forces = m @ G.T @ y, 0, np.zeros((3, 3))
-    for b in bearing:
-        last = first + len(b.off)
-        forces += b.turned_forces(y[first:last])
-        first = last
+    forces = G.T @ y
+    u = m @ forces
+    moved = motion.turned(m, forces)  # and m turns
+    for b, (first, last) in zip(bearing, _bounds(bearing)):
+        moved = moved + m @ b.turned_forces(y[first:last])
     turned = np.concatenate([b.turned_rows(u) for b in bearing])
     back = m @ G.T @ inverse
-    own = -m @ forces + back @ (turned + G @ m @ forces)
-    derivatives = {}
+    own = -moved + back @ (turned + G @ moved)
+    derivatives = {"way": -u}
     for name in ("q", "v", "q_old", "v_old", "dt", "by"):
         derivatives[name] = -back @ np.concatenate([getattr(b, name) for b in bearing])
     derivatives["q"] = derivatives["q"] + own
-    moved = np.zeros((3, len(parameters)))
+    moved = np.zeros((motion.size, len(parameters)))
     for b, (first, last) in zip(bearing, _bounds(bearing)):
         for i, by in enumerate(b.moved):
             if by is not None:
@@ -93,12 +97,13 @@ class _Bearing:
         step: Step,
         parameters: Sequence[Parameter],
     ) -> None:
-        contact, d = rows.contact, 2
+        contact, size = rows.contact, rows.motion.size
+        d = contact.surface.dim
         at = (points[:, None] * d + np.arange(d)).ravel()
         new, old = rows.new, rows.old
         assert new.bend is not None and old.bend is not None
         J, H, J_old, H_old = (
-            each[at].reshape(len(points), d, 3)
+            each[at].reshape(len(points), d, size)
             for each in (new.place, new.bend, old.place, old.bend)
         )
         n, slope, w = rows.normal[points], rows.slope[points], rows.jump[points]
@@ -108,7 +113,7 @@ class _Bearing:
         start = dot(w_old, n) * starts
         self.G = np.einsum("pi,pij->pj", n, J)
         self._J, self._C, self._n = J, C, n
-        self._arm = rows.arms[1][points]
+        self._arms = Arms(rows.arms[1].arms[points])
         turned = C @ J
         wall = contact.coupling.wall  # type: ignore[attr-defined]
         place = rows.places[points]
@@ -140,13 +145,13 @@ class _Bearing:
         return np.einsum("pi,pij->pj", turned, self._J)
 
     def turned_forces(self, y: np.ndarray) -> np.ndarray:
-        """Derivative of G' y by q, (3, 3)."""
+        """Derivative of G' y by q, (size, size)."""
         result = np.einsum("p,pia,pij,pjb->ab", y, self._J, self._C, self._J)
-        result[2, 2] -= float(y @ dot(self._n, self._arm))
-        return np.asarray(result)
+        return np.asarray(result + self._arms.turned(y[:, None] * self._n))
 
     def turned_rows(self, u: np.ndarray) -> np.ndarray:
-        """Derivative of G u by q, (points, 3)."""
+        """Derivative of G u by q, (points, size)."""
+        d = self._n.shape[1]
         result = np.einsum("pia,a,pij,pjb->pb", self._J, u, self._C, self._J)
-        result[:, 2] -= u[2] * dot(self._n, self._arm)
+        result[:, d:] += np.einsum("pi,pikl,k->pl", self._n, self._arms.second, u[d:])
         return np.asarray(result)

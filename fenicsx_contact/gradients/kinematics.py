@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from ..solids.rotations import GENERATORS
+
 
 class Kinematics:
     """Points of a solid, with derivatives by its unknowns; operators are (n d, size), flat.
@@ -38,19 +40,39 @@ def _apply(weights: np.ndarray, operator: Any) -> Any:
     k, r, d = weights.shape
     if isinstance(operator, np.ndarray):
         return np.matmul(weights, operator.reshape(k, d, -1)).reshape(k * r, -1)
-    return _diagonal(weights) @ operator
+    return diagonal(weights) @ operator
 
 
-def rigid(arm: np.ndarray, spin: float, held: np.ndarray) -> Kinematics:
-    """Of a rigid solid in the plane, at points (n, 2) from its centre."""
-    n = len(arm)
-    place, bend = np.zeros((2, n, 2, 3))
-    place[:, 0, 0] = place[:, 1, 1] = 1.0
-    place[:, 0, 2], place[:, 1, 2] = -arm[:, 1], arm[:, 0]
-    bend[:, :, 2] = -spin * arm
-    for each in (place, bend):
-        each[:, :, held] = 0.0
-    return Kinematics(place.reshape(2 * n, 3), bend.reshape(2 * n, 3))
+class Arms:
+    """Arms from the centre of a rigid solid, (n, d) in m, in the plane and in space.
+
+    Attributes:
+        arms: they.
+        first, second: their derivatives by rotations, (n, d, spins), and by one after another,
+            (n, d, spins, spins): what a spin makes of an arm, and that of the arm after a rotation.
+    """
+
+    def __init__(self, arms: np.ndarray) -> None:
+        G = GENERATORS[arms.shape[1]]
+        self.arms = arms
+        self.first = np.einsum("lij,nj->nil", G, arms)
+        self.second = np.einsum("kij,njl->nikl", G, self.first)
+
+    def kinematics(self, spin: np.ndarray) -> Kinematics:
+        """Of the points at their ends."""
+        n, d, spins = self.first.shape
+        place, bend = np.zeros((2, n, d, d + spins))
+        place[:, range(d), range(d)] = 1.0
+        place[:, :, d:], bend[:, :, d:] = self.first, np.einsum("nikl,k->nil", self.second, spin)
+        return Kinematics(place.reshape(n * d, -1), bend.reshape(n * d, -1))
+
+    def turned(self, forces: np.ndarray) -> np.ndarray:
+        """Derivative of the torques of forces (n, d) by a rotation, as a block of all unknowns,
+        (d + spins, d + spins)."""
+        d, spins = self.first.shape[1:]
+        result = np.zeros((d + spins, d + spins))
+        result[d:, d:] = np.einsum("ni,nikl->kl", forces, self.second)
+        return result
 
 
 def square(blocks: np.ndarray) -> Any:
@@ -62,7 +84,7 @@ def square(blocks: np.ndarray) -> Any:
     return result.reshape(k * r, k * c)
 
 
-def _diagonal(blocks: np.ndarray) -> sp.csr_matrix:
+def diagonal(blocks: np.ndarray) -> sp.csr_matrix:
     """A block diagonal matrix from blocks (k, rows, columns)."""
     k, r, c = blocks.shape
     columns = (np.arange(k) * c)[:, None, None] + np.arange(c)

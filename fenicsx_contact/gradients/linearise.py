@@ -5,10 +5,10 @@ which it ends."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from ..base import checks
 from ..contact.arrivals import arrival
@@ -19,9 +19,10 @@ from ..steps.step import Trial
 from ..theory.theta import QuasiStatic, Step, ThetaScheme
 from .blocks import Blocks, Inner, LinearStep
 from .hold import Shift, shift
-from .kinks import Kink, alike, kinks, refuse_grazing
-from .motion import Motion, RigidMotion, Row
+from .kinks import refuse_grazing
+from .motion import Motion, Row
 from .parameters import Parameter
+from .rigid import RigidMotion
 from .supported import check_together, motion, rows_of
 from .surface import ContactRows
 
@@ -38,29 +39,28 @@ class Linearisation:
     Attributes:
         motions, contacts: the rows of its solids and contacts.
         size: of the state.
+        last: the step that was linearised last.
 
     Raises:
         InputError: what is not supported, by name.
     """
+
+    last: LinearStep
 
     def __init__(self, scene: Scene, parameters: Sequence[Parameter]) -> None:
         if type(scene.scheme) not in (ThetaScheme, QuasiStatic):
             raise checks.InputError(f"gradients: the scheme {scene.scheme.describe()}")
         for parameter in parameters:
             parameter.check(scene.solids, scene.contacts)
-        self._scene, self._parameters = scene, parameters
+        self._scene, self.parameters = scene, parameters
         inertia, located = bool(scene.scheme.inertia), scene.locate_impacts
         self.motions = [motion(solid, inertia, located) for solid in scene.solids]
         of = {id(m.solid): m for m in self.motions}
         self.contacts = []
         for contact in scene.contacts:
-            if len(contact.solids) > 1:
-                raise checks.InputError(
-                    f"gradients: contact {contact.name!r} is between two solids; only with "
-                    "obstacles"
-                )
             settles = scene.geometry == "fixed point"
-            self.contacts.append(rows_of(contact, of[id(contact.solid)], settles))
+            motions = [of[id(solid)] for solid in contact.solids]
+            self.contacts.append(rows_of(contact, motions, settles, located))
         check_together(self.contacts)
         self._q: dict[int, slice] = {}
         self._v: dict[int, slice] = {}
@@ -84,34 +84,58 @@ class Linearisation:
         """The candidates of a contact in the step that was linearised last, (k,), and where their
         lam (k,) and forces (k d,) stand among its unknowns."""
         rows = next(rows for rows in self.contacts if rows.contact is contact)
-        multipliers = self._m[id(rows)]
+        multipliers = self._m[id(rows.contact)]
         each = rows.unknowns // max(1, len(rows.points))
         lam = slice(multipliers.start, multipliers.stop, each or 1)
-        return rows.points, lam, self._f[id(rows)]
+        return rows.points, lam, self._f[id(rows.contact)]
+
+    def multipliers(self, rows: ContactRows) -> slice:
+        """Where those of a contact stand among the unknowns of the same step, point by point."""
+        return self._m[id(rows.contact)]
+
+    def changes(self, rows: ContactRows, x: np.ndarray, start: np.ndarray) -> dict[str, np.ndarray]:
+        """Changes of what the rows of a contact read of its solid in the same step."""
+        found: dict[str, np.ndarray] = {}
+        for i, m in enumerate(rows.motions):
+            ends, starts = self._ends(m)
+            found |= {rows.key(name, i): x[at] for name, at in ends.items()}
+            found |= {rows.key(name, i): start[at] for name, at in starts.items()}
+        return found
+
+    def _ends(self, m: Motion) -> tuple[dict[str, slice], dict[str, slice]]:
+        """Where what a contact reads of a solid stands among the unknowns, and in the state."""
+        ends = {"v": self._moving[id(m)], "q": self._before[id(m)]}
+        return ends, {"v_old": self._v[id(m)], "q_old": self._q[id(m)]}
 
     def start(self) -> np.ndarray:
         """Derivative of the present state by the parameters, as the initial one, (size, p)."""
-        state = np.zeros((self.size, len(self._parameters)))
+        state = np.zeros((self.size, len(self.parameters)))
         for m in self.motions:
-            for i, parameter in enumerate(self._parameters):
+            for i, parameter in enumerate(self.parameters):
                 state[self._q[id(m)], i], state[self._v[id(m)], i] = parameter.start(m.solid)
         return state
 
     def step(self, trial: Trial) -> LinearStep:
         """The linearised step, after it was solved and before it is accepted."""
         self._see(trial.step)
+        self.last = self.assembled(trial, self.contacts)
+        return self.last
+
+    def assembled(self, trial: Trial, contacts: Sequence[ContactRows]) -> LinearStep:
+        """The step that was linearised last, with the rows of these in place of its contacts'."""
         n, step = self._unknowns, trial.step
         plus, minus = Blocks((n, n)), Blocks((n, self.size))
-        by = np.zeros((self._unknowns, len(self._parameters)))
+        by = np.zeros((self._unknowns, len(self.parameters)))
         for m in self.motions:
-            self._move(m, step, plus, minus, by)
-        for rows in self.contacts:
+            mine = [rows for rows in contacts if rows.motion is m]
+            self._move(m, mine, step, plus, minus, by)
+        for rows in contacts:
             self._bear(rows, plus, minus, by)
         self._end(trial, plus, minus, by)
         soft = np.zeros(self._unknowns)
-        for rows in self.contacts:
-            soft[self._m[id(rows)]] = rows.soft(COMPLIANCE)
-        forces = [self._f[id(rows)] for rows in self.contacts]
+        for rows in contacts:
+            soft[self._m[id(rows.contact)]] = rows.soft(COMPLIANCE)
+        forces = [self._f[id(rows.contact)] for rows in contacts]
         inner: list[tuple[slice, Inner]] = []
         for m in self.motions:
             if (own := m.inner()) is not None:
@@ -120,41 +144,59 @@ class Linearisation:
 
     def _see(self, step: Step) -> None:
         """Take up the step, and where its unknowns stand."""
-        self._unknowns, self._before = self.size, dict(self._q)
+        self._unknowns = self.size
+        self._before, self._moving = dict(self._q), dict(self._v)
         self._m: dict[int, slice] = {}
         self._f: dict[int, slice] = {}
+        self._y: dict[int, slice] = {}
         for m in self.motions:
             m.see(step)
             if isinstance(m, RigidMotion):  # before what bears is put back to its gaps
-                self._before[id(m)], self._unknowns = _next(self._unknowns, m.size)
+                for each in (self._before, self._moving):
+                    each[id(m)], self._unknowns = _next(self._unknowns, m.size)
         for rows in self.contacts:
             rows.see(step)
-            self._m[id(rows)], self._unknowns = _next(self._unknowns, rows.unknowns)
+            self._m[id(rows.contact)], self._unknowns = _next(self._unknowns, rows.unknowns)
             forces = len(rows.points) * rows.contact.surface.dim
-            self._f[id(rows)], self._unknowns = _next(self._unknowns, forces)
+            self._f[id(rows.contact)], self._unknowns = _next(self._unknowns, forces)
+            nodes = sum(seen.shape[0] for _, seen in rows.read()) if len(rows.points) else 0
+            first = self._unknowns
+            self._y[id(rows.contact)], self._unknowns = slice(first, first), first + nodes
 
-    def _move(self, m: Motion, step: Step, plus: Blocks, minus: Blocks, by: np.ndarray) -> None:
+    def _move(
+        self,
+        m: Motion,
+        mine: Sequence[ContactRows],
+        step: Step,
+        plus: Blocks,
+        minus: Blocks,
+        by: np.ndarray,
+    ) -> None:
         """The rows of a solid but for the forces of contacts."""
-        before = self._before[id(m)]
+        before, moving = self._before[id(m)], self._moving[id(m)]
         self._add(before, m, m.kinematics(step), plus, minus)
-        self._add(self._v[id(m)], m, m.balance(step), plus, minus)
-        for i, parameter in enumerate(self._parameters):
-            by[self._v[id(m)], i] += m.by(parameter, step)
+        self._add(moving, m, m.balance(step), plus, minus)
+        for i, parameter in enumerate(self.parameters):
+            by[moving, i] += m.by(parameter, step)
         if isinstance(m, RigidMotion):
-            mine = [rows for rows in self.contacts if rows.motion is m]
-            one, here = m.one, self._q[id(m)]
-            plus.add(here, here, one)
-            plus.add(here, before, -one)
-            put = shift(m, mine, step, self._parameters)
-            if isinstance(put, Shift):
-                row = Row(-put.q, -put.v, -put.q_old, -put.v_old, -put.dt)
-                self._add(here, m, row, plus, minus)
-                by[here] -= put.by
+            here, ends = self._q[id(m)], self._v[id(m)]
+            for at, block in zip((here, ends, before, moving), m.kept()):
+                plus.add(ends, at, block)
+            plus.add(here, here, m.one)
+            put = shift(m, mine, step, self.parameters)
+            if not isinstance(put, Shift):
+                plus.add(here, before, -m.one)
+                return
+            onwards, further = m.onwards(put.way)
+            plus.add(here, before, -onwards)
+            *row, parameters = (-further @ each for each in put[1:])
+            self._add(here, m, Row(*row), plus, minus)
+            by[here] += parameters
 
     def _add(self, at: slice, m: Motion, row: Row, plus: Blocks, minus: Blocks) -> None:
         if isinstance(m, RigidMotion):  # others have solvers of their own
             plus.add(at, self._before[id(m)], row.q)
-            plus.add(at, self._v[id(m)], row.v)
+            plus.add(at, self._moving[id(m)], row.v)
         minus.add(at, self._q[id(m)], row.q_old)
         minus.add(at, self._v[id(m)], row.v_old)
         if self._scene.locate_impacts:  # else instants do not depend on anything
@@ -165,21 +207,30 @@ class Linearisation:
         """The rows of a contact: of its multipliers, and of its forces, which act on the solid."""
         if not len(rows.points):
             return
-        m, at, force = rows.motion, self._m[id(rows)], self._f[id(rows)]
-        ends = {"v": self._v[id(m)], "q": self._before[id(m)], "m": at}
-        starts = {"v_old": self._v[id(m)], "q_old": self._q[id(m)]}
-        balance = self._v[id(m)]
+        at, force = self._m[id(rows.contact)], self._f[id(rows.contact)]
+        ends: dict[str, slice] = {"m": at}
+        starts: dict[str, slice] = {}
+        for i, m in enumerate(rows.motions):
+            for every, mine in zip((ends, starts), self._ends(m)):
+                every |= {rows.key(name, i): each for name, each in mine.items()}
         for name, (multipliers, forces) in rows.derivatives().items():
             into, where = (plus, ends) if name in ends else (minus, starts)
             into.add(at, where[name], multipliers)
             into.add(force, where[name], -forces)
         one = np.eye(force.stop - force.start)
         plus.add(force, force, one)
-        plus.add(balance, force, -rows.spread(one))
-        for name, turned in rows.turned().items():
+        last = self._y[id(rows.contact)]
+        for m, seen in rows.read():
+            last, _ = _next(last.stop, seen.shape[0])
+            plus.add(last, last, sp.identity(seen.shape[0]))
+            plus.add(last, self._before[id(m)], -seen)
+            ends["y"] = slice(self._y[id(rows.contact)].start, last.stop)
+        for m, spread in rows.spreads(one):
+            plus.add(self._moving[id(m)], force, -spread)
+        for m, name, turned in rows.bent():
             into, where = (plus, ends) if name in ends else (minus, starts)
-            into.add(balance, where[name], -turned)
-        for i, parameter in enumerate(self._parameters):
+            into.add(self._moving[id(m)], where[name], -turned)
+        for i, parameter in enumerate(self.parameters):
             change, forces = rows.by(parameter)
             by[at, i] += change
             by[force, i] -= forces
@@ -196,84 +247,7 @@ class Linearisation:
         at = arriving(rows)
         refuse_grazing(rows, at, trial.step, self._scene.stepper.resolution)
         plus.add(t, self._q[id(rows.motion)], rows.gap_row(at)[None])
-        by[t] += rows.gap_by(self._parameters, at)
-
-    # -- where there is no derivative --------------------------------------------------------------
-
-    def kinks(
-        self, trial: Trial, resolution: float, x: np.ndarray | None, start: np.ndarray | None
-    ) -> list[Kink]:
-        """The kinks of the step that was linearised last; with its tangent x from that of the start
-        those that it meets, without all that there may be."""
-        found = []
-        for rows in self.contacts:
-            misses = partial(self._misses, rows, x, start)
-            found += kinks(rows, trial, resolution, misses)
-        if self._scene.locate_impacts and trial.step.dt:
-            found += self._touches(trial, x)
-        return found
-
-    def _misses(
-        self,
-        rows: ContactRows,
-        x: np.ndarray | None,
-        start: np.ndarray | None,
-        points: np.ndarray,
-        values: np.ndarray,
-    ) -> np.ndarray:
-        """Whether the tangent fails the rows of points on the other side of their decision; all of
-        them candidates, or none."""
-        if x is None or start is None:
-            return np.ones(len(points), dtype=bool)
-        m, at = rows.motion, np.flatnonzero(np.isin(rows.points, points))
-        changes = {
-            "v": x[self._v[id(m)]],
-            "q": x[self._before[id(m)]],
-            "v_old": start[self._v[id(m)]],
-            "q_old": start[self._q[id(m)]],
-        }
-        sizes = {name: _largest(change) for name, change in changes.items()}
-        if len(at):  # multipliers of a kind are as large as the largest of all points
-            every = x[self._m[id(rows)]].reshape(len(rows.points), -1, len(self._parameters))
-            changes["m"] = every[at].reshape(-1, len(self._parameters))
-            largest = np.broadcast_to(np.abs(every).max(axis=0), every[at].shape)
-            sizes["m"] = largest.reshape(changes["m"].shape)
-        with rows.other(points, values) as other:
-            by = np.stack([other.by(parameter)[0] for parameter in self._parameters], axis=1)
-            derivatives = other.derivatives()
-        left, terms = by, np.abs(by)
-        for name, (multipliers, _) in derivatives.items():
-            if name in changes:
-                left = left + multipliers @ changes[name]
-                terms = terms + abs(multipliers) @ sizes[name]
-        return ~alike(*(each.reshape(len(points), -1) for each in (left, terms)))
-
-    def _touches(self, trial: Trial, x: np.ndarray | None) -> list[Kink]:
-        """Points that are open and just touch where the step ends, beside the one that ends it."""
-        found: list[Kink] = []
-        first = max(self.contacts, key=lambda rows: arrival(rows.contact)[0], default=None)
-        for rows in self.contacts:
-            contact = rows.contact
-            gaps, free = contact.coupling.gaps(), contact.chosen & ~contact.candidates.allowed
-            ends = arriving(rows) if trial.arrives and rows is first else -1
-            for point in np.flatnonzero(free & (np.abs(gaps) <= contact.tolerance)):
-                if point == ends:
-                    continue
-                row = rows.gap_row(point)
-                if x is not None:
-                    way, by = x[self._q[id(rows.motion)]], rows.gap_by(self._parameters, point)
-                    left, terms = row @ way + by, np.abs(row) @ _largest(way) + np.abs(by)
-                    if alike(left, terms).all():
-                        continue
-                place = tuple(contact.surface.points[point].tolist())
-                with_it = "at the same instant as another point" if trial.arrives else "and no more"
-                found.append(Kink(contact.name, place, trial.step.end, f"touches {with_it}"))
-        return found
-
-
-def _largest(changes: np.ndarray) -> np.ndarray:
-    """The largest of each column everywhere: where little changes, round-off does."""
-    return np.broadcast_to(np.abs(changes).max(axis=0, initial=0.0), changes.shape)
+        by[t] += rows.gap_by(self.parameters, at)
 
 
 def arriving(rows: ContactRows) -> int:

@@ -15,7 +15,9 @@ from ..base.compiling import compiled
 from ..base.constants import SAME
 from ..solids import DeformableSolid, ElasticSolid, HyperelasticSolid, Solid
 from ..solids.energies import Energy, in_space
-from .parameters import OfSolid
+from ..solids.viscous import ViscousStress
+from ..theory.theta import Step
+from .parameters import OfSolid, damping
 
 
 class Modulus(OfSolid):
@@ -53,6 +55,34 @@ class Modulus(OfSolid):
             return 0.0
         return self.solid.multiply(self._matrix, displacement)
 
+    def damped(self, solid: DeformableSolid, step: Step) -> np.ndarray | float:
+        rate = step.rate(solid.velocity, solid.trial_velocity)
+        return solid.damping.beta * self.internal(solid, rate)
+
+
+class Damped(OfSolid):
+    """A number of the damping of a deformable solid.
+
+    Args:
+        solid: the solid.
+        name: ``"alpha"`` or ``"beta"``, which is the eta of
+            :class:`~fenicsx_contact.solids.damping.KelvinVoigt`.
+
+    Raises:
+        InputError: another solid, or one that has no such damping.
+    """
+
+    def __init__(self, solid: DeformableSolid, name: str) -> None:
+        checks.instance("solid", solid, DeformableSolid, "a deformable solid")
+        self.solid: DeformableSolid = solid
+        self._name = checks.choice("name", name, ["alpha", "beta"])
+        self._value = float(getattr(solid.damping, name))
+        if not self._value:
+            raise checks.InputError(f"Damped: solid {solid.name!r} has no {name}: {solid.damping}")
+
+    def damped(self, solid: DeformableSolid, step: Step) -> np.ndarray | float:
+        return damping(solid, step, self._name) / self._value if solid is self.solid else 0.0
+
 
 class Material(OfSolid):
     """A number of the stored energy of a hyperelastic solid.
@@ -80,6 +110,11 @@ class Material(OfSolid):
         potential, test = energy(number)(F) * dx, ufl.TestFunction(solid.space)
         force = ufl.derivative(potential, self._u, test)
         self._form = compiled(ufl.derivative(force, number, _one(number)))
+        self._viscous: ViscousStress | None = None
+        if solid.damping.beta:
+            self._viscous = ViscousStress(solid.vectors, energy(number), solid.damping.beta, dx)
+            viscous = ufl.derivative(self._viscous.form, number, _one(number))
+            self._viscous_form = compiled(viscous)
         swollen = 1e-3 * solid.vectors.places.ravel()  # a small strain tells materials apart
         solid.vectors.assign(self._u, swollen)
         mine, theirs = np.empty((2, solid.owned))
@@ -93,8 +128,19 @@ class Material(OfSolid):
         if solid is not self.solid:
             return 0.0
         self.solid.vectors.assign(self._u, displacement)
+        return self._assembled(self._form)
+
+    def damped(self, solid: DeformableSolid, step: Step) -> np.ndarray | float:
+        if solid is not self.solid or self._viscous is None:
+            return 0.0
+        share, rate = step.force_share, step.rate(solid.velocity, solid.trial_velocity)
+        place = share * solid.trial_displacement + (1 - share) * solid.displacement
+        self._viscous.set(place, rate)
+        return self._assembled(self._viscous_form)
+
+    def _assembled(self, form: Any) -> np.ndarray:
         force = np.empty(self.solid.owned)
-        assembly.assemble_owned(self._form, force)
+        assembly.assemble_owned(form, force)
         return force
 
 

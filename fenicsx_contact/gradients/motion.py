@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """The rows of a solid in a linearised step: how it moves, and its balance of momentum.
 
-With q the displacement (of a rigid solid in the plane: the centre of mass and the angle), v the
-velocity, dt the length of the step::
+With q the displacement (of a rigid solid: the centre of mass and the angle, in space a small
+rotation beside the one there is), v the velocity, dt the length of the step::
 
     q+ = q- + increment(v-, v+)            (p+ - p-)/dt + internal - loads - J' f = 0
 
@@ -13,6 +13,7 @@ for those to tell.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple, cast
 
@@ -21,10 +22,9 @@ import scipy.sparse as sp
 from petsc4py import PETSc
 
 from ..base.constants import KEPT
-from ..solids import DeformableSolid, ElasticSolid, RigidSolid
+from ..solids import DeformableSolid, ElasticSolid
 from ..solids.factor import Factorisation
-from ..solids.rotations import rotation_matrix
-from ..theory.theta import Step
+from ..theory.theta import Step, ThetaScheme
 from .blocks import Inner as OwnRows
 from .parameters import Parameter
 
@@ -82,53 +82,6 @@ class Motion(ABC):
         return step.increment(self.solid.velocity, self.solid.trial_velocity, None)
 
 
-class RigidMotion(Motion):
-    """A rigid solid in the plane.
-
-    Attributes:
-        place, turn: at the start and at the end, before what bears was put back to its gaps.
-    """
-
-    size = 3
-
-    def __init__(self, solid: RigidSolid) -> None:
-        self.solid, self.held, self.one = solid, solid.held, np.eye(3)
-        self._holding = np.zeros((3, 3))
-        self._holding[self.held, self.held] = 1.0
-        self._mass = np.diag([solid.mass, solid.mass, solid.inertia[0, 0]])
-
-    def see(self, step: Step) -> None:
-        state, way = self.solid.state(), self.increment(step)
-        self.turn = state["turn"], rotation_matrix(way[2:]) @ state["turn"]
-        self.place = state["place"], state["place"] + way[:2]
-        self._momentum = self._mass @ (self.solid.trial_velocity - self.solid.velocity)
-
-    def balance(self, step: Step) -> Row:
-        inertia = self._mass * step.inertia_rate
-        old, new = np.zeros((2, 3, 3))
-        if step.loaded:
-            before, after = step.scheme.linear_weights
-            for spring in self.solid.springs:
-                old += before * spring.stiffness(self.place[0], self.turn[0])
-                new += after * spring.stiffness(self.place[1], self.turn[1])
-        rows = [self._hold(each) for each in (new, inertia, old, -inertia)]
-        by_dt = -self._momentum / step.dt**2 if step.dt else np.zeros(3)
-        return Row(rows[0], rows[1] + self._holding, rows[2], rows[3], self._hold(by_dt))
-
-    def _hold(self, rows: np.ndarray) -> np.ndarray:
-        """Without those of what is held."""
-        rows[self.held] = 0.0
-        return rows
-
-    def by(self, parameter: Parameter, step: Step) -> np.ndarray:
-        solid = self.solid
-        change = parameter.momentum(solid, solid.trial_velocity - solid.velocity)
-        rows = np.zeros(3) + change * step.inertia_rate
-        if step.loaded:
-            rows = rows - step.load_weight * parameter.load(solid)
-        return self._hold(rows)
-
-
 class DeformableMotion(Motion):
     """An elastic or hyperelastic solid."""
 
@@ -140,9 +93,10 @@ class DeformableMotion(Motion):
         self.one = sp.identity(self.size, format="csr")
         self._holding, self._freeing = (sp.diags(each, format="csr") for each in (hold, 1 - hold))
         self._massive = self._freeing @ self._mass
-        self._kept: dict[tuple[float, float], Factor] = {}
+        self._kept: dict[tuple[float, ...], Factor] = {}
         self._none = sp.csr_matrix(self._mass.shape)
         self._linear, self._own = isinstance(solid, ElasticSolid), cast(Any, None)
+        self._viscous: Any = None  # of a linear solid
         if self._linear:
             self._stiffness = self._freeing @ _scipy(solid.last_stiffness)
 
@@ -156,18 +110,53 @@ class DeformableMotion(Motion):
         old = new = self._none
         if step.loaded:
             old, new = self._stiffnesses(step)
+        early, late = -inertia, inertia
+        if step.loaded and step.scheme.inertia and self.solid.dampers:
+            before, after = step.scheme.linear_weights
+            viscous, bent = self._dampers(step)
+            early, late = early + before * viscous, late + after * viscous
+            old, new = old + (1 - step.force_share) * bent, new + step.force_share * bent
         by_dt = np.zeros(self.size)
         if step.dt and step.scheme.inertia:
             by_dt = self._freeing @ (-self._momentum / step.dt**2)
-        self._inner = self._make_inner(step, inertia, new)
-        return Row(new, inertia + self._holding, old, -inertia, by_dt)
+        self._inner = self._make_inner(step, late, new)
+        return Row(new, late + self._holding, old, early, by_dt)
+
+    def _dampers(self, step: Step) -> tuple[Any, Any]:
+        """Derivatives of the damping forces by the velocity, and by the displacement at which they
+        are taken."""
+        if self._viscous is not None:
+            return self._viscous, self._none
+        solid, (start, end), share = self.solid, self._ends, step.force_share
+        place = share * end + (1 - share) * start
+        rate = step.rate(solid.velocity, solid.trial_velocity)
+        whole = replace(step, scheme=ThetaScheme(1.0))  # of which the velocity is that at the end
+        matrix = self._empty()
+        for damper in solid.dampers:
+            damper.add_to(matrix, whole, place, place)
+        viscous = self._freeing @ _scipy(matrix)
+        if self._linear:
+            self._viscous = viscous
+            return viscous, self._none
+        matrix = self._empty()
+        for damper in solid.dampers:
+            damper.add_bent(matrix, place, rate)
+        return viscous, self._freeing @ _scipy(matrix)
+
+    def _empty(self) -> PETSc.Mat:
+        """A matrix of the solid's pattern without values, always the same."""
+        if self._own is None:
+            self._own = self.solid.last_stiffness.duplicate()
+        self._own.zeroEntries()
+        return self._own
 
     def _make_inner(self, step: Step, inertia: Any, stiffness: Any) -> Inner:
-        key = step.inertia_rate, step.gap_rate
+        key = step.inertia_rate, step.gap_rate, step.rate_weight
         factor = self._kept.get(key) if self._linear else None
         if factor is None:
             matrix = (inertia + step.gap_rate * stiffness) @ self._freeing + self._holding
-            factor = Factor(sp.csr_matrix(matrix), self.solid.name)
+            symmetric = self._linear or not self.solid.dampers
+            factor = Factor(sp.csr_matrix(matrix), self.solid.name, symmetric)
         if self._linear:  # of a linear solid it comes again
             if len(self._kept) >= KEPT:
                 self._kept.clear()
@@ -184,12 +173,10 @@ class DeformableMotion(Motion):
             return before * self._stiffness, after * self._stiffness
         old = new = self._none
         start, end = self._ends
-        if self._own is None:
-            self._own = self.solid.last_stiffness.duplicate()
         for share, weight in step.scheme.force_points:
-            self._own.zeroEntries()
-            self.solid.add_stiffness(self._own, share * end + (1 - share) * start, weight)
-            stiffness = self._freeing @ _scipy(self._own)
+            matrix = self._empty()
+            self.solid.add_stiffness(matrix, share * end + (1 - share) * start, weight)
+            stiffness = self._freeing @ _scipy(matrix)
             old, new = old + (1 - share) * stiffness, new + share * stiffness
         return old, new
 
@@ -203,6 +190,7 @@ class DeformableMotion(Motion):
             for share, weight in step.scheme.force_points:
                 place = share * end + (1 - share) * start
                 rows = rows + weight * parameter.internal(solid, place)
+            rows = rows + parameter.damped(solid, step)
         return np.asarray(self._freeing @ rows)
 
 
@@ -228,23 +216,35 @@ class Inner:
         K, rate = self._stiffness, self._rate
         load = last + rate * first if transposed else last - K @ first
         load[self._held] = 0.0  # nothing moves what is held
-        v = self._factor.solve(load)
+        v = (self._factor.transposed if transposed else self._factor).solve(load)
         return np.concatenate([first - K.T @ v if transposed else first + rate * v, v])
 
 
 class Factor:
     """A direct factorisation of a matrix, made when it is first asked; knows what it has solved for
-    points, which come again."""
+    points, which come again.
 
-    def __init__(self, matrix: sp.csr_matrix, name: str) -> None:
-        self._matrix, self._name = matrix, f"{name}_gradients"
+    Args:
+        matrix: the matrix, and whether it is symmetric.
+        name: of the solid.
+    """
+
+    def __init__(self, matrix: sp.csr_matrix, name: str, symmetric: bool) -> None:
+        self._matrix, self._name, self._symmetric = matrix, name, symmetric
         self._known: dict[bytes, np.ndarray] = {}
 
     @cached_property
     def _factor(self) -> Factorisation:
         parts = self._matrix.indptr, self._matrix.indices, self._matrix.data
         made = PETSc.Mat().createAIJ(self._matrix.shape, csr=parts, comm=PETSc.COMM_SELF)
-        return Factorisation(made, self._name)
+        return Factorisation(made, f"{self._name}_gradients")
+
+    @cached_property
+    def transposed(self) -> Factor:
+        """That of the transpose."""
+        if self._symmetric:
+            return self
+        return Factor(self._matrix.T.tocsr(), self._name, False)
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """For columns (n, k)."""

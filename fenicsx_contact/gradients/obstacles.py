@@ -39,6 +39,10 @@ class ObstacleShift(Parameter):
 
     def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
         among("ObstacleShift", self.contact, contacts)
+        if len(self.contact.solids) > 1:
+            raise checks.InputError(
+                f"ObstacleShift: contact {self.contact.name!r} is between two solids; see Start"
+            )
         if self.contact.coupling.encloses:
             raise checks.InputError("ObstacleShift: the obstacle is a guide; see Bend")
 

@@ -15,6 +15,8 @@ from ..rods.beam import BeamSolid
 from ..rods.drive import AxialLaw
 from ..rods.sections import Lateral, values_of
 from ..solids import DeformableSolid, RigidSolid, Solid
+from ..solids.rotations import angles, cross
+from ..theory.theta import Step
 from .forms import ByConstant
 
 
@@ -22,12 +24,13 @@ class Parameter:
     """What a parameter does not say of itself: nothing."""
 
     def start(self, solid: Solid) -> tuple[np.ndarray | float, np.ndarray | float]:
-        """Changes of the initial place (in the plane: centre and angle) or displacement, and of the
-        velocity, of a solid's unknowns."""
+        """Changes of the initial place (of a rigid solid: its centre and a rotation in space) or
+        displacement, and of the velocity, of a solid's unknowns."""
         return 0.0, 0.0
 
     def momentum(self, solid: Solid, velocity: np.ndarray) -> np.ndarray | float:
-        """Change of the momentum that belongs to a velocity."""
+        """Change of the momentum that belongs to a velocity; of a rigid solid where it has not
+        turned."""
         return 0.0
 
     def load(self, solid: Solid) -> np.ndarray | float:
@@ -36,6 +39,10 @@ class Parameter:
 
     def internal(self, solid: Solid, displacement: np.ndarray) -> np.ndarray | float:
         """Change of the internal forces at a displacement."""
+        return 0.0
+
+    def damped(self, solid: DeformableSolid, step: Step) -> np.ndarray | float:
+        """Change of the damping forces of a deformable solid in the trial state of a step."""
         return 0.0
 
     def rows(self, contact: Contact) -> np.ndarray | None:
@@ -72,6 +79,17 @@ class Parameter:
         """Refuse a scene in which it does not stand."""
 
 
+def damping(solid: DeformableSolid, step: Step, number: str) -> np.ndarray:
+    """The damping forces of a solid in the trial state of a step that are proportional to a number
+    of its damping, ``"alpha"`` or ``"beta"``."""
+    ends = solid.displacement, solid.trial_displacement
+    rate, force = step.rate(solid.velocity, solid.trial_velocity), np.zeros(solid.owned)
+    for damper in solid.dampers:
+        if damper.number == number:
+            force += damper.force(step, *ends, rate)
+    return force
+
+
 def among(what: str, thing: Any, things: Sequence[Any]) -> None:
     """Refuse what a parameter belongs to if it is not in the scene."""
     if not any(thing is each for each in things):
@@ -105,11 +123,11 @@ class Law(Parameter):
 
 
 def _check_rigid(what: str, solid: Any) -> None:
-    if not isinstance(solid, RigidSolid) or solid.dim == 3:
+    if not isinstance(solid, RigidSolid):
         name, kind = getattr(solid, "name", solid), type(solid).__name__
         raise checks.InputError(
-            f"{what}: solid {name!r}, a {kind}, is not supported; only deformable solids, beams, "
-            "and rigid solids in the plane"
+            f"{what}: solid {name!r}, a {kind}, is not supported; only deformable solids, beams "
+            "and rigid solids"
         )
 
 
@@ -130,8 +148,12 @@ class Start(OfSolid):
         place, velocity: of a rigid solid its centre of mass, d numbers; of a deformable one fields,
             as for its ``displacement`` and ``velocity``; of a beam d numbers, of all of it, or
             deflections, as for its ``displacement``.
-        turn, spin, about: of a rigid solid in the plane: rad, rad/s, and the point about which it
+        turn, spin, about: of a rigid solid: rad, rad/s (a number in the plane; in space a rotation
+            vector beside the rotation that there is, and a vector), and the point about which it
             turns (default: the centre of mass).
+
+    Raises:
+        InputError: what the solid has not, a velocity of what is held.
     """
 
     def __init__(
@@ -140,13 +162,13 @@ class Start(OfSolid):
         *,
         place: Any = None,
         velocity: Any = None,
-        turn: float = 0.0,
-        spin: float = 0.0,
+        turn: float | Sequence[float] = 0.0,
+        spin: float | Sequence[float] = 0.0,
         about: Sequence[float] | None = None,
     ) -> None:
         self.solid = solid
         if isinstance(solid, (BeamSolid, DeformableSolid)):
-            if turn or spin or about is not None:
+            if np.any(turn) or np.any(spin) or about is not None:
                 kind = type(solid).__name__
                 raise checks.InputError(f"Start: a {kind} has no turn, spin or about")
             if isinstance(solid, BeamSolid):
@@ -159,13 +181,17 @@ class Start(OfSolid):
             return
         _check_rigid("Start", solid)
         d, zero = solid.dim, np.zeros(solid.dim)
-        turn, spin = checks.number("turn", turn), checks.number("spin", spin)
+        turns, spins = (
+            angles(name, each, len(solid.velocity) - d)
+            for name, each in (("turn", turn), ("spin", spin))
+        )
         moved = zero if place is None else checks.vector("place", place, d)
         if about is not None:
-            arm = solid.place - checks.vector("about", about, d)
-            moved = moved + turn * np.array([-arm[1], arm[0]])
+            moved = moved + cross(turns, (solid.place - checks.vector("about", about, d))[None])[0]
         speed = zero if velocity is None else checks.vector("velocity", velocity, d)
-        self._place, self._velocity = np.append(moved, turn), np.append(speed, spin)
+        self._place, self._velocity = np.append(moved, turns), np.append(speed, spins)
+        if self._velocity[solid.held].any():
+            raise checks.InputError(f"Start: solid {solid.name!r} is held where it gets a velocity")
 
     def start(self, solid: Solid) -> tuple[np.ndarray | float, np.ndarray | float]:
         return (self._place, self._velocity) if solid is self.solid else (0.0, 0.0)
@@ -190,7 +216,9 @@ class Gravity(OfSolid):
             self._load = solid.inertia.weight(g)
         else:
             _check_rigid("Gravity", solid)
-            self._load = np.append(solid.mass * g, 0.0)  # type: ignore[attr-defined]
+            assert isinstance(solid, RigidSolid)
+            self._load = np.zeros(len(solid.velocity))
+            self._load[: solid.dim] = solid.mass * g
 
     def load(self, solid: Solid) -> np.ndarray | float:
         return self._load if solid is self.solid else 0.0
@@ -230,7 +258,8 @@ class Mass(OfSolid):
         if isinstance(solid, DeformableSolid):
             return solid.inertia.times(velocity) / solid.mass
         assert isinstance(solid, RigidSolid)
-        return np.append(velocity[:2], solid.inertia[0] * velocity[2:] / solid.mass)
+        d = solid.dim
+        return np.append(velocity[:d], solid.inertia @ velocity[d:] / solid.mass)
 
     def load(self, solid: Solid) -> np.ndarray | float:
         if solid is not self.solid:
@@ -238,7 +267,10 @@ class Mass(OfSolid):
         if isinstance(solid, (BeamSolid, DeformableSolid)):
             return solid.weight / solid.mass
         assert isinstance(solid, RigidSolid)
-        return np.append(solid.gravity, 0.0)
+        return np.append(solid.gravity, np.zeros(len(solid.inertia)))
+
+    def damped(self, solid: DeformableSolid, step: Step) -> np.ndarray | float:
+        return damping(solid, step, "alpha") / solid.mass if solid is self.solid else 0.0
 
     def driven(self, solid: Solid) -> tuple[float, float]:
         return (1.0, 0.0) if solid is self.solid else (0.0, 0.0)

@@ -11,9 +11,9 @@ import numpy as np
 
 from ..base import checks
 from ..base.constants import SAME
-from ..contact.contact import Contact
 from ..rods.beam import BeamSolid
 from ..solids import DeformableSolid, RigidSolid, Solid
+from ..solids.rotations import turning
 from .duals import Dual, variables
 from .parameters import Parameter
 
@@ -31,7 +31,7 @@ class Quantity(Protocol):
         """Now."""
 
     def gradient(self) -> tuple[np.ndarray, np.ndarray]:
-        """Derivatives by q and v; q of a rigid solid in the plane: centre and angle."""
+        """Derivatives by q and v; q of a rigid solid: its centre and a rotation in space."""
 
     def explicit(self, parameter: Parameter) -> float:
         """Derivative by a parameter at a fixed state."""
@@ -84,19 +84,46 @@ class Centre(_Linear):
         return float(self._row @ by)
 
 
-class Turn(_Linear):
-    """The angle of a rigid solid in the plane, rad, or its spin, rad/s (``of="velocity"``)."""
+class Turn:
+    """The rotation of a rigid solid since the reference placement, rad, or its spin, rad/s.
 
-    def __init__(self, solid: RigidSolid, of: str = "place") -> None:
-        checks.instance("solid", solid, RigidSolid, "a RigidSolid")
-        self.solid, self._of = solid, checks.choice("of", of, ["place", "velocity"])
-        self._row = np.array([0.0, 0.0, 1.0])
+    Args:
+        solid: the solid.
+        of: ``"place"`` or ``"velocity"``.
+        about: in space the axis, 3 numbers, along which the rotation vector or the spin is taken.
+
+    Raises:
+        InputError: another solid, no axis in space, one in the plane.
+    """
+
+    def __init__(
+        self, solid: RigidSolid, of: str = "place", about: Sequence[float] | None = None
+    ) -> None:
+        self.solid: RigidSolid = checks.instance("solid", solid, RigidSolid, "a RigidSolid")
+        self._of = checks.choice("of", of, ["place", "velocity"])
+        if (about is None) == (solid.dim == 3):
+            raise checks.InputError(f"Turn: about = {about!r}: an axis in space, none in the plane")
+        self._about = np.ones(1) if about is None else checks.vector("about", about, 3)
 
     def value(self) -> float:
         """Now."""
-        assert isinstance(self.solid, RigidSolid)
-        spins = self._of == "velocity"
-        return float(self.solid.velocity[2] if spins else self.solid.rotation)
+        solid, spins = self.solid, self._of == "velocity"
+        turned = np.atleast_1d(solid.rotation)
+        return float(self._about @ (solid.velocity[solid.dim :] if spins else turned))
+
+    def gradient(self) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives by q and v; a rotation in space changes the vector of the one there is."""
+        solid, row = self.solid, self._about
+        zero, front = np.zeros(len(solid.velocity)), np.zeros(solid.dim)
+        if self._of == "velocity":
+            return zero, np.append(front, row)
+        if solid.dim == 3:
+            row = np.linalg.solve(turning(np.asarray(solid.rotation)).T, row)
+        return np.append(front, row), zero
+
+    def explicit(self, parameter: Parameter) -> float:
+        """None."""
+        return 0.0
 
 
 class At(_Linear):
@@ -181,7 +208,7 @@ class Kinetic:
         return self.solid.energies()[0]
 
     def gradient(self) -> tuple[np.ndarray, np.ndarray]:
-        """Derivatives by q and v: nothing and the momentum; of a beam with the water's."""
+        """Derivatives by q and v: the momentum by v, of a beam with the water's."""
         solid = self.solid
         if isinstance(solid, BeamSolid):
             by_q, momentum = np.zeros_like(solid.weight), solid.unknowns.masses * solid.velocity
@@ -192,93 +219,18 @@ class Kinetic:
                 momentum[-1] -= added.value * solid.speed
             return by_q, momentum
         momentum = self.solid.state()["momentum"]
-        return np.zeros_like(momentum), momentum
+        by_q = np.zeros_like(momentum)
+        if solid.dim == 3 and isinstance(solid, RigidSolid):  # whose inertia turns
+            by_q[3:] = np.cross(momentum[3:], solid.velocity[3:])
+        return by_q, momentum
 
     def explicit(self, parameter: Parameter) -> float:
         """By the mass, and by that of the water."""
         solid, v = self.solid, self.solid.velocity
+        if solid.dim == 3 and isinstance(solid, RigidSolid):
+            v = np.append(v[:3], solid.state()["turn"].T @ v[3:])  # as its inertia was at first
         energy = float(np.sum(0.5 * v * parameter.momentum(solid, v)))
         if isinstance(solid, BeamSolid) and (law := parameter.law(solid)) is not None:
             added = law.added_mass(solid.travel)
             energy += 0.5 * float((added + Dual(0.0, np.zeros(1))).slopes[0]) * solid.speed**2
         return energy
-
-
-class OfContact:
-    """What a contact bears in the last step, a mean over it; no quantity of the state, and 0 before
-    the first step."""
-
-    contact: Contact
-    solid: Solid
-
-    def gradient(self) -> tuple[np.ndarray, np.ndarray]:
-        """Derivatives by q and v: nothing."""
-        nothing = np.zeros(1)
-        return nothing, nothing
-
-    def explicit(self, parameter: Parameter) -> float:
-        """None."""
-        return 0.0
-
-    def borne(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Derivatives by the pressures (k,) and by the forces on the solid (k, d) at points of the
-        contact, given by their numbers."""
-        d = self.contact.surface.dim
-        return np.zeros(len(points)), np.zeros((len(points), d))
-
-
-class Force(OfContact):
-    """The force of a contact on its solid along a direction, N (N/m in 2D).
-
-    Args:
-        contact: the contact.
-        direction: d numbers.
-    """
-
-    def __init__(self, contact: Contact, direction: Sequence[float]) -> None:
-        self.contact, self.solid = contact, contact.solid
-        self._direction = checks.vector("direction", direction, contact.surface.dim)
-
-    def value(self) -> float:
-        """Of the last step."""
-        return float(self._direction @ self.contact.force.sum(axis=0))
-
-    def borne(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        pressures, forces = super().borne(points)
-        return pressures, forces + self._direction
-
-
-class Pressure(OfContact):
-    """The pressure of a contact on a deformable solid at a node, Pa: -lam of the node.
-
-    Args:
-        contact: the contact.
-        point: reference coordinates of the node, d numbers in m.
-
-    Raises:
-        InputError: no such node, or a rigid solid, whose pressures are not unique.
-    """
-
-    def __init__(self, contact: Contact, point: Sequence[float]) -> None:
-        self.contact, self.solid = contact, contact.solid
-        if not isinstance(contact.solid, DeformableSolid):
-            raise checks.InputError(
-                f"Pressure: solid {contact.solid.name!r} is not deformable; its pressures are not "
-                "unique, see Force"
-            )
-        surface = contact.surface
-        place = checks.vector("point", point, surface.dim)
-        (self._point,) = surface.nodes_at(place[None], SAME * surface.extent)
-        if self._point < 0 or not contact.chosen[self._point]:
-            raise checks.InputError(
-                f"Pressure: point = {list(point)}: is no node of contact {contact.name!r}"
-            )
-
-    def value(self) -> float:
-        """Of the last step."""
-        multiplier = self.contact.multiplier
-        return 0.0 if multiplier is None else 0.0 - float(multiplier[self._point])
-
-    def borne(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        pressures, forces = super().borne(points)
-        return pressures + (points == self._point), forces

@@ -9,9 +9,10 @@ import numpy as np
 
 from ..base import checks
 from ..output.history import History
+from .bearing import OfContact
 from .linearise import Linearisation
 from .parameters import Parameter
-from .quantities import OfContact, Quantity
+from .quantities import Quantity
 
 #: From the history of a run: a value, and its derivatives by the rows (rows,) of quantities, and of
 #: ``"time"``, by their names.

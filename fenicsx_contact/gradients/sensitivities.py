@@ -20,11 +20,13 @@ from ..base.constants import SAME
 from ..output.history import History
 from ..scene import Scene
 from ..steps.step import Trial
+from .bearing import OfContact
 from .blocks import LinearStep
+from .edges import Edges
 from .kinks import Kink, NoDerivative
 from .linearise import Linearisation
 from .parameters import Parameter, among
-from .quantities import OfContact, Quantity
+from .quantities import Quantity
 from .results import Adjoints, Tangents
 from .seeds import Functional, Seeds, explicit, gradient
 
@@ -57,6 +59,7 @@ def tangents(
     """
     quantities = _checked(scene, parameters, quantities or {})
     linear = Linearisation(scene, list(parameters.values()))
+    edges = Edges(scene, linear)
     found: list[Kink] = []
     state, first = linear.start(), scene.time
     size = len(parameters)
@@ -71,7 +74,7 @@ def tangents(
         nonlocal state, x
         step = linear.step(trial)
         x = _finite(trial, step.tangent(state))
-        found.extend(linear.kinks(trial, scene.stepper.resolution, x, state))
+        found.extend(edges.kinks(trial, scene.stepper.resolution, x, state))
         state = x[: linear.size]
         columns["time"].append(state[linear.time].ravel())
         for each, at in zip(names, step.forces):
@@ -127,6 +130,7 @@ def adjoints(
     """
     quantities = _checked(scene, parameters, quantities)
     linear = Linearisation(scene, list(parameters.values()))
+    edges = Edges(scene, linear)
     dt, first = checks.number("dt", dt, above=0), scene.time
     count = max(1, round((checks.number("until", until) - first) / dt))
     each = (
@@ -161,7 +165,7 @@ def adjoints(
         def watch(trial: Trial, steps: list[tuple[Trial, LinearStep]] = steps) -> None:
             steps.append((trial, linear.step(trial)))
             seeds.unknowns = len(steps[-1][1])
-            found.extend(linear.kinks(trial, scene.stepper.resolution, None, None))
+            found.extend(edges.kinks(trial, scene.stepper.resolution, None, None))
 
         with _watching(scene, watch):
             scene.run(first + end * dt, dt, progress=False, probes={"seeds": seeds})

@@ -12,7 +12,9 @@ from ..rods.beam import BeamSolid
 from ..solids import ElasticSolid, HyperelasticSolid, RigidSolid, Solid
 from .beams import BeamMotion
 from .guides import GuideRows
-from .motion import DeformableMotion, Motion, RigidMotion
+from .motion import DeformableMotion, Motion
+from .pairs import PairRows
+from .rigid import RigidMotion
 from .surface import ContactRows
 
 
@@ -29,8 +31,6 @@ def motion(solid: Solid, inertia: bool, moving_time: bool) -> Motion:
     """
     name = f"solid {solid.name!r}"
     if isinstance(solid, RigidSolid):
-        if solid.dim == 3:
-            raise checks.InputError(f"gradients: {name} is rigid in space; only in the plane")
         if solid.applied and moving_time:
             raise checks.InputError(f"gradients: {name} has forces in time and located impacts")
         return RigidMotion(solid)
@@ -46,25 +46,37 @@ def motion(solid: Solid, inertia: bool, moving_time: bool) -> Motion:
         raise checks.InputError(f"gradients: {name} is shared by processes; use one")
     if not inertia and not solid.supported:
         raise checks.InputError(f"gradients: {name} is held by contact alone, without inertia")
-    if solid.dampers or solid.massless:
-        what = "damping" if solid.dampers else "a boundary without mass"
-        raise checks.InputError(f"gradients: {name} has {what}, which is not supported")
+    if solid.massless:
+        raise checks.InputError(
+            f"gradients: {name} has a boundary without mass, which is not supported"
+        )
     if moving_time and (solid.applied or solid.supports.moving):
         raise checks.InputError(f"gradients: {name} has motions in time and located impacts")
     return DeformableMotion(solid)
 
 
-def rows_of(contact: Contact, motion: Motion, settles: bool) -> ContactRows:
+def rows_of(
+    contact: Contact, motions: Sequence[Motion], settles: bool, moving_time: bool
+) -> ContactRows:
     """The rows of a contact.
 
     Args:
         contact: the contact.
-        motion: of its solid.
+        motions: of its solids.
         settles: whether steps settle on frozen geometry ("fixed point").
+        moving_time: whether instants depend on parameters.
 
     Raises:
         InputError: what is not supported, by name.
     """
+    if len(motions) > 1:
+        if moving_time:
+            raise checks.InputError(
+                f"gradients: contact {contact.name!r} is between two solids, in a scene with "
+                "located impacts"
+            )
+        return PairRows(contact, motions)
+    (motion,) = motions
     if isinstance(motion, BeamMotion) and isinstance(contact, GuideContact):
         if contact.obstacle.moving:
             raise checks.InputError(f"gradients: the guide of contact {contact.name!r} moves")
@@ -73,6 +85,11 @@ def rows_of(contact: Contact, motion: Motion, settles: bool) -> ContactRows:
         raise checks.InputError(
             f"gradients: contact {contact.name!r} is one of a beam, but not of a BeamSolid with a "
             "guide"
+        )
+    if isinstance(motion, RigidMotion) and motion.hinged and contact.formulation.percussive:
+        raise checks.InputError(
+            f"gradients: contact {contact.name!r} puts back solid {motion.solid.name!r}, which is "
+            "held about one or two axes"
         )
     return ContactRows(contact, motion)
 

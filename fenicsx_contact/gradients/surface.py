@@ -28,9 +28,10 @@ from ..theory.formulations import Gap, Velocity
 from ..theory.friction import Coulomb, Tresca
 from ..theory.theta import Step
 from .forms import ByField
-from .kinematics import Kinematics, rigid, square
-from .motion import Motion, RigidMotion
+from .kinematics import Arms, Kinematics, square
+from .motion import Motion
 from .parameters import Parameter
+from .rigid import RigidMotion
 
 
 class ContactRows:
@@ -44,6 +45,7 @@ class ContactRows:
         points: the candidates of the step, (k,).
         old, new: kinematics at the start and at the end of the step, before what bears was put back
             to its gaps; ``old_places``, ``places``: at both, (n, d) in m.
+        ends: kinematics where the step ends.
         arms: of a rigid solid, from its centre to the points, at the start and at the end.
         normal, bend: normals of the slave at the end, and their derivatives by the places.
         slope, old_slope: derivatives of the gaps by the places at the end and at the start: the
@@ -58,6 +60,7 @@ class ContactRows:
     def __init__(self, contact: Contact, motion: Motion) -> None:
         self._refuse(contact)
         self.contact, self.motion = contact, motion
+        self.motions: Sequence[Motion] = [motion]
         self._by_start = ByField(contact, contact.equations.fields.start_jump_n)
         self._d = contact.surface.dim
         self._more = contact.equations.fields.components - self._d  # multipliers of a point
@@ -89,7 +92,6 @@ class ContactRows:
         self._reads_gap = (k.gap.x.array != 0) * (1.0 - share)
         self.reads_start = (k.start_jump_n.x.array != 0).astype(float)
         self._linearise()
-        self._force = -e.residual()[e.active_jumps]
 
     def _kinematics(self) -> None:
         """Places, velocities and normals, and what they depend on."""
@@ -97,28 +99,31 @@ class ContactRows:
         trace, solid, d = contact.traces[0], self.motion.solid, self._d
         x = trace.positions()
         if isinstance(self.motion, RigidMotion):
-            back = solid.trial_turn.T
-            arms = [(x - solid.trial_place) @ (turn @ back).T for turn in self.motion.turn]
-            spins = solid.velocity[2], solid.trial_velocity[2]
-            self.old, self.new = (rigid(arm, spin, solid.held) for arm, spin in zip(arms, spins))
+            ends, back = x - solid.trial_place, solid.trial_turn.T
+            self.arms = [Arms(ends @ (turn @ back).T) for turn in self.motion.turn]
+            spins = [velocity[d:] for velocity in self.motion.velocity]
+            self.old, self.new = (arm.kinematics(spin) for arm, spin in zip(self.arms, spins))
+            self.ends, self._end_places = Arms(ends).kinematics(spins[1]), x
             weight = step.scheme.force_weight
             self._forces = weight * self.new.place + (1 - weight) * self.old.place
-            self.arms = arms
-            start, self.places = (at + arm for at, arm in zip(self.motion.place, arms))
-            self.start_jump = (self.old.place @ solid.velocity).reshape(-1, d)
-            self.jump = (self.new.place @ solid.trial_velocity).reshape(-1, d)
+            self._forces[:, self.motion.held] = 0.0
+            start, self.places = (at + a.arms for at, a in zip(self.motion.place, self.arms))
+            self.start_jump = (self.old.place @ self.motion.velocity[0]).reshape(-1, d)
+            self.jump = (self.new.place @ self.motion.velocity[1]).reshape(-1, d)
         else:
             assert isinstance(trace, MonolithicTrace)
             J = trace.seeing()
             self.old = self.new = Kinematics(J)
             self._forces, self.places = J, x
+            self.ends, self._end_places = self.new, x
             start = x - (J @ (solid.trial_displacement - solid.displacement)).reshape(-1, d)
             self.start_jump, self.jump = contact.jump, contact.trial_jump
         self._normals(start)
 
     def _linearise(self) -> None:
-        """Take up the derivatives of the form."""
-        tangents = self.contact.equations.tangents
+        """Take up the forces and the derivatives of the form."""
+        e = self.contact.equations
+        self._force, tangents = -e.residual()[e.active_jumps], e.tangents
         self._blocks = tangents.blocks(frozen=True).copy()
         self._parameters = tangents.parameters().copy()
         self._start = self._by_start()
@@ -198,12 +203,14 @@ class ContactRows:
 
     def gap_row(self, point: int) -> np.ndarray:
         """Derivative of the gap of a point at the end by q, (size,)."""
-        row = self.slope[point] @ self.new.place[point * self._d : (point + 1) * self._d]
+        wall = self.contact.coupling.wall  # type: ignore[attr-defined]
+        slope = -wall.slopes(self._end_places[point : point + 1], 0.0)[0]
+        row = slope @ self.ends.place[point * self._d : (point + 1) * self._d]
         return np.asarray(row).ravel()
 
     def gap_by(self, parameters: Sequence[Parameter], point: int) -> np.ndarray:
         """And by parameters, (p,)."""
-        place = self.places[point : point + 1]
+        place = self._end_places[point : point + 1]
         return np.array([self.closer(parameter, place)[0] for parameter in parameters])
 
     def spread(self, forces: np.ndarray) -> Any:
@@ -212,16 +219,35 @@ class ContactRows:
         spreading = self._forces[places].T
         return spreading @ (forces if isinstance(spreading, np.ndarray) else sp.csr_matrix(forces))
 
+    @staticmethod
+    def key(name: str, number: int) -> str:
+        """What a derivative by q, v, ... of a solid of the contact is called."""
+        return name if not number else f"{name} of the master"
+
+    def spreads(self, forces: np.ndarray) -> Iterator[tuple[Motion, Any]]:
+        """The same, solid by solid."""
+        yield self.motion, self.spread(forces)
+
+    def bent(self) -> Iterator[tuple[Motion, str, Any]]:
+        """Derivatives of J' f at fixed forces on each solid, by what J depends on."""
+        for name, block in self.turned().items():
+            yield self.motion, name, block
+
+    def read(self) -> list[tuple[Motion, Any]]:
+        """Operators from solids to the places of nodes, ``"y"``, by which their forces on each
+        other change; of obstacles none."""
+        return []
+
     def turned(self) -> dict[str, Any]:
         """Derivatives of J' f at fixed forces, of what J depends on."""
         if not isinstance(self.motion, RigidMotion):
             return {}
         weight, result = self.step.scheme.force_weight, []
-        f = self._force.reshape(-1, 2)
-        for share, arm in zip((1 - weight, weight), self.arms):
-            block = np.zeros((3, 3))
-            block[2, 2] = -share * float((arm[self.points] * f).sum())
-            block[self.motion.held] = block[:, self.motion.held] = 0.0
+        forces = np.zeros_like(self.places)
+        forces[self.points] = self._force.reshape(-1, self._d)
+        for share, arms in zip((1 - weight, weight), self.arms):
+            block = share * arms.turned(forces)
+            block[self.motion.held] = 0.0
             result.append(block)
         return dict(zip(("q_old", "q"), result))
 

@@ -91,9 +91,11 @@ class Damper(Protocol):
     """A damping force of a solid. Arrays are those of its owned unknowns.
 
     Attributes:
+        number: that of the damping to which the force is proportional, ``"alpha"`` or ``"beta"``.
         time: by which velocities are stiff: a force of time K v is no less a force of K u, s.
     """
 
+    number: str
     time: float
 
     def force(self, step: Step, start: np.ndarray, end: np.ndarray, rate: np.ndarray) -> np.ndarray:
@@ -108,11 +110,21 @@ class Damper(Protocol):
     def add_to(self, matrix: PETSc.Mat, step: Step, start: np.ndarray, end: np.ndarray) -> None:
         """Add its derivative by the velocity at the end of the step to a matrix."""
 
+    def add_bent(self, matrix: PETSc.Mat, place: np.ndarray, rate: np.ndarray) -> None:
+        """Add its derivative by the displacement at which it is taken, at a fixed velocity."""
 
-class MassDamper:
+
+class Straight:
+    """A damper whose force does not depend on the displacement."""
+
+    def add_bent(self, matrix: PETSc.Mat, place: np.ndarray, rate: np.ndarray) -> None:
+        """Nothing."""
+
+
+class MassDamper(Straight):
     """``alpha M v``."""
 
-    time = 0.0
+    number, time = "alpha", 0.0
 
     def __init__(self, alpha: float, mass: Mass) -> None:
         self._alpha, self._mass = alpha, mass
@@ -125,7 +137,7 @@ class MassDamper:
         matrix.axpy(step.rate_weight * self._alpha, self._mass.matrix, subset)
 
 
-class StiffnessDamper:
+class StiffnessDamper(Straight):
     """``beta K v`` with a stiffness that stays.
 
     Args:
@@ -133,6 +145,8 @@ class StiffnessDamper:
         stiffness: K.
         force: K times a field.
     """
+
+    number = "beta"
 
     def __init__(
         self, time: float, stiffness: PETSc.Mat, force: Callable[[np.ndarray], np.ndarray]

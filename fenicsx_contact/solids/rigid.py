@@ -22,7 +22,7 @@ from .moments import moments
 from .rigid_forces import Applied, Load, components, held_components, pull, without
 from .rigid_forces import springs as to_ground
 from .rigid_motion import RigidMotion
-from .rotations import angles, cross_matrix, rotation_matrix, turning
+from .rotations import angles, rotation_matrix, turned_tensor, turning
 
 
 class RigidSolid(RigidMotion):
@@ -112,7 +112,7 @@ class RigidSolid(RigidMotion):
         self.velocity[d:] = angles("spin", spin, spins)
         if self.velocity[self.held].any():
             raise checks.InputError(f"held = {names}: what is held must start without a velocity")
-        self.trial_velocity = self.velocity.copy()
+        self.trial_velocity = self.moving_velocity = self.velocity.copy()
         self.trial_place, self.trial_turn = self._place.copy(), self._turn.copy()
         self._momentum = self._momentum_of(self.velocity, self._turn)
         self._inverse_for = 0.0
@@ -152,10 +152,9 @@ class RigidSolid(RigidMotion):
     def _spin_tangent(self, step: Step) -> np.ndarray:
         """Derivative of the angular momentum J w by the spin w in space, which turns J."""
         spin, turn = self.trial_velocity[3:], self.trial_turn
-        inertia = self._spatial(self.inertia, turn)
+        inertia = self.spatial(self.inertia, turn)
         way = step.increment(self.velocity, self.trial_velocity, self.memory)[3:]
-        turned = inertia @ cross_matrix(spin) - cross_matrix(inertia @ spin)
-        return inertia + step.gap_rate * turned @ turning(way)
+        return inertia + step.gap_rate * turned_tensor(inertia, spin) @ turning(way)
 
     def correct(self, step: Step) -> None:
         self.go(self.free_velocity + self.inverse @ self._force, step)

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..base import checks
 from ..theory.theta import Step
-from .rotations import angles, cross_matrix
+from .rotations import GENERATORS, angles, cross_matrix
 
 #: d numbers (of a torque in the plane: one), or a function of time that gives them.
 Load = float | Sequence[float] | Callable[[float], Any]
@@ -78,12 +78,12 @@ class Spring:
         return -(self._stiffness * self._stretch(place, turn)) @ self._operator(turn)
 
     def stiffness(self, place: np.ndarray, turn: np.ndarray) -> np.ndarray:
-        """Derivative of what it does to a solid in the plane, less :meth:`force`, by the unknowns,
-        (3, 3)."""
-        J, (x, y) = self._operator(turn), -self._stiffness * self._stretch(place, turn)
-        a, b = turn @ self._point
+        """Derivative of what it does to a solid, less :meth:`force`, by the unknowns, (3, 3) or
+        (6, 6)."""
+        J, force = self._operator(turn), -self._stiffness * self._stretch(place, turn)
+        arm, d = turn @ self._point, len(place)
         result = J.T @ (self._stiffness[:, None] * J)
-        result[2, 2] += b * y + a * x
+        result[d:, d:] -= np.einsum("i,kij,ljm,m->kl", force, *[GENERATORS[d]] * 2, arm)
         return result
 
     def energy(self, place: np.ndarray, turn: np.ndarray) -> float:

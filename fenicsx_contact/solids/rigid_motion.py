@@ -25,6 +25,8 @@ class RigidMotion(MonolithicSolid):
         inertia: about it, there, (1, 1) or (3, 3) in kg m².
         held: numbers of the components that are held.
         trial_place, trial_turn: the centre of mass and the rotation in the trial state.
+        moving_velocity: with which the step has moved it there; in space :meth:`shift` changes the
+            spin, not the momentum.
     """
 
     mass: float
@@ -35,6 +37,7 @@ class RigidMotion(MonolithicSolid):
     inverse: np.ndarray
     trial_place: np.ndarray
     trial_turn: np.ndarray
+    moving_velocity: np.ndarray
     _place: np.ndarray
     _turn: np.ndarray
     _mobility: np.ndarray
@@ -48,6 +51,7 @@ class RigidMotion(MonolithicSolid):
         """Add to the forces on the solid in this step, N and N m."""
 
     def _move(self, step: Step) -> None:
+        self.moving_velocity = self.trial_velocity
         increment = step.increment(self.velocity, self.trial_velocity, self.memory)
         self.trial_place = self._place + increment[: self.dim]
         turn = rotation_matrix(increment[self.dim :]) @ self._turn
@@ -61,12 +65,13 @@ class RigidMotion(MonolithicSolid):
         self.trial_place = self.trial_place + way[: self.dim]
         self.trial_turn = rotation_matrix(way[self.dim :]) @ self.trial_turn
 
-    def _spatial(self, tensor: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    def spatial(self, tensor: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        """A tensor of the reference placement where that has turned; in the plane a number."""
         return tensor if self.dim == 2 else turn @ tensor @ turn.T
 
     def _momentum_of(self, velocity: np.ndarray, turn: np.ndarray) -> np.ndarray:
         d = self.dim
-        spin = self._spatial(self.inertia, turn) @ velocity[d:]
+        spin = self.spatial(self.inertia, turn) @ velocity[d:]
         return np.concatenate([self.mass * velocity[:d], spin])
 
     @property
@@ -74,7 +79,7 @@ class RigidMotion(MonolithicSolid):
         d = self.dim
         result = np.zeros((len(self.velocity),) * 2)
         result[range(d), range(d)] = 1 / self.mass
-        result[d:, d:] = self._spatial(self._mobility, self.trial_turn)
+        result[d:, d:] = self.spatial(self._mobility, self.trial_turn)
         return without(result, self.held)
 
     def shift(self, way: np.ndarray) -> None:
@@ -82,7 +87,7 @@ class RigidMotion(MonolithicSolid):
         self._shifted = way if self._shifted is None else self._shifted + way
         self._put(way)
         if d == 3:  # the spin that belongs to the momentum
-            spin = self._spatial(self._mobility, self.trial_turn) @ self._trial_momentum[d:]
+            spin = self.spatial(self._mobility, self.trial_turn) @ self._trial_momentum[d:]
             self.trial_velocity = np.concatenate([self.trial_velocity[:d], spin])
             self.trial_velocity[self.held] = 0.0
 
@@ -99,7 +104,7 @@ class RigidMotion(MonolithicSolid):
     def restore(self, state: dict[str, np.ndarray]) -> None:
         self.velocity = np.array(state["velocity"])
         self._place, self._turn = np.array(state["place"]), np.array(state["turn"])
-        self.trial_velocity = self.velocity.copy()
+        self.trial_velocity = self.moving_velocity = self.velocity.copy()
         self.trial_place, self.trial_turn = self._place.copy(), self._turn.copy()
         self._momentum = np.array(state["momentum"])
         self.memory = state.get("memory")

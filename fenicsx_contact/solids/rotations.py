@@ -13,6 +13,13 @@ from scipy.spatial.transform import Rotation
 from ..base import checks
 
 EYE = np.eye(3)
+#: By dimension: what a unit spin about each axis makes of an arm, (spins, d, d).
+GENERATORS = {
+    2: np.array([[[0.0, -1.0], [1.0, 0.0]]]),
+    3: np.array([[[0, 0, 0], [0, 0, -1], [0, 1, 0]],
+                 [[0, 0, 1], [0, 0, 0], [-1, 0, 0]],
+                 [[0, -1, 0], [1, 0, 0], [0, 0, 0]]], dtype=float),
+}  # fmt: skip
 #: (w - sin w)/w³ in powers of w², the highest first: to round-off within a turn.
 CUBIC = [(-1) ** k / factorial(2 * k + 3) for k in reversed(range(20))]
 
@@ -46,6 +53,14 @@ def turning(way: np.ndarray) -> np.ndarray:
     once = sin(half) / half if half else 1.0
     cubic = reduce(lambda total, each: total * square + each, CUBIC)
     return EYE + 0.5 * once**2 * W + cubic * W @ W
+
+
+def turned_tensor(tensor: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """Derivative of ``tensor @ vector`` by a rotation that turns the tensor alone; (1, 1) in the
+    plane, where tensors are numbers, (3, 3) in space."""
+    if len(vector) == 1:
+        return np.zeros((1, 1))
+    return tensor @ cross_matrix(vector) - cross_matrix(tensor @ vector)
 
 
 def cross(spin: np.ndarray, arm: np.ndarray) -> np.ndarray:

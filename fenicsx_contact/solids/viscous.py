@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+from typing import Any
+
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -27,7 +30,12 @@ class ViscousStress:
         energy: stored energy density.
         time: beta, s.
         measure: of the volume.
+
+    Attributes:
+        form: its force, a linear form.
     """
+
+    number = "beta"
 
     def __init__(
         self, vectors: VectorSpace, energy: Energy, time: float, measure: ufl.Measure
@@ -41,7 +49,8 @@ class ViscousStress:
         v, dv = ufl.TestFunction(space), ufl.TrialFunction(space)
         second = ufl.derivative(ufl.derivative(at_rest, rest, v), rest, dv)
         weight = fem.Constant(vectors.mesh.mesh, time)
-        self._force_form = compiled(weight * ufl.action(second, self._rate))
+        self.form = weight * ufl.action(second, self._rate)
+        self._force_form = compiled(self.form)
         self._matrix_form = compiled(weight * second)
         self._matrix = assembly.assemble_petsc_matrix(self._matrix_form)
 
@@ -61,3 +70,17 @@ class ViscousStress:
         self._matrix.zeroEntries()
         assembly.add_to_petsc_matrix(self._matrix, self._matrix_form)
         matrix.axpy(step.rate_weight, self._matrix, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
+
+    def add_bent(self, matrix: PETSc.Mat, place: np.ndarray, rate: np.ndarray) -> None:
+        self.set(place, rate)
+        assembly.add_to_petsc_matrix(matrix, self._bent_form)
+
+    @cached_property
+    def _bent_form(self) -> Any:
+        way = ufl.TrialFunction(self._vectors.space)
+        return compiled(ufl.derivative(self.form, self._displacement, way))
+
+    def set(self, place: np.ndarray, rate: np.ndarray) -> None:
+        """Set the displacement and the velocity of the form."""
+        self._vectors.assign(self._displacement, place)
+        self._vectors.assign(self._rate, rate)

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Where the derivative of a linearised step does not exist, and which of these places its tangents
+meet."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from ..contact.arrivals import arrival
+from ..scene import Scene
+from ..steps.step import Trial
+from .kinks import Kink, alike, kinks
+from .linearise import Linearisation, arriving
+from .surface import ContactRows
+from .undetermined import rigid, shifted, sliding
+
+
+class Edges:
+    """Asks steps for their kinks.
+
+    Args:
+        scene: the scene.
+        linear: has just linearised one of its steps.
+    """
+
+    def __init__(self, scene: Scene, linear: Linearisation) -> None:
+        self._scene, self._linear = scene, linear
+        self._parameters = linear.parameters
+
+    def kinks(
+        self, trial: Trial, resolution: float, x: np.ndarray | None, start: np.ndarray | None
+    ) -> list[Kink]:
+        """The kinks of the step that was linearised last; with its tangent x from that of the start
+        those that it meets, without all that there may be."""
+        found = self._undetermined(trial, x, start)
+        for rows in self._linear.contacts:
+            misses = partial(self._misses, rows, x, start)
+            found += kinks(rows, trial, resolution, misses)
+        if self._scene.locate_impacts and trial.step.dt:
+            found += self._touches(trial, x)
+        return found
+
+    def _misses(
+        self,
+        rows: ContactRows,
+        x: np.ndarray | None,
+        start: np.ndarray | None,
+        points: np.ndarray,
+        values: np.ndarray,
+    ) -> np.ndarray:
+        """Whether the tangent fails the rows of points on the other side of their decision; all of
+        them candidates, or none."""
+        if x is None or start is None:
+            return np.ones(len(points), dtype=bool)
+        at = np.flatnonzero(np.isin(rows.points, points))
+        changes = self._linear.changes(rows, x, start)
+        sizes = {name: _largest(change) for name, change in changes.items()}
+        if len(at):  # multipliers of a kind are as large as the largest of all points
+            every = x[self._linear.multipliers(rows)]
+            every = every.reshape(len(rows.points), -1, len(self._parameters))
+            changes["m"] = every[at].reshape(-1, len(self._parameters))
+            largest = np.broadcast_to(np.abs(every).max(axis=0), every[at].shape)
+            sizes["m"] = largest.reshape(changes["m"].shape)
+        with rows.other(points, values) as other:
+            by = np.stack([other.by(parameter)[0] for parameter in self._parameters], axis=1)
+            derivatives = other.derivatives()
+        left, terms = by, np.abs(by)
+        for name, (multipliers, _) in derivatives.items():
+            if name in changes:
+                left = left + multipliers @ changes[name]
+                terms = terms + abs(multipliers) @ sizes[name]
+        return ~alike(*(each.reshape(len(points), -1) for each in (left, terms)))
+
+    def _undetermined(
+        self, trial: Trial, x: np.ndarray | None, start: np.ndarray | None
+    ) -> list[Kink]:
+        """Points that slide under pressures that are not unique, where the motion hangs on these:
+        the run has taken some of them."""
+        linear = self._linear
+        asked = [rows for rows in linear.contacts if rigid(rows)]
+        slide = {id(rows): at for rows in asked if (at := sliding(rows)) is not None}
+        idle = linear.last.idle() if slide else None
+        if idle is None:
+            return []
+        state, sizes = slice(0, linear.size), linear.last.sizes
+        moves = not alike(idle[state] / sizes[state], np.ones(linear.size)).all()
+        if not moves:
+            if x is None or start is None:  # any
+                start = np.cos(np.arange(linear.size) + np.zeros((len(self._parameters), 1))).T
+                x = linear.last.tangent(start)
+            with shifted(asked, [idle[linear.multipliers(rows)] for rows in asked]) as others:
+                instead = {id(rows): other for rows, other in zip(asked, others)}
+                contacts = [instead.get(id(rows), rows) for rows in linear.contacts]
+                other = linear.assembled(trial, contacts).tangent(start)
+            largest = np.abs(x / sizes[:, None]).max(axis=0)
+            change = (other - x)[state] / sizes[state, None]
+            moves = not alike(change, np.broadcast_to(largest, change.shape)).all()
+        if not moves:
+            return []
+        what = "slides under pressures that are not unique, on which its motion hangs"
+        found = []
+        for rows in asked:
+            if id(rows) in slide:
+                place = tuple(rows.contact.surface.points[slide[id(rows)]].tolist())
+                found.append(Kink(rows.contact.name, place, trial.step.end, what))
+        return found
+
+    def _touches(self, trial: Trial, x: np.ndarray | None) -> list[Kink]:
+        """Points that are open and just touch where the step ends, beside the one that ends it."""
+        found: list[Kink] = []
+        first = max(self._linear.contacts, key=lambda rows: arrival(rows.contact)[0], default=None)
+        for rows in self._linear.contacts:
+            contact = rows.contact
+            gaps, free = contact.coupling.gaps(), contact.chosen & ~contact.candidates.allowed
+            ends = arriving(rows) if trial.arrives and rows is first else -1
+            for point in np.flatnonzero(free & (np.abs(gaps) <= contact.tolerance)):
+                if point == ends:
+                    continue
+                row = rows.gap_row(point)
+                if x is not None:
+                    way = x[self._linear.part("q", rows.motion.solid)]
+                    by = rows.gap_by(self._parameters, point)
+                    left, terms = row @ way + by, np.abs(row) @ _largest(way) + np.abs(by)
+                    if alike(left, terms).all():
+                        continue
+                place = tuple(contact.surface.points[point].tolist())
+                with_it = "at the same instant as another point" if trial.arrives else "and no more"
+                found.append(Kink(contact.name, place, trial.step.end, f"touches {with_it}"))
+        return found
+
+
+def _largest(changes: np.ndarray) -> np.ndarray:
+    """The largest of each column everywhere: where little changes, round-off does."""
+    return np.broadcast_to(np.abs(changes).max(axis=0, initial=0.0), changes.shape)

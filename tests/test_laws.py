@@ -12,8 +12,9 @@ from fenicsx_contact import GAP, VELOCITY, Discrete, Lagrange, Velocity
 from fenicsx_contact.contact.equations import SurfaceEquations
 from fenicsx_contact.contact.surface import Surface
 from fenicsx_contact.theory import laws
-from fenicsx_contact.theory.formulations import PRINTED, Printed, StepData
+from fenicsx_contact.theory.formulations import PRINTED, Printed
 from fenicsx_contact.theory.friction import Coulomb, Tresca
+from fenicsx_contact.theory.step_data import StepData
 
 SURFACES = {
     2: (np.array([[0.0, 0.0], [1.0, 0.0], [2.5, 0.0]]), np.array([[0, 1], [1, 2]]), "interval"),

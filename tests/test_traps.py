@@ -72,6 +72,19 @@ def test_2_a_law_that_looks_ahead_does_not_drift(theta, kappa):
         assert history["kinetic"][late].max() < 1e-20 * history["kinetic"].max() + 1e-25
 
 
+@pytest.mark.parametrize("kappa", [0.1, 0.5, 1.0])
+@pytest.mark.parametrize("theta", [0.5, 0.7, 1.0])
+def test_2_what_has_drifted_comes_back_and_rests(theta, kappa):
+    """Of the depth at the start 1 - kappa is left by each step, after the first, which moves by a
+    share theta of that; with kappa = 1 a heavy block is at rest after two."""
+    deep = 1e-4
+    law = Velocity(drift_correction=kappa)
+    scene = dropped(-deep, theta=theta, formulation=law, gravity=(0, -1e3))  # or it would fly
+    depth = scene.run(0.01, 1e-3)["rigid.base.penetration"]
+    left = deep * (1 - theta * kappa) * (1 - kappa) ** np.arange(10)
+    np.testing.assert_allclose(depth, [deep, *left], rtol=1e-9, atol=1e-14)
+
+
 def test_3_ball_projection_is_exact_and_differentiable_at_zero():
     points = np.array([[0.0, 0.0], [1.0, 0.0]])
     surface = Surface(points, np.array([[0, 1]]), "interval")

@@ -12,7 +12,8 @@ import numpy as np
 
 from ..base.constants import ROUND_OFF
 from ..base.vectors import dot, largest
-from ..theory.formulations import Formulation, StepData
+from ..theory.formulations import Formulation
+from ..theory.step_data import StepData
 from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .jump import Coupling

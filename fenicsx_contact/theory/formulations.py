@@ -8,7 +8,7 @@ a solid or a solver.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Protocol
 
@@ -17,6 +17,7 @@ import ufl
 
 from ..base import checks
 from .springs import spring_form
+from .step_data import StepData
 from .weak_form import ContactFields, weak_form
 
 
@@ -59,27 +60,6 @@ class Formulation(Protocol):
 
 
 @dataclass(frozen=True)
-class StepData:
-    """What a law may know of the points when it limits their velocities.
-
-    Attributes:
-        gap: what the form reads as d_n, (n,) in m.
-        start_jump_n: w_n at the start of the step, (n,) in m/s.
-        gap_rate: derivative of the end position by the end velocity, s.
-        limit_rate: (1 - theta)/theta of the scheme, 0 in a percussion.
-        horizon: time over which it looks ahead, s: the step, or that of which it is a part.
-        loaded: 1 where time passes, 0 in a percussion.
-    """
-
-    gap: np.ndarray
-    start_jump_n: np.ndarray
-    gap_rate: float
-    limit_rate: float
-    horizon: float
-    loaded: float = 1.0
-
-
-@dataclass(frozen=True)
 class Velocity:
     """VELOCITY: contact at the level of velocities, every point a candidate.
 
@@ -94,9 +74,9 @@ class Velocity:
     solved as a percussion for all points at once, ``M (v+ - v-) = J' P`` with ``w_n <= -d_n/dt``.
 
     Args:
-        drift_correction: kappa in [0, 1]; what has penetrated must come back by the share kappa
-            in each step, ``w_n`` is less by ``kappa d_n/(theta dt)``: the drift of a velocity law
-            decays. That is work done by the law, not by the contact. In impacts nothing moves.
+        drift_correction: kappa in [0, 1]; where d_n > 0, ``w_n <= -kappa (d_n/dt + (1 - theta)
+            min(w_n^-, 0))``: in the end 1 - kappa of d_n is left by each step, and of the velocity
+            of the return nothing rings on. That is work of the law; in impacts nothing moves.
     """
 
     drift_correction: float = 0.0
@@ -116,9 +96,15 @@ class Velocity:
 
     def allowed(self, k: ContactFields) -> Any:
         """The w_n that the law allows at most, in UFL."""
-        drift = ufl.max_value(k.gap, 0.0) / k.horizon
-        limit = ufl.max_value(drift - k.gap / k.horizon, -k.limit_rate * k.start_jump_n)
-        return limit - self.drift_correction * (1 + k.limit_rate) * drift
+        deep = ufl.gt(k.gap, 0)
+        return self._most(k, ufl.max_value, lambda back, else_: ufl.conditional(deep, back, else_))
+
+    def _most(self, k: Any, larger: Callable, where_deep: Callable) -> Any:
+        limit = larger(larger(-k.gap, 0.0) / k.horizon, -k.limit_rate * k.start_jump_n)
+        if not self.drift_correction:
+            return limit
+        leaving = k.limit_rate / (1 + k.limit_rate) * larger(-k.start_jump_n, 0.0)
+        return where_deep(self.drift_correction * (leaving - k.gap / k.horizon), limit)
 
     def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
         """The form decides."""
@@ -126,9 +112,7 @@ class Velocity:
 
     def limit(self, data: StepData) -> np.ndarray:
         """The w_n that the law allows at most."""
-        drift = np.maximum(data.gap, 0.0) / data.horizon
-        limit = np.maximum(drift - data.gap / data.horizon, -data.limit_rate * data.start_jump_n)
-        return limit - self.drift_correction * (1 + data.limit_rate) * drift
+        return self._most(data, np.maximum, lambda back, else_: np.where(data.gap > 0, back, else_))
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ import numpy as np
 import ufl
 
 from ...base import checks
-from ..formulations import StepData
 from ..parameter import Parameter, keep_parameter
 from ..springs import spring_form
+from ..step_data import StepData
 from ..weak_form import ContactFields
 
 #: Gauss points of the way of a step and their weights: exact for exponents up to 5.

@@ -10,7 +10,8 @@ import numpy as np
 import ufl
 
 from ...base import checks
-from ..formulations import StepData, Velocity
+from ..formulations import Velocity
+from ..step_data import StepData
 from ..weak_form import ContactFields
 
 

@@ -140,9 +140,9 @@ class Stepper:
             trial, certificate, moved = self._solved(step, closing, clock)
             gains = True
             while certificate.refusal and moved and gains:
-                last, before = certificate.worst, trial
+                last, tried = certificate.worst, trial
                 trial, certificate, moved = self._solved(step, closing, clock)
-                trial = before.then(trial)
+                trial = tried.then(trial)
                 gains = certificate.worst < last
             if certificate.refusal:
                 raise StepFailed(certificate.refusal)

@@ -138,12 +138,14 @@ class Stepper:
                 self._guess(step, rates)
             clock("pairing")
             trial, certificate, moved = self._solved(step, closing, clock)
-            gains = True
-            while certificate.refusal and moved and gains:
-                last, tried = certificate.worst, trial
-                trial, certificate, moved = self._solved(step, closing, clock)
+            while certificate.refusal and moved:  # and as long as it gains
+                last, tried = certificate, trial
+                try:
+                    trial, certificate, moved = self._solved(step, closing, clock)
+                except StepFailed as failure:
+                    raise StepFailed(last.refusal) from failure
                 trial = tried.then(trial)
-                gains = certificate.worst < last
+                moved = moved and certificate.worst < last.worst
             if certificate.refusal:
                 raise StepFailed(certificate.refusal)
             return replace(trial, certificate=certificate.worst)

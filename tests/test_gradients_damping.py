@@ -142,6 +142,7 @@ SQUEEZED = {
 }
 
 
+@pytest.mark.second
 def test_a_damped_hyperelastic_block_that_strikes():
     """Large strains and turns: the viscous stress follows the displacement."""
 

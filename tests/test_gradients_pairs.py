@@ -138,7 +138,7 @@ def both(scene):
 @pytest.mark.parametrize(
     "given",
     [
-        {},
+        pytest.param({}, marks=pytest.mark.second),
         pytest.param({"geometry": "newton", "solver": "monolithic"}, marks=LONG),
         pytest.param({"formulation": "gap", "theta": 1.0, "geometry": "newton"}, marks=LONG),
         pytest.param({"kind": HyperelasticSolid, "geometry": "newton"}, marks=LONG),

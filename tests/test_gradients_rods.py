@@ -185,6 +185,7 @@ def test_a_drop_through_an_s():
         np.testing.assert_array_equal(plain[column], run.history[column])
 
 
+@pytest.mark.second
 def test_a_drop_by_rod_water_and_width():
     """By stiffness, mass, water, the guide's clearances, and the height of the release."""
     run = check(drop, dict(OTHERS, amplitude=(8e-3, bow)), 0.4, 5e-3, of_rod, shares=(2e-5,))

@@ -255,6 +255,7 @@ def test_what_nothing_holds_is_refused_by_name(dim):
         Scene([brick], [Contact(brick, "base", floor)], QuasiStatic())
 
 
+@pytest.mark.second
 def test_block_pulled_off_its_floor_is_not_finished():
     """Contact can only push: a scene that glue would hold, and nothing else, has no equilibrium."""
     block = ElasticSolid(

@@ -276,14 +276,6 @@ def test_a_block_that_slides_in_a_round_bowl(formulation, theta):
     check(build, asked, 0.15, 5e-3)
 
 
-def test_a_step_that_is_solved_again_about_where_solids_were_put_is_refused(monkeypatch):
-    scene = round_bowl(0.6, 0.2, 1e-3)
-    scene.geometry = "fixed point"
-    monkeypatch.setattr("fenicsx_contact.steps.certificate.ACCEPTED", 1e-9)
-    with pytest.raises(InputError, match="was solved again about where"):
-        tangents(scene, 0.15, 2e-2, {"mu": friction(scene)}, {"x": Centre(solid_of(scene), (1, 0))})
-
-
 @LONG
 def test_a_rigid_block_on_a_spring():
     def build(mass, speed, mu):

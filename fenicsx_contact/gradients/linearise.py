@@ -116,16 +116,7 @@ class Linearisation:
         return state
 
     def step(self, trial: Trial) -> LinearStep:
-        """The linearised step, after it was solved and before it is accepted.
-
-        Raises:
-            InputError: it was solved again about where rigid solids had been put.
-        """
-        if trial.again:
-            raise checks.InputError(
-                f"gradients: the step to t = {trial.step.end:.9g} s was solved again about where "
-                "its rigid solids had been put; shorter steps help"
-            )
+        """The linearised step, after it was solved and before it is accepted."""
         self._see(trial.step)
         self.last = self.assembled(trial, self.contacts)
         return self.last

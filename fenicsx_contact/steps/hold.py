@@ -5,8 +5,8 @@ A velocity law moves a point as its velocities say, ``dt (theta w_n + (1 - theta
 rigid solid that turns, the point goes elsewhere, by a small length of second order in the turn
 (of third for theta = 1/2). Left alone these add up, and a corner that has sunk makes the points
 beside it land before the far corner does, each on its own. So the solids are put back by that much,
-as little as their mass allows: a translation and a turn without velocity. Where that turns what is
-seen of a contact (a corner on a face that turns, too) the step is solved again about it.
+as little as their mass allows: a translation and a turn without velocity. Where that changes what
+two solids see of each other (a corner on a face that turns, too) the step is solved again about it.
 """
 
 from __future__ import annotations

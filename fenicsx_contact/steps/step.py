@@ -34,8 +34,7 @@ LOOSE = 10.0
 @dataclass(frozen=True)
 class Trial:
     """A step that was solved and not yet accepted: the solids stand in their trial states.
-    ``arrives``: it ends where a point arrives, at an instant that depends on everything;
-    ``again``: it was solved again about where rigid solids had been put."""
+    ``arrives``: it ends where a point arrives, at an instant that depends on everything."""
 
     step: Step
     force: np.ndarray
@@ -44,13 +43,12 @@ class Trial:
     remarks: list[str]
     certificate: float = 0.0
     arrives: bool = False
-    again: bool = False
 
     def then(self, other: Trial) -> Trial:
         """The other one, which came after this one and for it."""
         newton, geometry = self.newton + other.newton, self.geometry + other.geometry
         remarks = self.remarks + other.remarks
-        return replace(other, newton=newton, geometry=geometry, remarks=remarks, again=True)
+        return replace(other, newton=newton, geometry=geometry, remarks=remarks)
 
 
 class StepTaker(Protocol):
@@ -103,6 +101,7 @@ class Stepper:
             solid.floating = True
         self._method = StepSolver(self._assembly, newton, geometry, solver, list(floating))
         self._linear = not any(solid.shiftable for solid in self.solids)
+        self._pairs = any(len(contact.solids) > 1 for contact in self.contacts)
         self.times: dict[str, float] = {}
         self.time = 0.0
         self.work, self.balance = np.zeros(5), 0.0
@@ -158,6 +157,7 @@ class Stepper:
         """The step solved about where solids are put; whether they are put elsewhere after it."""
         trial = Trial(step, *self._method.solve(step, clock))
         moved = bool(step.dt) and not self._linear and hold_gaps(self.contacts, step)
+        moved = moved and self._pairs  # before obstacles such a step is too long
         for solid in self.solids:
             if reason := solid.unsound(step):
                 raise StepFailed(reason)

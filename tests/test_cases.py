@@ -434,6 +434,7 @@ def test_bar_thrown_at_a_wall(law, theta, forces, kept):
     assert history["scheme"][-1] / 500 == pytest.approx(scheme, abs=0.02)
 
 
+@pytest.mark.second
 def test_bar_thrown_at_a_wall_converges():
     """All that is lost is the impact of the last node, whose mass is that of half a cell."""
     errors = []

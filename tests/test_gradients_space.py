@@ -239,6 +239,7 @@ DROPPED = {
 TETRAHEDRON = 0.1 * np.array([[1.0, 0, 0], [-0.5, 0.9, 0], [-0.5, -0.9, 0], [0, 0, 0.5]])
 
 
+@pytest.mark.second
 def test_a_tetrahedron_that_comes_to_slide_on_a_face():
     """Three points bear it in one way only, though it turns about the normal."""
 

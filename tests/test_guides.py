@@ -377,6 +377,7 @@ def test_walls_push_along_the_axis_what_the_rod_stores():
     np.testing.assert_allclose(work, stored, atol=0.01 * np.ptp(stored))
 
 
+@pytest.mark.second
 def test_in_space_a_plane_bow_is_a_plane_problem():
     """The annular gap gives the forces of two walls, in any plane."""
     fast = {"speed": 1.0, "steps": 900}

@@ -134,6 +134,7 @@ def test_the_axial_budget_closes():
     assert abs(budget) < 1e-6 * M * demo.G * z[-1]
 
 
+@pytest.mark.second
 def test_end_stop_bounces_the_rod():
     """The energy of a spring, and the drive line brings the rod to rest."""
     rod = demo.rod(replace(STRAIGHT, drive_friction=400.0))
@@ -176,6 +177,7 @@ def test_drop_in_smooth_and_kinked_tubes(smooth, kinked):
         assert abs(h["scheme"][-1]) < 1e-4 * work
 
 
+@pytest.mark.second
 def test_the_drive_rod_is_guided_too(kinked):
     """A second contact on the same rod: cards around its drive rod bear, and hold it back a little
     where the cluster is slowed in the dashpot; T5 does not see them."""

@@ -288,6 +288,7 @@ def test_a_thinned_map_keeps_its_corners():
 # -- the demos --
 
 
+@pytest.mark.second
 def test_stability_map(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     demo = load("stability_map")

@@ -187,7 +187,7 @@ class Contact(SurfaceResults):
         if not self.coupling.fixed_normal:
             self._set_normal(self.coupling.normals())
         gap = self.gap if step.dt else np.minimum(self.gap, 0.0)  # no way to correct a drift
-        # what less than the resolved speed would close counts as closed, and round-off
+        # what less than the resolved speed would close is closed, and what round-off opened
         closed = max(self.resolution * step.horizon, self.noise)
         gap = np.where((gap < 0) & (gap >= -closed), 0.0, gap)
         if share:

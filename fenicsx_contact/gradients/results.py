@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,14 +12,14 @@ from ..output.history import History
 from .kinks import Kink, NoDerivative
 
 
-class _OneSided:
+class _OneSided(ABC):
     """Derivatives that may be of one side only."""
 
     kinks: list[Kink]
 
+    @abstractmethod
     def one_sided(self, name: str) -> np.ndarray:
         """Whether they exist or not."""
-        raise NotImplementedError
 
     def __getitem__(self, name: str) -> np.ndarray:
         """The same, where the derivatives exist.

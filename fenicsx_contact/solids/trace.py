@@ -168,8 +168,9 @@ class DeformableTrace(MonolithicTrace):
         return alone * self._yielding()
 
     def _yielding(self) -> float:
-        """How much more the nodes yield together with what is about them than alone, to a power
-        of two: the least of a few, as what is thin bends far but does not stretch."""
+        """How much more the nodes yield together with what is about them than alone: the least of a
+        few, as what is thin bends far but does not stretch. To a power of two, rather the upper one
+        of what is least in any direction; 1, and what is next to it, stays 1."""
         matrix, d = self._solid.factorisation.matrix, self._reference.shape[1]
         first, last = matrix.getOwnershipRange()
         found = []

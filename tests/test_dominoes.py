@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from corpus_meshes import mapped
-from scenes import total_energy
+from corpus_meshes import mapped, moved
+from scenes import box, total_energy
 
 from fenicsx_contact import Contact, HalfSpace, RigidSolid, Scene
 
@@ -51,6 +51,40 @@ def test_the_second_is_pushed_over(friction):
     assert history["certificate"].max() < 1e-5
     assert history["01.force_x"][-1] < 0 and scene.solids[1].rotation < -0.05
     assert np.diff(total_energy(history)).max() < 1e-12
+
+
+def in_space(unit):
+    """Two of them in space, after 0.14 s: how the first is turned."""
+
+    def brick(i):
+        mesh = box((1, 1, 4), [unit * size for size in (WIDTH, 2 * WIDTH, HEIGHT)])
+        mesh = moved(mesh, unit * APART * i, 0, 0)
+        corner = (mesh.mesh.geometry.x[:, 0].max(), 0, 0)
+        start = {"rotation": (0, 0.25, 0), "about": corner} if i == 0 else {}
+        return RigidSolid(
+            mesh, density=500 / unit**3, gravity=(0, 0, -9.81 * unit), name=f"{i}", **start
+        )
+
+    first, second = brick(0), brick(1)
+    floor = HalfSpace((0, 0, 0), (0, 0, 1))
+    contacts = [
+        Contact(solid, side, floor, friction=0.5, name=f"{solid.name}.{side}")
+        for solid in (first, second)
+        for side in ("base", "right")
+    ]
+    contacts.append(Contact(first, "right", (second, "left"), friction=0.2, name="face"))
+    history = Scene([first, second], contacts).run(0.14, 1e-3)
+    assert history.finished and not history.remarks
+    assert history["face.force_x"][-1] < 0
+    return first.rotation
+
+
+@pytest.mark.second
+def test_in_space_they_fall_straight_in_any_units():
+    """Solved again only as far as the certificate asks, they turned in millimetres."""
+    turned = in_space(1.0)
+    np.testing.assert_allclose(turned[[0, 2]], 0.0, atol=1e-9)
+    np.testing.assert_allclose(in_space(1e3), turned, atol=1e-6)
 
 
 @pytest.mark.second

@@ -18,7 +18,7 @@ from ..contact.work import counts, work
 from ..solids import DeformableSolid, Solid
 from ..solve.condensed import Condensed
 from ..solve.krylov import Krylov
-from ..solve.loop import StepSolver
+from ..solve.loop import GEOMETRY_TOLERANCE, StepSolver
 from ..solve.newton import Newton
 from ..solve.problem import Assembly, Clock
 from ..solve.surface_problem import SurfaceSystem
@@ -137,12 +137,12 @@ class Stepper:
                 self._guess(step, rates)
             clock("pairing")
             trial, certificate, moved = self._solved(step, closing, clock)
-            while certificate.refusal and moved:  # and as long as it gains
+            while moved and certificate.worst > GEOMETRY_TOLERANCE:  # as long as it gains
                 last, tried = certificate, trial
                 try:
                     trial, certificate, moved = self._solved(step, closing, clock)
                 except StepFailed as failure:
-                    raise StepFailed(last.refusal) from failure
+                    raise StepFailed(last.refusal or str(failure)) from failure
                 trial = tried.then(trial)
                 moved = moved and certificate.worst < last.worst
             if certificate.refusal:

@@ -477,6 +477,8 @@ def test_benchmark_iterative(tmp_path, monkeypatch, capsys):
         assert abs(iterated["radius_error"]) < 0.05
         assert len(iterated["krylov"]) >= iterated["newton"] and not factored["krylov"]
         assert max(iterated["krylov"]) < 100
+    [rough] = summary["friction"]
+    assert abs(rough["radius_error"]) < 0.05 and max(rough["krylov"]) < 100
     assert (demo.RESULTS / "time.png").stat().st_size > 5000
     assert "Krylov counts" in capsys.readouterr().out
 

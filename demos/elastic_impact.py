@@ -159,8 +159,8 @@ def strike(small: float, n: int, steps: int, other: bool = False) -> Struck:
 #
 # Contacts are small, so that the ball turns by little while it touches: its strain is linear. Mass
 # and moment of inertia in the reference are those of the mesh, whose far facets are large. An edge
-# of slip that moves at each step makes Newton's method choose: with the augmentation of a point
-# that is alone (1) it does so too hastily, since its neighbours yield with it.
+# of slip that moves at each step makes Newton's method choose: with the augmentation of a point and
+# the elements about it (1) it does so too hastily, since all that slip yield together.
 
 
 # %%
@@ -190,7 +190,7 @@ def oblique(psi: float, small: float, n: int, steps: int) -> dict[str, float]:
         name="ball",
     )
     plane = HalfSpace(point=(0, 0, 0), normal=(0, 0, 1))
-    softer = {"friction": FRICTION, "tangential_augmentation": 0.03}
+    softer = {"friction": FRICTION, "tangential_augmentation": 0.1}
     contact = Contact(ball, "near", plane, "gap", name="contact", **softer)
     history = Scene([ball], [contact]).run(1.06 * normal.duration, normal.duration / steps)
     assert history.finished, history.reason

@@ -675,3 +675,12 @@ def test_how_far_a_node_yields_is_the_same_in_any_axes():
         found.append(yielding(turned, np.array([30, 31])))
     assert found == pytest.approx(4 * [found[0]], rel=1e-10)
     assert 1.0 < found[0] < 1.001
+
+
+def test_an_initial_field_may_be_numbers():
+    material = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1.0}
+    solid = ElasticSolid(rectangle(), **material, velocity=(1.0, -2.0), displacement=[0.1, 0.0])
+    np.testing.assert_array_equal(solid.velocity.reshape(-1, 2), [[1.0, -2.0]] * 4)
+    np.testing.assert_array_equal(solid.displacement.reshape(-1, 2), [[0.1, 0.0]] * 4)
+    with pytest.raises(InputError, match=r"velocity = .*must be 2 finite numbers"):
+        ElasticSolid(rectangle(), **material, velocity=(1.0, -2.0, 0.0))

@@ -58,8 +58,8 @@ class DeformableSolid(SystemRows, Stressed):
         damping: :class:`~.damping.KelvinVoigt`, :class:`~.damping.Rayleigh` or an own one.
         mass_redistribution: names of facets whose mass is moved inwards, so that their impacts
             lose no energy; for laws of positions (GAP, ...).
-        displacement, velocity: initial fields in m and m/s, functions of ``x`` (3, n) with values
-            (d, n), or UFL on the mesh: a Function, a Constant, an expression.
+        displacement, velocity: initial fields in m and m/s: d numbers, functions of ``x`` (3, n)
+            with values (d, n), or UFL on the mesh: a Function, a Constant, an expression.
         name: for messages, files and the prefix of PETSc options.
 
     Attributes:

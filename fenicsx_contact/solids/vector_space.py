@@ -169,12 +169,12 @@ class VectorSpace:
 
         Args:
             what: the argument that gave it, for messages.
-            field: the field: a function of x, or UFL on the mesh (a Function, a Constant).
+            field: the field: d numbers, a function of x, or UFL on the mesh (Function, Constant).
 
         Raises:
             InputError: no such field, values of another shape, or not finite.
         """
-        if isinstance(field, fem.Constant):
+        if isinstance(field, (fem.Constant, Sequence, np.ndarray)):
             return np.tile(checks.vector(what, field, self.dim), self.owned // self.dim)
         function = fem.Function(self.space)
 
@@ -196,7 +196,9 @@ class VectorSpace:
             function.x.array.reshape(-1, self.dim)[nodes.ravel()] = at_nodes
         elif field is not None:
             if not checks.is_function(field):
-                raise checks.InputError(f"{what} = {field!r}: must be a function of x (3, n)")
+                raise checks.InputError(
+                    f"{what} = {field!r}: must be {self.dim} numbers or a function of x (3, n)"
+                )
             function.interpolate(values_at)  # the owned values are right without the ghosts
         values = function.x.array[: self.owned].copy()
         if not min(self.comm.allgather(bool((np.abs(values) <= checks.LARGEST).all()))):

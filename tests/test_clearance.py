@@ -65,8 +65,9 @@ def test_interference_fit(interference):
         assert not history.remarks
         pressure, area = contact.pressure, contact.surface.area
         errors.append(abs(area @ pressure / area.sum() / lame(interference) - 1))
-        assert np.abs(pressure / lame(interference) - 1).max() < 0.25 / n
-    assert errors[-1] < 1.5e-3 and (rates(errors) > 1.7).all(), (errors, rates(errors))
+        assert np.abs(pressure / lame(interference) - 1).max() < 0.3 / n
+    assert errors[0] < 4e-3 and errors[-1] < 2e-4, errors
+    assert (rates(errors) > 1.7).all(), rates(errors)
 
 
 def test_as_meshed_such_a_fit_is_loose():

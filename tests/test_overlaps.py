@@ -95,7 +95,7 @@ def test_coincident_edges(cell, n, m, shift):
     assert pair.area.sum() == pytest.approx((1 - shift) ** 2, rel=1e-12)
     np.testing.assert_allclose(pair.gap[pair.paired], -0.01, rtol=1e-10)
     field = np.concatenate([slave.nodes, master.nodes]) @ [3.0, -2.0, 0.0] + 1
-    np.testing.assert_allclose((pair.operator @ field)[pair.paired], 0, atol=1e-9)
+    np.testing.assert_allclose((pair.means @ field)[pair.paired], 0, atol=1e-9)
 
 
 @pytest.mark.parametrize("degree", [1, 2])
@@ -107,7 +107,7 @@ def test_forces_balance_and_so_do_their_moments(cell, degree, low):
     master = flat(5, 0.0, cell, False, degree=degree)
     pair, nodes = updated(slave, master), np.concatenate([slave.nodes, master.nodes])
     pressure = np.random.default_rng(0).random((pair.n, 3)) * pair.area[:, None]
-    force = pair.operator.T @ pressure
+    force = pair.means.T @ pressure
     size = np.abs(force).sum()
     assert np.abs(force.sum(axis=0)).max() < 1e-14 * size
     assert np.abs(np.cross(nodes, force).sum(axis=0)).max() < 1e-12 * size
@@ -118,7 +118,7 @@ def test_a_constant_pressure_is_spread_as_such():
     for cell, other in [CELLS, CELLS[::-1]]:
         slave, master = flat(3, 0.0, cell, True, -0.3, 1.4), flat(4, 0.0, other, False)
         pair = updated(slave, master)
-        force = -(pair.operator.T @ pair.area)[len(slave.nodes) :]
+        force = -(pair.means.T @ pair.area)[len(slave.nodes) :]
         np.testing.assert_allclose(force, updated(master, slave).full_area, rtol=1e-11)
 
 
@@ -148,7 +148,7 @@ def test_turning_units_and_numbering(cell):
     np.testing.assert_allclose(again.gap[new] / scale, pair.gap, rtol=1e-9)
     np.testing.assert_allclose(again.area[new] / scale**2, pair.area, rtol=1e-9, atol=1e-15)
     columns = np.concatenate([new, len(new) + their_new])
-    np.testing.assert_allclose(again.operator[new][:, columns], pair.operator, atol=1e-9)
+    np.testing.assert_allclose(again.means[new][:, columns], pair.means, atol=1e-9)
 
 
 @pytest.mark.parametrize("cell", CELLS)

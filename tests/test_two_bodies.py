@@ -86,12 +86,32 @@ def test_derivatives_of_the_pairing(cell, degree, over):
     def values(x):
         pair.update(x, 0.5)
         J = pair.operator
-        forces = (J.T @ f).ravel(), (J.T @ (pair.area[:, None] * f)).ravel()
-        return [pair.gap.copy(), pair.normal.ravel(), (J @ v).ravel(), *forces]
+        forces = J.T @ f.ravel(), J.T @ (pair.area[:, None] * f).ravel()
+        return [pair.gap.copy(), pair.normal.ravel(), J @ v.ravel(), *forces]
 
     h = 1e-6
     for exact, a, b in zip(computed, values(places + h * way), values(places - h * way)):
         assert np.abs((a - b) / (2 * h) - exact).max() < 1e-8 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("cell", ["interval", "triangle", "quadrilateral"])
+def test_what_presses_has_no_moment(cell):
+    """Forces along the normals are equal, opposite, and on one line: on crooked surfaces that are
+    apart here and overlap there, too."""
+    rng = np.random.default_rng(1)
+    slave, master = sides(cell, 1)
+    pair, d = Pairing(slave, master), slave.dim
+    places = np.concatenate([slave.nodes, master.nodes])
+    places += 0.03 * rng.standard_normal(places.shape)
+    places[: len(slave.nodes), -1] -= 0.05
+    pair.update(places, 0.5)
+    assert pair.paired.all() and pair.gap.max() > 0 > pair.gap.min()
+    pressed = rng.random(pair.n)[:, None] * pair.normal
+    force = (pair.operator.T @ pressed.ravel()).reshape(-1, d)
+    turning = places[:, :, None] * force[:, None]
+    moment = (turning - np.swapaxes(turning, 1, 2)).sum(axis=0)
+    assert np.abs(force).max() > 0.1 and np.abs(force.sum(axis=0)).max() < 1e-14
+    assert np.abs(moment).max() < 1e-14
 
 
 def test_nearest_of_several_candidates_wins():

@@ -113,7 +113,7 @@ class Contact(SurfaceResults):
         self._locate()
 
     def _couple(self, other: Master) -> Coupling:
-        return couple(self.solid, self.facets, self.equations, other)
+        return couple(self.solid, self.facets, self.equations, other, self.formulation)
 
     def _make_surface(self) -> Surface:
         # with middles where they bear: before obstacles, in the plane
@@ -261,7 +261,7 @@ class Contact(SurfaceResults):
         self._springs.accept(step, self.force, self.normal, self.status == 1)
         self.memory.advance(self.equations, self.trial_jump, step.dt)
         self.coupling.accept()
-        self.gap, self.jump = self.coupling.gaps(), self.trial_jump
+        self.gap, self.jump = self.coupling.gaps(), self.coupling.arrived(self.trial_jump)
         self._start()
 
     def state(self) -> dict[str, np.ndarray]:

@@ -15,14 +15,8 @@ import numpy as np
 from ..base import checks
 from ..solids import Solid, Trace
 from ..theory.theta import Step
-from .clearance import Clearance, apart_at
-from .equations import SurfaceEquations
-from .mortar import Pairing, Side
-from .mortar.matrices import by_component, square
-from .mortar.passing import passed
-from .pair_equations import PairedEquations
+from .clearance import Clearance
 from .part import Part
-from .surface import Surface
 
 
 class Coupling(ABC):
@@ -108,6 +102,10 @@ class Coupling(ABC):
         for trace in self.traces:
             trace.accept()
 
+    def arrived(self, jump: np.ndarray) -> np.ndarray:
+        """Nodal jumps (n, d) in the accepted state, from those by the operators of the step."""
+        return jump
+
     def velocities(self, which: str) -> np.ndarray:
         """Velocities of the traces' points: of the solids' ``velocity`` or ``trial_velocity``."""
         parts = [t.jump(getattr(s, which)) for s, t in zip(self.solids, self.traces)]
@@ -124,7 +122,7 @@ class Coupling(ABC):
 
     def struck_jump(self) -> np.ndarray:
         """Nodal jumps (n, d) at the start of the begun step, if it starts with a percussion."""
-        return self.jump("velocity")
+        return self.arrived(self.jump("velocity"))
 
     def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
         """Nodal jumps from mean velocities of the solids, by id, by the operators whose
@@ -160,136 +158,3 @@ class Coupling(ABC):
     def positions(self) -> np.ndarray:
         """Places of the slave's nodes, (n, d) in m."""
         return self.traces[0].positions()
-
-
-class MortarJump(Coupling):
-    """The facets of a solid before those of another."""
-
-    fixed_normal = False
-    _chords: np.ndarray | float = 0.0
-
-    def __init__(
-        self,
-        solids: tuple[Solid, Solid],
-        sides: tuple[Side, Side],
-        equations: SurfaceEquations,
-        facets: str,
-    ) -> None:
-        self.solids, self.equations = list(solids), equations
-        self._facets = facets  # of the master
-        self.pairing = Pairing(*sides)
-        self.traces = [solid.trace(side.nodes) for solid, side in zip(solids, sides)]
-        self.part = self._part = PairedEquations(equations, self.pairing)
-        self._shape = (self.pairing.total, sides[0].dim)
-        self._n = self.pairing.n
-        self._start = self._places()
-        self.faces = self._find()
-        self.follow()
-
-    def _places(self) -> np.ndarray:
-        return np.concatenate([trace.positions() for trace in self.traces])
-
-    def _find(self) -> bool:
-        """Whether the sides face each other anywhere, near or, at last, far apart."""
-        way, farthest = 0.0, float(np.ptp(self._start, axis=0).sum())
-        while True:
-            self.pairing.update(self._start, way)
-            if self.pairing.paired.any() or way > farthest:
-                return bool(self.pairing.paired.any())
-            way = max(4 * way, 0.01 * farthest)
-
-    def follow(self) -> None:
-        for trace in self.traces:
-            trace.follow()
-        places = self._places()
-        self.pairing.update(places, float(np.abs(places - self._start).max()))
-
-    def _depths(self) -> np.ndarray:
-        return self.pairing.gap - self._chords
-
-    def keep_apart(self, clearance: Clearance) -> None:
-        if clearance is not None:
-            apart = apart_at(self.pairing.places[: self._n], clearance)
-            self._chords = np.where(self.pairing.paired, self.pairing.gap + apart, 0.0)
-
-    def deepest(self, asked: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-        # nobody knows how deep a point was that went through and has no partner now
-        pair = self.pairing
-        alone = asked & ~pair.paired
-        lost = np.flatnonzero(alone)
-        if not len(lost):
-            return end
-        last = len(pair.slave.nodes)
-        mine = self._start[:last], pair.places[:last]
-        theirs = self._start[last:], pair.places[last:]
-        facets = np.arange(len(pair.master.cells))
-        into = passed((mine[0][lost], mine[1][lost]), pair.master, theirs, facets)
-        into[:, 0] = lost[into[:, 0]]
-        facets = np.flatnonzero(alone[pair.slave.corners].any(axis=1))
-        out = passed(theirs, pair.slave, mine, facets)
-        if pair.master is pair.slave:  # no point goes through its own facets
-            into, out = (
-                each[(pair.slave.corners[each[:, 1]] != each[:, :1]).all(axis=1)]
-                for each in (into, out)
-            )
-        through = np.zeros(self._n, dtype=bool)
-        through[into[:, 0]] = through[pair.slave.corners[out[:, 1]]] = True
-        return np.where(through & alone, np.inf, end)
-
-    def normals(self) -> np.ndarray:
-        return self.pairing.normal
-
-    def to_jump(self, velocities: np.ndarray) -> np.ndarray:
-        return self.pairing.operator @ velocities.reshape(self._shape)
-
-    def force(self, force: np.ndarray) -> np.ndarray:
-        rows, active = np.zeros(self.equations.jumps), self.equations.active_jumps
-        if len(active):
-            rows[active] = -self.equations.residual()[active]
-        return rows.reshape(-1, self._shape[1])
-
-    def linearise(self, step: Step, exact: bool, share: float) -> None:
-        velocities = self.velocities("trial_velocity")
-        self._part.linearise(velocities, exact, step.gap_rate, share)
-
-    def accept(self) -> None:
-        super().accept()
-        self._start = self.pairing.places
-
-    def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:
-        d, start, result = self._shape[1], 0, []
-        for trace in self.traces:
-            size = len(trace.positions()) * d
-            J = by_component(self.pairing.operator, d)[rows][:, start : start + size]
-            J = J if isinstance(J, np.ndarray) else J.toarray()
-            result.append(J @ trace.rows(np.arange(size)))
-            start += size
-        return result
-
-    def mobility(self) -> np.ndarray:
-        mobility = np.concatenate([trace.mobility() for trace in self.traces])
-        return square(self.pairing.operator) @ mobility.reshape(self._shape)
-
-    def describe(self) -> str:
-        many = len(self.pairing.master.cells)
-        return f"{self.solids[1].name!r} (master, its {many} facets {self._facets!r})"
-
-    def positions(self) -> np.ndarray:
-        return self.pairing.places[: self._n]
-
-    @property
-    def area(self) -> np.ndarray:
-        return self.pairing.area
-
-    def near(self) -> np.ndarray:
-        return self.pairing.near
-
-
-def side_of(solid: Solid, facets: str, surface: Surface | None = None) -> Side:
-    """The side that the named facets of a solid are, in the numbers of the sites of the surface, if
-    given."""
-    points, cells, cell = solid.mesh.boundary(facets)
-    inside = solid.mesh.behind(facets)
-    if surface is not None:
-        points, cells = surface.sites, surface.cell_sites
-    return Side(points, cells, cell, inside, getattr(solid, "degree", 1))

@@ -17,7 +17,6 @@ from .mortar.matrices import (
     Matrix,
     along,
     block,
-    by_component,
     by_point,
     gather,
     stack,
@@ -63,7 +62,7 @@ class PairedEquations:
         e, d, n = self.equations, self._d, self.pairing.n
         self.velocities = velocities.copy()
         self.revision += 1
-        self._operator = by_component(self.pairing.operator, d)
+        self._operator = self.pairing.operator
         J = self._operator[e.active_jumps]
         self._rates, self._gap_rate = None, gap_rate
         seen = [J]

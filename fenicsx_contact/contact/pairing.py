@@ -12,9 +12,10 @@ from ..base import checks
 from ..solids import DeformableSolid, Solid, Trace
 from ..theory.formulations import Formulation
 from .equations import SurfaceEquations
-from .jump import Coupling, MortarJump, side_of
+from .jump import Coupling
 from .memory import Memory
 from .mortar import means
+from .mortar_jump import MortarJump, side_of
 from .nodal import NodalJump
 from .surface import Surface
 from .wall import Obstacle
@@ -90,7 +91,13 @@ def worn(memory: Memory, formulation: Formulation) -> np.ndarray | float:
     return memory.recess
 
 
-def couple(solid: Solid, facets: str, equations: SurfaceEquations, other: Master) -> Coupling:
+def couple(
+    solid: Solid,
+    facets: str,
+    equations: SurfaceEquations,
+    other: Master,
+    formulation: Formulation,
+) -> Coupling:
     """What joins the points of the facets to what they may meet, or a refusal."""
     if not isinstance(other, tuple):
         coupling = NodalJump(solid, equations, other, _mean_trace(solid, facets, equations))
@@ -106,7 +113,7 @@ def couple(solid: Solid, facets: str, equations: SurfaceEquations, other: Master
     side = side_of(solid, facets, surface)
     itself = master is solid and theirs == facets  # may be far from touching, flat even
     sides = side, side if itself else side_of(master, theirs)
-    pair = MortarJump((solid, master), sides, equations, theirs)
+    pair = MortarJump((solid, master), sides, equations, theirs, not formulation.gap_share)
     if not pair.faces and not itself:
         raise checks.InputError(
             f"master = ({master.name!r}, {theirs!r}): nowhere faces {facets!r} of "

@@ -17,10 +17,9 @@ import scipy.sparse as sp
 from ..base import checks
 from ..base.constants import SAME
 from ..contact.contact import Contact
-from ..contact.jump import MortarJump
 from ..contact.mortar import Pairing
-from ..contact.mortar.matrices import by_component
 from ..contact.mortar.rates import Rates
+from ..contact.mortar_jump import MortarJump
 from ..solids import MonolithicTrace
 from .kinematics import diagonal, square
 from .motion import DeformableMotion, Motion
@@ -64,7 +63,7 @@ class PairRows(ContactRows):
         now, then = (coupling.velocities(f"{which}velocity") for which in ("trial_", ""))
         self._pair, shape = coupling.pairing, (self._before.total, d)
         self._rates = Rates(self._pair)
-        self._J = sp.csr_matrix(by_component(self._pair.operator, d))
+        self._J = sp.csr_matrix(self._pair.operator)
         self._turning = sp.csr_matrix(self._rates.jump(now.reshape(shape)))
         self._then = then.reshape(shape)
         self.jump, self.start_jump = (self._J @ now.ravel()).reshape(-1, d), contact.jump
@@ -114,7 +113,7 @@ class PairRows(ContactRows):
         if starts:  # the gaps and jumps that there were
             self._before.update(self._start_places, 0.0)
             rates = Rates(self._before)
-            J_then = sp.csr_matrix(by_component(self._before.operator, d))[places]
+            J_then = sp.csr_matrix(self._before.operator)[places]
             turned_then = sp.csr_matrix(rates.jump(self._then))[places]
             gap_then = sp.csr_matrix(rates.gap)[p]
 

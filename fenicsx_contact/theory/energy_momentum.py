@@ -12,6 +12,9 @@ quadratic in C this is; O. Gonzalez, J. Nonlinear Sci. 6, 449-467, 1996, of whos
 it is that which needs no division.) The mean over the way of F, that of theta = 1/2, keeps the
 angular momentum to second order only.
 
+Two solids act on each other in the middle of a step, too, where what is equal and opposite on one
+line has no moment (``Step.place_share``).
+
 C of a way lies between those of its ends: no element inverts on it, however large the step.
 """
 

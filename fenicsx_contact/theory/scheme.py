@@ -233,6 +233,12 @@ class Step:
         return bool(getattr(self.scheme, "along_strain", False))
 
     @property
+    def place_share(self) -> float:
+        """The share of the way at which solids act on each other: in its midst what is equal and
+        opposite there has no moment, where angular momentum is kept; else at the end."""
+        return 0.5 if self.along_strain else 1.0
+
+    @property
     def force_time(self) -> float:
         """Time from its start until contacts take their forces, s."""
         return self.scheme.force_weight * self.dt

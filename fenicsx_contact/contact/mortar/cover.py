@@ -46,26 +46,35 @@ class Cover:
         """Those of the areas a_i, (n, N d)."""
         return self._gather(self._points.corner[..., None], self._corners[:, :, None], self._pair.n)
 
-    def forces(self, force: np.ndarray) -> Matrix:
-        """Those of J' f of forces (n, d) that grow with the areas, (N d, N d)."""
-        pair, phi, pieces = self._pair, self._points.corner, self._pair.pieces
-        d = force.shape[1]
+    def forces(self, force: np.ndarray, pressed: np.ndarray) -> Matrix:
+        """Those of J' f of forces that grow with the areas, (N d, N d): those spread by the means,
+        (n, d), and those along the normals of the facets, (n,)."""
+        pair, pieces, (n, d) = self._pair, self._pair.pieces, force.shape
         m, c = pair.slave.corners.shape
-        pressure = (pair.share[:, None] * force)[self._corners]  # (p, c, d)
-        pulled = self._psi @ pressure  # (p, g, d)
-        nodes = pair.nodes_of(self._points)
-        rows = nodes[:, :, None] * d + np.arange(d)
-        direct = self._gather(
-            self._points.both[..., None] * pulled[:, :, None], rows, pair.total * d
-        )
-        lever = phi[..., None] * (pressure[:, None] - pulled[:, :, None])
-        rows = (self._facet[:, None] * c + np.arange(c))[:, :, None] * d + np.arange(d)
-        by_corner = self._gather(lever, rows, m * c * d)
         moments = np.swapaxes(pieces.corner * pieces.weight[..., None], 1, 2) @ pieces.both
-        fits = pair.inverse_mass[pieces.facet] @ moments
-        rows = (pieces.facet[:, None] * c + np.arange(c))[:, :, None]
-        fit = gather(fits, rows, pair.nodes[:, None], (m * c, pair.total), pair.dense)
-        return direct + by_component(fit, d).T @ by_corner
+        fits = (pair.inverse_mass[pieces.facet] @ moments)[..., None]
+        rows = (pieces.facet[:, None] * c + np.arange(c))[:, :, None, None]
+        columns, shape = pair.nodes[:, None, :, None], (m * c, pair.total)
+        fit = by_component(gather(fits, rows, columns, shape, pair.dense), d)
+        spread = self._spread(force, fit, np.ones(d))
+        fits, columns = fits * pieces.unit[:, :, None], columns * d + np.arange(d)
+        rises = gather(fits, rows, columns, (m * c, pair.total * d), pair.dense)
+        return spread + self._spread(pressed.reshape(n, 1), rises, self._points.unit)
+
+    def _spread(self, force: np.ndarray, fit: Matrix, direction: np.ndarray) -> Matrix:
+        """Of forces (n, e) whose means fit so on the facets, (m c e, N d), and that act where they
+        are in a direction, (p, g, d)."""
+        pair, phi, e = self._pair, self._points.corner, force.shape[1]
+        m, c = pair.slave.corners.shape
+        d = pair.slave.dim
+        pressure = (pair.share[:, None] * force)[self._corners]  # (p, c, e)
+        pulled = self._psi @ pressure  # (p, g, e)
+        rows = pair.nodes_of(self._points)[:, :, None] * d + np.arange(d)
+        acting = self._points.both[..., None] * (pulled * direction)[:, :, None]
+        direct = self._gather(acting, rows, pair.total * d)
+        lever = phi[..., None] * (pressure[:, None] - pulled[:, :, None])
+        rows = (self._facet[:, None] * c + np.arange(c))[:, :, None] * e + np.arange(e)
+        return direct + fit.T @ self._gather(lever, rows, m * c * e)
 
     def _fit(self, values: np.ndarray) -> np.ndarray:
         """The best linear fit on each facet of values on the pieces, (m, corners, e)."""

@@ -10,8 +10,15 @@ over the part of the surface that has a partner; gaps likewise. With these nodal
 form (7) needs no change: integrated by the values at the nodes with weights a_i, it is the mortar
 form  int lam_h n . [[v*]]  with lam_h = sum lam_i psi_i. On a P1 slave lam_i a_i is the force on
 node i: signs are read node by node. (With phi_i in place of psi_i, lam_i oscillates at the edge of
-the contact, and Newton's method lets go of one node an iteration.) Forces go to the solids by the
-transpose, so they balance exactly, and a constant pressure is transmitted as such (patch test).
+the contact, and Newton's method lets go of one node an iteration.) The normal at a node is the mean
+of those of the facets, n, over what is covered, and along it counts what goes along these, in the
+jumps as in the gaps:
+
+    m_i = 1/a_i int psi_i n,    n_i = m_i/|m_i|,    n_i . w_i = 1/(|m_i| a_i) int psi_i n . [[v]].
+
+Forces go to the solids by the transpose: they balance exactly, those along the normals without a
+moment, for n joins the points at which they act; a constant pressure is transmitted as such (patch
+test).
 """
 
 from __future__ import annotations
@@ -22,7 +29,7 @@ import numpy as np
 
 from .integration import Lines, whole
 from .itself import Itself, any_other
-from .matrices import DENSE, Matrix, add_up, gather
+from .matrices import DENSE, Matrix, add_up, along, by_component, by_point, gather
 from .overlaps import Overlaps
 from .pieces import Brink, Pieces
 from .side import Side
@@ -44,10 +51,11 @@ class Pairing:
         slave, master: the sides; the same one twice: a surface before itself.
 
     Attributes:
-        operator: J of one component, (n, N).
+        operator: J, (n d, N d).
+        means, rises: J of one component without regard to normals, (n, N), and n_i . J, (n, N d).
         dense: whether it and its derivatives are small enough for dense matrices.
         gap: weighted d_n, positive: penetration, (n,) in m; -reach where there is no partner.
-        normal: outward unit normals of the slave at its corners, (n, d).
+        normal, length: n_i, outward at the slave's corners, (n, d), and |m_i|, (n,).
         area: paired share of the surface of each node, (n,).
         paired: nodes that have a partner.
         pieces, brink: what is integrated, and where it ends with the master.
@@ -118,17 +126,29 @@ class Pairing:
         self.share = share = 1 / np.where(self.paired, area, np.inf)
         dual = self._dual(pieces) * pieces.weight[..., None]
         self.shares = dual * share[corners][:, None]
-        both = pieces.both
+        self._turn_normals(xs)
         gap = self.collect(self.shares * self.depths(pieces)[..., None], pieces.facet)
-        self.gap = np.where(self.paired, gap, -self.reach)
-        self.operator: Matrix = gather(
-            np.swapaxes(self.shares, 1, 2) @ both,
-            corners[:, :, None],
-            self.nodes[:, None],
-            (self.n, self.total),
+        self.gap = np.where(self.paired, gap / self.length, -self.reach)
+        self._operate()
+
+    def _operate(self) -> None:
+        pieces, d = self.pieces, self.slave.dim
+        rows, columns = self.slave.corners[pieces.facet][:, :, None], self.nodes[:, None]
+        means = np.swapaxes(self.shares, 1, 2) @ pieces.both  # (p, corners, k)
+        self.means: Matrix = gather(means, rows, columns, (self.n, self.total), self.dense)
+        self.rises: Matrix = gather(
+            means[..., None] * (pieces.unit / self.length[rows])[:, :, None],
+            rows[..., None],
+            columns[..., None] * d + np.arange(d),
+            (self.n, self.total * d),
             self.dense,
         )
-        self._turn_normals(xs)
+        each = by_component(self.means, d)
+        self.operator: Matrix = each + self.at_normals(self.rises - along(self.normal, each))
+
+    def at_normals(self, matrix: Matrix) -> Matrix:
+        """Rows (n,) as components along the normals, (n d,)."""
+        return by_point(self.normal[:, :, None], matrix)
 
     @property
     def near(self) -> np.ndarray:
@@ -153,14 +173,15 @@ class Pairing:
         return phi @ self.dual[pieces.facet]
 
     def _turn_normals(self, xs: np.ndarray) -> None:
-        """Normals at the corners: means of the facets' normals."""
-        normal = self.slave.normals(xs, self._rule.facet, self.rule_slopes)
-        normal = normal.reshape(*self.mean_weight.shape[:2], 1, -1)
-        mean = self.collect(self.mean_weight[..., None] * normal, self._whole)
-        self.mean_length = np.linalg.norm(mean, axis=1)
-        self.normal = mean / self.mean_length[:, None]
-
-    @property
-    def rule_facets(self) -> np.ndarray:
-        """Facets of the points at which the normals are averaged."""
-        return self._rule.facet
+        units = self.shares[..., None] * self.pieces.unit[:, :, None]
+        mean = self.collect(units, self.pieces.facet)
+        length = np.linalg.norm(mean, axis=1)
+        self.paired &= length > 0
+        alone = ~self.paired
+        if alone.any():  # by all of the facets
+            normal = self.slave.normals(xs, self._rule.facet, self.rule_slopes)
+            normal = normal.reshape(*self.mean_weight.shape[:2], 1, -1)
+            whole = self.collect(self.mean_weight[..., None] * normal, self._whole)[alone]
+            mean[alone] = whole / np.linalg.norm(whole, axis=1)[:, None]
+        self.length = np.where(self.paired, length, 1.0)
+        self.normal = mean / self.length[:, None]

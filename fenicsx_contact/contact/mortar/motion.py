@@ -21,6 +21,7 @@ class Motion:
         columns: which these are among all, (p, k d).
         slide: of xi, (p, g, d - 1, k d).
         fall: of n . (x_s - x_m), (p, g, k d).
+        turn: of n, by the first of these, (p, d, k d).
     """
 
     def __init__(self, pair: Pairing, pieces: Pieces) -> None:
@@ -31,7 +32,8 @@ class Motion:
         turn = (project / pieces.length[:, None, None])[:, None] @ turn  # of n, (p, k, d, d)
 
         p, own = len(turn), pieces.values.shape[2]
-        turned = pieces.inverse @ np.swapaxes(turn, 1, 2).reshape(p, 1, d, turn.shape[1] * d)
+        self.turn = np.swapaxes(turn, 1, 2).reshape(p, d, turn.shape[1] * d)
+        turned = pieces.inverse @ self.turn[:, None]
         turned = turned.reshape(*turned.shape[:3], turn.shape[1], d)
         guides = (g[:, :, None, :, None] for g in (pieces.guide, -pieces.their_guide))
         mine, theirs = (guide * pieces.inverse[:, :, :, None] for guide in guides)

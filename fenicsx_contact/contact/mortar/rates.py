@@ -5,14 +5,18 @@ With a point on the master's facet (motion.py) move the master's share of J and 
 the pieces move too, but what is integrated is continuous there and they drop out; not, in space,
 where the master itself ends (cover.py). Matrices act on the components of all nodes, (N d,), the
 slave's before the master's.
+
+The jumps are  J v = w + n (r - n . w),  w: the means of the velocities without regard to normals,
+r: what rises along those of the facets; the transpose spreads  J' f = W' (f - n f_n) + R' f_n.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from ...base.vectors import dot
 from .cover import Cover
-from .matrices import Matrix, by_component, by_point, gather
+from .matrices import Matrix, along, by_component, by_point, gather
 from .mortar import Pairing
 from .motion import Motion
 
@@ -34,68 +38,106 @@ class Rates:
         p, g, t, width = motion.slide.shape
         self._slide = motion.slide.reshape(p, g * t, width)
         self._corners = pair.slave.corners[pieces.facet]
-        self.gap = gather(
-            np.swapaxes(pair.shares, 1, 2) @ motion.fall,
-            self._corners[:, :, None],
-            motion.columns[:, None],
-            (pair.n, pair.total * pair.slave.dim),
-            pair.dense,
+        sum_up = np.swapaxes(pair.shares, 1, 2)  # (p, corners, g)
+        columns, across = motion.columns[:, None], pair.total * pair.slave.dim
+        gap = gather(
+            sum_up @ motion.fall, self._corners[:, :, None], columns, (pair.n, across), pair.dense
         )
-        self.normal = self._normals()
+        turn = motion.turn[:, None] * sum_up.sum(axis=2)[..., None, None]  # (p, corners, d, k d)
+        columns = columns[:, :, None, : turn.shape[3]]
+        rows, shape = self._rows(), (pair.normal.size, across)
+        mean = gather(turn, rows[..., None], columns, shape, pair.dense)  # of m_i
         self._cover: Cover | None = None
         if pair.brink is not None and len(pair.brink.across):
             self._cover, self._edge = Cover(pair, pair.brink), pair.brink.points
-            inside, edge = (pair.depths(each)[..., None] for each in (pieces, self._edge))
-            self.gap = self.gap + self._cover.means(inside, edge, pair.gap[:, None])
+            sides, lengths = (pieces, self._edge), pair.length[:, None]
+            inside, edge = (pair.depths(each)[..., None] for each in sides)
+            gap = gap + self._cover.means(inside, edge, pair.gap[:, None] * lengths)
+            inside, edge = (
+                np.broadcast_to(each.unit, (*each.distance.shape, pair.slave.dim)) for each in sides
+            )
+            mean = mean + self._cover.means(inside, edge, pair.normal * lengths)
+        n = pair.normal
+        self._stretch = along(n, mean)  # of |m_i|
+        self.gap = self._per_length(gap, pair.gap)
+        project = np.eye(pair.slave.dim) - n[:, :, None] * n[:, None]
+        self.normal = by_point(project / pair.length[:, None, None], mean)
 
-    def _normals(self) -> Matrix:
-        pair, d = self._pair, self._pair.slave.dim
-        xs = pair.places[: len(pair.slave.nodes)]
-        m, g, c = pair.mean_weight.shape
-        turn = pair.slave.normal_rates(xs, pair.rule_facets, pair.rule_slopes)  # (q, k, d, d)
-        turn = np.swapaxes(pair.mean_weight, 1, 2) @ turn.reshape(m, g, -1)
-        turn = turn.reshape(m, c, -1, d, d)
-        corners, nodes = pair.slave.corners, pair.slave.cells
-        project = np.eye(d) - pair.normal[:, :, None] * pair.normal[:, None, :]
-        project /= pair.mean_length[:, None, None]
-        entries = project[corners][:, :, None] @ turn  # (m, c, k, d, d)
-        rows = (corners[:, :, None] * d + np.arange(d))[:, :, None, :, None]
-        columns = (nodes[:, :, None] * d + np.arange(d))[:, None, :, None, :]
-        return gather(entries, rows, columns, (pair.n * d, pair.total * d), pair.dense)
+    def _rows(self) -> np.ndarray:
+        """Rows of the components at the corners, (p, corners, d)."""
+        d = self._pair.slave.dim
+        return self._corners[:, :, None] * d + np.arange(d)
+
+    def _per_length(self, matrix: Matrix, values: np.ndarray) -> Matrix:
+        """Derivative of values (n,) that are per |m_i|, from that of what they are of it."""
+        each = 1 / self._pair.length[:, None, None]
+        return by_point(each, matrix) - by_point(each * values[:, None, None], self._stretch)
 
     def jump(self, velocity: np.ndarray) -> Matrix:
         """Derivative of the nodal jumps J v at fixed velocities (N, d), sparse (n d, N d)."""
-        pair, d = self._pair, self._pair.slave.dim
-        theirs = velocity[pair.nodes[:, pair.pieces.values.shape[2] :]]
-        sheared = np.moveaxis(pair.pieces.their_slopes @ theirs, 0, 2)  # (p, g, d - 1, d)
+        pair, n = self._pair, self._pair.normal
+        mean, rise = pair.means @ velocity, pair.rises @ velocity.ravel()
+        means, rises = self._seen(velocity, mean, rise)
+        more = (rise - dot(n, mean))[:, None, None] * np.eye(n.shape[1])
+        more -= n[:, :, None] * mean[:, None]
+        return means + pair.at_normals(rises - along(n, means)) + by_point(more, self.normal)
+
+    def _seen(
+        self, velocity: np.ndarray, mean: np.ndarray, rise: np.ndarray
+    ) -> tuple[Matrix, Matrix]:
+        """Derivatives of w (n d, N d) and r (n, N d) at fixed velocities, from both."""
+        pair, pieces, corners = self._pair, self._pair.pieces, self._corners[:, :, None]
+        theirs = velocity[pair.nodes[:, pieces.values.shape[2] :]]
+        sheared = np.moveaxis(pieces.their_slopes @ theirs, 0, 2)  # (p, g, d - 1, d)
         shares = pair.shares[:, :, None, :, None] * sheared[:, :, :, None]
-        entries = -np.swapaxes(self._by_row(shares), 1, 2) @ self._slide
-        rows = (self._corners[:, :, None] * d + np.arange(d)).reshape(entries.shape[:2])
-        shape = (pair.n * d, pair.total * d)
-        jump = gather(entries, rows[:, :, None], self._motion.columns[:, None], shape, pair.dense)
+        slid = -np.swapaxes(self._by_row(shares), 1, 2) @ self._slide
+        rows, columns = self._rows(), self._motion.columns[:, None]
+        shape = (pair.normal.size, pair.total * velocity.shape[1])
+        means = gather(slid, rows.reshape(*slid.shape[:2], 1), columns, shape, pair.dense)
+        # the same along the normals, and what these turn towards
+        up = (slid.reshape(*rows.shape, slid.shape[2]) * pieces.unit[:, :, :, None]).sum(axis=2)
+        apart = np.swapaxes(pair.shares, 1, 2) @ (pieces.both @ velocity[pair.nodes])  # (p, c, d)
+        turn = self._motion.turn
+        up[:, :, : turn.shape[2]] += apart @ turn
+        rises = gather(up, corners, columns, (pair.n, shape[1]), pair.dense)
         if self._cover:
-            sides = pair.pieces, self._edge
+            sides = pieces, self._edge
             inside, edge = (each.both @ velocity[pair.nodes_of(each)] for each in sides)
-            jump = jump + self._cover.means(inside, edge, pair.operator @ velocity)
-        return jump
+            means = means + self._cover.means(inside, edge, mean)
+            up, at = ((v * x.unit).sum(axis=2)[..., None] for v, x in zip((inside, edge), sides))
+            rises = rises + self._cover.means(up, at, (rise * pair.length)[:, None])
+        return means, self._per_length(rises, rise)
 
     def spread(self, force: np.ndarray, areas: bool = False) -> Matrix:
         """Derivative of J' f at fixed nodal forces f (n, d), sparse (N d, N d); or of those that
         grow with the ``areas`` of the nodes."""
-        pair, d = self._pair, self._pair.slave.dim
-        at_points = pair.shares @ force[self._corners]  # (p, g, d)
-        slopes = np.moveaxis(pair.pieces.their_slopes, 0, 2)
+        pair, d, n = self._pair, self._pair.slave.dim, self._pair.normal
+        pieces, motion, shape = pair.pieces, self._motion, (pair.total * d,) * 2
+        normal = dot(force, n)
+        tangential, pressed = force - normal[:, None] * n, normal / pair.length
+        up = pair.shares @ pressed[self._corners][..., None]  # (p, g, 1)
+        at_points = pair.shares @ tangential[self._corners] + up * pieces.unit  # (p, g, d)
+        slopes = np.moveaxis(pieces.their_slopes, 0, 2)
         shares = slopes[..., None] * at_points[:, :, None, None]  # (p, g, d - 1, k, d)
-        entries = -np.swapaxes(self._by_row(shares), 1, 2) @ self._slide
-        columns, shape = self._motion.columns, (pair.total * d,) * 2
-        own = columns[:, pair.pieces.values.shape[2] * d :]
-        spread = gather(entries, own[:, :, None], columns[:, None], shape, pair.dense)
+        slid = -np.swapaxes(self._by_row(shares), 1, 2) @ self._slide
+        acting = np.zeros((len(slid), *motion.columns.shape[1:] * 2))
+        acting[:, pieces.values.shape[2] * d :] = slid
+        # the normals of the facets turn, and those of the nodes
+        pushed = (pieces.both * up).sum(axis=1)  # (p, k)
+        turned = pushed[:, :, None, None] * motion.turn[:, None]  # (p, k, d, corners d)
+        wide = motion.turn.shape[2]
+        acting[:, :, :wide] += turned.reshape(*acting.shape[:2], wide)
+        columns = motion.columns
+        spread = gather(acting, columns[:, :, None], columns[:, None], shape, pair.dense)
+        more = normal[:, None, None] * np.eye(d) + n[:, :, None] * force[:, None]
+        spread = spread - by_component(pair.means, d).T @ by_point(more, self.normal)
+        more = along(force, self.normal) - by_point(pressed[:, None, None], self._stretch)
+        spread = spread + pair.rises.T @ more
         if self._cover:
-            spread = spread + self._cover.forces(force)
+            spread = spread + self._cover.forces(tangential, pressed)
             if not areas:
                 pressure = (pair.share[:, None] * force)[:, :, None]
-                shrunk = by_point(pressure, self._cover.areas())
-                spread = spread - by_component(pair.operator, d).T @ shrunk
+                spread = spread - pair.operator.T @ by_point(pressure, self._cover.areas())
         return spread
 
     def _by_row(self, shares: np.ndarray) -> np.ndarray:

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The facets of a solid before those of another."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..solids import Solid
+from ..theory.theta import Step
+from .clearance import Clearance, apart_at
+from .equations import SurfaceEquations
+from .jump import Coupling
+from .mortar import Pairing, Side
+from .mortar.matrices import square
+from .mortar.passing import passed
+from .pair_equations import PairedEquations
+from .surface import Surface
+
+
+class MortarJump(Coupling):
+    """The facets of a solid before those of another.
+
+    Args:
+        solids, sides: the slave's first.
+        equations: of the slave's surface.
+        facets: the name of the master's.
+        moves: whether forces act where the step has its places, which a scheme may have in its
+            midst; a law that reads the gap at the end acts there.
+
+    Attributes:
+        pairing: where the forces of the step act.
+    """
+
+    fixed_normal = False
+    _share = 1.0  # of the way of the step, of these places
+    _chords: np.ndarray | float = 0.0
+
+    def __init__(
+        self,
+        solids: tuple[Solid, Solid],
+        sides: tuple[Side, Side],
+        equations: SurfaceEquations,
+        facets: str,
+        moves: bool,
+    ) -> None:
+        self.solids, self.equations = list(solids), equations
+        self._facets, self._moves = facets, moves
+        self.pairing = self._ending = Pairing(*sides)
+        self.traces = [solid.trace(side.nodes) for solid, side in zip(solids, sides)]
+        self.part = self._part = PairedEquations(equations, self.pairing)
+        self._shape = (self.pairing.total, sides[0].dim)
+        self._n = self.pairing.n
+        self._start = self._end = self._places()
+        self.faces = self._find()
+        self.follow()
+
+    def _places(self) -> np.ndarray:
+        return np.concatenate([trace.positions() for trace in self.traces])
+
+    def _find(self) -> bool:
+        """Whether the sides face each other anywhere, near or, at last, far apart."""
+        way, farthest = 0.0, float(np.ptp(self._start, axis=0).sum())
+        while True:
+            self.pairing.update(self._start, way)
+            if self.pairing.paired.any() or way > farthest:
+                return bool(self.pairing.paired.any())
+            way = max(4 * way, 0.01 * farthest)
+
+    def begin(self, step: Step) -> None:
+        super().begin(step)
+        self._share = step.place_share if self._moves else 1.0
+        if self._share < 1 and self._ending is self.pairing:
+            self._ending = Pairing(self.pairing.slave, self.pairing.master)
+
+    def follow(self) -> None:
+        for trace in self.traces:
+            trace.follow()
+        self._end = self._places()
+        moved = self._end - self._start
+        self._way = float(np.abs(moved).max())
+        places = self._end if self._share == 1 else self._start + self._share * moved
+        self.pairing.update(places, self._way)
+
+    def _there(self) -> Pairing:
+        """The pairing in the followed state."""
+        if self._ending is not self.pairing:
+            self._ending.update(self._end, self._way)
+        return self._ending
+
+    def _depths(self) -> np.ndarray:
+        return self._there().gap - self._chords
+
+    def keep_apart(self, clearance: Clearance) -> None:
+        if clearance is not None:
+            apart = apart_at(self.pairing.places[: self._n], clearance)
+            self._chords = np.where(self.pairing.paired, self.pairing.gap + apart, 0.0)
+
+    def deepest(self, asked: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+        # nobody knows how deep a point was that went through and has no partner now
+        pair = self._there()
+        alone = asked & ~pair.paired
+        lost = np.flatnonzero(alone)
+        if not len(lost):
+            return end
+        last = len(pair.slave.nodes)
+        mine = self._start[:last], pair.places[:last]
+        theirs = self._start[last:], pair.places[last:]
+        facets = np.arange(len(pair.master.cells))
+        into = passed((mine[0][lost], mine[1][lost]), pair.master, theirs, facets)
+        into[:, 0] = lost[into[:, 0]]
+        facets = np.flatnonzero(alone[pair.slave.corners].any(axis=1))
+        out = passed(theirs, pair.slave, mine, facets)
+        if pair.master is pair.slave:  # no point goes through its own facets
+            into, out = (
+                each[(pair.slave.corners[each[:, 1]] != each[:, :1]).all(axis=1)]
+                for each in (into, out)
+            )
+        through = np.zeros(self._n, dtype=bool)
+        through[into[:, 0]] = through[pair.slave.corners[out[:, 1]]] = True
+        return np.where(through & alone, np.inf, end)
+
+    def normals(self) -> np.ndarray:
+        return self.pairing.normal
+
+    def to_jump(self, velocities: np.ndarray) -> np.ndarray:
+        return (self.pairing.operator @ velocities.ravel()).reshape(self._n, -1)
+
+    def force(self, force: np.ndarray) -> np.ndarray:
+        rows, active = np.zeros(self.equations.jumps), self.equations.active_jumps
+        if len(active):
+            rows[active] = -self.equations.residual()[active]
+        return rows.reshape(-1, self._shape[1])
+
+    def linearise(self, step: Step, exact: bool, share: float) -> None:
+        velocities = self.velocities("trial_velocity")
+        self._part.linearise(velocities, exact, self._share * step.gap_rate, share)
+
+    def accept(self) -> None:
+        super().accept()
+        self._start = self._end
+
+    def arrived(self, jump: np.ndarray) -> np.ndarray:
+        if self._ending is self.pairing:
+            return jump
+        return (self._there().operator @ self.velocities("velocity")).reshape(self._n, -1)
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        self._share = 1.0
+        super().restore(state)
+
+    def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:
+        d, start, result = self._shape[1], 0, []
+        for trace in self.traces:
+            size = len(trace.positions()) * d
+            J = self.pairing.operator[rows][:, start : start + size]
+            J = J if isinstance(J, np.ndarray) else J.toarray()
+            result.append(J @ trace.rows(np.arange(size)))
+            start += size
+        return result
+
+    def mobility(self) -> np.ndarray:
+        mobility = np.concatenate([trace.mobility() for trace in self.traces])
+        return (square(self.pairing.operator) @ mobility.ravel()).reshape(self._n, -1)
+
+    def describe(self) -> str:
+        many = len(self.pairing.master.cells)
+        return f"{self.solids[1].name!r} (master, its {many} facets {self._facets!r})"
+
+    def positions(self) -> np.ndarray:
+        return self._end[: self._n]
+
+    @property
+    def area(self) -> np.ndarray:
+        return self.pairing.area
+
+    def near(self) -> np.ndarray:
+        return self.pairing.near
+
+
+def side_of(solid: Solid, facets: str, surface: Surface | None = None) -> Side:
+    """The side that the named facets of a solid are, in the numbers of the sites of the surface, if
+    given."""
+    points, cells, cell = solid.mesh.boundary(facets)
+    inside = solid.mesh.behind(facets)
+    if surface is not None:
+        points, cells = surface.sites, surface.cell_sites
+    return Side(points, cells, cell, inside, getattr(solid, "degree", 1))

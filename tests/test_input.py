@@ -276,9 +276,11 @@ def test_numbers_in_ufl_that_are_none(number):
         lambda x: np.stack([1e300 + 0 * x[0], x[1]]),
         lambda x: x[0],
         lambda x: x,
-        (0.0, 0.0),
+        (0.0, NAN),
+        (0.0, 0.0, 0.0),
+        "ab",
     ],
-    ids=["nan", "inf", "huge", "scalar", "3D", "tuple"],
+    ids=["nan", "inf", "huge", "scalar", "3D", "number", "numbers", "text"],
 )
 def test_initial_fields(make, name, field):
     refused(lambda: make(**{name: field}), name)

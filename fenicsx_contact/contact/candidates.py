@@ -38,11 +38,11 @@ class Candidates:
         self.allowed = self._asked = np.ones(len(equations.weight), dtype=bool)
 
     def begin(self, allowed: np.ndarray, gap: np.ndarray) -> None:
-        """All that are allowed, (n,) of bool; ``gap``: at the start of the step, (n,) in m."""
+        """All that are allowed, (n,) of bool, once they are chosen; ``gap``: at the start of the
+        step, (n,) in m."""
         self.allowed, self._gap = allowed, gap
         self.earlier: list[tuple[np.ndarray, np.ndarray]] = []
         self._asked = np.ones(len(allowed), dtype=bool)
-        self.choose()
 
     def choose(self) -> None:
         """Take up what is near in the trial state."""

@@ -140,7 +140,7 @@ class Contact(SurfaceResults):
         self.coupling.begin(step)
 
     def predict(self, step: Step, closing: bool = True) -> None:
-        """Follow the solids' prediction of the begun step and choose its candidates; points that
+        """Follow the solids' prediction of the begun step; what may be its candidates: points that
         are open now only if ``closing``, in a percussion only those of a law of velocities."""
         if bool(step.dt) != bool(self._moved):  # impulses are alike in a percussion and a step
             self.equations.scale_multipliers((self._moved or 1.0) / step.span)

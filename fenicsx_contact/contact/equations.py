@@ -254,7 +254,7 @@ class SurfaceEquations:
         status = np.zeros(self._surface.size)
         if len(self.candidates):
             status[self._surface.cell_nodes.ravel()] = self._status().ravel()
-            status[self.fields.closed.x.array == 0] = 0.0
+            status *= self.fields.closed.x.array
         return status
 
     def start(self, jump: np.ndarray, free: np.ndarray) -> None:

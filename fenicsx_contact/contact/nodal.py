@@ -44,8 +44,10 @@ class NodalJump(Coupling):
         self._before: np.ndarray | None = None
         self._start = self._end = np.zeros(self._shape)
         self._start_positions = self.traces[0].positions()
+        self._seen: np.ndarray | None = None  # depths in the followed state, once asked for
 
     def begin(self, step: Step) -> None:
+        self._seen = None
         if not self.driven:
             return
         super().begin(step)
@@ -72,6 +74,7 @@ class NodalJump(Coupling):
         return velocity
 
     def follow(self) -> None:
+        self._seen = None
         self.traces[0].follow()
         if self._step:
             self._end = self._last_velocity(self.positions())
@@ -84,7 +87,9 @@ class NodalJump(Coupling):
             self._before = self._end if self._step else self._before
 
     def _depths(self) -> np.ndarray:
-        return -self.wall.distance(self.traces[0].positions(), self.time)
+        if self._seen is None:
+            self._seen = -self.wall.distance(self.traces[0].positions(), self.time)
+        return self._seen
 
     def normals(self) -> np.ndarray:
         return -self.wall.normals(self.traces[0].positions(), self.time)

@@ -28,10 +28,10 @@ def nonlinearity(contact: Contact, step: Step) -> tuple[float, float, float]:
     return float(jump), gap, float(np.abs(contact.trial_jump).max())
 
 
-def violation(contact: Contact, step: Step) -> float:
+def violation(contact: Contact, step: Step, force: np.ndarray) -> float:
     """By how much the rows of the candidates fail with the jumps and gaps of the trial state,
-    in shares of the speeds of the step and of the forces that stop them. What meets nothing there
-    bears nothing."""
+    in shares of the speeds of the step and of the forces that stop them: those of the unknowns, at
+    the candidates, flat, N. What meets nothing there bears nothing."""
     e, k, share = contact.equations, contact.equations.fields, contact.formulation.gap_share
     if not len(e.candidates):
         return 0.0
@@ -45,20 +45,25 @@ def violation(contact: Contact, step: Step) -> float:
     n = len(e.active_jumps)
     rows = e.natural(e.active_residual() * e.scales()[1])[n:]
     e.values, k.gap.x.array[:] = before, gap
-    force = e.residual()[e.active_jumps].reshape(len(e.candidates), -1)
+    force = force.reshape(len(e.candidates), -1)
     pushed = contact.push(force, step)
     lost = contact.push(force[~contact.coupling.near()[e.candidates]], step)
     return max(largest(rows) * e.speed, lost) / max(e.speed, pushed)
 
 
-def trial_work(contact: Contact, step: Step) -> tuple[float, float]:
-    """Work of the contact forces on the jumps of the step in the trial state, and what they
+def candidate_force(contact: Contact) -> np.ndarray:
+    """Forces of the unknowns at the candidates, flat, N."""
+    active = contact.equations.active_jumps
+    return contact.equations.residual()[active] if len(active) else np.empty(0)
+
+
+def trial_work(contact: Contact, step: Step, force: np.ndarray) -> tuple[float, float]:
+    """Work of these contact forces on the jumps of the step in the trial state, and what they
     would do at most at the speed of the step, J."""
     e = contact.equations
     if not len(e.active_jumps):
         return 0.0, 0.0
     mean = step.mean(contact.jump, contact.trial_jump).ravel()[e.active_jumps]
-    force = e.residual()[e.active_jumps]
     return -step.span * float(force @ mean), step.span * e.speed * float(np.abs(force).sum())
 
 

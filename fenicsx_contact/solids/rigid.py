@@ -86,6 +86,7 @@ class RigidSolid(RigidMotion):
         else:
             self.inertia = rho * (np.trace(second) * np.eye(3) - second)
         self._mobility = np.linalg.inv(self.inertia)
+        self._radius = sqrt(np.trace(self.inertia) / self.mass)
         d, spins = self.dim, 1 if self.dim == 2 else 3
         self.gravity = np.zeros(d) if gravity is None else checks.vector("gravity", gravity, d)
         self._load = np.concatenate([self.mass * self.gravity, np.zeros(spins)])
@@ -226,9 +227,9 @@ class RigidSolid(RigidMotion):
         residual = rate - load - self._force
         residual[self.held] = 0.0
         size = np.abs(self._momentum / step.span) + np.abs(load) + self._terms
-        d, radius = self.dim, sqrt(np.trace(self.inertia) / self.mass)
-        size[d:] = np.maximum(size[d:], radius * size[:d].max())  # forces at arm's length, too
-        if size[:d].max() <= noise:
+        d, largest = self.dim, size[: self.dim].max()
+        size[d:] = np.maximum(size[d:], self._radius * largest)  # forces at arm's length, too
+        if largest <= noise:
             return 0.0
         return max(_relative(residual[:d], size[:d]), _relative(residual[d:], size[d:]))
 

@@ -91,6 +91,9 @@ class StepSolver:
         """
         self.errors = []
         self.system.restart()
+        if not (self._settles and isinstance(self.system, Condensed)):  # which screens them
+            for contact in self._all.contacts:
+                contact.candidates.choose()
         return (self._fixed_point if self._settles else self._full)(step, clock)
 
     # -- contact settled on frozen geometry, which is then renewed --------------------------------

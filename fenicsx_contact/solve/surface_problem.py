@@ -62,7 +62,7 @@ class SurfaceSystem(Statuses):
         self._solver = PointwiseSolver(COMPLIANCE)
         self._sizes = np.empty(0), np.empty(0)
         self.W, self.free, self._nodal = np.empty((0, 0)), np.empty(0), False
-        self.worst = 0.0
+        self.worst, self._judged = 0.0, np.empty(0)
         self._firm = COMPLIANCE if hyperstatic else FIRM
         self._compliance, self._centre = self._firm, np.empty(0)
         self._yielding = Yielding()
@@ -243,6 +243,8 @@ class SurfaceSystem(Statuses):
     def error(self, slow: float = SLOW) -> float:
         """The largest error that the residual of any row stands for; speeds are resolved down to
         the share ``slow`` of those that the forces stand for."""
+        if self._judged is self.residual and slow == SLOW:
+            return self.worst
         nw = len(self.active)
         scaled = self.residual.copy()
         scaled[:nw] /= np.maximum(
@@ -251,7 +253,9 @@ class SurfaceSystem(Statuses):
         self.worst = max(
             largest(part.equations.natural(scaled[place])) for part, place in self.placed
         )
-        return self.worst if np.isfinite(self.worst) else np.inf
+        self.worst = self.worst if np.isfinite(self.worst) else np.inf
+        self._judged = self.residual if slow == SLOW else np.empty(0)
+        return self.worst
 
     def _absolute(self) -> np.ndarray:
         """The absolute values of W, which changes rarely."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..contact.trial import trial_work, violation
+from ..contact.trial import candidate_force, trial_work, violation
 from ..solve.problem import Assembly
 from ..theory.theta import Step
 
@@ -71,11 +71,12 @@ def certify(
             where bodies started inside each other and the contacts have to push.
         force: the largest at a point so far, N: what is round-off of it balances nothing.
     """
-    works = [trial_work(contact, step) for contact in problem.contacts]
+    acting = [(contact, candidate_force(contact)) for contact in problem.contacts]
+    works = [trial_work(contact, step, force) for contact, force in acting]
     worked += sum(work for work, _ in works)
     size = energy + sum(most for _, most in works)
     return Certificate(
         max(problem.imbalances(step, problem.solids, FAINT * force), default=0.0),
-        max((violation(contact, step) for contact in problem.contacts), default=0.0),
+        max((violation(contact, step, force) for contact, force in acting), default=0.0),
         max(worked, 0.0) / size if energy else 0.0,
     )

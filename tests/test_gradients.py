@@ -331,7 +331,7 @@ ELASTIC = {
     [
         pytest.param("velocity", 0.5, {}, marks=LONG),
         pytest.param("gap", 1.0, {}, marks=LONG),
-        ("velocity", 0.5, {"locate_impacts": True}),
+        pytest.param("velocity", 0.5, {"locate_impacts": True}, marks=pytest.mark.second),
     ],
 )
 def test_a_thrown_elastic_block(formulation, theta, scene):

@@ -242,6 +242,7 @@ def test_a_rigid_block_in_a_bowl(formulation, theta):
     assert off.max() < 1e-6, off
 
 
+@pytest.mark.second
 def test_a_block_dropped_in_a_bowl():
     """By located impacts, whose instants depend on the shape."""
     values = np.array([-0.03, 0.5, 0.3])

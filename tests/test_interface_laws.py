@@ -226,7 +226,7 @@ def test_rate_and_state_in_steady_sliding(law):
     np.testing.assert_allclose(contact.memory.values["theta"], D / 3.0, rtol=1e-4)
 
 
-@pytest.mark.parametrize("law", ["ageing", "slip"])
+@pytest.mark.parametrize("law", [pytest.param("ageing", marks=pytest.mark.second), "slip"])
 def test_critical_stiffness_of_a_spring_slider(law):
     """A disturbance grows below k_c = (b - a) sigma/D and dies out above (Ruina 1983); inertia
     M = 0.002 a sigma D/V² raises it by so much (Rice and Ruina 1983)."""

@@ -78,7 +78,7 @@ def test_laws(law, kind):
     assert energy.max() < energy[0] * (1 + 1e-9)
 
 
-@pytest.mark.parametrize("law", ["velocity", "gap"])
+@pytest.mark.parametrize("law", [pytest.param("velocity", marks=pytest.mark.second), "gap"])
 def test_every_solver(law):
     """The same motion."""
     found = []

@@ -72,7 +72,8 @@ def errors(history, angle, count=6):
 @pytest.mark.parametrize(
     ("law", "angle", "until", "dt", "within"),
     [
-        ("printed", DEGREE, 0.0412, 6.4e-6, 0.04),  # of first order in the step
+        # of first order in the step
+        pytest.param("printed", DEGREE, 0.0412, 6.4e-6, 0.04, marks=pytest.mark.second),
         pytest.param("printed", DEGREE, 0.0412, 1.6e-6, 0.01, marks=long),
         pytest.param("printed", RADIAN, 0.312, 1.3e-5, 0.01, marks=long),
         pytest.param("velocity", DEGREE, 0.0412, 0.8e-6, 0.01, marks=long),
@@ -128,7 +129,10 @@ def test_energy_ratio_at_each_impact(located, dt, within):
 @pytest.mark.parametrize("theta", [pytest.param(0.5, marks=long), 1.0])
 @pytest.mark.parametrize(
     "lengths",
-    [(160e-6, 40e-6), pytest.param((32e-6, 8e-6, 2e-6), marks=long)],
+    [
+        pytest.param((160e-6, 40e-6), marks=pytest.mark.second),
+        pytest.param((32e-6, 8e-6, 2e-6), marks=long),
+    ],
     ids=["two", "three"],
 )
 def test_error_falls_at_first_order(theta, lengths):

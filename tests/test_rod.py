@@ -90,7 +90,10 @@ def test_one_dof_law(friction, T5, total):
 
 @pytest.mark.parametrize(
     ("friction", "T5", "total"),
-    [(100, 1.36312, 1.79061), pytest.param(0, 1.30044, 1.70827, marks=pytest.mark.long)],
+    [
+        pytest.param(100, 1.36312, 1.79061, marks=pytest.mark.second),
+        pytest.param(0, 1.30044, 1.70827, marks=pytest.mark.long),
+    ],
 )
 def test_straight_drop(friction, T5, total):
     drop = demo.drop(replace(STRAIGHT, drive_friction=float(friction)), dt=5e-4)

@@ -201,7 +201,7 @@ def test_the_arms_of_a_fork_clap(law, locate):
     assert history["slit.penetration"].max() < (1e-9 if law == "gap" else 5e-4)
 
 
-@pytest.mark.parametrize("layers", [0, 1])
+@pytest.mark.parametrize("layers", [0, pytest.param(1, marks=pytest.mark.second)])
 @pytest.mark.parametrize("solver", ["condensed", "monolithic"])
 def test_one_surface_before_itself(solver, layers):
     """Nobody says which of its parts meet: they are found, and do what they do when named."""

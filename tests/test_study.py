@@ -81,10 +81,17 @@ def test_measuring_keeps_failures_with_their_reasons():
         measure(study, repeats=0)
 
 
-SLOW = pytest.param("rod_drop_bent", marks=pytest.mark.long)  # it computes its own reference
+#: Those that take long: the bent rod computes its own reference.
+SLOW = {"rod_drop_bent": "long", "rod_drop": "second", "rocking_radian": "second"}
 
 
-@pytest.mark.parametrize("name", [SLOW if name == SLOW.values[0] else name for name in STUDIES])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=getattr(pytest.mark, SLOW[name])) if name in SLOW else name
+        for name in STUDIES
+    ],
+)
 def test_each_study_converges_within_its_front(name):
     study = STUDIES[name].shortened()
     first = dict(list(study.methods.items())[:1])
@@ -301,6 +308,7 @@ def test_stability_map(tmp_path, monkeypatch, capsys):
     assert "36 cells" in capsys.readouterr().out
 
 
+@pytest.mark.second
 def test_leave_out(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     demo = load("leave_out")

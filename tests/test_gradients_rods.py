@@ -344,6 +344,8 @@ def test_what_is_refused_in_guides():
     refused(rod, inside(rod), "stretches")
     rod = beam(lateral_load=lambda s: 0 * s[None])
     refused(rod, inside(rod), "lateral_load")
+    rod = beam(sections=Section(mass=3.0, bending=40.0, recess=lambda s: 1e-5 * s))
+    refused(rod, inside(rod), "sections of solid 'rod' have a recess")
     rod = beam()
     refused(rod, Contact(rod, "rods", HalfSpace((1, 0), (-1, 0)), name="c"), "one of a beam")
     rod = beam()

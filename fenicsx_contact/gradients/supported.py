@@ -80,6 +80,10 @@ def rows_of(
     if isinstance(motion, BeamMotion) and isinstance(contact, GuideContact):
         if contact.obstacle.moving:
             raise checks.InputError(f"gradients: the guide of contact {contact.name!r} moves")
+        if motion.solid.rod.matrices.recess.any():
+            raise checks.InputError(
+                f"gradients: the sections of solid {motion.solid.name!r} have a recess"
+            )
         return GuideRows(contact, motion, settles)
     if isinstance(motion, BeamMotion) or isinstance(contact, GuideContact):
         raise checks.InputError(

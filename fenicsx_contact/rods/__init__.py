@@ -2,8 +2,9 @@
 """Guides of rods: curves, tubes and cards, the contact with a beam that slides through them, and
 drops."""
 
-from .contact import ForceMap, GuideContact
+from .contact import GuideContact
 from .drop import Passage, RodDrop, time_at
+from .force_map import ForceMap
 from .guide import Guide
 from .pieces import AnyCurve, Bow, Card, Curve, Sine, Straight, Tube
 from .settle import lay_in, settle

@@ -3,8 +3,7 @@
 
 It is a contact like any other, with the same fields, formulations and weak form; only where its
 points are is its own affair. The nodes of a stretch of the rod meet the walls of the tubes; the
-stations of the guide meet the rod, wherever along the rod they are just now. A map of its forces
-tells where it bore, and when.
+stations of the guide meet the rod, wherever along the rod they are just now.
 """
 
 from __future__ import annotations
@@ -58,13 +57,30 @@ class GuideCoupling(NodalJump):
         self._at, self._when, guide, rows = x, self.time, self._guide, self._stations
         self._distances = guide.distance(x, self.time).copy()
         self._outward = guide.normals(x, self.time).copy()
+        recess: Any = (0.0, 0.0)
+        if (outline := self.outline()) is not None:
+            along = self._outward @ guide.direction
+            self._distances += outline[0] * np.sqrt(1 - along * along)
+            recess = outline[0][rows], -outline[1][rows]
         bent = self._trace.wall_slopes()
         if bent is not None:
             self._tilt(bent @ self._rod.frame)
         # the beam's slopes are by its own s, upwards, and in its own lateral directions
         slopes = -self._trace.slopes()[rows] @ self._turn
-        self._distances[rows], self._outward[rows] = guide.at_stations(x[rows], slopes, self.time)
+        self._distances[rows], self._outward[rows] = guide.at_stations(
+            x[rows], slopes, self.time, recess
+        )
         self._distances[self._trace.void] = guide.far
+
+    def outline(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Recess of the rod's surface at the points, m, and its derivative by s, (n,) each; None of
+        a rod that has none."""
+        k = self._rod.matrices
+        if not k.recess.any():
+            return None
+        cell, xi, _ = k.interpolate(self._trace.material)
+        step = np.diff(k.recess)[cell]
+        return k.recess[cell] + xi * step, step / np.diff(k.s)[cell]
 
     def _tilt(self, slopes: np.ndarray) -> None:
         """Turn the normals with an elastic tube; its slopes are by s, as vectors (n, d)."""
@@ -132,6 +148,7 @@ class GuideContact(Contact):
     solid: BeamSolid | RodInTube
     obstacle: Guide
     trace: BeamTrace | PairTrace
+    coupling: GuideCoupling
 
     def __init__(
         self,
@@ -245,56 +262,3 @@ def _check_place(rod: BeamSolid, stretch: str, guide: Guide) -> None:
             f"solid: the tip of {rod.name!r} reaches the depth {end:.6g} m, beyond the end of its "
             f"guide at {guide.bottom:.6g} m; the rod is longer than its guide allows"
         )
-
-
-class ForceMap:
-    """Mean normal forces by depth and time, and the rod's shape now and then.
-
-    Called with the contact after each step, for instance by a probe of the run.
-
-    Args:
-        duration, height: of a cell of the map, s and m.
-        every: time between two shapes, s.
-
-    Attributes:
-        shapes: times [s], and depths and first lateral places [m] of the guided nodes then.
-
-    Raises:
-        InputError: a number that is not positive.
-    """
-
-    def __init__(self, duration: float = 0.01, height: float = 0.05, every: float = 0.04) -> None:
-        self.duration = checks.number("duration", duration, above=0)
-        self.height = checks.number("height", height, above=0)
-        self.every = checks.number("every", every, above=0)
-        self.shapes: list[tuple[float, np.ndarray, np.ndarray]] = []
-        self._cells: dict[tuple[int, int], float] = {}
-
-    def __call__(self, contact: GuideContact) -> None:
-        """Note what the contact did in the step that has just been accepted."""
-        guide, places = contact.obstacle, contact.trace.positions()
-        depth, step = guide.depth(places), contact.step
-        if step is None:
-            return
-        if len(self.shapes) <= step.start / self.every:
-            nodes = np.setdiff1d(np.arange(len(depth)), contact.stations)
-            lateral = (places[nodes] - guide.origin) @ guide.lateral[0]
-            self.shapes.append((step.end, depth[nodes], lateral))
-        force = np.abs(np.einsum("ij,ij->i", contact.force, contact.normal))
-        column = int(step.start / self.duration)
-        for i in np.flatnonzero(force):
-            key = column, int(np.floor(depth[i] / self.height))
-            share = force[i] * step.span / self.duration
-            self._cells[key] = self._cells.get(key, 0.0) + share
-
-    def picture(self) -> tuple[np.ndarray, list[float]]:
-        """Forces [N] by (depth, time), and the extent of the picture: start and end [s], bottom
-        and top [m]; empty if nothing bore."""
-        if not self._cells:
-            return np.zeros((0, 0)), [0.0, 0.0, 0.0, 0.0]
-        columns, rows = np.array(list(self._cells)).T
-        low = rows.min()
-        image = np.zeros((rows.max() - low + 1, columns.max() + 1))
-        image[rows - low, columns] = list(self._cells.values())
-        bottom, top = (rows.max() + 1) * self.height, low * self.height
-        return image, [0.0, (columns.max() + 1) * self.duration, bottom, top]

@@ -259,7 +259,7 @@ class Guide:
         return self._normal
 
     def at_stations(
-        self, points: np.ndarray, slopes: np.ndarray, time: float = 0.0
+        self, points: np.ndarray, slopes: np.ndarray, time: float = 0.0, recess: Any = (0.0, 0.0)
     ) -> tuple[np.ndarray, np.ndarray]:
         """Signed distances of a rod at the stations, (k,), and unit normals into them, (k, d).
 
@@ -267,13 +267,14 @@ class Guide:
             points: of the rod, (k, d).
             slopes: derivative of the rod's lateral place by the depth there, in the lateral
                 directions of the guide, (k, d - 1): a corner has no normal, the rod has one.
+            recess: of the rod's surface, m, and its derivative by the depth, (k,) each.
         """
         local = (points - self.displacement(time) - self.origin) @ self._axes.T
         size, across = _polar(local[:, 1:] - self.centres)
-        axial = (across * slopes).sum(axis=1)
+        axial = (across * slopes).sum(axis=1) - recess[1]
         steep = np.sqrt(1 + axial * axial)
         local[:, 0], local[:, 1:] = axial / steep, across / -steep[:, None]
-        return (self._clearance - size) / steep, local @ self._axes
+        return (self._clearance + recess[0] - size) / steep, local @ self._axes
 
     def clearance(self) -> np.ndarray:
         """Clearances of the stations, from the top down, (k,) in m."""

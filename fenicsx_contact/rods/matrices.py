@@ -41,6 +41,7 @@ class BeamMatrices:
         shapes: of the deflection inside the cells, see :func:`shape_functions`.
         mass: of the beam and its point masses, kg; ``weights``, by node.
         lengths: of the axis that belong to the nodes, m.
+        recess: of the surface at the nodes, (m,) in m; where two sections meet, the lesser.
     """
 
     def __init__(
@@ -67,6 +68,7 @@ class BeamMatrices:
         middle = s[nodes].mean(axis=1)
         h = np.abs(np.diff(s[nodes], axis=1)).ravel()
         values = _values(axis, sections, middle)
+        self.recess = _recess(axis, sections, self.s)
         stretches = not np.isinf(values["axial"]).any()
         if not stretches and not np.isinf(values["axial"]).all():
             raise checks.InputError(
@@ -244,6 +246,17 @@ def _values(
     if np.isnan(values["mass"]).any():
         where = float(middle[np.isnan(values["mass"])].min())
         raise checks.InputError(f"sections: the axis has no section at s = {where:.6g} m")
+    return values
+
+
+def _recess(axis: AxisMesh, sections: Mapping[str, Section], s: np.ndarray) -> np.ndarray:
+    """That of the sections at the nodes."""
+    values = np.full(len(s), np.inf)
+    for stretch, section in sections.items():
+        low, high = axis.stretch(stretch)
+        beyond = SAME * s[-1]
+        inside = (s >= low - beyond) & (s <= high + beyond)
+        values[inside] = np.minimum(values[inside], section.at("recess", s[inside]))
     return values
 
 

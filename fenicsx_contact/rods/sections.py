@@ -18,6 +18,7 @@ Lateral = Callable[[np.ndarray], np.ndarray]
 # what need not be positive
 LEAST: dict[str, float | None] = {
     "tension": None,
+    "recess": None,
     "mass": 0.0,
     "rotary": 0.0,
     "lateral_added_mass": 0.0,
@@ -37,6 +38,8 @@ class Section:
         tension: axial force that it carries, N, compression negative: it stiffens bending by
             1/2 int tension w'^2 ds. It is given: what the run adds to it is not.
         lateral_added_mass: of the fluid that it moves along when it moves sideways, kg/m.
+        recess: how far its surface stands back from the one that the clearances of guides are
+            for, m, < 0: out; read at the nodes, and linear between them.
 
     Raises:
         InputError: a number out of range.
@@ -49,6 +52,7 @@ class Section:
     rotary: Value = 0.0
     tension: Value = 0.0
     lateral_added_mass: Value = 0.0
+    recess: Value = 0.0
 
     def __post_init__(self) -> None:
         for name in vars(self):

@@ -110,6 +110,8 @@ def _relax(
         trace.linearise(step)
         off, wide = guide.holes(trace.positions(), touch.stations)
         near = np.flatnonzero(~trace.void & (wide < guide.far))
+        recess = touch.coupling.outline()
+        wide = wide if recess is None else wide + recess[0]
         rows = (near[:, None] * d + np.arange(d)).ravel()
         W = trace.compliance(rows, trace, rows).reshape(len(near), d, len(near), d)
         across = guide.lateral

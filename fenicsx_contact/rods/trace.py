@@ -127,6 +127,11 @@ class BeamTrace(Trace):
         """Points at which there is no beam: stations that it has not reached, or has passed."""
         return self._now.void
 
+    @property
+    def material(self) -> np.ndarray:
+        """The s of what is at the points, (n,) in m."""
+        return self._now.s
+
     def _place(self, points: np.ndarray) -> None:
         """Shape functions at the present s of some points."""
         now = self._now

@@ -158,6 +158,11 @@ class PairTrace(Trace):
         """Points at which there is no rod."""
         return self.rod.void
 
+    @property
+    def material(self) -> np.ndarray:
+        """The s of the rod at the points, (n,) in m."""
+        return self.rod.material
+
     def slopes(self) -> np.ndarray:
         """Derivative of the rod's deflection by s, (n, d - 1)."""
         return self.rod.slopes()

@@ -45,7 +45,8 @@ class Scene:
         allow_free: accept a solid that has neither contact nor support.
         allow_growth: accept a scheme that makes energy: with theta < 1/2 (1/2 - theta) dv' M dv in
             each step, in deformable solids exponentially.
-        deepest: largest initial penetration, as a share of the surface's extent.
+        deepest: largest initial penetration, as a share of the surface's extent; two solids that a
+            law of velocities lets go deeper are remarked.
 
     Raises:
         InputError: a solid or contact twice, a contact of an unknown solid, a solid without
@@ -84,9 +85,8 @@ class Scene:
         crossing = LocatedImpacts if locate_impacts else UniformImpacts
         self._impacts = crossing(self.scheme)
         checks.truth("allow_growth", allow_growth)
-        self._check(
-            checks.truth("allow_free", allow_free), checks.number("deepest", deepest, at_least=0)
-        )
+        self.deepest = checks.number("deepest", deepest, at_least=0)
+        self._check(checks.truth("allow_free", allow_free))
         if self.scheme.growth and not allow_growth:
             raise checks.InputError(
                 f"{self.scheme.growth}; pass allow_growth=True if that is meant"
@@ -106,7 +106,7 @@ class Scene:
             columns += contact_columns(contact.name, contact.solid.dim)
         self.columns = tuple(columns)
 
-    def _check(self, allow_free: bool, deepest: float) -> None:
+    def _check(self, allow_free: bool) -> None:
         for kind, things in (("solids", self.solids), ("contacts", self.contacts)):
             names = [thing.name for thing in things]
             if len(set(names)) < len(names):
@@ -147,11 +147,11 @@ class Scene:
                     "(gap, lagrange, springs) there"
                 )
             depth = float(contact.gap.max())
-            most = deepest * contact.surface.extent
+            most = self.deepest * contact.surface.extent
             if depth > most:
                 raise checks.InputError(
                     f"contacts: {contact.name!r} starts {depth:.4g} inside its master; at most "
-                    f"{deepest:g} of the surface's extent ({most:.4g}) is "
+                    f"{self.deepest:g} of the surface's extent ({most:.4g}) is "
                     "allowed"
                 )
         touched = {id(solid) for contact in self.contacts for solid in contact.solids}

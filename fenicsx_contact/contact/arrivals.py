@@ -56,6 +56,21 @@ def starts_inside(contact: Contact) -> str:
     )
 
 
+def went_inside(contact: Contact, depth: float, most: float) -> str:
+    """What a reader should know of two solids that went so deep inside each other, m, though a law
+    of velocities held them apart, or nothing; ``most``: how deep a scene may start, as a share of
+    the surface's extent."""
+    law = contact.formulation
+    held = law.multipliers and not law.gap_share and len(contact.solids) > 1
+    if not held or depth <= most * contact.surface.extent:
+        return ""
+    return (
+        f"contact {contact.name!r} went {depth:.3g} m inside its master: {law.name!r} holds "
+        "velocities along the normals of the slave, which where a corner of it meets a face are "
+        "not those of the gap: let the face be the slave"
+    )
+
+
 def depth(contact: Contact) -> float:
     """Gap [m] in the trial state of the deepest point that was open at the start of the step."""
     opened = contact.chosen & ~contact.touching()

@@ -31,7 +31,8 @@ class Contact(SurfaceResults):
     """A contact between the named facets of a solid (slave) and what they may touch (master).
 
     Args:
-        solid: the slave; between two solids better the softer one, or the one of the finer mesh.
+        solid: the slave; between two solids better the softer or the finer one, or the one whose
+            face a corner meets: forces act along the slave's normals.
         facets: the name of its facets in contact.
         master: an obstacle, or another solid and the name of its facets; the same ones: itself.
         formulation: a formulation or its name; see :mod:`fenicsx_contact.theory.formulations`.
@@ -51,8 +52,7 @@ class Contact(SurfaceResults):
         resolution: speeds below it, m/s, the last step did not resolve.
         noise: distances below it, m, are round-off of the places.
         candidates: of the step.
-        status, force: of the last step: 0 open, 1 stick, 2 slip; mean on the solid, N; pressures
-            see :class:`~fenicsx_contact.contact.results.SurfaceResults`.
+        status, force: of the last step: 0 open, 1 stick, 2 slip; mean on the solid, N.
         memory: what its laws remember; empty if they do not.
 
     Raises:

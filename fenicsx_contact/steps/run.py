@@ -16,7 +16,7 @@ import numpy as np
 from ..base import checks
 from ..base.checks import StepFailed
 from ..base.processes import any_of
-from ..contact.arrivals import starts_inside
+from ..contact.arrivals import starts_inside, went_inside
 from ..contact.contact import Contact
 from ..output.history import History
 from ..output.stops import hint
@@ -40,6 +40,7 @@ class Runnable(Protocol):
     stepper: Stepper
     remarks: list[str]
     locate_impacts: bool
+    deepest: float
 
     @property
     def time(self) -> float: ...
@@ -164,6 +165,10 @@ class _Course:
         except (StepFailed, NotWritten) as failure:
             history.reason = f"stopped at t = {scene.time:.9g} s: {failure}"
         bar.close()
+        for contact in scene.contacts:
+            depth = float(history[f"{contact.name}.penetration"].max())
+            if remark := went_inside(contact, depth, scene.deepest):
+                history.remarks.append((scene.time, remark))
         history.reason += hint(history.reason)
         history.times = dict(scene.stepper.times)
         if self.files:

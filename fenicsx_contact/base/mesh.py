@@ -14,40 +14,28 @@ import dolfinx
 import numpy as np
 from mpi4py import MPI
 
-from . import checks, compat, shipped
+from . import cells, checks, compat, shipped
 from .constants import SAME
-
-_FACET_CELL = {
-    "triangle": "interval",
-    "quadrilateral": "interval",
-    "tetrahedron": "triangle",
-    "hexahedron": "quadrilateral",
-}
-#: A vertex of a cell and its neighbours, in dolfinx's order.
-FRAME = {
-    "triangle": [0, 1, 2],
-    "quadrilateral": [0, 1, 2],
-    "tetrahedron": [0, 1, 2, 3],
-    "hexahedron": [0, 1, 2, 4],
-}
-
-
-def volumes(edges: np.ndarray) -> np.ndarray:
-    """Signed volumes that edges (n, d, d) from one corner span, (n,); 0 where they are flat."""
-    volume = np.linalg.det(edges)
-    flat = np.abs(volume) <= SAME * np.linalg.norm(edges, axis=2).prod(axis=1)
-    return np.where(flat, 0.0, volume)
 
 
 @dataclass(frozen=True)
 class NamedMesh:
-    """A dolfinx mesh, tags of its facets, the names of the tags, and the coordinates of points
-    that have names."""
+    """A dolfinx mesh, of cells of first or second degree, tags of its facets, the names of the
+    tags, and the coordinates of points that have names.
+
+    Attributes:
+        degree: of its geometry, 1 or 2.
+
+    Raises:
+        InputError: cells of other kinds or degrees, flat, turned over or twice there, nodes that
+            are nowhere, tags that are none.
+    """
 
     mesh: Any
     facet_tags: Any
     names: Mapping[str, int]
     points: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    degree: int = field(init=False)
 
     def __post_init__(self) -> None:
         _check_mesh(self.mesh)
@@ -62,7 +50,15 @@ class NamedMesh:
                 f"mesh of dimension {tdim} in a space of dimension {gdim}: a solid needs a mesh "
                 "of triangles or quadrilaterals in 2D, of tetrahedra or hexahedra in 3D"
             )
-        if problem := max(self.mesh.comm.allgather(self._problem())):
+        cell, comm = compat.cell_name(self.mesh), self.mesh.comm
+        nodes = max(comm.allgather(compat.cell_geometry(self.mesh).shape[1]))
+        if not cells.degree_of(cell, nodes):
+            raise checks.InputError(
+                f"mesh: has {nodes} nodes in each {cell}; must be of first or second degree, with "
+                f"{' or '.join(map(str, cells.NODES[cell]))}"
+            )
+        object.__setattr__(self, "degree", cells.degree_of(cell, nodes))
+        if problem := max(comm.allgather(self._problem())):
             raise checks.InputError(f"mesh: {problem}")
 
     def _problem(self) -> str:
@@ -71,17 +67,14 @@ class NamedMesh:
         x = self.mesh.geometry.x[:, : self.dim]
         if not np.isfinite(x).all():
             return "has a node with a coordinate that is not finite"
-        cells, frame = compat.cell_geometry(self.mesh), FRAME[compat.cell_name(self.mesh)]
-        signs = np.sign(volumes(x[cells[:, frame[1:]]] - x[cells[:, frame[:1]]]))
+        nodes = compat.cell_geometry(self.mesh)
+        signs = cells.orientations(x[nodes], compat.cell_name(self.mesh))
         if not signs.all():
             return "has a cell without volume"
-        if len(np.unique(np.sort(cells, axis=1), axis=0)) < len(cells):
+        if len(np.unique(np.sort(nodes, axis=1), axis=0)) < len(nodes):
             return "has a cell twice"
-        corners = range(1, 2**self.dim) if cells.shape[1] == 2**self.dim else ()
-        for at in corners:  # of boxes, whose vertices dolfinx counts in binary
-            edges = x[cells[:, [at ^ 2**i for i in range(self.dim)]]] - x[cells[:, [at]]]
-            if (np.sign(volumes(edges)) != signs * (-1) ** at.bit_count()).any():
-                return "has a cell that is turned over at a vertex"
+        if (signs != signs[:, :1]).any():
+            return "has a cell that is turned over at a node"
         return ""
 
     @property
@@ -105,36 +98,46 @@ class NamedMesh:
             raise checks.InputError(f"facets = {name!r}: no facet of the mesh bears this name")
         return facets
 
-    def boundary(self, name: str) -> tuple[np.ndarray, np.ndarray, str]:
-        """The named facets, whole on every process and in the same order on any number of them:
-        points (n, d), cells (m, k), cell name."""
+    def boundary(self, name: str, degree: int = 1) -> tuple[np.ndarray, np.ndarray, str]:
+        """The named facets, whole on every process and in the same order on any number of them, as
+        they bound a field of a degree: curved ones as they are for one of their own degree, for
+        one of first degree the straight facets between all their nodes.
+
+        Returns:
+            Points (n, d), cells (m, k), corners first, and the name of the cell.
+        """
         mesh, comm = self.mesh, self.mesh.comm
-        facets = self.facets(name)
-        owned = mesh.topology.index_map(mesh.topology.dim - 1).size_local
-        cell = _FACET_CELL[compat.cell_name(mesh)]
-        corners = {"interval": 2, "triangle": 3, "quadrilateral": 4}[cell]
-        nodes = compat.facet_geometry(mesh, facets[facets < owned])[:, :corners]
+        nodes, _ = self._owned_facets(name, degree)
         ids = compat.given_nodes(mesh)[nodes.ravel()]
         x = mesh.geometry.x[nodes.ravel(), : self.dim]
         all_ids = np.concatenate(comm.allgather(np.asarray(ids)))
         all_x = np.concatenate(comm.allgather(x))
-        _, first, cells = np.unique(all_ids, return_index=True, return_inverse=True)
-        cells = cells.reshape(-1, corners)
-        return all_x[first], cells[np.lexsort(np.sort(cells).T)], cell
+        _, first, found = np.unique(all_ids, return_index=True, return_inverse=True)
+        found = found.reshape(-1, nodes.shape[1])
+        return all_x[first], found[np.lexsort(np.sort(found).T)], self._facet
 
-    def behind(self, name: str) -> np.ndarray:
-        """For each named facet its midpoint and that of the cell behind it, (m, 2, d), whole on
-        every process, in no particular order."""
-        mesh, tdim = self.mesh, self.mesh.topology.dim
+    def behind(self, name: str, degree: int = 1) -> np.ndarray:
+        """For each of these facets the mean of its corners and that of the cell behind it,
+        (m, 2, d), whole on every process, in no particular order."""
+        nodes, behind = self._owned_facets(name, degree)
+        x, corners = self.mesh.geometry.x[:, : self.dim], cells.NODES[self._facet][0]
+        ends = x[nodes[:, :corners]].mean(axis=1), x[behind].mean(axis=1)
+        return np.concatenate(self.mesh.comm.allgather(np.stack(ends, axis=1)))
+
+    @property
+    def _facet(self) -> str:
+        return cells.FACET[compat.cell_name(self.mesh)]
+
+    def _owned_facets(self, name: str, degree: int) -> tuple[np.ndarray, np.ndarray]:
+        """Nodes of the named facets that this process owns, (m, k), and of the cells behind."""
+        owned = self.mesh.topology.index_map(self.dim - 1).size_local
         facets = self.facets(name)
-        facets = facets[facets < mesh.topology.index_map(tdim - 1).size_local]
-        nodes = compat.facet_geometry(mesh, facets)
-        mesh.topology.create_connectivity(tdim - 1, tdim)
-        cells = mesh.topology.connectivity(tdim - 1, tdim)
-        first = [cells.links(facet)[0] for facet in facets]
-        x = mesh.geometry.x[:, : self.dim]
-        ends = x[nodes].mean(axis=1), x[compat.cell_geometry(mesh)[first]].mean(axis=1)
-        return np.concatenate(mesh.comm.allgather(np.stack(ends, axis=1)))
+        nodes, behind = cells.facet_nodes(self.mesh, facets[facets < owned], self.degree)
+        if degree < self.degree:
+            pieces = np.array(cells.PIECES[self._facet])
+            nodes = nodes[:, pieces].reshape(-1, pieces.shape[1])
+            behind = np.repeat(behind, len(pieces), axis=0)
+        return nodes, behind
 
 
 def _check_mesh(mesh: Any) -> None:

@@ -84,7 +84,7 @@ class NodalJump(Coupling):
             self._before = self._end if self._step else self._before
 
     def _depths(self) -> np.ndarray:
-        return -self.wall.distance(self.traces[0].positions(), self.time)
+        return -self.traces[0].values(lambda x: self.wall.distance(x, self.time))
 
     def normals(self) -> np.ndarray:
         return -self.wall.normals(self.traces[0].positions(), self.time)
@@ -163,7 +163,8 @@ class NodalJump(Coupling):
             middle = 0.5 * (near + far)
             back = leaves(middle)
             near, far = np.where(back, near, middle), np.where(back, middle, far)
-        return np.where(turns, -wall.distance(place(near), time) - self.recess, end)
+        deeper = wall.distance(last, time) - wall.distance(place(near), time)
+        return np.where(turns, end + deeper, end)
 
     def mobility(self) -> np.ndarray:
         return self.traces[0].mobility().reshape(self._shape)

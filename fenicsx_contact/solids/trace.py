@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -66,9 +67,11 @@ class DeformableTrace(MonolithicTrace):
         points: np.ndarray,
         means: scipy.sparse.csr_matrix | None = None,
     ) -> None:
+        apart = means is not None
         if means is None:
             means = scipy.sparse.identity(len(points), format="csr")
         self._solid, self._reference = solid, means @ points
+        self._means = (means, DeformableTrace(solid, points)) if apart else None
         vectors = solid.vectors
         self._comm, owned = vectors.comm, vectors.owned
         n, d = points.shape
@@ -128,6 +131,12 @@ class DeformableTrace(MonolithicTrace):
     def positions(self) -> np.ndarray:
         moved = self._sum(self._operator @ self._solid.trial_displacement)
         return self._reference + moved.reshape(self._reference.shape)
+
+    def values(self, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        if self._means is None:
+            return function(self.positions())
+        means, every = self._means
+        return np.asarray(means @ function(every.positions()))
 
     def jump(self, velocity: np.ndarray) -> np.ndarray:
         return self._sum(self._operator @ velocity)

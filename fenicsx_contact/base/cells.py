@@ -29,6 +29,11 @@ NODES = {
     "tetrahedron": (4, 10),
     "hexahedron": (8, 27),
 }
+#: What a solid may be made of, for messages.
+ALLOWED = (
+    "triangles (of 3 or 6 nodes) or quadrilaterals (4 or 9) in 2D, tetrahedra (4 or 10) or "
+    "hexahedra (8 or 27) in 3D, of one type"
+)
 #: The straight facets between all nodes of one of second degree, in the order of the first.
 PIECES = {
     "interval": [[0, 2], [2, 1]],

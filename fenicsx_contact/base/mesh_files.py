@@ -16,17 +16,13 @@ import numpy as np
 from mpi4py import MPI
 
 from . import checks, compat
-from .cells import FACET, NODES, TO_MESHIO, degree_of, facet_nodes, lagrange, orientations
+from .cells import ALLOWED, FACET, NODES, TO_MESHIO, degree_of, facet_nodes, lagrange, orientations
 from .constants import SAME
 from .mesh import NamedMesh
 from .mesh_names import PointSet, element_sets, listed, named_elements
 
 #: For meshio's name of a cell: dolfinx's, and which of meshio's nodes dolfinx's are.
 _CELLS = {kind: (name, order) for name in TO_MESHIO for kind, order in TO_MESHIO[name].values()}
-_ALLOWED = (
-    "triangles or quadrilaterals in 2D, tetrahedra or hexahedra in 3D, of first order or of second "
-    "(triangle6, quad9, tetra10, hexahedron27)"
-)
 
 
 @dataclass(frozen=True)
@@ -149,7 +145,7 @@ def _solid(
     dim = max((block.dim for block in mesh.cells if len(block.data)), default=0)
     chosen = [block.dim == dim for block in mesh.cells]
     if dim < 2:
-        raise checks.InputError(f"holds no cells of a solid; allowed are {_ALLOWED}")
+        raise checks.InputError(f"holds no cells of a solid; allowed are {ALLOWED}")
     picked: list[Any] = [slice(None) if yes else [] for yes in chosen]
     if solid is not None:
         sets = element_sets(mesh, dim)
@@ -162,8 +158,7 @@ def _solid(
     if len(kinds) != 1 or not kinds <= set(_CELLS):
         hint = "" if solid else "; if it holds several solids choose one by solid = ..."
         raise checks.InputError(
-            f"has cells of type {', '.join(sorted(kinds))}; allowed are {_ALLOWED}, of one type"
-            f"{hint}"
+            f"has cells of type {', '.join(sorted(kinds))}; allowed are {ALLOWED}{hint}"
         )
     kind = kinds.pop()
     name, order = _CELLS[kind]

@@ -23,6 +23,12 @@ class NodalJump(Coupling):
     mean velocity in the step, with which a point that sticks goes exactly the obstacle's way; by
     theta = 1/2 with that of the very end. A step starts with the velocity with which the last one
     ended; where the motion has a corner there, a percussion sees the new one.
+
+    Args:
+        solid, obstacle: what may touch.
+        equations: of the solid's surface.
+        trace: the solid seen from its points, or by means.
+        bulge: how far these lie outside of the points, (n,) in m.
     """
 
     def __init__(
@@ -31,10 +37,12 @@ class NodalJump(Coupling):
         equations: SurfaceEquations,
         obstacle: Obstacle,
         trace: Trace | None = None,
+        bulge: np.ndarray | float = 0.0,
     ) -> None:
         self.obstacle, self.wall = obstacle, Wall(obstacle)
         self.part = self.equations = equations
         self.solids = [solid]
+        self.bulge = bulge
         self.traces = [trace or solid.trace(equations.fields.surface.points)]
         self.fixed_normal, self.driven = self.wall.flat, self.wall.moving
         self._shape = equations.fields.surface.points.shape
@@ -84,7 +92,7 @@ class NodalJump(Coupling):
             self._before = self._end if self._step else self._before
 
     def _depths(self) -> np.ndarray:
-        return -self.traces[0].values(lambda x: self.wall.distance(x, self.time))
+        return -self.wall.distance(self.traces[0].positions(), self.time) - self.bulge
 
     def normals(self) -> np.ndarray:
         return -self.wall.normals(self.traces[0].positions(), self.time)
@@ -163,8 +171,7 @@ class NodalJump(Coupling):
             middle = 0.5 * (near + far)
             back = leaves(middle)
             near, far = np.where(back, near, middle), np.where(back, middle, far)
-        deeper = wall.distance(last, time) - wall.distance(place(near), time)
-        return np.where(turns, end + deeper, end)
+        return np.where(turns, -wall.distance(place(near), time) - self.bulge - self.recess, end)
 
     def mobility(self) -> np.ndarray:
         return self.traces[0].mobility().reshape(self._shape)

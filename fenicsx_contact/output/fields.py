@@ -110,7 +110,9 @@ class FieldWriter:
             data["multiplier"] = contact.multiplier
         if not contact.formulation.at_points:
             data |= {"pressure": contact.pressure, "friction_traction": contact.friction_traction}
-        data["displacement"] = contact.coupling.positions() - surface.points  # asks every process
+        data["displacement"] = (
+            contact.coupling.positions() - contact.coupling.reference
+        )  # asks every process
         if self._comm.rank == 0:
             drawn = {name: values[surface.site_nodes] for name, values in data.items()}
             self._write(contact.name, number, surface.sites, cells, drawn)

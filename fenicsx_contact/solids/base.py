@@ -16,7 +16,7 @@ to know where it is. Forces are mean forces over the step, impulses divided by d
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import scipy.sparse as sp
@@ -46,11 +46,6 @@ class Trace(ABC):
     @abstractmethod
     def positions(self) -> np.ndarray:
         """Places of the points in the trial state, (n, d) in m."""
-
-    def values(self, function: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """Of a function of the place, from (n, d) to (n,), in the trial state: where a trace sees
-        means of velocities its means likewise."""
-        return function(self.positions())
 
     @abstractmethod
     def jump(self, velocity: np.ndarray) -> np.ndarray:

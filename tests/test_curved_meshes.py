@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Meshes of second degree: bodies that are round have round cells, and what presses is even."""
 
-import itertools
 import shutil
 
 import dolfinx
@@ -151,7 +150,11 @@ def written(tmp_path, text):
     return script, tmp_path / "body.msh"
 
 
-@pytest.mark.parametrize("text", [DISC % (2, ""), DISC % (2, RECOMBINED), BALL % (2, "")])
+@pytest.mark.parametrize(
+    "text",
+    [DISC % (2, ""), DISC % (2, RECOMBINED), BALL % (2, "")],
+    ids=["triangles", "quadrilaterals", "tetrahedra"],
+)
 def test_from_gmsh_from_files_and_from_dolfinx(text, tmp_path):
     """The same body, round within 1e-3, and written to a file and read from it once more."""
     script, file = written(tmp_path, text)
@@ -181,31 +184,39 @@ def test_from_gmsh_from_files_and_from_dolfinx(text, tmp_path):
 # -- deformable solids before obstacles --
 
 
-def crooked(cell, seed=3):
-    """A unit box whose nodes of second degree stand anywhere, those of a side on this side."""
+def crooked(cell, periodic):
+    """A unit box whose nodes of second degree stand anywhere, those of a side on this side, and on
+    sides that are one where they were."""
     d = DIM[cell]
     x, cells = lattice([3] * d, cell, 2)
-    moved = np.random.default_rng(seed).uniform(-0.02, 0.02, x.shape)
-    moved[np.isclose(x, 0) | np.isclose(x, 1)] = 0.0
+    moved = np.random.default_rng(3).uniform(-0.02, 0.02, x.shape)
+    outside = np.isclose(x, 0) | np.isclose(x, 1)
+    moved[outside] = 0.0
+    if periodic:
+        moved[outside[:, :-1].any(axis=1)] = 0.0
     sides = {AXES[i]: (lambda x, i=i: np.isclose(x[i], 0)) for i in range(d)}
-    sides["top"] = lambda x: np.isclose(x[d - 1], 1)
+    sides |= {f"{AXES[i]} end": (lambda x, i=i: np.isclose(x[i], 1)) for i in range(d)}
     return name_facets(compat.create_mesh(MPI.COMM_SELF, cells, x + moved, cell, 2), sides)
 
 
 @pytest.mark.parametrize("cell", PLANE + SPACE)
-def test_patch(cell):
-    """On a flat base, its facets crooked within it, what presses is even to round-off."""
-    mesh = crooked(cell)
-    base = AXES[mesh.dim - 1]
-    held = symmetric(mesh)
-    floor = FLOOR if mesh.dim == 2 else FLOOR_3D
-    del held[base]
-    load = [*[0.0] * (mesh.dim - 1), -1e-3]
-    solid = elastic(mesh, prescribed=held, tractions={"top": load})
-    contact = Contact(solid, base, floor, "gap")
+@pytest.mark.parametrize("periodic", [False, True], ids=["", "periodic"])
+def test_patch(cell, periodic):
+    """On a flat base, its facets crooked within it, what presses is even to round-off, and what
+    drags, too, where its sides are one."""
+    mesh = crooked(cell, periodic)
+    *along, base = AXES[: mesh.dim]
+    load = [1e-4 * periodic, *[0.0] * (mesh.dim - 2), -1e-3]
+    held = {} if periodic else {side: symmetric(mesh)[side] for side in along}
+    pairs = [(side, f"{side} end") for side in along] if periodic else []
+    top = {"tractions": {f"{base} end": load}}
+    solid = elastic(mesh, prescribed=held, periodic=pairs, **top)
+    contact = Contact(solid, base, FLOOR if mesh.dim == 2 else FLOOR_3D, "gap", 0.3 * periodic)
     still([solid], contact)
     assert contact.surface.area.sum() == pytest.approx(1.0, rel=1e-12)
     np.testing.assert_allclose(contact.pressure, 1e-3, rtol=1e-9)
+    if periodic:
+        np.testing.assert_allclose(contact.friction_traction[:, 0], -1e-4, rtol=1e-9)
 
 
 def shrunk(n, cell, degree, way=1e-2):
@@ -238,10 +249,10 @@ def orders(counts, errors):
 def test_even_pressure_on_a_round_body(cell):
     """Of second order. In the plane straight facets bear by their corners, not by their middles,
     which do not reach the wall: what presses is off by more than it is."""
-    counts = (4, 8, 16) if cell in PLANE else (2, 3, 4)
+    counts = (4, 8) if cell in PLANE else (2, 3)
     found = [shrunk(n, cell, 2) for n in counts]
     assert orders(counts, found).min() > 1.8, found
-    assert found[-1] < (3e-4 if cell in PLANE else 0.012)
+    assert found[-1] < (2e-3 if cell in PLANE else 0.025)
     if cell in PLANE:
         assert shrunk(counts[-1], cell, 1) > 1
 
@@ -317,12 +328,15 @@ KINDS = {
     "backward Euler": {"scheme": ThetaScheme(1.0)},
     "energy and momentum": {"material": "neo-Hookean", "scheme": EnergyMomentum()},
 }
-EVERY = (
-    list(itertools.product(["velocity", "gap"], KINDS)) + [(law, "triangles") for law in LAWS][3:]
-)
+#: Every law, every kind by one of velocities, some by one of positions.
+EVERY = [
+    *((law, "triangles") for law in LAWS),
+    *(("velocity", kind) for kind in KINDS if kind != "triangles"),
+    *(("gap", kind) for kind in ("on a drum", "hexahedra on a drum", "energy and momentum")),
+]
 
 
-@pytest.mark.parametrize(("law", "kind"), dict.fromkeys(EVERY))
+@pytest.mark.parametrize(("law", "kind"), EVERY)
 def test_thrown(law, kind):
     """Forces are those of the momentum, energy is not made."""
     scene = thrown(law, **KINDS[kind])
@@ -380,7 +394,7 @@ def fitted(counts, cell, degree):
     return float(np.sqrt(contact.surface.area @ off**2 / contact.surface.area.sum()))
 
 
-@pytest.mark.parametrize("cell", ["triangle", "quadrilateral", "tetrahedron"])
+@pytest.mark.parametrize("cell", [*PLANE, pytest.param("tetrahedron", marks=pytest.mark.second)])
 def test_two_round_solids_whose_meshes_do_not_match(cell):
     """Of second order. Straight facets have gaps where there are none, which have to be closed."""
     counts = [(4, 6), (8, 12)] if cell in PLANE else [(2, 3), (3, 4)]

@@ -15,8 +15,8 @@ from . import cells, checks, compat
 
 @dataclass(frozen=True)
 class NamedMesh:
-    """A dolfinx mesh, of cells of first or second degree, tags of its facets, the names of the
-    tags, and the coordinates of points that have names.
+    """A dolfinx mesh of cells of first or second degree, tags of its facets, the names of the tags,
+    and the coordinates of points that have names.
 
     Attributes:
         degree: of its geometry, 1 or 2.

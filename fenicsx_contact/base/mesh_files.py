@@ -46,11 +46,11 @@ def mesh_from_file(
 ) -> NamedMesh:
     """A mesh with named facets from a file of any format that meshio reads.
 
-    The solid is made of the file's cells of highest dimension, of first or second order and of one
-    type; curved ones keep all their nodes. Its
-    facets have the names of the file's sets of facet elements (gmsh's physical names, Abaqus'
-    element sets, MED's groups). A file without names gives a mesh without; for facets by place,
-    :func:`name_facets` takes its ``mesh``.
+    The solid is made of the file's cells of highest dimension, of one type; those of second order
+    (triangle6, quad9, tetra10, hexahedron27) keep all their nodes. Its facets have the names of
+    the file's sets of facet elements (gmsh's physical names, Abaqus' element sets, MED's groups).
+    A file without names gives a mesh without; for facets by place, :func:`name_facets` takes its
+    ``mesh``.
 
     Args:
         file: path of the file; its ending tells the format.

@@ -21,7 +21,7 @@ def mesh_from_gmsh(
     file: str | Path, comm: MPI.Comm = MPI.COMM_WORLD, **parameters: float
 ) -> NamedMesh:
     """A mesh from a gmsh script (``.geo``) or mesh (``.msh``); its physical names are those of
-    facets and points.
+    facets and points. Cells are of first order, or of second (``Mesh.ElementOrder = 2;``).
 
     Args:
         file: path of the file. A bare name that the present folder lacks (``"block.geo"``) is that
@@ -30,7 +30,8 @@ def mesh_from_gmsh(
         parameters: values for what the script declares by ``DefineConstant``.
 
     Raises:
-        InputError: no such file, a parameter that the script does not declare, nothing meshed.
+        InputError: no such file, a parameter that the script does not declare, nothing meshed,
+            cells of other types or orders.
     """
     import gmsh
 

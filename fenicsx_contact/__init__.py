@@ -10,8 +10,9 @@ from .base.processes import end_together  # noqa: E402
 end_together()
 
 from .base.checks import InputError  # noqa: E402
-from .base.mesh import NamedMesh, mesh_from_gmsh, name_facets, name_points  # noqa: E402
+from .base.mesh import NamedMesh, name_facets, name_points  # noqa: E402
 from .base.mesh_files import mesh_from_file  # noqa: E402
+from .base.mesh_gmsh import mesh_from_gmsh  # noqa: E402
 from .contact.contact import Contact  # noqa: E402
 from .contact.level_set import LevelSet  # noqa: E402
 from .contact.obstacle import Circle, Cylinder, HalfSpace, Moved, Sphere  # noqa: E402

@@ -4,7 +4,8 @@ DefineConstant[
   R = {1},
   h = {0.005},
   half_width = {0.06},
-  coarse = {0.1}
+  coarse = {0.1},
+  order = {1}  // of the cells, or 2
 ];
 If (!(R > 0) || !(h > 0) || !(half_width > 0))
   Error("R = %g, h = %g, half_width = %g: must be > 0", R, h, half_width);
@@ -32,6 +33,7 @@ Field[2].SizeMax = coarse;
 Field[2].DistMin = half_width;
 Field[2].DistMax = half_width + 5*(coarse - h);
 Background Field = 2;
+Mesh.ElementOrder = order;
 Mesh.MeshSizeExtendFromBoundary = 0;
 Mesh.MeshSizeFromPoints = 0;
 Physical Surface("cylinder") = {1};

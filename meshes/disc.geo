@@ -3,7 +3,8 @@
 DefineConstant[
   R = {1},
   h = {0.05},
-  coarse = {0.15}
+  coarse = {0.15},
+  order = {1}  // of the cells, or 2
 ];
 If (!(R > 0) || !(h > 0))
   Error("R = %g, h = %g: must be > 0", R, h);
@@ -38,6 +39,7 @@ Field[2].SizeMax = coarse;
 Field[2].DistMin = 0.2*R;
 Field[2].DistMax = 0.8*R;
 Background Field = 2;
+Mesh.ElementOrder = order;
 Mesh.MeshSizeExtendFromBoundary = 0;
 Mesh.MeshSizeFromPoints = 0;
 Physical Surface("disc") = {1};

@@ -5,7 +5,8 @@ DefineConstant[
   R = {1},
   h = {0.02},
   half_width = {0.1},
-  coarse = {0.3}
+  coarse = {0.3},
+  order = {1}  // of the cells, or 2
 ];
 If (!(R > 0) || !(h > 0) || !(half_width > 0))
   Error("R = %g, h = %g, half_width = %g: must be > 0", R, h, half_width);
@@ -50,6 +51,7 @@ Field[2].SizeMax = coarse;
 Field[2].DistMin = half_width;
 Field[2].DistMax = half_width + 3*(coarse - h);
 Background Field = 2;
+Mesh.ElementOrder = order;
 Mesh.MeshSizeExtendFromBoundary = 0;
 Mesh.MeshSizeFromPoints = 0;
 Physical Volume("half ball") = {1};

@@ -6,7 +6,8 @@ DefineConstant[
   h = {0.005},
   half_width = {0.06},
   coarse = {0.1},
-  above = {1}
+  above = {1},
+  order = {1}  // of the cells, or 2
 ];
 If (!(R > 0) || !(h > 0) || !(half_width > 0))
   Error("R = %g, h = %g, half_width = %g: must be > 0", R, h, half_width);
@@ -39,6 +40,7 @@ Field[2].SizeMax = coarse;
 Field[2].DistMin = half_width;
 Field[2].DistMax = half_width + 5*(coarse - h);
 Background Field = 2;
+Mesh.ElementOrder = order;
 Mesh.MeshSizeExtendFromBoundary = 0;
 Mesh.MeshSizeFromPoints = 0;
 Physical Surface("sphere") = {1};

@@ -282,9 +282,9 @@ SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
         (SQUARE + np.eye(4, 3)[:, [1, 2, 0]], [("triangle", [[0, 1, 2]])], ["in 3D"]),
         (SQUARE * [np.nan, 1, 1], [("triangle", [[0, 1, 2]])], ["not finite"]),
         (
-            np.vstack([SQUARE, SQUARE / 2]),
-            [("triangle6", [[0, 1, 2, 4, 5, 6]])],
-            ["triangle6", "first-order"],
+            np.vstack([SQUARE, SQUARE + np.array([2, 0, 0])]),
+            [("quad8", [[0, 1, 2, 3, 4, 5, 6, 7]])],
+            ["quad8", "quadrilaterals (4 or 9)"],
         ),
         (
             np.vstack([SQUARE, SQUARE + np.array([0, 0, 1])]),
@@ -292,7 +292,7 @@ SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
             ["wedge", "hexahedra"],
         ),
     ],
-    ids=["line", "bow tie", "collapsed", "flat", "mixed", "shell", "nan", "P2", "wedge"],
+    ids=["line", "bow tie", "collapsed", "flat", "mixed", "shell", "nan", "eight nodes", "wedge"],
 )
 def test_cells_that_are_refused(points, cells, words, tmp_path):
     cells = [(kind, np.array(nodes)) for kind, nodes in cells]

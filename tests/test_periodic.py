@@ -31,6 +31,7 @@ from fenicsx_contact import (
     neo_hookean,
 )
 from fenicsx_contact.base import compat
+from fenicsx_contact.base.cells import facet_nodes
 from fenicsx_contact.gradients import At, Law, Modulus, Pressure, tangents
 from fenicsx_contact.references.hertz import effective_modulus
 from fenicsx_contact.references.westergaard import WavyContact
@@ -68,7 +69,7 @@ def crooked(cell, seed=0, n=(6, 3)):
     )
     mesh.topology.create_connectivity(1, 2)
     facets = dolfinx.mesh.locate_entities_boundary(mesh, 1, lambda x: x[0] < np.inf)
-    middle = mesh.geometry.x[compat.facet_geometry(mesh, facets)].mean(axis=1)
+    middle = mesh.geometry.x[facet_nodes(mesh, facets)[0]].mean(axis=1)
     marks = np.where(middle[:, 0] < moved[0, :, 0].mean(), 3, 4)
     marks[np.isclose(middle[:, 1], 0)], marks[np.isclose(middle[:, 1], H)] = 1, 2
     tags = dolfinx.mesh.meshtags(mesh, 1, facets, marks.astype(np.int32))

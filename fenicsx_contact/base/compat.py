@@ -40,31 +40,21 @@ def gmsh_mesh(model: Any, comm: MPI.Comm, gdim: int) -> tuple[Any, Any]:
     return domain, facet_tags
 
 
-def create_mesh(comm: MPI.Comm, cells: np.ndarray, points: np.ndarray, cell: str) -> Any:
-    """A mesh of straight-sided cells: ``cells`` (m, k) index ``points`` (n, gdim)."""
+def create_mesh(
+    comm: MPI.Comm, cells: np.ndarray, points: np.ndarray, cell: str, degree: int = 1
+) -> Any:
+    """A mesh of cells of a degree: ``cells`` (m, k), all their nodes in basix's order, index
+    ``points`` (n, gdim)."""
     gdim = points.shape[1]
     cells = np.ascontiguousarray(cells, dtype=np.int64)
     points = np.ascontiguousarray(points, dtype=np.float64)
     if not MODERN:
-        element = ufl.VectorElement("Lagrange", ufl.Cell(cell, geometric_dimension=gdim), 1)
+        element = ufl.VectorElement("Lagrange", ufl.Cell(cell, geometric_dimension=gdim), degree)
         return dolfinx.mesh.create_mesh(comm, cells, points, ufl.Mesh(element))
-    domain = ufl.Mesh(basix.ufl.element("Lagrange", cell, 1, shape=(gdim,)))
+    domain = ufl.Mesh(basix.ufl.element("Lagrange", cell, degree, shape=(gdim,)))
     if VERSION >= (0, 10):
         return dolfinx.mesh.create_mesh(comm, cells, domain, points)
     return dolfinx.mesh.create_mesh(comm, cells, points, domain)
-
-
-def facet_geometry(mesh: Any, facets: np.ndarray) -> np.ndarray:
-    """Geometry nodes of the facets (m, k), as local indices into ``mesh.geometry.x``."""
-    fdim = mesh.topology.dim - 1
-    facets = np.asarray(facets, dtype=np.int32)
-    mesh.topology.create_connectivity(fdim, mesh.topology.dim)
-    mesh.topology.create_connectivity(mesh.topology.dim, fdim)
-    if not len(facets):  # dolfinx divides by their number
-        return np.empty((0, mesh.topology.dim + 1), dtype=np.int32)
-    if MODERN:
-        return dolfinx.mesh.entities_to_geometry(mesh, fdim, facets)
-    return dolfinx.cpp.mesh.entities_to_geometry(mesh._mesh, fdim, facets, False)
 
 
 def cell_name(mesh: Any) -> str:

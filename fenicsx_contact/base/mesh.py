@@ -1,53 +1,36 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Meshes whose facets have names, from gmsh or from dolfinx."""
+"""Meshes whose facets have names."""
 
 from __future__ import annotations
 
-import re
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 import dolfinx
 import numpy as np
-from mpi4py import MPI
 
-from . import checks, compat, shipped
-from .constants import SAME
-
-_FACET_CELL = {
-    "triangle": "interval",
-    "quadrilateral": "interval",
-    "tetrahedron": "triangle",
-    "hexahedron": "quadrilateral",
-}
-#: A vertex of a cell and its neighbours, in dolfinx's order.
-FRAME = {
-    "triangle": [0, 1, 2],
-    "quadrilateral": [0, 1, 2],
-    "tetrahedron": [0, 1, 2, 3],
-    "hexahedron": [0, 1, 2, 4],
-}
-
-
-def volumes(edges: np.ndarray) -> np.ndarray:
-    """Signed volumes that edges (n, d, d) from one corner span, (n,); 0 where they are flat."""
-    volume = np.linalg.det(edges)
-    flat = np.abs(volume) <= SAME * np.linalg.norm(edges, axis=2).prod(axis=1)
-    return np.where(flat, 0.0, volume)
+from . import cells, checks, compat
 
 
 @dataclass(frozen=True)
 class NamedMesh:
-    """A dolfinx mesh, tags of its facets, the names of the tags, and the coordinates of points
-    that have names."""
+    """A dolfinx mesh of cells of first or second degree, tags of its facets, the names of the tags,
+    and the coordinates of points that have names.
+
+    Attributes:
+        degree: of its geometry, 1 or 2.
+
+    Raises:
+        InputError: cells of other kinds or degrees, flat, turned over or twice there, nodes that
+            are nowhere, tags that are none.
+    """
 
     mesh: Any
     facet_tags: Any
     names: Mapping[str, int]
     points: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    degree: int = field(init=False)
 
     def __post_init__(self) -> None:
         _check_mesh(self.mesh)
@@ -62,7 +45,14 @@ class NamedMesh:
                 f"mesh of dimension {tdim} in a space of dimension {gdim}: a solid needs a mesh "
                 "of triangles or quadrilaterals in 2D, of tetrahedra or hexahedra in 3D"
             )
-        if problem := max(self.mesh.comm.allgather(self._problem())):
+        cell, comm = compat.cell_name(self.mesh), self.mesh.comm
+        nodes = max(comm.allgather(compat.cell_geometry(self.mesh).shape[1]))
+        if not cells.degree_of(cell, nodes):
+            raise checks.InputError(
+                f"mesh: has {nodes} nodes in each {cell}; allowed are {cells.ALLOWED}"
+            )
+        object.__setattr__(self, "degree", cells.degree_of(cell, nodes))
+        if problem := max(comm.allgather(self._problem())):
             raise checks.InputError(f"mesh: {problem}")
 
     def _problem(self) -> str:
@@ -71,17 +61,14 @@ class NamedMesh:
         x = self.mesh.geometry.x[:, : self.dim]
         if not np.isfinite(x).all():
             return "has a node with a coordinate that is not finite"
-        cells, frame = compat.cell_geometry(self.mesh), FRAME[compat.cell_name(self.mesh)]
-        signs = np.sign(volumes(x[cells[:, frame[1:]]] - x[cells[:, frame[:1]]]))
+        nodes = compat.cell_geometry(self.mesh)
+        signs = cells.orientations(x[nodes], compat.cell_name(self.mesh))
         if not signs.all():
             return "has a cell without volume"
-        if len(np.unique(np.sort(cells, axis=1), axis=0)) < len(cells):
+        if len(np.unique(np.sort(nodes, axis=1), axis=0)) < len(nodes):
             return "has a cell twice"
-        corners = range(1, 2**self.dim) if cells.shape[1] == 2**self.dim else ()
-        for at in corners:  # of boxes, whose vertices dolfinx counts in binary
-            edges = x[cells[:, [at ^ 2**i for i in range(self.dim)]]] - x[cells[:, [at]]]
-            if (np.sign(volumes(edges)) != signs * (-1) ** at.bit_count()).any():
-                return "has a cell that is turned over at a vertex"
+        if (signs != signs[:, :1]).any():
+            return "has a cell that is turned over at a node"
         return ""
 
     @property
@@ -105,36 +92,46 @@ class NamedMesh:
             raise checks.InputError(f"facets = {name!r}: no facet of the mesh bears this name")
         return facets
 
-    def boundary(self, name: str) -> tuple[np.ndarray, np.ndarray, str]:
-        """The named facets, whole on every process and in the same order on any number of them:
-        points (n, d), cells (m, k), cell name."""
+    def boundary(self, name: str, degree: int = 1) -> tuple[np.ndarray, np.ndarray, str]:
+        """The named facets, whole on every process and in the same order on any number of them, as
+        they bound a field of a degree: curved ones as they are for one of their own degree, for
+        one of first degree the straight facets between all their nodes.
+
+        Returns:
+            Points (n, d), cells (m, k), corners first, and the name of the cell.
+        """
         mesh, comm = self.mesh, self.mesh.comm
-        facets = self.facets(name)
-        owned = mesh.topology.index_map(mesh.topology.dim - 1).size_local
-        cell = _FACET_CELL[compat.cell_name(mesh)]
-        corners = {"interval": 2, "triangle": 3, "quadrilateral": 4}[cell]
-        nodes = compat.facet_geometry(mesh, facets[facets < owned])[:, :corners]
+        nodes, _ = self._owned_facets(name, degree)
         ids = compat.given_nodes(mesh)[nodes.ravel()]
         x = mesh.geometry.x[nodes.ravel(), : self.dim]
         all_ids = np.concatenate(comm.allgather(np.asarray(ids)))
         all_x = np.concatenate(comm.allgather(x))
-        _, first, cells = np.unique(all_ids, return_index=True, return_inverse=True)
-        cells = cells.reshape(-1, corners)
-        return all_x[first], cells[np.lexsort(np.sort(cells).T)], cell
+        _, first, found = np.unique(all_ids, return_index=True, return_inverse=True)
+        found = found.reshape(-1, nodes.shape[1])
+        return all_x[first], found[np.lexsort(np.sort(found).T)], self._facet
 
-    def behind(self, name: str) -> np.ndarray:
-        """For each named facet its midpoint and that of the cell behind it, (m, 2, d), whole on
-        every process, in no particular order."""
-        mesh, tdim = self.mesh, self.mesh.topology.dim
+    def behind(self, name: str, degree: int = 1) -> np.ndarray:
+        """For each of these facets the mean of its corners and that of the cell behind it,
+        (m, 2, d), whole on every process, in no particular order."""
+        nodes, behind = self._owned_facets(name, degree)
+        x, corners = self.mesh.geometry.x[:, : self.dim], cells.NODES[self._facet][0]
+        ends = x[nodes[:, :corners]].mean(axis=1), x[behind].mean(axis=1)
+        return np.concatenate(self.mesh.comm.allgather(np.stack(ends, axis=1)))
+
+    @property
+    def _facet(self) -> str:
+        return cells.FACET[compat.cell_name(self.mesh)]
+
+    def _owned_facets(self, name: str, degree: int) -> tuple[np.ndarray, np.ndarray]:
+        """Nodes of the named facets that this process owns, (m, k), and of the cells behind."""
+        owned = self.mesh.topology.index_map(self.dim - 1).size_local
         facets = self.facets(name)
-        facets = facets[facets < mesh.topology.index_map(tdim - 1).size_local]
-        nodes = compat.facet_geometry(mesh, facets)
-        mesh.topology.create_connectivity(tdim - 1, tdim)
-        cells = mesh.topology.connectivity(tdim - 1, tdim)
-        first = [cells.links(facet)[0] for facet in facets]
-        x = mesh.geometry.x[:, : self.dim]
-        ends = x[nodes].mean(axis=1), x[compat.cell_geometry(mesh)[first]].mean(axis=1)
-        return np.concatenate(mesh.comm.allgather(np.stack(ends, axis=1)))
+        nodes, behind = cells.facet_nodes(self.mesh, facets[facets < owned], self.degree)
+        if degree < self.degree:
+            pieces = np.array(cells.PIECES[self._facet])
+            nodes = nodes[:, pieces].reshape(-1, pieces.shape[1])
+            behind = np.repeat(behind, len(pieces), axis=0)
+        return nodes, behind
 
 
 def _check_mesh(mesh: Any) -> None:
@@ -199,98 +196,3 @@ def name_points(mesh: NamedMesh, points: Mapping[str, Sequence[float]]) -> Named
         if name in mesh.names:
             raise checks.InputError(f"points[{name!r}]: the mesh has facets of this name")
     return replace(mesh, points={**mesh.points, **points})
-
-
-def mesh_from_gmsh(
-    file: str | Path, comm: MPI.Comm = MPI.COMM_WORLD, **parameters: float
-) -> NamedMesh:
-    """A mesh from a gmsh script (``.geo``) or mesh (``.msh``); its physical names are those of
-    facets and points.
-
-    Args:
-        file: path of the file. A bare name that the present folder lacks (``"block.geo"``) is that
-            of a script which comes with the package: see ``meshes/`` of its source.
-        comm: the processes over which the mesh is distributed.
-        parameters: values for what the script declares by ``DefineConstant``.
-
-    Raises:
-        InputError: no such file, a parameter that the script does not declare, nothing meshed.
-    """
-    import gmsh
-
-    path, missing = shipped.find(checks.path("file", file))
-    if missing:
-        raise checks.InputError(f"file = {str(file)!r}: {missing}")
-    declared = _declared(path) if path.suffix == ".geo" else set()
-    given = []
-    for name, value in parameters.items():
-        if name not in declared:
-            known = ", ".join(sorted(declared)) or "nothing"
-            raise checks.InputError(f"{name} = {value!r}: {path.name} declares {known}")
-        given.append(f"{name} = {checks.number(name, value)!r};")
-
-    names: dict[str, int] = {}
-    points: dict[str, list[float]] = {}
-    problem = ""
-    if comm.rank == 0:
-        gmsh.initialize(["gmsh", "-v", "1"])
-    try:
-        if comm.rank == 0:
-            problem, names, points = _read(gmsh, path, given)
-        problem, names, points = comm.bcast((problem, names, points))
-        if problem:
-            raise checks.InputError(f"file = {str(file)!r}: {problem}")
-        dim = comm.bcast(gmsh.model.getDimension() if comm.rank == 0 else 0)
-        mesh, tags = compat.gmsh_mesh(gmsh.model if comm.rank == 0 else None, comm, dim)
-    finally:
-        if comm.rank == 0:
-            gmsh.finalize()
-    return NamedMesh(mesh, tags, names, points)
-
-
-def _open(gmsh: Any, path: Path, given: list[str]) -> None:
-    """Open a file, the given parameters set before: DefineConstant leaves them as they are.
-
-    The command line's -setnumber would outlive finalize() and reach the next mesh.
-    """
-    if path.suffix != ".geo":
-        gmsh.open(str(path))
-        return
-    with tempfile.TemporaryDirectory() as directory:
-        script = Path(directory) / path.name
-        script.write_text("\n".join([*given, f'Include "{path.resolve()}";', ""]))
-        gmsh.open(str(script))
-
-
-def _read(
-    gmsh: Any, path: Path, given: list[str]
-) -> tuple[str, dict[str, int], dict[str, list[float]]]:
-    """Open and mesh; what is wrong, or nothing, the names of the facets, and points by name."""
-    try:
-        _open(gmsh, path, given)
-        dim = gmsh.model.getDimension()
-        if dim not in (2, 3):
-            return f"holds a mesh of dimension {dim}, not 2 or 3", {}, {}
-        if path.suffix == ".geo":
-            gmsh.model.mesh.generate(dim)
-    except Exception as failure:  # gmsh raises nothing more special
-        return f"gmsh says: {failure}", {}, {}
-    x = gmsh.model.mesh.getNodes()[1].reshape(-1, 3)
-    if dim == 2 and np.ptp(x[:, 2]) > SAME * np.ptp(x, axis=0).max():
-        return "holds a surface in 3D, not a mesh of a solid (in 2D all nodes have one z)", {}, {}
-    if not gmsh.model.getPhysicalGroups(dim):
-        kind = "Surface" if dim == 2 else "Volume"
-        return f"has no Physical {kind}, which tells what belongs to the solid", {}, {}
-    facets = gmsh.model.getPhysicalGroups(dim - 1)
-    names = {gmsh.model.getPhysicalName(group, tag): tag for group, tag in facets}
-    places = {
-        gmsh.model.getPhysicalName(0, tag): gmsh.model.mesh.getNodesForPhysicalGroup(0, tag)[1]
-        for _, tag in gmsh.model.getPhysicalGroups(0)
-    }
-    return "", names, {name: x[:dim].tolist() for name, x in places.items() if len(x) == 3}
-
-
-def _declared(path: Path) -> set[str]:
-    """Names that a gmsh script declares by DefineConstant."""
-    blocks = re.findall(r"DefineConstant\s*\[(.*?)\]\s*;", path.read_text(), flags=re.S)
-    return {name for block in blocks for name in re.findall(r"(\w+)\s*=", block)}

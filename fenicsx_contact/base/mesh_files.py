@@ -16,41 +16,13 @@ import numpy as np
 from mpi4py import MPI
 
 from . import checks, compat
+from .cells import ALLOWED, FACET, NODES, TO_MESHIO, degree_of, facet_nodes, lagrange, orientations
 from .constants import SAME
-from .mesh import NamedMesh, volumes
+from .mesh import NamedMesh
 from .mesh_names import PointSet, element_sets, listed, named_elements
 
-#: For meshio's name of a cell: dolfinx's, its nodes in dolfinx's order, the vertices of its facets
-#: and, for each vertex, those of the edges that leave it in a right-handed order (meshio's order).
-_CELLS: dict[str, tuple[str, list[int], list[list[int]], list[list[int]]]] = {
-    "triangle": ("triangle", [0, 1, 2], [[0, 1], [1, 2], [2, 0]], [[0, 1, 2]]),
-    "quad": (
-        "quadrilateral",
-        [0, 1, 3, 2],
-        [[0, 1], [1, 2], [2, 3], [3, 0]],
-        [[0, 1, 3], [1, 2, 0], [2, 3, 1], [3, 0, 2]],
-    ),
-    "tetra": (
-        "tetrahedron",
-        [0, 1, 2, 3],
-        [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]],
-        [[0, 1, 2, 3]],
-    ),
-    "hexahedron": (
-        "hexahedron",
-        [0, 1, 3, 2, 4, 5, 7, 6],
-        [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]],
-        [
-            *([0, 1, 3, 4], [1, 2, 0, 5], [2, 3, 1, 6], [3, 0, 2, 7]),
-            *([4, 7, 5, 0], [5, 4, 6, 1], [6, 5, 7, 2], [7, 6, 4, 3]),
-        ],
-    ),
-}
-#: For dolfinx's name of a cell: meshio's, and the order between them, which is its own inverse.
-TO_MESHIO = {"interval": ("line", [0, 1])} | {
-    name: (kind, order) for kind, (name, order, *_) in _CELLS.items()
-}
-_ALLOWED = "first-order triangles or quadrilaterals in 2D, tetrahedra or hexahedra in 3D"
+#: For meshio's name of a cell: dolfinx's, and which of meshio's nodes dolfinx's are.
+_CELLS = {kind: (name, order) for name in TO_MESHIO for kind, order in TO_MESHIO[name].values()}
 
 
 @dataclass(frozen=True)
@@ -74,10 +46,11 @@ def mesh_from_file(
 ) -> NamedMesh:
     """A mesh with named facets from a file of any format that meshio reads.
 
-    The solid is made of the file's cells of highest dimension, of first order and one type. Its
-    facets have the names of the file's sets of facet elements (gmsh's physical names, Abaqus'
-    element sets, MED's groups). A file without names gives a mesh without; for facets by place,
-    :func:`name_facets` takes its ``mesh``.
+    The solid is made of the file's cells of highest dimension, of one type; those of second order
+    (triangle6, quad9, tetra10, hexahedron27) keep all their nodes. Its facets have the names of
+    the file's sets of facet elements (gmsh's physical names, Abaqus' element sets, MED's groups).
+    A file without names gives a mesh without; for facets by place, :func:`name_facets` takes its
+    ``mesh``.
 
     Args:
         file: path of the file; its ending tells the format.
@@ -103,14 +76,15 @@ def mesh_from_file(
     message = comm.bcast(message)
     if message:
         raise checks.InputError(f"file = {str(file)!r}: {message}")
-    cell, gdim, corners, named = comm.bcast(
+    cell, gdim, nodes, named = comm.bcast(
         (on_root.cell, on_root.points.shape[1], on_root.cells.shape[1], on_root.facets)
         if on_root
         else None
     )
-    cells = on_root.cells if on_root else np.empty((0, corners), dtype=np.int64)
+    cells = on_root.cells if on_root else np.empty((0, nodes), dtype=np.int64)
     points = on_root.points if on_root else np.empty((0, gdim))
-    return _tagged(compat.create_mesh(comm, cells, points, cell), named)
+    mesh = compat.create_mesh(comm, cells, points, cell, degree_of(cell, nodes))
+    return _tagged(mesh, named)
 
 
 def _tagged(mesh: Any, named: dict[str, np.ndarray]) -> NamedMesh:
@@ -120,7 +94,7 @@ def _tagged(mesh: Any, named: dict[str, np.ndarray]) -> NamedMesh:
     index_map = mesh.topology.index_map(fdim)
     local = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
     numbers = compat.given_nodes(mesh)
-    vertices = np.sort(numbers[compat.facet_geometry(mesh, local)], axis=1)
+    vertices = np.sort(numbers[facet_nodes(mesh, local)[0]], axis=1)
     names: dict[str, int] = {}
     tag = np.zeros(len(local), dtype=np.int32)
     for name, wanted in named.items():
@@ -171,7 +145,7 @@ def _solid(
     dim = max((block.dim for block in mesh.cells if len(block.data)), default=0)
     chosen = [block.dim == dim for block in mesh.cells]
     if dim < 2:
-        raise checks.InputError(f"holds no cells of a solid; allowed are {_ALLOWED}")
+        raise checks.InputError(f"holds no cells of a solid; allowed are {ALLOWED}")
     picked: list[Any] = [slice(None) if yes else [] for yes in chosen]
     if solid is not None:
         sets = element_sets(mesh, dim)
@@ -184,23 +158,21 @@ def _solid(
     if len(kinds) != 1 or not kinds <= set(_CELLS):
         hint = "" if solid else "; if it holds several solids choose one by solid = ..."
         raise checks.InputError(
-            f"has cells of type {', '.join(sorted(kinds))}; allowed are {_ALLOWED}, of one type"
-            f"{hint}"
+            f"has cells of type {', '.join(sorted(kinds))}; allowed are {ALLOWED}{hint}"
         )
     kind = kinds.pop()
-    name, order, facet_vertices, _ = _CELLS[kind]
+    name, order = _CELLS[kind]
     nodes = np.concatenate([part for _, part in parts]).astype(np.int64)
     used, cells = np.unique(nodes, return_inverse=True)
-    cells = cells.reshape(nodes.shape)
+    cells = cells.reshape(nodes.shape)[:, order]
     points = _points(mesh, used, dim)
-    _check_shape(points, cells, kind)
+    _check_shape(points, cells, name)
     twice = len(cells) - len(np.unique(np.sort(cells, axis=1), axis=0))
     if twice:
         raise checks.InputError(f"{twice} of its {len(cells)} cells are there twice")
     new = np.full(len(mesh.points), -1, dtype=np.int64)
     new[used] = np.arange(len(used))
-    all_facets = np.sort(cells[:, facet_vertices].reshape(-1, len(facet_vertices[0])), axis=1)
-    all_facets, cells_of = np.unique(all_facets, axis=0, return_counts=True)
+    all_facets, cells_of = _facets(cells, name)
     if cells_of.max() > 2:
         at = points[all_facets[cells_of.argmax()]].mean(axis=0).tolist()
         raise checks.InputError(f"{cells_of.max()} of its cells share one facet, at {at}")
@@ -210,8 +182,9 @@ def _solid(
             rows = all_facets[cells_of == 1]
             found = rows[np.isin(rows, new[elements.points]).all(axis=1)]
         else:
-            fits = elements.shape[1] == all_facets.shape[1]
-            rows = np.unique(np.sort(new[elements], axis=1), axis=0)
+            fits = elements.shape[1] in NODES[FACET[name]]
+            corners = elements[:, : all_facets.shape[1]]
+            rows = np.unique(np.sort(new[corners], axis=1), axis=0)
             found = rows[_rows_in(rows, all_facets)] if fits else rows[:0]
             if len(found) and len(found) < len(rows) and solid is None:
                 raise checks.InputError(
@@ -222,7 +195,20 @@ def _solid(
             facets[label] = found
         elif wanted is not None:
             raise checks.InputError(f"facets: {label!r} has no facet of the solid")
-    return _Solid(points, cells[:, order], name, facets)
+    return _Solid(points, cells, name, facets)
+
+
+def _facets(cells: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices of the facets, sorted, (f, v), and of how many cells each is one, (f,)."""
+    corners, whole = (
+        np.sort(cells[:, nodes].reshape(-1, len(nodes[0])), axis=1)
+        for degree in (1, degree_of(name, cells.shape[1]))
+        for nodes in [lagrange(name, degree).entity_closure_dofs[-2]]
+    )
+    facets, cells_of = np.unique(corners, axis=0, return_counts=True)
+    if len(np.unique(whole, axis=0)) > len(facets):
+        raise checks.InputError("two of its cells share the corners of a facet, not its middle")
+    return facets, cells_of
 
 
 def _points(mesh: meshio.Mesh, used: np.ndarray, dim: int) -> np.ndarray:
@@ -237,15 +223,13 @@ def _points(mesh: meshio.Mesh, used: np.ndarray, dim: int) -> np.ndarray:
     return x[:, :dim]
 
 
-def _check_shape(x: np.ndarray, cells: np.ndarray, kind: str) -> None:
-    """Refuse cells that are flat or turn over at some vertex; all of one sense may be reversed."""
-    corner_sign = []
-    for vertex, *others in _CELLS[kind][3]:
-        edges = x[cells[:, others]] - x[cells[:, [vertex]]]
-        corner_sign.append(np.sign(volumes(edges)))
-    bad = np.flatnonzero(np.abs(np.sum(corner_sign, axis=0)) < len(corner_sign))
+def _check_shape(x: np.ndarray, cells: np.ndarray, name: str) -> None:
+    """Refuse cells that are flat or turn over at some node; all of one sense may be reversed."""
+    signs = orientations(x[cells], name)
+    bad = np.flatnonzero(np.abs(signs.sum(axis=1)) < signs.shape[1])
     if len(bad):
+        corners = cells[bad[0], : NODES[name][0]]
         raise checks.InputError(
-            f"{len(bad)} of its {len(cells)} cells are without volume or turned over at a vertex, "
-            f"the first at {x[cells[bad[0]]].mean(axis=0).tolist()}"
+            f"{len(bad)} of its {len(cells)} cells are without volume or turned over at a node, "
+            f"the first at {x[corners].mean(axis=0).tolist()}"
         )

@@ -118,9 +118,9 @@ class Contact(SurfaceResults):
     def _make_surface(self) -> Surface:
         # with middles where they bear: before obstacles, in the plane
         middles = self.solid.dim == 2 and not self._paired
-        degree = getattr(self.solid, "degree", 1) if middles else 1
-        twins = getattr(self.solid, "twins", None)
-        return Surface(*self.solid.mesh.boundary(self.facets), degree, twins)
+        degree, twins = getattr(self.solid, "degree", 1), getattr(self.solid, "twins", None)
+        facets = self.solid.mesh.boundary(self.facets, degree)
+        return Surface(*facets, degree if middles else 1, twins)
 
     def _locate(self) -> None:
         """Gap (n,) and jump (n, d) at the start of a step."""

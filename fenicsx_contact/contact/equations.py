@@ -44,8 +44,8 @@ class SurfaceEquations:
         augmentation: tuple[float, float],
     ) -> None:
         n, d = surface.points.shape
-        discrete_sum = None if weight is surface.area else weight / surface.area
-        self.fields = k = SurfaceFields(surface, friction, formulation.multipliers, discrete_sum)
+        share = None if weight is surface.nodal_area else weight / surface.nodal_area
+        self.fields = k = SurfaceFields(surface, friction, formulation.multipliers, share)
         form, status = formulation.form(k)
         self._residual = compat.VectorAssembler(finite_form(form))
         self._status = compat.PointExpression(status, surface.scalars)
@@ -121,7 +121,7 @@ class SurfaceEquations:
         """The points weigh otherwise in the integrals than before, (n,)."""
         if not np.array_equal(weight, self.weight):
             self.weight = weight
-            self.fields.set_weight(weight / self._surface.area)
+            self.fields.set_weight(weight / self._surface.nodal_area)
             self._speed = 0.0  # scales are to be set anew
 
     def set_rates(self, gap_rate: float, dt: float, limit_rate: float, horizon: float) -> None:

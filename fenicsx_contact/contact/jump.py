@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from functools import cached_property
 
 import numpy as np
 
@@ -158,3 +159,8 @@ class Coupling(ABC):
     def positions(self) -> np.ndarray:
         """Places of the slave's nodes, (n, d) in m."""
         return self.traces[0].positions()
+
+    @cached_property
+    def reference(self) -> np.ndarray:
+        """Those in the reference placement."""
+        return self.part.equations.fields.surface.points

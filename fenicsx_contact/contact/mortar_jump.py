@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ..base.cells import NODES
 from ..solids import Solid
 from ..theory.theta import Step
 from .clearance import Clearance, apart_at
@@ -182,8 +183,9 @@ class MortarJump(Coupling):
 def side_of(solid: Solid, facets: str, surface: Surface | None = None) -> Side:
     """The side that the named facets of a solid are, in the numbers of the sites of the surface, if
     given."""
-    points, cells, cell = solid.mesh.boundary(facets)
-    inside = solid.mesh.behind(facets)
+    degree = getattr(solid, "degree", 1)
+    points, cells, cell = solid.mesh.boundary(facets, degree)
+    inside, places = solid.mesh.behind(facets, degree), points[cells]
     if surface is not None:
-        points, cells = surface.sites, surface.cell_sites
-    return Side(points, cells, cell, inside, getattr(solid, "degree", 1))
+        points, cells, places = surface.sites, surface.cell_sites, surface.places
+    return Side(points, cells[:, : NODES[cell][0]], cell, inside, degree, places)

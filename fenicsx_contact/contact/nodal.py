@@ -23,6 +23,12 @@ class NodalJump(Coupling):
     mean velocity in the step, with which a point that sticks goes exactly the obstacle's way; by
     theta = 1/2 with that of the very end. A step starts with the velocity with which the last one
     ended; where the motion has a corner there, a percussion sees the new one.
+
+    Args:
+        solid, obstacle: what may touch.
+        equations: of the solid's surface.
+        trace: the solid seen from its points, or by means.
+        bulge: how far these lie outside of the points, (n,) in m.
     """
 
     def __init__(
@@ -31,10 +37,12 @@ class NodalJump(Coupling):
         equations: SurfaceEquations,
         obstacle: Obstacle,
         trace: Trace | None = None,
+        bulge: np.ndarray | float = 0.0,
     ) -> None:
         self.obstacle, self.wall = obstacle, Wall(obstacle)
         self.part = self.equations = equations
         self.solids = [solid]
+        self.bulge = bulge
         self.traces = [trace or solid.trace(equations.fields.surface.points)]
         self.fixed_normal, self.driven = self.wall.flat, self.wall.moving
         self._shape = equations.fields.surface.points.shape
@@ -88,7 +96,7 @@ class NodalJump(Coupling):
 
     def _depths(self) -> np.ndarray:
         if self._seen is None:
-            self._seen = -self.wall.distance(self.traces[0].positions(), self.time)
+            self._seen = -self.wall.distance(self.traces[0].positions(), self.time) - self.bulge
         return self._seen
 
     def normals(self) -> np.ndarray:
@@ -168,7 +176,7 @@ class NodalJump(Coupling):
             middle = 0.5 * (near + far)
             back = leaves(middle)
             near, far = np.where(back, near, middle), np.where(back, middle, far)
-        return np.where(turns, -wall.distance(place(near), time) - self.recess, end)
+        return np.where(turns, -wall.distance(place(near), time) - self.bulge - self.recess, end)
 
     def mobility(self) -> np.ndarray:
         return self.traces[0].mobility().reshape(self._shape)

@@ -9,12 +9,13 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import checks
-from ..solids import DeformableSolid, Solid, Trace
+from ..solids import DeformableSolid, Solid
+from ..solids.trace import DeformableTrace
 from ..theory.formulations import Formulation
 from .equations import SurfaceEquations
 from .jump import Coupling
 from .memory import Memory
-from .mortar import means
+from .mortar import bulges, means
 from .mortar_jump import MortarJump, side_of
 from .nodal import NodalJump
 from .surface import Surface
@@ -100,7 +101,10 @@ def couple(
 ) -> Coupling:
     """What joins the points of the facets to what they may meet, or a refusal."""
     if not isinstance(other, tuple):
-        coupling = NodalJump(solid, equations, other, _mean_trace(solid, facets, equations))
+        trace, bulge = _means(solid, facets, equations)
+        coupling = NodalJump(solid, equations, other, trace, bulge)
+        if trace:
+            coupling.reference = trace.reference
         coupling.wall.check(coupling.positions())
         return coupling
     master, theirs = other
@@ -122,17 +126,20 @@ def couple(
     return pair
 
 
-def _mean_trace(solid: Solid, facets: str, equations: SurfaceEquations) -> Trace | None:
+def _means(
+    solid: Solid, facets: str, equations: SurfaceEquations
+) -> tuple[DeformableTrace | None, np.ndarray | float]:
     """The trace of a solid of second degree in space by its means over the facets, if what acts
-    there acts on areas: an even pressure does not act at the corners of triangles at all. In the
-    plane corners and middles bear, by Simpson's rule, and there are no means."""
+    there acts on areas, and how far these bulge: an even pressure does not act at the corners of
+    triangles at all. In the plane corners and middles bear, by Simpson's rule, without means."""
     surface = equations.fields.surface
     if not isinstance(solid, DeformableSolid) or solid.degree == 1 or solid.dim == 2:
-        return None
+        return None, 0.0
     if equations.weight is not surface.area:
-        return None
+        return None, 0.0
     side = side_of(solid, facets, surface)
     share = surface.site_area / surface.area[surface.site_nodes]
     sites = np.arange(len(surface.sites))
     of_nodes = sp.csr_matrix((share, (surface.site_nodes, sites)))
-    return solid.trace(side.nodes, of_nodes @ means(side))
+    bulge = of_nodes @ bulges(side) if solid.mesh.degree == 2 else 0.0
+    return solid.trace(side.nodes, of_nodes @ means(side)), bulge

@@ -20,6 +20,7 @@ from dolfinx import fem
 from mpi4py import MPI
 
 from ..base import compat
+from ..base.cells import degree_of
 from ..base.glued import glued_space
 from ..base.vectors import cross
 from ..theory.friction import FrictionBound
@@ -30,8 +31,8 @@ class Surface:
     """A contact surface: points (n, d) in metres, cells, nodal integration.
 
     Args:
-        points: corners of the cells, (n, d) in m.
-        cells: indices of their corners, (m, k).
+        points: nodes of the cells, (n, d) in m.
+        cells: their indices, (m, k), corners first; of curved cells all nodes of second degree.
         cell: "interval", "triangle" or "quadrilateral".
         degree: of its fields; of second degree, on intervals only, middles of cells are nodes too.
         twins: of a solid that repeats itself: which of some sites (s, d) stands for each, (s,). All
@@ -44,6 +45,9 @@ class Surface:
             those of each cell, (m, k).
         site_area: share of the surface that belongs to each site, (s,).
         area: share of the surface that belongs to each node, (n,), in m (2D) or m² (3D).
+        nodal_area: the same by the rule of integration, which of curved cells sees their corners
+            only where fields are of first degree.
+        places: of the nodes of each cell, (m, k, d).
         dim: dimension of space, d.
         extent: of the points along the axis along which it is largest, m.
     """
@@ -57,13 +61,20 @@ class Surface:
         twins: Callable[[np.ndarray], np.ndarray] | None = None,
     ) -> None:
         self.dim, self._degree = points.shape[1], degree
-        self.mesh = compat.create_mesh(MPI.COMM_SELF, cells, points, cell)
+        shape = degree_of(cell, cells.shape[1])
+        self.mesh = compat.create_mesh(MPI.COMM_SELF, cells, points, cell, shape)
+        self.places = self.mesh.geometry.x[compat.cell_geometry(self.mesh), : self.dim]
         every = compat.lagrange_space(self.mesh, degree)
         self.cell_sites = compat.cell_dofs(every)
         self.sites = every.tabulate_dof_coordinates()[:, : self.dim].copy()
         self.extent = float(np.ptp(self.sites, axis=0).max())
         self.dx = compat.nodal_measure(self.mesh, degree)
-        self.site_area = compat.VectorAssembler(ufl.TestFunction(every) * self.dx)().copy()
+        exact = [ufl.dx(self.mesh)] if degree < shape else []
+        site_areas = [
+            compat.VectorAssembler(ufl.TestFunction(every) * measure)().copy()
+            for measure in (self.dx, *exact)
+        ]
+        self.site_area = site_areas[-1]
         self._twins = twins(self.sites) if twins else np.arange(len(self.sites))
         self.scalars = glued_space(every, self._twins)
         vectors = compat.lagrange_space(self.mesh, degree, shape=(self.dim,))
@@ -72,7 +83,8 @@ class Surface:
         self.site_nodes = np.empty(len(self.sites), dtype=np.int64)
         self.site_nodes[self.cell_sites.ravel()] = self.cell_nodes.ravel()
         self.points = self.sites[self._twins == np.arange(len(self.sites))]
-        self.area = np.bincount(self.site_nodes, self.site_area)
+        areas = [np.bincount(self.site_nodes, each) for each in site_areas]
+        self.nodal_area, self.area = areas[0], areas[-1]
 
     @property
     def size(self) -> int:

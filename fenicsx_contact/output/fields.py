@@ -15,35 +15,22 @@ import meshio
 import numpy as np
 
 from ..base import checks, compat
-from ..base.mesh import FRAME
-from ..base.mesh_files import TO_MESHIO
+from ..base.cells import for_meshio, mirrored, orientations
 from ..base.processes import on_first
 from ..contact.contact import Contact
 from ..solids import DeformableSolid, Solid
 from .storage import NotWritten, replace_file, writing
-
-#: VTK's order with the other orientation.
-_REVERSED = {
-    "triangle": [0, 2, 1],
-    "quadrilateral": [0, 3, 2, 1],
-    "tetrahedron": [0, 2, 1, 3],
-    "hexahedron": [0, 3, 2, 1, 4, 7, 6, 5],
-}
 
 
 def vtk_cells(mesh: Any) -> list[tuple[str, np.ndarray]]:
     """The cells that this process owns, in VTK's order and turned to a positive volume, as meshio
     wants them; gmsh and dolfinx leave some of them the other way round."""
     name, d = compat.cell_name(mesh), mesh.geometry.dim
-    kind, order = TO_MESHIO[name]
-    nodes = compat.cell_geometry(mesh)[: compat.num_local_cells(mesh)]
-    if name == "interval":  # the axis of a beam
-        return [(kind, nodes)]
-    x = mesh.geometry.x[nodes, :d]
-    turned = np.linalg.det(x[:, FRAME[name][1:]] - x[:, :1]) < 0
-    nodes = nodes[:, order].copy()
-    nodes[turned] = nodes[turned][:, _REVERSED[name]]
-    return [(kind, nodes)]
+    nodes = compat.cell_geometry(mesh)[: compat.num_local_cells(mesh)].copy()
+    if name != "interval":  # the axis of a beam
+        turned = orientations(mesh.geometry.x[nodes, :d], name)[:, 0] < 0
+        nodes[turned] = nodes[turned][:, mirrored(name, nodes.shape[1])]
+    return [for_meshio(name, nodes)]
 
 
 class FieldWriter:
@@ -117,16 +104,15 @@ class FieldWriter:
 
     def _write_contact(self, contact: Contact, number: int) -> None:
         surface = contact.surface
-        kind, order = TO_MESHIO[compat.cell_name(surface.mesh)]
-        if surface.cell_sites.shape[1] > len(order):  # lines with middles
-            kind, order = "line3", [0, 1, 2]
-        cells = [(kind, surface.cell_sites[:, order])]
+        cells = [for_meshio(compat.cell_name(surface.mesh), surface.cell_sites)]
         data = {"force": contact.force, "gap": contact.gap, "status": contact.status}
         if contact.multiplier is not None:
             data["multiplier"] = contact.multiplier
         if not contact.formulation.at_points:
             data |= {"pressure": contact.pressure, "friction_traction": contact.friction_traction}
-        data["displacement"] = contact.coupling.positions() - surface.points  # asks every process
+        data["displacement"] = (
+            contact.coupling.positions() - contact.coupling.reference
+        )  # asks every process
         if self._comm.rank == 0:
             drawn = {name: values[surface.site_nodes] for name, values in data.items()}
             self._write(contact.name, number, surface.sites, cells, drawn)

@@ -41,7 +41,7 @@ class DeformableSolid(SystemRows, Stressed):
         mesh: its shape.
         density: kg/m³; a number, ``fem.Constant``, ``fem.Function``, expression in UFL, or function
             of x, see :mod:`~.coefficients`.
-        degree: of the displacement, 1 or 2.
+        degree: of the displacement, 1 or 2, not less than that of the mesh.
         periodic: pairs of names of sides that are one, a translation apart: the second moves as
             the first does, see :mod:`~.periodic`.
         plane: what a mesh in the plane stands for, see :mod:`~.planes`.

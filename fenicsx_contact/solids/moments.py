@@ -25,7 +25,8 @@ def moments(mesh: NamedMesh) -> tuple[float, np.ndarray, np.ndarray]:
     origin = fem.Constant(domain, np.zeros(d))
     y = ufl.SpatialCoordinate(domain) - origin
     terms = [1, *(y[i] for i in range(d)), *(y[i] * y[j] for i, j in pairs)]
-    dx = ufl.Measure("dx", domain=domain, metadata={"quadrature_degree": 3})
+    exact = (d + 2) * mesh.degree - 1  # two coordinates and the Jacobian's determinant
+    dx = ufl.Measure("dx", domain=domain, metadata={"quadrature_degree": exact})
     form = compiled(sum(coefficients[k] * term for k, term in enumerate(terms)) * dx)
 
     def integral(term: int) -> float:

@@ -58,7 +58,11 @@ class TracedSolid(Protocol):
 
 class DeformableTrace(MonolithicTrace):
     """A deformable solid seen from points that are nodes of its mesh, (N, d), or from means of what
-    these see by a matrix (n, N); the operator is constant."""
+    these see by a matrix (n, N); the operator is constant.
+
+    Attributes:
+        reference: the places of the points, or their means, in the reference placement, (n, d).
+    """
 
     def __init__(
         self,
@@ -68,7 +72,7 @@ class DeformableTrace(MonolithicTrace):
     ) -> None:
         if means is None:
             means = scipy.sparse.identity(len(points), format="csr")
-        self._solid, self._reference = solid, means @ points
+        self._solid, self.reference = solid, means @ points
         vectors = solid.vectors
         self._comm, owned = vectors.comm, vectors.owned
         n, d = points.shape
@@ -95,7 +99,7 @@ class DeformableTrace(MonolithicTrace):
         self._whole = seen(row, column, vectors.unknowns)
         self._linearisation = 0
         self._known = np.zeros(
-            self._reference.size, dtype=bool
+            self.reference.size, dtype=bool
         )  # columns of A^-1 J' that are computed
         self._columns = np.empty((0, 0))
         self._compliance: dict[int, tuple[np.ndarray, np.ndarray]] = {}
@@ -127,7 +131,7 @@ class DeformableTrace(MonolithicTrace):
 
     def positions(self) -> np.ndarray:
         moved = self._sum(self._operator @ self._solid.trial_displacement)
-        return self._reference + moved.reshape(self._reference.shape)
+        return self.reference + moved.reshape(self.reference.shape)
 
     def jump(self, velocity: np.ndarray) -> np.ndarray:
         return self._sum(self._operator @ velocity)
@@ -171,10 +175,10 @@ class DeformableTrace(MonolithicTrace):
         """How much more the nodes yield together with what is about them than alone: the least of a
         few, as what is thin bends far but does not stretch. To a power of two, rather the upper one
         of what is least in any direction; 1, and what is next to it, stays 1."""
-        matrix, d = self._solid.factorisation.matrix, self._reference.shape[1]
+        matrix, d = self._solid.factorisation.matrix, self.reference.shape[1]
         first, last = matrix.getOwnershipRange()
         found = []
-        for point in np.linspace(0, len(self._reference) - 1, ASKED).astype(int):
+        for point in np.linspace(0, len(self.reference) - 1, ASKED).astype(int):
             rows = [self._whole[point * d + k].indices for k in range(d)]
             node = np.array([row[0] for row in rows if len(row)], dtype=int)
             if len(node) and first <= node.min() <= node.max() < last:

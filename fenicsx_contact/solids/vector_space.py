@@ -29,7 +29,7 @@ class VectorSpace:
 
     Args:
         mesh: the mesh.
-        degree: 1 or 2.
+        degree: 1 or 2, not less than that of the mesh.
         space: the function space, if not that of all nodes of the mesh.
 
     Attributes:
@@ -55,11 +55,16 @@ class VectorSpace:
     def __init__(self, mesh: NamedMesh, degree: int, space: Any = None) -> None:
         if checks.whole_number("degree", degree, at_least=1) > 2:
             raise checks.InputError(f"degree = {degree!r}: must be 1 or 2")
+        if degree < mesh.degree:
+            raise checks.InputError(
+                f"degree = {degree!r}: must be 2 on a mesh of second degree; one of first degree "
+                "has straight cells"
+            )
         self.mesh, self.degree, self.dim = mesh, degree, mesh.dim
         self.comm, d = mesh.mesh.comm, mesh.dim
         every = compat.lagrange_space(mesh.mesh, degree, shape=(d,)) if space is None else space
         self.space, self.periods = every, np.empty((0, d))
-        self._linear = compat.lagrange_space(mesh.mesh, 1, shape=(d,))
+        self._at_mesh = compat.lagrange_space(mesh.mesh, mesh.degree, shape=(d,))
         index_map = self.space.dofmap.index_map
         self.owned = index_map.size_local * d
         self.unknowns = index_map.size_global * d
@@ -221,9 +226,9 @@ class VectorSpace:
     def at_mesh(self, values: np.ndarray) -> np.ndarray:
         """The field at the local nodes of the mesh's geometry, (n, d)."""
         mesh = self.mesh.mesh
-        nodes, dofs = compat.cell_geometry(mesh), compat.cell_dofs(self._linear)
-        linear = fem.Function(self._linear)
-        linear.interpolate(self.function(values))
+        nodes, dofs = compat.cell_geometry(mesh), compat.cell_dofs(self._at_mesh)
+        there = fem.Function(self._at_mesh)
+        there.interpolate(self.function(values))
         result = np.zeros((len(mesh.geometry.x), self.dim))
-        result[nodes.ravel()] = linear.x.array.reshape(-1, self.dim)[dofs.ravel()]
+        result[nodes.ravel()] = there.x.array.reshape(-1, self.dim)[dofs.ravel()]
         return result

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
+from ...base.cells import lagrange
 from .integration import whole
 from .matrices import add_up, gather
 from .side import Side
@@ -31,3 +32,15 @@ def means(side: Side) -> sp.csr_matrix:
     area = add_up(share.reshape(-1, 1), side.corners.ravel(), n)[side.corners]
     shape = n, len(side.nodes)
     return gather(entries / area, side.corners[..., None], side.cells[:, None], shape, False)
+
+
+def bulges(side: Side) -> np.ndarray:
+    """How far the means of the places lie outside of the corners, along the normals there, (n,) in
+    m: where facets are curved, about h²/12 times the curvature."""
+    points, (m, k) = lagrange(side.cell, 1).points, side.corners.shape
+    slopes = side.shape(np.tile(points, (m, 1)))[1]
+    normals = side.normals(side.nodes, np.repeat(np.arange(m), k), slopes)
+    C = means(side)
+    normals = add_up(normals, side.corners.ravel(), C.shape[0])
+    off = C @ side.nodes - side.nodes[: C.shape[0]]
+    return np.einsum("ni,ni->n", off, normals) / np.linalg.norm(normals, axis=1)

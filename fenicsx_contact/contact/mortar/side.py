@@ -10,14 +10,10 @@ import basix
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ...base.cells import degree_of, lagrange
 from ...base.checks import StepFailed
 from ...base.vectors import cross
 
-_CELLS = {
-    "interval": basix.CellType.interval,
-    "triangle": basix.CellType.triangle,
-    "quadrilateral": basix.CellType.quadrilateral,
-}
 #: Rotation by -90 degrees: from the tangent of a line to its normal.
 _TURN = np.array([[0.0, 1.0], [-1.0, 0.0]])
 
@@ -44,6 +40,7 @@ class Side:
         inside: for each facet, in any order, its midpoint and a point of the solid behind it,
             (m, 2, d): they tell which way is out.
         degree: of the displacement, 1 or 2.
+        places: of the nodes of each facet, (m, k, d), where these are curved.
 
     Attributes:
         nodes: reference coordinates of the nodes of the trace, (N, d); the first n are ``points``.
@@ -55,17 +52,24 @@ class Side:
     """
 
     def __init__(
-        self, points: np.ndarray, cells: np.ndarray, cell: str, inside: np.ndarray, degree: int = 1
+        self,
+        points: np.ndarray,
+        cells: np.ndarray,
+        cell: str,
+        inside: np.ndarray,
+        degree: int = 1,
+        places: np.ndarray | None = None,
     ) -> None:
         self.dim, self.cell, self.degree = points.shape[1], cell, degree
         self.straight = degree == 1 and cell != "quadrilateral"
         self.corners = cells
-        self._linear = self._element(1)
-        self.element = self._element(degree)
+        self._linear, self.element = lagrange(cell, 1), lagrange(cell, degree)
         if degree == 1:
             self.nodes, self.cells = points, cells
         else:
-            at = self.linear_shape(self.element.points) @ points[cells]
+            places = points[cells] if places is None else places
+            shape = lagrange(cell, degree_of(cell, places.shape[1]))
+            at = _tabulate(shape, 0, self.element.points)[0] @ places
             self.nodes, self.cells = _number(points, at)
         self.midpoint = self._midpoint(cell)
         self.sizes = self._diameters(points)
@@ -87,9 +91,6 @@ class Side:
         flat.degree, flat.element, flat.cells = 1, self._linear, self.corners
         flat.straight = self.cell != "quadrilateral"
         return flat
-
-    def _element(self, degree: int) -> basix.finite_element.FiniteElement:
-        return basix.create_element(basix.ElementFamily.P, _CELLS[self.cell], degree, _EQUISPACED)
 
     @staticmethod
     def _midpoint(cell: str) -> np.ndarray:
@@ -153,9 +154,6 @@ class Side:
         if self.cell == "triangle":
             return inside & (xi.sum(axis=1) <= 1 + tolerance)
         return inside & (xi <= 1 + tolerance).all(axis=1)
-
-
-_EQUISPACED = basix.LagrangeVariant.equispaced
 
 
 def _tabulate(element: basix.finite_element.FiniteElement, order: int, xi: np.ndarray) -> Any:

@@ -169,10 +169,11 @@ class Contact(SurfaceResults):
         return self.candidates.widen(self.trial_jump, step)
 
     def touching(self) -> np.ndarray:
-        """Points that bore in the last step, or touch at the start of this one and do not leave,
-        (n,) of bool."""
+        """Points that bore in the last step, are inside at the start of this one, or touch there
+        and do not leave, (n,) of bool; the others are open."""
         stays = dot(self.jump, self.coupling.normals()) >= -self.resolution
-        return self.chosen & ((self.status > 0) | ((self.gap >= -self.tolerance) & stays))
+        at = (self.gap > self.tolerance) | ((self.gap >= -self.tolerance) & stays)
+        return self.chosen & ((self.status > 0) | at)
 
     def linearise(self, step: Step, exact: bool = False) -> None:
         """Take up the trial states of the solids: operators, normals and gaps; if ``exact`` with

@@ -14,6 +14,8 @@ from itertools import chain
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ...base.checks import StepFailed
+
 #: Cost: spheres are larger by this factor than their facets' nodes tell: curved ones bulge.
 BULGE = 1.1
 #: Cost: what is near is sought this share of a typical sphere farther than asked.
@@ -71,9 +73,11 @@ def _close(ones: Spheres, others: Spheres) -> tuple[np.ndarray, np.ndarray]:
     octave = np.floor(np.log2(np.maximum(others.radii, np.finfo(float).tiny)))
     for each in np.unique(octave):
         members = np.flatnonzero(octave == each)
-        tree = cKDTree(others.middles[members])
         reach = ones.radii + others.radii[members].max()
-        found = tree.query_ball_point(ones.middles, reach)
+        try:
+            found = cKDTree(others.middles[members]).query_ball_point(ones.middles, reach)
+        except ValueError as failure:  # of an iterate that diverges: their squares are not finite
+            raise StepFailed("facets of a contact collapse, or are nowhere") from failure
         count = np.fromiter(map(len, found), dtype=np.int64, count=len(found))
         flat = np.fromiter(chain.from_iterable(found), np.int64, count.sum())
         found_ones.append(np.repeat(np.arange(len(count)), count))

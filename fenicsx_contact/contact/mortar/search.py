@@ -56,9 +56,9 @@ class Near:
     def __call__(self, ones: Spheres, others: Spheres) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the pairs, ascending in the first."""
         if self._moved(ones, others):
-            self._sought = ones, others
-            self._margin = MARGIN * float(ones.radii.mean())
-            self._pairs = _close(ones.wider(self._margin), others)
+            margin = MARGIN * float(ones.radii.mean())
+            self._pairs = _close(ones.wider(margin), others)
+            self._sought, self._margin = (ones, others), margin
         return self._pairs
 
     def _moved(self, ones: Spheres, others: Spheres) -> bool:
@@ -133,7 +133,9 @@ def in_tubes(
         far: how far the tubes go beyond the bundles, to both sides, m.
         bundles, facets, near: as above.
     """
-    pieces = np.maximum(1, np.ceil((far + bundles.radii) / radii)).astype(np.int64)
+    # more pieces than facets find nothing sooner, and an iterate that diverges would need many
+    pieces = np.ceil(np.fmin((far + bundles.radii) / radii, len(facets.radii)))
+    pieces = np.maximum(1, pieces).astype(np.int64)
     half = (far + bundles.radii) / pieces
     of, which = np.repeat(np.arange(len(pieces)), pieces), counted(pieces)
     middles = bundles.middles[of] + ((2 * which + 1 - pieces[of]) * half[of])[:, None] * axis[of]

@@ -81,9 +81,10 @@ def test_large_scenes_in_space_choose_it(monkeypatch):
     assert pressed_cube(2).solver == "iterative"
 
 
-def test_rigid_solids_are_refused():
+@pytest.mark.parametrize("geometry", [None, "newton", "fixed point"])
+def test_rigid_solids_are_refused(geometry):
     with pytest.raises(InputError, match=r"solver = 'iterative'.*'monolithic'"):
-        rigid_box(geometry="newton", solver="iterative")
+        rigid_box(geometry=geometry, solver="iterative")
 
 
 def test_what_it_cannot_solve_it_stops_at_with_a_reason(monkeypatch):

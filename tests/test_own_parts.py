@@ -511,6 +511,8 @@ def rigid():
         (lambda: Contact(PointMass, "base", FLOOR), "solid = <class .*not a class"),
         (lambda: Contact(rigid(), "base", (Incomplete(), "top")), "master.*Incomplete.*lacks"),
         (lambda: Contact(rigid(), "base", Incomplete()), r"master = Incomplete\(\): must be"),
+        (lambda: Contact(rigid(), "base", (rigid(),)), r"master = \('rigid',\): must be \(solid"),
+        (lambda: Contact(rigid(), "base", rigid()), "master = 'rigid': must be an obstacle"),
         (lambda: Contact(rigid(), "base", FLOOR, Incomplete()), "formulation = Incomplete.*lacks"),
         (lambda: Contact(rigid(), "base", FLOOR, Penalty), "formulation = <class.*call it"),
         (lambda: Contact(rigid(), "base", FLOOR, friction=Incomplete()), "friction = Incomplete"),

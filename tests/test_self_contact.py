@@ -201,6 +201,7 @@ def test_the_arms_of_a_fork_clap(law, locate):
     assert history["slit.penetration"].max() < (1e-9 if law == "gap" else 5e-4)
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")  # nor of an iterate that diverges
 @pytest.mark.parametrize("layers", [0, pytest.param(1, marks=pytest.mark.second)])
 @pytest.mark.parametrize("solver", ["condensed", "monolithic"])
 def test_one_surface_before_itself(solver, layers):

@@ -50,6 +50,7 @@ class Contact(SurfaceResults):
         start_jump_n: w_n at the start, by the operators of the step; ``end_gap``: at its end if
             nothing approached.
         resolution: speeds below it, m/s, the last step did not resolve.
+        moved: length of the step, s, of which the multipliers are: the last one, or one tried.
         noise: distances below it, m, are round-off of the places.
         candidates: of the step.
         status, force: of the last step: 0 open, 1 stick, 2 slip; mean on the solid, N.
@@ -108,7 +109,7 @@ class Contact(SurfaceResults):
         self.candidates = Candidates(self.equations, self.coupling, self.formulation)
         self._springs = TangentialSprings(self.equations, self.formulation)
         self._scales = Scales(self.coupling, self.surface.size)
-        self.resolution, self._moved = 0.0, 1.0  # m/s; length of the last step, s
+        self.resolution, self.moved = 0.0, 1.0
         self._set_normal(self.coupling.normals())
         self._locate()
 
@@ -142,8 +143,9 @@ class Contact(SurfaceResults):
     def predict(self, step: Step, closing: bool = True) -> None:
         """Follow the solids' prediction of the begun step; what may be its candidates: points that
         are open now only if ``closing``, in a percussion only those of a law of velocities."""
-        if bool(step.dt) != bool(self._moved):  # impulses are alike in a percussion and a step
-            self.equations.scale_multipliers((self._moved or 1.0) / step.span)
+        if bool(step.dt) != bool(self.moved):  # impulses are alike in a percussion and a step
+            self.equations.scale_multipliers((self.moved or 1.0) / step.span)
+        self.moved = step.dt
         if self.coupling.driven:
             self.jump = self.coupling.jump("velocity")
         self.coupling.follow()
@@ -156,23 +158,22 @@ class Contact(SurfaceResults):
 
     def screen(self, free: np.ndarray, step: Step) -> None:
         """Narrow the candidates to points that bore, or would do what the law forbids without
-        contact, from the free velocities of the traces' points, flat: no others bear, unless
-        :meth:`grow` finds that the contact made them."""
+        contact, by the free velocities of the traces' points, flat; :meth:`grow` finds more."""
         bore = (self.status > 0) | self.equations.fields.held
         self.candidates.narrow(bore, free, step)
         if self._paired:  # its operators are those of the candidates
             self.coupling.linearise(step, False, self.formulation.gap_share)
 
     def grow(self, step: Step) -> bool:
-        """Let points be candidates that do in the trial state what the law forbids; whether there
-        were any."""
+        """Let points be candidates that do in the trial state what the law forbids; if any do."""
         return self.candidates.widen(self.trial_jump, step)
 
     def touching(self) -> np.ndarray:
-        """Points that bore in the last step, or touch at the start of this one and do not leave,
-        (n,) of bool."""
+        """Points that bore in the last step, are inside at the start of this one, or touch there
+        and do not leave, (n,) of bool; the others are open."""
         stays = dot(self.jump, self.coupling.normals()) >= -self.resolution
-        return self.chosen & ((self.status > 0) | ((self.gap >= -self.tolerance) & stays))
+        at = (self.gap > self.tolerance) | ((self.gap >= -self.tolerance) & stays)
+        return self.chosen & ((self.status > 0) | at)
 
     def linearise(self, step: Step, exact: bool = False) -> None:
         """Take up the trial states of the solids: operators, normals and gaps; if ``exact`` with
@@ -253,7 +254,6 @@ class Contact(SurfaceResults):
             resolution: speeds below it are none, m/s; so is round-off of those of the points.
         """
         self.equations.release()
-        self._moved = step.dt
         own = largest(self.coupling.velocities("trial_velocity"))
         self.resolution = resolution = max(resolution, ROUND_OFF * own)
         self.force = self.coupling.force(force)
@@ -272,7 +272,7 @@ class Contact(SurfaceResults):
             "force": self.force,
             "stretch": self._springs.stretch,
             "tangent": self.equations.fields.tangent,
-            "last": np.array([self.resolution, self._moved]),
+            "last": np.array([self.resolution, self.moved]),
             **self.memory.state(),
             **self._scales.state(),
             **self.coupling.state(),
@@ -283,7 +283,7 @@ class Contact(SurfaceResults):
         self.equations.values = np.array(state["unknowns"])
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
         self._springs.stretch = np.array(state["stretch"])
-        self.resolution, self._moved = map(float, state["last"])
+        self.resolution, self.moved = map(float, state["last"])
         self.memory.restore(state)
         self._scales.restore(state)
         self.coupling.restore(state)

@@ -29,16 +29,16 @@ def check_master(solid: Solid, facets: str, master: Any) -> Master:
     """The master as given, or a refusal."""
     _refuse_joined("facets", solid, facets)
     if not isinstance(master, tuple):
-        checks.instance(
-            "master", master, Obstacle, "an obstacle (HalfSpace, ...) or (solid, name of facets)"
-        )
+        allowed = "an obstacle (HalfSpace, ...) or (solid, name of facets)"
+        checks.instance("master", _shown(master), Obstacle, allowed)
         if master.dim != solid.dim:
             raise checks.InputError(
                 f"master = {master!r}: has dimension {master.dim}, the solid {solid.dim}"
             )
         return master
     if len(master) != 2 or not isinstance(master[1], str):
-        raise checks.InputError(f"master = {master!r}: must be (solid, name of facets)")
+        shown = tuple(map(_shown, master))
+        raise checks.InputError(f"master = {shown!r}: must be (solid, name of facets)")
     other, theirs = checks.offers("master[0]", master[0], Solid, "a solid"), master[1]
     if other.dim != solid.dim:
         raise checks.InputError(
@@ -51,6 +51,11 @@ def check_master(solid: Solid, facets: str, master: Any) -> Master:
         )
     _refuse_joined("master", other, theirs)
     return other, theirs
+
+
+def _shown(thing: Any) -> Any:
+    """What a message says of it: of a solid its name."""
+    return thing.name if isinstance(thing, Solid) else thing
 
 
 def _refuse_joined(what: str, solid: Solid, facets: str) -> None:

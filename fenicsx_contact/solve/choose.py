@@ -60,7 +60,8 @@ def choose(
             solver = "monolithic"
     checks.choice("geometry", geometry, ["newton", "fixed point"])
     checks.choice("solver", solver, list(SYSTEMS))
-    if geometry == "newton" and solver != "condensed":
+    # by fixed point the sparse system of rigid solids is made from their compliance
+    if solver == "iterative" or (geometry == "newton" and solver == "monolithic"):
         kind = MonolithicSolid if solver == "monolithic" else DeformableSolid
         alone = [solid.name for solid in solids if not isinstance(solid, kind)]
         if alone:

@@ -94,7 +94,9 @@ class StepSolver:
         if not (self._settles and isinstance(self.system, Condensed)):  # which screens them
             for contact in self._all.contacts:
                 contact.candidates.choose()
-        return (self._fixed_point if self._settles else self._full)(step, clock)
+        # an iterate that diverges overflows: its error then is inf, which every loop asks
+        with np.errstate(over="ignore", invalid="ignore"):
+            return (self._fixed_point if self._settles else self._full)(step, clock)
 
     # -- contact settled on frozen geometry, which is then renewed --------------------------------
 

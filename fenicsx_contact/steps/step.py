@@ -126,7 +126,7 @@ class Stepper:
         Raises:
             StepFailed: with the reason; the state is as before.
         """
-        before = [contact.equations.values for contact in self.contacts]
+        before = [(contact.equations.values, contact.moved) for contact in self.contacts]
         clock = Clock(self.times)
         try:
             self._begin(step)
@@ -149,8 +149,8 @@ class Stepper:
                 raise StepFailed(certificate.refusal)
             return replace(trial, certificate=certificate.worst)
         except StepFailed:
-            for contact, values in zip(self.contacts, before):
-                contact.equations.values = values
+            for contact, was in zip(self.contacts, before):
+                contact.equations.values, contact.moved = was
             raise
 
     def _solved(self, step: Step, closing: bool, clock: Clock) -> tuple[Trial, Certificate, bool]:

@@ -14,6 +14,8 @@ from itertools import chain
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ...base.checks import StepFailed
+
 #: Cost: spheres are larger by this factor than their facets' nodes tell: curved ones bulge.
 BULGE = 1.1
 #: Cost: what is near is sought this share of a typical sphere farther than asked.
@@ -54,9 +56,9 @@ class Near:
     def __call__(self, ones: Spheres, others: Spheres) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the pairs, ascending in the first."""
         if self._moved(ones, others):
-            self._sought = ones, others
-            self._margin = MARGIN * float(ones.radii.mean())
-            self._pairs = _close(ones.wider(self._margin), others)
+            margin = MARGIN * float(ones.radii.mean())
+            self._pairs = _close(ones.wider(margin), others)
+            self._sought, self._margin = (ones, others), margin
         return self._pairs
 
     def _moved(self, ones: Spheres, others: Spheres) -> bool:
@@ -71,9 +73,11 @@ def _close(ones: Spheres, others: Spheres) -> tuple[np.ndarray, np.ndarray]:
     octave = np.floor(np.log2(np.maximum(others.radii, np.finfo(float).tiny)))
     for each in np.unique(octave):
         members = np.flatnonzero(octave == each)
-        tree = cKDTree(others.middles[members])
         reach = ones.radii + others.radii[members].max()
-        found = tree.query_ball_point(ones.middles, reach)
+        try:
+            found = cKDTree(others.middles[members]).query_ball_point(ones.middles, reach)
+        except ValueError as failure:  # of an iterate that diverges: their squares are not finite
+            raise StepFailed("facets of a contact collapse, or are nowhere") from failure
         count = np.fromiter(map(len, found), dtype=np.int64, count=len(found))
         flat = np.fromiter(chain.from_iterable(found), np.int64, count.sum())
         found_ones.append(np.repeat(np.arange(len(count)), count))
@@ -129,7 +133,9 @@ def in_tubes(
         far: how far the tubes go beyond the bundles, to both sides, m.
         bundles, facets, near: as above.
     """
-    pieces = np.maximum(1, np.ceil((far + bundles.radii) / radii)).astype(np.int64)
+    # more pieces than facets find nothing sooner, and an iterate that diverges would need many
+    pieces = np.ceil(np.fmin((far + bundles.radii) / radii, len(facets.radii)))
+    pieces = np.maximum(1, pieces).astype(np.int64)
     half = (far + bundles.radii) / pieces
     of, which = np.repeat(np.arange(len(pieces)), pieces), counted(pieces)
     middles = bundles.middles[of] + ((2 * which + 1 - pieces[of]) * half[of])[:, None] * axis[of]

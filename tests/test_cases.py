@@ -539,3 +539,15 @@ def test_elastic_block_of_zero_poisson_ratio_bears_its_weight_evenly():
     np.testing.assert_allclose(u[z > 0.79] - u[z < 0.01], -sink, rtol=1e-9)
     # the forces work on what the Newton tolerance, 1e-10 of g dt = 9.81 m/s, leaves of the jumps
     check_energies(history, tolerance=1e-10)
+
+
+@pytest.mark.parametrize("solver", ["condensed", "monolithic"])
+@pytest.mark.parametrize("facets", [1, 2, 5])
+def test_a_rigid_block_stands_from_the_first_step(facets, solver):
+    """Nothing moves, and nothing has: speeds are measured by what its weight would give."""
+    block = RigidSolid(rectangle((facets, 1)), density=1000.0, gravity=(0, -G))
+    contact = Contact(block, "base", FLOOR, friction=0.3, name="c")
+    scene = Scene([block], [contact], geometry="newton", solver=solver)
+    history = scene.run(3e-3, 1e-3, progress=False)
+    assert history.finished and history["newton"].max() <= 2
+    assert history["c.force_y"][-1] == pytest.approx(block.mass * G, rel=1e-9)

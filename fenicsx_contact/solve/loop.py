@@ -14,7 +14,7 @@ import numpy as np
 
 from ..base.checks import StepFailed
 from ..base.vectors import largest
-from ..contact.trial import nonlinearity
+from ..contact.trial import candidate_force, nonlinearity
 from ..solids import DeformableSolid
 from ..theory.theta import Step
 from .condensed import Condensed
@@ -227,6 +227,8 @@ class StepSolver:
         if step.scheme.inertia:
             speed = max(speed, self._brought(step))
         pushed = max((c.push(c.force, step) for c in contacts), default=0.0)
+        if not pushed:  # a first step
+            pushed = max((c.push(candidate_force(c), step) for c in contacts), default=0.0)
         loaded = max((solid.load_speed() for solid in self._floating), default=0.0)
         if speed or pushed or loaded:
             return max(speed, SLOW * pushed, loaded)

@@ -227,7 +227,7 @@ class StepSolver:
         if step.scheme.inertia:
             speed = max(speed, self._brought(step))
         pushed = max((c.push(c.force, step) for c in contacts), default=0.0)
-        if not pushed:  # a first step
+        if step.scheme.inertia and not pushed:  # a first step
             pushed = max((c.push(candidate_force(c), step) for c in contacts), default=0.0)
         loaded = max((solid.load_speed() for solid in self._floating), default=0.0)
         if speed or pushed or loaded:

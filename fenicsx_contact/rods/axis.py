@@ -103,8 +103,9 @@ class AxisMesh:
             )
         return self.stretches[name]
 
-    def boundary(self, name: str) -> tuple[np.ndarray, np.ndarray, str]:
-        """A named stretch as a contact surface: points (n, d), cells (m, 2), cell name."""
+    def boundary(self, name: str, degree: int = 1) -> tuple[np.ndarray, np.ndarray, str]:
+        """A named stretch as a contact surface, straight for a field of any degree: points (n, d),
+        cells (m, 2), cell name."""
         a, b = self.stretch(name)
         x = self.mesh.geometry.x[:, : self.dim]
         cells = compat.cell_geometry(self.mesh)

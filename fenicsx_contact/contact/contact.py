@@ -139,6 +139,8 @@ class Contact(SurfaceResults):
     def begin(self, step: Step) -> None:
         """Take up what the other side does in the step, from the state at its start."""
         self.coupling.begin(step)
+        if self.coupling.stand(self.status > 0, step):
+            self.gap, self.jump = self.coupling.gaps(), self.coupling.jump("velocity")
 
     def predict(self, step: Step, closing: bool = True) -> None:
         """Follow the solids' prediction of the begun step; what may be its candidates: points that

@@ -48,6 +48,11 @@ class Coupling(ABC):
         """Take up what is given of the other side in a step; of a solid nothing is."""
         self.time = step.end
 
+    def stand(self, bears: np.ndarray, step: Step) -> bool:
+        """Ask, at the start of a step, what stands on a corner, given what bears, (n,) of bool;
+        whether gaps and jumps have become others by that."""
+        return False
+
     @abstractmethod
     def follow(self) -> None:
         """Take up the trial states of the solids."""

@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict, fields
 
 import numpy as np
 
 from ..base.cells import NODES
+from ..base.vectors import largest
 from ..solids import Solid
 from ..theory.theta import Step
 from .clearance import Clearance, apart_at
@@ -16,6 +18,8 @@ from .jump import Coupling
 from .mortar import Pairing, Side
 from .mortar.matrices import square
 from .mortar.passing import passed
+from .mortar.stance import Stance
+from .mortar.standing import Standing
 from .pair_equations import PairedEquations
 from .surface import Surface
 
@@ -50,6 +54,7 @@ class MortarJump(Coupling):
         self._facets, self._moves = facets, moves
         self.pairing = self._ending = Pairing(*sides)
         self.traces = [solid.trace(side.nodes) for solid, side in zip(solids, sides)]
+        self._standing = Standing(*sides)
         self.part = self._part = PairedEquations(equations, self.pairing)
         self._shape = (self.pairing.total, sides[0].dim)
         self._n = self.pairing.n
@@ -74,6 +79,18 @@ class MortarJump(Coupling):
         self._share = step.place_share if self._moves else 1.0
         if self._share < 1 and self._ending is self.pairing:
             self._ending = Pairing(self.pairing.slave, self.pairing.master)
+            self._ending.stand(self.pairing.stance)
+
+    def stand(self, bears: np.ndarray, step: Step) -> bool:
+        way = step.dt * largest(self.velocities("velocity"))
+        stance = self._standing.find(self._start, way, bears)
+        if stance == self.pairing.stance:
+            return False
+        self.pairing.stand(stance)
+        self._ending.stand(stance)
+        self._end = self._start
+        self.pairing.update(self._start, self._way)
+        return True
 
     def follow(self) -> None:
         for trace in self.traces:
@@ -147,8 +164,14 @@ class MortarJump(Coupling):
             return jump
         return (self._there().operator @ self.velocities("velocity")).reshape(self._n, -1)
 
+    def state(self) -> dict[str, np.ndarray]:
+        return asdict(self.pairing.stance)
+
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         self._share = 1.0
+        stance = Stance(*(np.array(state[f.name]) for f in fields(Stance)))
+        self.pairing.stand(stance)
+        self._ending.stand(stance)
         super().restore(state)
 
     def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:

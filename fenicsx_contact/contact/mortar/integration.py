@@ -17,7 +17,8 @@ from .itself import Admits
 from .partners import Partners
 from .pieces import Pieces
 from .search import Near, Spheres
-from .side import Side, unit_and_length
+from .side import TURN, Side, unit_and_length
+from .stance import Places, Stance, look
 
 #: Points on a piece of a line.
 PIECE_POINTS = {1: 2, 2: 4}
@@ -49,18 +50,21 @@ class Lines:
     """Finds what the facets of two lines share, by rays along the slave's normals."""
 
     def __init__(self, slave: Side, master: Side, admits: Admits) -> None:
-        self._slave, self._master = slave, master
+        self._sides = slave, master
         self._cuts, self._partners = Cuts(slave, master), Partners(slave, master, admits)
 
-    def meet(self, xs: np.ndarray, xm: np.ndarray, reach: np.ndarray) -> tuple[Pieces, None]:
+    def meet(self, places: Places, reach: np.ndarray, stance: Stance) -> tuple[Pieces, None]:
         """Points on the pieces in the present places of the nodes, (N, 2) of slave and master, each
         as a piece, not farther apart than ``reach`` [m] of each slave facet."""
-        slave, master, points = self._slave, self._master, self._cuts.points(xs, xm)
+        (slave, master), xs = self._sides, places[0]
+        points = self._cuts.points(places, stance)
+        stance = stance.of(points.facet)
         values, slopes = slave.shape(points.xi)
         corner = values if slave.degree == 1 else slave.linear_shape(points.xi)
         x = np.einsum("qk,qkj->qj", values, xs[slave.cells[points.facet]])
         unit, length = unit_and_length(slave.normals(xs, points.facet, slopes))
-        hits = self._partners.meet(x, unit, points.facet, reach, (xs, xm))
+        look(unit, length, stance, self._sides, places, points.facet)
+        hits = self._partners.meet(x, unit, points.facet, reach, places)
 
         on = hits.ray
         facet, values, slopes = points.facet[on], values[on][:, None], slopes[:, on]
@@ -71,7 +75,7 @@ class Lines:
             values=values, their_values=theirs, their_slopes=their_slopes,
             guide=values, their_guide=theirs, aligned=True, distance=hits.distance[:, None],
             unit=unit[on][:, None], side=slave, slopes=slopes, length=length[on],
-            inverse=hits.inverse[:, None],
+            stance=stance.of(on), inverse=hits.inverse[:, None],
         )  # fmt: skip
         return pieces, None
 
@@ -80,22 +84,28 @@ class Cuts:
     """Points on the pieces into which the corners of the master cut the facets of a line."""
 
     def __init__(self, slave: Side, master: Side) -> None:
-        self._slave, self._master = slave, master
+        self._sides = slave, master
         self._rule = gauss(PIECE_POINTS[max(slave.degree, master.degree)])
         self._corners = np.unique(master.corners)
         self._near = Near()
 
-    def points(self, slave_nodes: np.ndarray, master_nodes: np.ndarray) -> Points:
+    def points(self, places: Places, stance: Stance) -> Points:
         """Those of the present places of the nodes, (N, d)."""
-        ends = slave_nodes[self._slave.corners]  # (m, 2, d)
+        (slave, master), nodes = self._sides, places[1]
+        ends = places[0][slave.corners]  # (m, 2, d)
         along = ends[:, 1] - ends[:, 0]
         square = (along**2).sum(axis=1)
-        facets = Spheres(ends.sum(axis=1) / 2, 0.5 * np.sqrt(square) + self._master.size)
-        corners = Spheres(master_nodes[self._corners], np.zeros(len(self._corners)))
+        # what is cut are their chords, along their own normals or those on which they stand
+        ray = along @ TURN.T
+        look(ray, np.empty(len(ray)), stance, self._sides, places, np.arange(len(ray)))
+        across = ray @ TURN
+        height = (across * along).sum(axis=1)
+        facets = Spheres(ends.sum(axis=1) / 2, 0.5 * np.sqrt(square) + master.size)
+        corners = Spheres(nodes[self._corners], np.zeros(len(self._corners)))
         facet, corner = self._near(facets, corners)
         corner = corners.middles[corner]
         close = ((corner - facets.middles[facet]) ** 2).sum(axis=1) <= facets.radii[facet] ** 2
-        s = ((corner - ends[facet, 0]) * along[facet]).sum(axis=1) / square[facet]
+        s = ((corner - ends[facet, 0]) * across[facet]).sum(axis=1) / height[facet]
         cut = close & (s > 1e-9) & (s < 1 - 1e-9)
         each = np.arange(len(along))
         facet = np.concatenate([each, each, facet[cut]])

@@ -6,8 +6,9 @@ shape functions phi_j (int psi_i phi_j = delta_ij a_i on each facet; Wohlmuth 20
 
     w_i = 1/a_i  int psi_i (v_slave - v_master o pi)        a_i = int phi_i,
 
-over the part of the surface that has a partner; gaps likewise. With these nodal values the weak
-form (7) needs no change: integrated by the values at the nodes with weights a_i, it is the mortar
+over the part of the surface that has a partner, which faces it along the normal of the facet or,
+where a sharp corner stands on the master, of that (standing.py); gaps likewise. With these nodal
+values the weak form (7) needs no change: integrated by them with weights a_i, it is the mortar
 form  int lam_h n . [[v*]]  with lam_h = sum lam_i psi_i. On a P1 slave lam_i a_i is the force on
 node i: signs are read node by node. (With phi_i in place of psi_i, lam_i oscillates at the edge of
 the contact, and Newton's method lets go of one node an iteration.) The normal at a node is the mean
@@ -32,10 +33,10 @@ from .itself import Itself, any_other
 from .matrices import DENSE, Matrix, add_up, along, by_component, by_point, gather
 from .overlaps import Overlaps
 from .pieces import Brink, Pieces
+from .search import FACETS
 from .side import Side
+from .stance import Stance
 
-#: Partners are sought within so many facets, and four times the way of the step.
-FACETS = 3.0
 #: A node with less than this share of its area paired has no partner.
 COVERED = 1e-4
 #: Facets whose paired part is so small that round-off alone is left of their dual functions.
@@ -62,6 +63,7 @@ class Pairing:
         dual, inverse_mass: of each facet, psi = phi @ dual, (m, corners, corners).
         shares: psi_i w / a_i at the points, (p, g, corners), and share: 1 / a_i, (n,).
         reach: how far from each node partners were sought, (n,) in m.
+        stance: how the slave's facets stand on the master's.
     """
 
     def __init__(self, slave: Side, master: Side) -> None:
@@ -75,6 +77,7 @@ class Pairing:
         common = Lines if slave.dim == 2 else Overlaps
         self._common: Lines | Overlaps = common(slave, master, admits)
         self.brink: Brink | None = None
+        self.stance = Stance.none(slave)
         self.places, self._way = np.empty((0, slave.dim)), np.nan
         self._rule = rule = whole(slave)
         phi, self.rule_slopes = slave.linear_shape(rule.xi), slave.shape(rule.xi)[1]
@@ -105,6 +108,11 @@ class Pairing:
             return -pieces.distance
         return (pieces.both @ self.places[self.nodes_of(pieces)] * pieces.unit).sum(axis=2)
 
+    def stand(self, stance: Stance) -> None:
+        """Let the slave's facets stand so on the master's from the next update on."""
+        if stance != self.stance:
+            self.stance, self._way = stance, np.nan
+
     def update(self, places: np.ndarray, way: float) -> None:
         """Take up new places (N, d) of the nodes, whose longest ``way`` [m] in the step tells how
         far partners are sought."""
@@ -115,7 +123,7 @@ class Pairing:
         self.reach = FACETS * self._sizes + 4 * way
         self.places = places
         xs, xm = places[: len(self.slave.nodes)], places[len(self.slave.nodes) :]
-        pieces, self.brink = self._common.meet(xs, xm, reach)
+        pieces, self.brink = self._common.meet((xs, xm), reach, self.stance)
         self.pieces = pieces
         corners = self.slave.corners[pieces.facet]
         self.nodes = self.nodes_of(pieces)

@@ -24,12 +24,11 @@ from .itself import Admits
 from .partners import FACING, inverses
 from .pieces import Brink, Pieces
 from .search import Near, Spheres, counted, first_of_each, in_tubes
-from .side import Side, unit_and_length
+from .side import OUTLINE, Side, unit_and_length
+from .stance import Places, Sides, Stance, look
 
 #: Cost: a facet covered more than once by this share is searched for what lies behind.
 TWICE = 1e-9
-#: The corners of a facet in the order of its outline.
-OUTLINE = {"triangle": [0, 1, 2], "quadrilateral": [0, 1, 3, 2]}
 
 
 class Overlaps:
@@ -45,10 +44,11 @@ class Overlaps:
         self._line = gauss(2 + degree + square)
         self._free = _free_edges(master)
 
-    def meet(self, xs: np.ndarray, xm: np.ndarray, reach: np.ndarray) -> tuple[Pieces, Brink]:
+    def meet(self, places: Places, reach: np.ndarray, stance: Stance) -> tuple[Pieces, Brink]:
         """The pieces in the present places of the nodes, (N, 3) of slave and master, not farther
         apart than ``reach`` [m] of each slave facet; and where the master's edge ends them."""
-        planes = _Planes(self._slave.flat, xs)
+        xm, sides = places[1], (self._slave.flat, self._master.flat)
+        planes = _Planes(sides, places, stance)
         pairs = self._facing(planes, xm, reach)
         outlines = pairs.corners[:, OUTLINE[self._master.cell], :2]
         window = planes.corners[pairs.facet][:, OUTLINE[self._slave.cell], :2]
@@ -143,7 +143,7 @@ class Overlaps:
             guide=corner, their_guide=their_corner, aligned=slave.degree == master.degree == 1,
             distance=_heights(pairs.corners, their_corner) - _heights(mine, corner),
             unit=unit, side=slave.flat, slopes=planes.slopes.repeat(len(facet), axis=1),
-            length=planes.length[facet], inverse=inverses(matrix),
+            length=planes.length[facet], stance=planes.stance.of(facet), inverse=inverses(matrix),
         )  # fmt: skip
 
 
@@ -165,18 +165,21 @@ class _Planes:
 
     Attributes:
         places, corners: of the facets, in space and in their planes, (m, k, 3).
-        unit, length: normals at the middles, (m, 3), divided by (m,).
+        unit, length: where they look, (m, 3): along these normals, divided by (m,).
+        stance: how they stand on the other side.
         slopes: derivatives of the shape functions there, (2, 1, k).
         low, high: between which the corners are, (m, 3).
         size: areas in the planes, (m,).
     """
 
-    def __init__(self, side: Side, nodes: np.ndarray) -> None:
-        self.places = nodes[side.cells]
+    def __init__(self, sides: Sides, places: Places, stance: Stance) -> None:
+        side, nodes = sides[0], places[0]
+        self.places, self.stance = nodes[side.cells], stance
         self.slopes = side.shape(side.midpoint[None])[1]
         g = side.middle_tangents(nodes)
         every = np.arange(len(side.cells))
         self.unit, self.length = unit_and_length(side.normal(g, every))
+        look(self.unit, self.length, stance, sides, places, every)
         basis = np.empty((len(every), 3, 3))
         basis[..., :2] = np.moveaxis(g, 0, 2)
         basis[..., 2] = self.unit

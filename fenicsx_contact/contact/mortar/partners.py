@@ -64,7 +64,7 @@ class Partners:
         facets = Spheres.around(nodes[side.cells])
         ray, facet = candidates(x, n, origin, reach, bundles, facets, self._near)
         direction = n[ray]
-        xi, alpha, inverse, tangents = _intersect(x[ray], direction, side, nodes, facet)
+        xi, alpha, inverse, tangents = intersect(x[ray], direction, side, nodes, facet)
         normal = side.normal(tangents, facet)
         size = np.sqrt((normal**2).sum(axis=1))
         facing = (normal * direction).sum(axis=1) < FACING * size
@@ -76,7 +76,7 @@ class Partners:
         return Hits(ray[best], facet[best], xi[best], alpha[best], inverse[best])
 
 
-def _intersect(
+def intersect(
     x: np.ndarray, n: np.ndarray, side: Side, nodes: np.ndarray, facet: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Where rays meet the facets, continued beyond their edges: xi, alpha, M^-1 and the tangents

@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from .side import Side
+from .stance import Stance
 
 
 @dataclass(frozen=True)
@@ -15,7 +16,7 @@ class Pieces:
     """Pieces (p,) with points on each (g,).
 
     A point of the slave and one of the master face each other if they lie on one line along the
-    slave's normal,  x + distance n = x_m,  where both are placed by "guides": the shape functions
+    normal n,  x + distance n = x_m,  where both are placed by "guides": the shape functions
     of their fields, or those of the corners alone.
 
     Attributes:
@@ -29,7 +30,8 @@ class Pieces:
         distance: (p, g) in m, positive if open.
         unit: n, (p, 1, d).
         side, slopes, length: it is the normal of this side with these derivatives of its shape
-            functions, (d - 1, p, k), divided by its length, (p,).
+            functions, (d - 1, p, k), divided by its length, (p,);
+        stance: or that of the master on which it stands.
         inverse: M^-1 of  M (dxi, dalpha) = dx + distance dn - dx_m,  by which the point moves on
             the master's facet, (p, g, d, d), or (p, 1, d, d) where it is the same.
     """
@@ -49,6 +51,7 @@ class Pieces:
     side: Side
     slopes: np.ndarray
     length: np.ndarray
+    stance: Stance
     inverse: np.ndarray
 
     @property
@@ -64,6 +67,8 @@ class Pieces:
         for name, value in new.items():
             if name in ("slopes", "their_slopes"):
                 new[name] = value[:, kept]
+            elif name == "stance":
+                new[name] = value.of(kept)
             elif name not in ("side", "aligned"):
                 new[name] = value[kept]
         return Pieces(**new)

@@ -44,7 +44,7 @@ class Rates:
             sum_up @ motion.fall, self._corners[:, :, None], columns, (pair.n, across), pair.dense
         )
         turn = motion.turn[:, None] * sum_up.sum(axis=2)[..., None, None]  # (p, corners, d, k d)
-        columns = columns[:, :, None, : turn.shape[3]]
+        columns = columns[:, :, None, motion.turning]
         rows, shape = self._rows(), (pair.normal.size, across)
         mean = gather(turn, rows[..., None], columns, shape, pair.dense)  # of m_i
         self._cover: Cover | None = None
@@ -98,7 +98,7 @@ class Rates:
         up = (slid.reshape(*rows.shape, slid.shape[2]) * pieces.unit[:, :, :, None]).sum(axis=2)
         apart = np.swapaxes(pair.shares, 1, 2) @ (pieces.both @ velocity[pair.nodes])  # (p, c, d)
         turn = self._motion.turn
-        up[:, :, : turn.shape[2]] += apart @ turn
+        up[:, :, self._motion.turning] += apart @ turn
         rises = gather(up, corners, columns, (pair.n, shape[1]), pair.dense)
         if self._cover:
             sides = pieces, self._edge
@@ -120,15 +120,15 @@ class Rates:
         slopes = np.moveaxis(pieces.their_slopes, 0, 2)
         shares = slopes[..., None] * at_points[:, :, None, None]  # (p, g, d - 1, k, d)
         slid = -np.swapaxes(self._by_row(shares), 1, 2) @ self._slide
-        acting = np.zeros((len(slid), *motion.columns.shape[1:] * 2))
+        columns = motion.columns
+        rows = columns[:, : pieces.both.shape[2] * d]
+        acting = np.zeros((*rows.shape, columns.shape[1]))
         acting[:, pieces.values.shape[2] * d :] = slid
         # the normals of the facets turn, and those of the nodes
         pushed = (pieces.both * up).sum(axis=1)  # (p, k)
         turned = pushed[:, :, None, None] * motion.turn[:, None]  # (p, k, d, corners d)
-        wide = motion.turn.shape[2]
-        acting[:, :, :wide] += turned.reshape(*acting.shape[:2], wide)
-        columns = motion.columns
-        spread = gather(acting, columns[:, :, None], columns[:, None], shape, pair.dense)
+        acting[:, :, motion.turning] += turned.reshape(*rows.shape, motion.turn.shape[2])
+        spread = gather(acting, rows[:, :, None], columns[:, None], shape, pair.dense)
         more = normal[:, None, None] * np.eye(d) + n[:, :, None] * force[:, None]
         spread = spread - by_component(pair.means, d).T @ by_point(more, self.normal)
         more = along(force, self.normal) - by_point(pressed[:, None, None], self._stretch)

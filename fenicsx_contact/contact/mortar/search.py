@@ -16,6 +16,8 @@ from scipy.spatial import cKDTree
 
 from ...base.checks import StepFailed
 
+#: Partners are sought within so many facets, and four times the way of the step.
+FACETS = 3.0
 #: Cost: spheres are larger by this factor than their facets' nodes tell: curved ones bulge.
 BULGE = 1.1
 #: Cost: what is near is sought this share of a typical sphere farther than asked.
@@ -134,6 +136,7 @@ def in_tubes(
         bundles, facets, near: as above.
     """
     # more pieces than facets find nothing sooner, and an iterate that diverges would need many
+    radii = np.maximum(radii, np.finfo(float).tiny)  # or nobody is there
     pieces = np.ceil(np.fmin((far + bundles.radii) / radii, len(facets.radii)))
     pieces = np.maximum(1, pieces).astype(np.int64)
     half = (far + bundles.radii) / pieces

@@ -14,8 +14,10 @@ from ...base.cells import degree_of, lagrange
 from ...base.checks import StepFailed
 from ...base.vectors import cross
 
+#: The corners of a facet in the order of its outline.
+OUTLINE = {"triangle": [0, 1, 2], "quadrilateral": [0, 1, 3, 2]}
 #: Rotation by -90 degrees: from the tangent of a line to its normal.
-_TURN = np.array([[0.0, 1.0], [-1.0, 0.0]])
+TURN = np.array([[0.0, 1.0], [-1.0, 0.0]])
 
 
 def unit_and_length(normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -124,10 +126,14 @@ class Side:
         and the derivatives of the shape functions."""
         return np.einsum("tqk,qkj->tqj", slopes, nodes[self.cells[facets]])
 
+    @property
+    def middle_slopes(self) -> np.ndarray:
+        """Derivatives of the shape functions at the middle, (d - 1, k)."""
+        return self.shape(self.midpoint[None])[1][:, 0]
+
     def middle_tangents(self, nodes: np.ndarray) -> np.ndarray:
         """Those at the middles of all facets, (d - 1, m, d)."""
-        slopes = self.shape(self.midpoint[None])[1][:, 0]
-        return np.einsum("tk,mkj->tmj", slopes, nodes[self.cells])
+        return np.einsum("tk,mkj->tmj", self.middle_slopes, nodes[self.cells])
 
     def normals(self, nodes: np.ndarray, facets: np.ndarray, slopes: np.ndarray) -> np.ndarray:
         """Outward normals, not of unit length but of the length of the surface element, (q, d)."""
@@ -135,13 +141,13 @@ class Side:
 
     def normal(self, g: np.ndarray, facets: np.ndarray) -> np.ndarray:
         """The same from the tangents g (d - 1, q, d) at the points."""
-        normal = g[0] @ _TURN.T if self.dim == 2 else cross(g[0], g[1])
+        normal = g[0] @ TURN.T if self.dim == 2 else cross(g[0], g[1])
         return normal * self.sign[facets, None]
 
     def normal_rates(self, nodes: np.ndarray, facets: np.ndarray, slopes: np.ndarray) -> np.ndarray:
         """Derivatives of :meth:`normals` by the places of the facet's nodes, (q, k, d, d)."""
         if self.dim == 2:
-            return np.einsum("q,qk,ij->qkij", self.sign[facets], slopes[0], _TURN)
+            return np.einsum("q,qk,ij->qkij", self.sign[facets], slopes[0], TURN)
         g = self.tangents(nodes, facets, slopes)
         cross = [_cross_matrix(g[0]), _cross_matrix(g[1])]
         rates = np.einsum("qk,qij->qkij", slopes[1], cross[0])

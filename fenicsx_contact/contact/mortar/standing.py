@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""On which facets of the master the corners of a slave stand.
+
+Two surfaces touch where their gap is least. Between facets that are not parallel that is at a
+corner of one of them, and what presses there is normal to the face that the corner touches, not to
+the facet that it belongs to. So a facet of the slave that meets the master with a sharp corner
+looks along the normal of the facet below that corner, and so do its gaps and jumps; one that lies
+flat, or bends only as a mesh of something round does, looks along its own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .itself import Itself, any_other
+from .partners import EDGE, FACING, intersect, inverses
+from .search import FACETS, Near, Spheres, first_of_each, in_tubes
+from .side import OUTLINE, Side, unit_and_length
+from .stance import Stance
+
+#: A surface has a sharp corner where it ends, and where the cosine between the normals of two
+#: facets is below this (26 degrees): those of something round are almost parallel.
+SHARP = 0.9
+
+
+def edges(side: Side) -> np.ndarray:
+    """Between which nodes the sharp edge of a side runs on which a corner of it lies, (n, 2), in
+    the reference placement: a corner itself where such edges end, meet, or bend; -1 where there
+    are none."""
+    m, cells, nodes = side.corners.shape[0], side.corners, side.nodes
+    ridges = cells[:, :, None]
+    if side.dim == 3:
+        outline = cells[:, OUTLINE[side.cell]]
+        ridges = np.sort(np.stack([outline, np.roll(outline, -1, axis=1)], axis=2), axis=2)
+    flat = ridges.reshape(-1, ridges.shape[2])
+    _, which, count = np.unique(flat, axis=0, return_inverse=True, return_counts=True)
+    of = np.argsort(which.ravel(), kind="stable")
+    facet = np.repeat(np.arange(m), ridges.shape[1])[of]
+    first = np.cumsum(count) - count
+    juts = count != 2
+    two = np.flatnonzero(~juts)
+    a, b = facet[first[two]], facet[first[two] + 1]
+    normal, _ = unit_and_length(side.flat.normal(side.flat.middle_tangents(nodes), np.arange(m)))
+    middle = nodes[cells].mean(axis=1)
+    behind = ((middle[b] - middle[a]) * normal[a]).sum(axis=1) < 0
+    juts[two] = behind & ((normal[a] * normal[b]).sum(axis=1) < SHARP)
+    ends = flat[of[first]][juts]
+
+    result = np.full((int(cells.max()) + 1, 2), -1)
+    result[ends.ravel()] = ends.ravel()[:, None]
+    if side.dim == 3:  # those on two of them that are nearly parallel
+        both = np.concatenate([ends, ends[:, ::-1]])
+        both = both[np.argsort(both[:, 0], kind="stable")]
+        at, first, count = np.unique(both[:, 0], return_index=True, return_counts=True)
+        at, first = at[count == 2], first[count == 2]
+        a, b = both[first, 1], both[first + 1, 1]
+        back, on = (
+            unit_and_length(each)[0] for each in (nodes[at] - nodes[a], nodes[b] - nodes[at])
+        )
+        straight = (back * on).sum(axis=1) > SHARP
+        result[at[straight]] = np.stack([a, b], axis=1)[straight]
+    return result
+
+
+class Standing:
+    """Finds the facets of a slave that stand on a corner.
+
+    Args:
+        slave, master: the sides.
+    """
+
+    def __init__(self, slave: Side, master: Side) -> None:
+        self._edges, self._rivals = edges(slave), edges(master)[:, 0] >= 0
+        self._facets = np.flatnonzero((self._edges[slave.corners, 0] >= 0).any(axis=1))
+        self._none, self._slave, self._master = Stance.none(slave), slave.flat, master.flat
+        self._itself, self._near = Itself(slave) if slave is master else any_other, Near()
+
+    def find(self, places: np.ndarray, way: float, bears: np.ndarray) -> Stance:
+        """On which facets of the master the slave's stand.
+
+        Args:
+            places: of the nodes of both, the slave's first, (N, d).
+            way: that they are about to go, at most, m.
+            bears: corners of the slave that bear, (n,): a facet of which d do lies flat.
+        """
+        side, master, d = self._slave, self._master, self._slave.dim
+        asked = self._facets[bears[side.corners[self._facets]].sum(axis=1) < d]
+        if not len(asked):
+            return self._none
+        corners = side.corners[asked]
+        xs, xm = places[: len(side.nodes)], places[len(side.nodes) :]
+        reach = np.fmin(FACETS * side.sizes[asked] + 4 * way, np.ptp(places, axis=0).sum())
+        g = np.einsum("tk,mkj->tmj", side.middle_slopes, xs[corners])
+        unit, _ = unit_and_length(side.normal(g, asked))
+        mine, theirs = Spheres.around(xs[corners]), Spheres.around(xm[master.cells])
+        facet, other = in_tubes(unit, reach, mine.radii, mine, theirs, self._near)
+        normal = master.normal(master.middle_tangents(xm), np.arange(len(master.cells)))
+        length = np.sqrt((normal**2).sum(axis=1))
+        faces = (unit[facet] * normal[other]).sum(axis=1) < FACING * length[other]
+        away = ((theirs.middles[other] - mine.middles[facet]) * unit[facet]).sum(axis=1)
+        faces &= self._itself(asked[facet], other, away)
+        facet, other = facet[faces], other[faces]
+
+        # how high its corners are above the other side, the nearest of it
+        c = corners.shape[1]
+        ray, below = (facet[:, None] * c + np.arange(c)).ravel(), other.repeat(c)
+        of = ray // c
+        xi, height, *_ = intersect(xs[corners.ravel()[ray]], unit[of], master, xm, below)
+        hits = np.flatnonzero(master.holds(xi, EDGE) & (np.abs(height) <= reach[of]))
+        hits = hits[np.lexsort((below[hits], np.abs(height[hits]), ray[hits]))]
+        hits = hits[first_of_each(ray[hits])]
+        heights, foot = np.full(corners.size, np.inf), np.full(corners.size, -1)
+        heights[ray[hits]], foot[ray[hits]] = height[hits], below[hits]
+        every, lowest = np.arange(len(asked)), heights.reshape(-1, c).argmin(axis=1)
+        heights, foot = (each.reshape(-1, c)[every, lowest] for each in (heights, foot))
+
+        # and sharp corners of that above it
+        c = master.corners.shape[1]
+        point, of = master.corners[other].ravel(), facet.repeat(c)
+        sharp = self._rivals[point]
+        point, of = point[sharp], of[sharp]
+        xi, height, *_ = intersect(xm[point], unit[of], side, xs, asked[of])
+        over = side.holds(xi, EDGE)
+        rivals = np.full(len(asked), np.inf)
+        np.minimum.at(rivals, of[over], -height[over])
+
+        ends = self._edges[corners[every, lowest]]
+        stands = np.flatnonzero((ends[:, 0] >= 0) & (heights < rivals - EDGE * side.sizes[asked]))
+        basis = np.moveaxis(np.concatenate([g[:, stands], unit[None, stands]]), 0, 2)
+        edge = xs[ends[stands, 1]] - xs[ends[stands, 0]]
+        share = (inverses(basis) @ edge[:, :, None])[:, :-1, 0]  # in the plane of the facet
+        result = Stance(self._none.facet.copy(), self._none.along.copy())
+        result.facet[asked[stands]] = foot[stands]
+        result.along[asked[stands]] = share @ side.middle_slopes
+        return result

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...base.constants import SAME
 from .itself import Itself, any_other
 from .partners import EDGE, FACING, intersect, inverses
 from .search import FACETS, Near, Spheres, first_of_each, in_tubes
@@ -126,10 +127,37 @@ class Standing:
 
         ends = self._edges[corners[every, lowest]]
         stands = np.flatnonzero((ends[:, 0] >= 0) & (heights < rivals - EDGE * side.sizes[asked]))
-        basis = np.moveaxis(np.concatenate([g[:, stands], unit[None, stands]]), 0, 2)
         edge = xs[ends[stands, 1]] - xs[ends[stands, 0]]
-        share = (inverses(basis) @ edge[:, :, None])[:, :-1, 0]  # in the plane of the facet
-        result = Stance(self._none.facet.copy(), self._none.along.copy())
-        result.facet[asked[stands]] = foot[stands]
-        result.along[asked[stands]] = share @ side.middle_slopes
+        return self._stance(xs, asked[stands], foot[stands], edge, heights[stands], bears)
+
+    def _stance(
+        self,
+        xs: np.ndarray,
+        facet: np.ndarray,
+        foot: np.ndarray,
+        edge: np.ndarray,
+        height: np.ndarray,
+        bears: np.ndarray,
+    ) -> Stance:
+        """That of facets (q,) that stand on those of the master, (q,), with edges (q, d), so high
+        above it, and of those in one plane with them: a flat face stands, or lies, as a whole."""
+        side, result = self._slave, Stance(self._none.facet.copy(), self._none.along.copy())
+        if not len(facet):
+            return result
+        every = np.arange(len(side.cells))
+        g = side.middle_tangents(xs)
+        unit, _ = unit_and_length(side.normal(g, every))
+        middle = xs[side.corners].mean(axis=1)
+        arm = middle - middle[facet, None]  # (q, m, d)
+        near = SAME * side.size
+        level = np.abs((arm * unit[facet, None]).sum(axis=2)) <= near
+        level &= (np.abs(unit - unit[facet, None]) <= SAME).all(axis=2)
+        lies = bears[side.corners].sum(axis=1) >= side.dim
+        level &= ~(level & lies).any(axis=1)[:, None]
+        lowest = np.where(level, height[:, None], np.inf).argmin(axis=0)
+        which = np.flatnonzero(level.any(axis=0))
+        lowest = lowest[which]
+        basis = np.moveaxis(np.concatenate([g[:, which], unit[None, which]]), 0, 2)
+        share = (inverses(basis) @ edge[lowest][:, :, None])[:, :-1, 0]  # in the plane of the facet
+        result.facet[which], result.along[which] = foot[lowest], share @ side.middle_slopes
         return result

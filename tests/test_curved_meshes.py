@@ -5,6 +5,7 @@ import shutil
 
 import dolfinx
 import gmsh
+import matplotlib.pyplot as plt
 import meshio
 import numpy as np
 import pytest
@@ -39,6 +40,7 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.base import compat
 from fenicsx_contact.base.cells import for_meshio
+from fenicsx_contact.output import pictures
 from fenicsx_contact.references.hertz import LineContact, effective_modulus
 
 E, NU = 100.0, 0.3
@@ -375,6 +377,26 @@ def test_a_run_goes_on_where_it_stopped(cell, tmp_path):
     assert RigidSolid(again, density=10.0).mass == pytest.approx(solid.mass, rel=1e-9)
     surface = meshio.read(tmp_path / "fields" / "c_000000_0.vtu")
     np.testing.assert_allclose(surface.point_data["displacement"], 0, atol=1e-15)
+
+
+@pytest.mark.parametrize("cell", PLANE + SPACE)
+def test_pictures(cell, tmp_path):
+    """Curved cells are drawn so, with edges of their own."""
+    pytest.importorskip("pyvista")
+    thrown("velocity", cell).run(1e-4, 1e-4, directory=tmp_path, fields_every=1)
+    path = pictures.animate(tmp_path / "fields" / "s.pvd", tmp_path / "s.gif")
+    assert plt.imread(path.with_suffix(".png"))[..., :3].min() < 0.1  # the black edges
+    mesh = pictures.frames(tmp_path / "fields" / "s.pvd")[1](0)
+    edges, topology = pictures._edges(mesh), ring(2, cell, 2).mesh.topology
+    topology.create_entities(1)
+    assert edges.n_cells == topology.index_map(1).size_local
+
+    def round_one(drawn):
+        """How many points of it are on the rim: straight ones would have none but nodes."""
+        return np.isclose(np.linalg.norm(drawn.points, axis=1), 0.2, rtol=1e-3).sum()
+
+    assert round_one(pictures._pieces(mesh)) > 3 * round_one(mesh)
+    assert round_one(pictures._pieces(edges)) > 3 * round_one(mesh)
 
 
 # -- two solids --

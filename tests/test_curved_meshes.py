@@ -12,7 +12,7 @@ import pytest
 import ufl
 from mpi4py import MPI
 from processes import mpirun, output_of
-from scenes import FLOOR, FLOOR_3D, rates, total_energy
+from scenes import FLOOR, FLOOR_3D, half_cylinder, rates, total_energy
 
 from fenicsx_contact import (
     Circle,
@@ -41,7 +41,6 @@ from fenicsx_contact import (
 from fenicsx_contact.base import compat
 from fenicsx_contact.base.cells import for_meshio
 from fenicsx_contact.output import pictures
-from fenicsx_contact.references.hertz import LineContact, effective_modulus
 
 E, NU = 100.0, 0.3
 LAME = E * NU / (1 + NU) / (1 - 2 * NU), E / 2 / (1 + NU)
@@ -264,20 +263,7 @@ def test_hertz():
     within 0.3 %; of straight cells on the same corners they are off by 7 %."""
 
     def error(order):
-        mesh = mesh_from_gmsh(
-            "cylinder.geo", R=1, h=0.005, half_width=0.06, coarse=0.1, order=order
-        )
-        half = ElasticSolid(
-            mesh,
-            youngs_modulus=1e3,
-            poisson_ratio=0.3,
-            density=1.0,
-            degree=2,
-            prescribed={"top": (0.0, -0.0035)},
-        )
-        contact = Contact(half, "bottom", FLOOR, "gap", name="c")
-        force = still([half], contact, 1e-10)["c.force_y"][-1]
-        hertz = LineContact(force, effective_modulus(1e3, 0.3), 1.0)
+        contact, hertz = half_cylinder(0.005, order)
         x = contact.surface.points[:, 0]
         inside = np.abs(x) < 0.8 * hertz.half_width
         return float(np.abs(contact.pressure[inside] / hertz.pressure(x[inside]) - 1).max())

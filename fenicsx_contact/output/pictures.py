@@ -160,7 +160,7 @@ def animate(
     look = _look_of(colour_by, label, max(sizes) or 1.0)
     bounds = np.array([mesh.bounds for meshes, _ in pictures for mesh in meshes])
     low, high = bounds[:, ::2].min(axis=0), bounds[:, 1::2].max(axis=0)
-    grey = {"color": "#f0f0f0", "show_edges": edges, "edge_color": "#b8b8b8"}
+    grey: dict[str, Any] = {"color": "#f0f0f0", "show_edges": edges, "edge_color": "#b8b8b8"}
     if low[2] < high[2]:  # in space the solids hide what is between them
         grey = {"color": "#b0b0b0", "style": "wireframe"}
     path.parent.mkdir(parents=True, exist_ok=True)

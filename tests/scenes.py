@@ -17,12 +17,15 @@ from fenicsx_contact import (
     History,
     HyperelasticSolid,
     NamedMesh,
+    Newton,
     QuasiStatic,
     RigidSolid,
     Scene,
+    mesh_from_gmsh,
     name_facets,
     neo_hookean,
 )
+from fenicsx_contact.references.hertz import LineContact, effective_modulus
 
 G = 9.81
 FLOOR = HalfSpace((0, 0), (0, 1))
@@ -145,6 +148,25 @@ def soft_block(**scene: Any) -> Scene:
         velocity=lambda x: np.stack([1 + 0 * x[0], -3 + 0 * x[0]]),
     )
     return Scene([block], [Contact(block, "base", FLOOR, friction=0.3, name="c")], **scene)
+
+
+def half_cylinder(h: float, order: int = 1) -> tuple[Contact, LineContact]:
+    """Half a cylinder of displacements of second degree, on a mesh of an order with facets of
+    ``h``, that is pressed on a plane: its contact at rest, and Hertz's by the same force."""
+    mesh = mesh_from_gmsh("cylinder.geo", R=1, h=h, half_width=0.06, coarse=0.1, order=order)
+    half = ElasticSolid(
+        mesh,
+        youngs_modulus=1e3,
+        poisson_ratio=0.3,
+        density=1.0,
+        degree=2,
+        prescribed={"top": (0.0, -0.0035)},
+    )
+    contact = Contact(half, "bottom", FLOOR, "gap", name="c")
+    scene = Scene([half], [contact], QuasiStatic(), Newton(tolerance=1e-10))
+    history = scene.run(until=1, dt=1)
+    assert history.finished, history.reason
+    return contact, LineContact(history["c.force_y"][-1], effective_modulus(1e3, 0.3), 1.0)
 
 
 def rigid_box(**scene: Any) -> Scene:

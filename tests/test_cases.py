@@ -206,11 +206,11 @@ def test_sliding_block_that_stops_where_a_step_ends(height, points):
     assert np.abs(block.velocity).max() < 1e-14 and not history.remarks[20:]
 
 
-@pytest.mark.parametrize(("theta", "order"), [(1.0, 1), (0.5, 2)])
-def test_sliding_block_stops(theta, order):
+@pytest.mark.parametrize(("theta", "order", "coarsest"), [(1.0, 1, 300), (0.5, 2, 75)])
+def test_sliding_block_stops(theta, order, coarsest):
     """After v0/(mu g) at v0²/(2 mu g), having dissipated m v0²/2."""
     distance, errors = 2.0**2 / (2 * 0.3 * G), []
-    for n in (300, 600, 1200):
+    for n in (coarsest, 2 * coarsest, 4 * coarsest):
         history, solid, way, stop = slide(theta, n + 0.4)
         errors.append(abs(way[0] / distance - 1))
         moving = np.abs(history["v0"]) > 1e-10

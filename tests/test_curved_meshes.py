@@ -5,13 +5,14 @@ import shutil
 
 import dolfinx
 import gmsh
+import matplotlib.pyplot as plt
 import meshio
 import numpy as np
 import pytest
 import ufl
 from mpi4py import MPI
 from processes import mpirun, output_of
-from scenes import FLOOR, FLOOR_3D, rates, total_energy
+from scenes import FLOOR, FLOOR_3D, half_cylinder, rates, total_energy
 
 from fenicsx_contact import (
     Circle,
@@ -39,7 +40,7 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.base import compat
 from fenicsx_contact.base.cells import for_meshio
-from fenicsx_contact.references.hertz import LineContact, effective_modulus
+from fenicsx_contact.output import pictures
 
 E, NU = 100.0, 0.3
 LAME = E * NU / (1 + NU) / (1 - 2 * NU), E / 2 / (1 + NU)
@@ -262,20 +263,7 @@ def test_hertz():
     within 0.3 %; of straight cells on the same corners they are off by 7 %."""
 
     def error(order):
-        mesh = mesh_from_gmsh(
-            "cylinder.geo", R=1, h=0.005, half_width=0.06, coarse=0.1, order=order
-        )
-        half = ElasticSolid(
-            mesh,
-            youngs_modulus=1e3,
-            poisson_ratio=0.3,
-            density=1.0,
-            degree=2,
-            prescribed={"top": (0.0, -0.0035)},
-        )
-        contact = Contact(half, "bottom", FLOOR, "gap", name="c")
-        force = still([half], contact, 1e-10)["c.force_y"][-1]
-        hertz = LineContact(force, effective_modulus(1e3, 0.3), 1.0)
+        contact, hertz = half_cylinder(0.005, order)
         x = contact.surface.points[:, 0]
         inside = np.abs(x) < 0.8 * hertz.half_width
         return float(np.abs(contact.pressure[inside] / hertz.pressure(x[inside]) - 1).max())
@@ -375,6 +363,26 @@ def test_a_run_goes_on_where_it_stopped(cell, tmp_path):
     assert RigidSolid(again, density=10.0).mass == pytest.approx(solid.mass, rel=1e-9)
     surface = meshio.read(tmp_path / "fields" / "c_000000_0.vtu")
     np.testing.assert_allclose(surface.point_data["displacement"], 0, atol=1e-15)
+
+
+@pytest.mark.parametrize("cell", PLANE + SPACE)
+def test_pictures(cell, tmp_path):
+    """Curved cells are drawn so, with edges of their own."""
+    pytest.importorskip("pyvista")
+    thrown("velocity", cell).run(1e-4, 1e-4, directory=tmp_path, fields_every=1)
+    path = pictures.animate(tmp_path / "fields" / "s.pvd", tmp_path / "s.gif")
+    assert plt.imread(path.with_suffix(".png"))[..., :3].min() < 0.1  # the black edges
+    mesh = pictures.frames(tmp_path / "fields" / "s.pvd")[1](0)
+    edges, topology = pictures._edges(mesh), ring(2, cell, 2).mesh.topology
+    topology.create_entities(1)
+    assert edges.n_cells == topology.index_map(1).size_local
+
+    def round_one(drawn):
+        """How many points of it are on the rim: straight ones would have none but nodes."""
+        return np.isclose(np.linalg.norm(drawn.points, axis=1), 0.2, rtol=1e-3).sum()
+
+    assert round_one(pictures._pieces(mesh)) > 3 * round_one(mesh)
+    assert round_one(pictures._pieces(edges)) > 3 * round_one(mesh)
 
 
 # -- two solids --

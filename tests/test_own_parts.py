@@ -15,11 +15,13 @@ import ufl
 from scenes import FLOOR, FLOOR_3D, G, box, rectangle
 
 from fenicsx_contact import (
+    Circle,
     Contact,
     Discrete,
     ElasticSolid,
     HalfSpace,
     InputError,
+    Moved,
     RigidSolid,
     Scene,
     ThetaScheme,
@@ -549,3 +551,86 @@ def test_a_bound_that_is_no_number_is_no_friction_without_bound(factor, deforms)
     history = Scene([solid], [contact]).run(0.05, 0.01)
     assert not history.finished and "no finite solution" in history.reason
     assert np.isfinite(history.rows()).all()
+
+
+# -- what numpy tells of them --------------------------------------------------------------------
+
+
+class Shelf:
+    """The floor; ``asked`` does something careless at each question, as own functions may."""
+
+    dim, flat, moving = 2, False, True
+
+    def __init__(self, asked=lambda: None):
+        self.asked = asked
+
+    def distance(self, points, time=0.0):
+        self.asked()
+        return points[:, 1].copy()
+
+    def normals(self, points, time=0.0):
+        return np.broadcast_to([0.0, 1.0], points.shape)
+
+
+def careless():
+    infinite = np.exp(np.array([1e3]))
+    return infinite - infinite
+
+
+@pytest.mark.parametrize("solver", ["condensed", "monolithic"])
+@pytest.mark.parametrize("own", ["obstacle", "motion", "velocity"])
+def test_numpy_warns_of_functions_of_ones_own(own, solver, monkeypatch):
+    """In the midst of a step, too, where it says nothing of iterates."""
+    solving = []
+
+    def asked(*_):
+        if solving:
+            careless()
+
+    def motion(time):
+        return asked() or (0.0, 0.0)
+
+    obstacle = Shelf(asked) if own == "obstacle" else FLOOR
+    if own == "motion":
+        obstacle = Moved(FLOOR, motion)
+    if own == "velocity":
+        obstacle = Shelf()
+        obstacle.velocity = lambda points, time: asked() or np.zeros(points.shape)
+    solid = ElasticSolid(
+        rectangle(), youngs_modulus=1e6, poisson_ratio=0.3, density=1000.0, gravity=(0, -G)
+    )
+    scene = Scene([solid], [Contact(solid, "base", obstacle)], solver=solver)
+    method = scene.stepper._method
+    solve = method.solve
+
+    def watched(*arguments):
+        solving.append(True)
+        try:
+            return solve(*arguments)
+        finally:
+            solving.clear()
+
+    monkeypatch.setattr(method, "solve", watched)
+    with pytest.warns(RuntimeWarning) as told:
+        scene.run(2e-3, 1e-3, progress=False)
+    said = {str(each.message) for each in told}
+    assert said == {"overflow encountered in exp", "invalid value encountered in subtract"}
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("size", [1e160, np.inf, np.nan])
+@pytest.mark.parametrize("master", [FLOOR, Circle((0.0, -1.0), 1.0)], ids=["plane", "circle"])
+def test_nor_is_an_obstacle_asked_by_an_iterate_that_diverges(master, size):
+    solid = ElasticSolid(rectangle(), youngs_modulus=1e6, poisson_ratio=0.3, density=1000.0)
+    scene = Scene([solid], [Contact(solid, "base", master)], solver="monolithic")
+    iterate = scene.stepper._method.system.iterate
+
+    def diverge(step):
+        done = iterate(step)
+        solid.go(solid.trial_velocity + size, step)
+        return done
+
+    scene.stepper._method.system.iterate = diverge
+    history = scene.run(1e-3, 1e-3, shortest=0.5, progress=False)
+    assert not history.finished
+    assert "nowhere" in history.reason or "stalls" in history.reason

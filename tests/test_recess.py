@@ -114,6 +114,45 @@ def test_what_does_not_change_in_motion():
         np.testing.assert_allclose(a, b, atol=1e-6 * np.abs(a).max())
 
 
+TIGHT = "recess = {}, clearance = {}: their sum must be > 0; at the depth {} m 'rod' does not fit"
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("tube", [False, True], ids=["rigid", "elastic"])
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("recess", [-2e-3, -C, lambda s: np.where(s > 1.0, 0.0, -2e-3)])
+def test_a_rod_thicker_than_its_hole_does_not_settle(dim, tube, recess):
+    value = recess if isinstance(recess, float) else -2e-3
+    with pytest.raises(InputError, match=TIGHT.format(value, C, r"[\d.]+")):
+        half_wave(recess, C, dim, tube)
+
+
+def plug(low, high, guide):
+    """A rod of 2 m, thick above ``low``, that is pushed down at 1 m/s from the depth 1 m on."""
+    section = replace(ROD, recess=lambda s: np.where(s > low, -high, 0.0))
+    axis = axis_mesh((0, -2), (0, 1), rod=(2.0, 20))
+    rod = BeamSolid(axis, section, law=Driven(1.0), name="rod")
+    return rod, GuideContact(rod, "rod", Guide(guide, (0, -1.0)), name="c")
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("guide", [[Tube(0.2, 6, C)], [Card(0.2, C), Card(0.7, 3 * C)]])
+def test_a_thick_part_that_comes_to_a_hole_stops(guide):
+    """From 1.2 m, 0.2 m above the hole, on it gets thicker within a cell of 0.1 m."""
+    rod, contact = plug(1.25, 2 * C, guide)
+    history = Scene([rod], [contact], ThetaScheme(0.6)).run(1.0, 2e-3, progress=False)
+    assert "at the depth 0.2 m 'rod' does not fit" in history.reason, history.reason
+    assert rod.travel == pytest.approx(0.4 + 0.05, abs=1e-4)
+    with pytest.raises(InputError, match=TIGHT.format(-2 * C, C, 0.2)):
+        plug(0.75, 2 * C, guide)
+
+
+def test_a_thick_part_that_stays_out_of_holes_does_no_harm():
+    rod, contact = plug(1.95, 2 * C, [Tube(0.2, 6, C)])
+    history = Scene([rod], [contact], ThetaScheme(0.6)).run(1.0, 2e-3, progress=False)
+    assert history.finished and rod.travel == pytest.approx(1.0)
+
+
 def test_bad_input_is_refused():
     with pytest.raises(InputError, match="recess = nan: must be a finite number"):
         Section(mass=1.0, bending=1.0, recess=math.nan)

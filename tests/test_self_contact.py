@@ -29,9 +29,20 @@ from fenicsx_contact.base import compat
 R, THICK = 1.0, 0.08
 
 
-def ring(n=40, layers=0, halves=True):
+def round_ring(n):
+    """A ring of cells of nine nodes."""
+    k, across = np.arange(2 * n), R - THICK * np.array([1.0, 0.5, 0.0])
+    way = np.stack([np.sin(np.pi * k / n), -np.cos(np.pi * k / n)], axis=1)
+    points = (across[:, None] * way[:, None]).reshape(-1, 2)
+    # in basix's order: corners, edges, the middle; around and across
+    at = [(0, 0), (0, 2), (2, 0), (2, 2), (0, 1), (1, 0), (1, 2), (2, 1), (1, 1)]
+    cells = [[3 * ((i + a) % (2 * n)) + b for a, b in at] for i in range(0, 2 * n, 2)]
+    return compat.create_mesh(MPI.COMM_SELF, np.array(cells), points, "quadrilateral", 2)
+
+
+def ring(n=40, layers=0, halves=True, degree=1):
     """Mesh of a ring, or of so many layers of it in space; its inner side whole or in halves."""
-    flat = ring_mesh(R, THICK, n).mesh
+    flat = ring_mesh(R, THICK, n).mesh if degree == 1 else round_ring(n)
     rim = R * np.cos(np.pi / n)
 
     def outer(p):
@@ -72,7 +83,9 @@ def squashed(mesh, solver="monolithic", friction=0.0, mirror=False, steps=30):
     held = {"top": lambda t: [*free, -t], "bottom": [*free, 0.0]}
     if d == 3:
         held |= {"front": (None, 0.0, None), "back": (None, 0.0, None)}
-    body = HyperelasticSolid(mesh, energy=neo_hookean(1e3, 0.3), density=1.0, prescribed=held)
+    body = HyperelasticSolid(
+        mesh, energy=neo_hookean(1e3, 0.3), density=1.0, prescribed=held, degree=mesh.degree
+    )
     planes = {
         "above": LevelSet(lambda x, t: x[d - 1] + t / 2, d),
         "below": LevelSet(lambda x, t: -x[d - 1] - t / 2, d),
@@ -214,6 +227,25 @@ def test_one_surface_before_itself(solver, layers):
     np.testing.assert_allclose(
         found[f"inner.{up}"], -named[f"above.{up}"], rtol=1e-6, atol=1e-6 * named[f"above.{up}"][-1]
     )
+
+
+def test_cells_of_second_degree():
+    """Half before half, and one surface before itself, of round cells."""
+    _, _, named = squashed(ring(degree=2))
+    _, _, found = squashed(ring(degree=2, halves=False))
+    assert found["inner.bearing"][-1] == named["above.bearing"][-1] >= 3
+    assert found["inner.force_y"][-1] == pytest.approx(-named["above.force_y"][-1], rel=1e-6)
+    assert max(found["inner.penetration"].max(), named["above.penetration"].max()) < 1e-9
+
+
+@pytest.mark.second
+def test_cells_of_second_degree_as_before_a_plane():
+    errors = []
+    for n in (40, 80):
+        _, _, history = squashed(ring(n, degree=2))
+        _, _, plane = squashed(ring(n, degree=2), mirror=True)
+        errors.append(abs(history["above.force_y"][-1] / plane["above.force_y"][-1] - 1))
+    assert errors[0] < 0.2 and errors[1] < errors[0] / 3
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,8 @@ from typing import Any, TypeGuard
 import numpy as np
 import ufl
 
+from .overflow import told
+
 #: The size of admissible numbers lies between the inverse of this and this: their squares and
 #: products stay far inside the range of a double.
 LARGEST = 1e60
@@ -94,7 +96,8 @@ def keep(thing: Any, name: str, **limits: float | None) -> None:
 def called(what: str, function: Callable, *arguments: Any) -> Any:
     """What a function of the user's gives, or an :class:`InputError` with what it raises."""
     try:
-        return function(*arguments)
+        with told():
+            return function(*arguments)
     except StepFailed:
         raise
     except Exception as problem:

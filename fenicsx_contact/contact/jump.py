@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from functools import cached_property
 
 import numpy as np
 
@@ -165,7 +164,7 @@ class Coupling(ABC):
         """Places of the slave's nodes, (n, d) in m."""
         return self.traces[0].positions()
 
-    @cached_property
+    @property
     def reference(self) -> np.ndarray:
-        """Those in the reference placement."""
+        """Those in the reference placement, (n, d) in m."""
         return self.part.equations.fields.surface.points

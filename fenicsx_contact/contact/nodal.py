@@ -10,6 +10,7 @@ import numpy as np
 from ..base.constants import BRIEF
 from ..base.vectors import dot
 from ..solids import Solid, Trace
+from ..solids.trace import DeformableTrace
 from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .jump import Coupling
@@ -177,6 +178,11 @@ class NodalJump(Coupling):
             back = leaves(middle)
             near, far = np.where(back, near, middle), np.where(back, middle, far)
         return np.where(turns, -wall.distance(place(near), time) - self.bulge - self.recess, end)
+
+    @property
+    def reference(self) -> np.ndarray:
+        trace = self.traces[0]
+        return trace.reference if isinstance(trace, DeformableTrace) else super().reference
 
     def mobility(self) -> np.ndarray:
         return self.traces[0].mobility().reshape(self._shape)

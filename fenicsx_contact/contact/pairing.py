@@ -108,8 +108,6 @@ def couple(
     if not isinstance(other, tuple):
         trace, bulge = _means(solid, facets, equations)
         coupling = NodalJump(solid, equations, other, trace, bulge)
-        if trace:
-            coupling.reference = trace.reference
         coupling.wall.check(coupling.positions())
         return coupling
     master, theirs = other

@@ -10,6 +10,8 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from ..base import checks
+from ..base.overflow import told
+from ..base.vectors import largest
 
 #: Relative error of the length of unit normals, and of a surface's extent the way along them on
 #: which distances must grow.
@@ -97,7 +99,9 @@ class Wall:
         if not self.moving:
             return np.zeros(points.shape)
         if self._velocity:
-            return _finite("velocity", self._velocity(points, start, end), points)
+            with told():
+                answer = self._velocity(points, start, end)
+            return _finite("velocity", answer, points)
         closer = self.distance(points, end) - self.distance(points, start)
         return -(closer / (end - start))[:, None] * self.normals(points, end)
 
@@ -159,9 +163,16 @@ def _parameters(function: Callable) -> list[inspect.Parameter] | None:
 def _timed(function: Callable) -> tuple[Callable[[np.ndarray, float], np.ndarray], bool]:
     """The function of points as one of points and time, and whether it insists on the time."""
     parameters = _parameters(function)
-    if parameters is None or len(parameters) > 1:
-        return function, bool(parameters and parameters[1].default is inspect.Parameter.empty)
-    return lambda points, time: function(points), False
+    asks = parameters is None or len(parameters) > 1
+    insists = bool(asks and parameters and parameters[1].default is inspect.Parameter.empty)
+
+    def asked(points: np.ndarray, time: float) -> np.ndarray:
+        if not largest(points) <= checks.LARGEST:  # of an iterate that diverges
+            raise checks.StepFailed("facets of a contact collapse, or are nowhere")
+        with told():
+            return function(points, time) if asks else function(points)
+
+    return asked, insists
 
 
 def _mean(velocity: Callable) -> Callable[[np.ndarray, float, float], np.ndarray]:

@@ -44,6 +44,51 @@ def frames(pvd: Path) -> tuple[list[float], Callable[[int], Any]]:
     return list(reader.time_values), read
 
 
+def _draw(plotter: Any, mesh: Any, box: Sequence[float] | None = None, **look: Any) -> None:
+    """What of cells is within a box, and their edges where these are to be shown; curved ones in
+    straight pieces, whose edges are nobody's."""
+
+    def within(drawn: Any) -> Any:
+        return drawn if box is None else drawn.clip_box(box, invert=False)
+
+    if mesh.celltypes.min() < _pyvista().CellType.QUADRATIC_EDGE:  # the first of second degree
+        plotter.add_mesh(within(mesh), **look)
+        return
+    wires = look.get("style") == "wireframe"
+    shown = look.pop("show_edges", wires)
+    lines = {"color": look.pop("edge_color", BLACK), "opacity": look.pop("edge_opacity", 1.0)}
+    if shown:
+        lines |= {"color": look["color"]} if wires else {}
+        drawn = plotter.add_mesh(within(_pieces(_edges(mesh))), **lines)
+        drawn.mapper.SetResolveCoincidentTopologyToPolygonOffset()  # before the faces
+        drawn.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, -99.0)
+    if not wires:
+        plotter.add_mesh(within(_pieces(mesh)), **look)
+
+
+def _edges(mesh: Any) -> Any:
+    """Those of curved cells, which all are of one type."""
+    first, (cells,) = mesh.get_cell(0), mesh.cells_dict.values()
+    own = [[first.point_ids.index(node) for node in edge.point_ids] for edge in first.edges]
+    edges = cells[:, own].reshape(-1, 3)
+    once = np.unique(edges[:, 2], return_index=True)[1]  # by their middles
+    pyvista = _pyvista()
+    return pyvista.UnstructuredGrid({pyvista.CellType.QUADRATIC_EDGE: edges[once]}, mesh.points)
+
+
+def _pieces(mesh: Any) -> Any:
+    """The surface of curved cells, or curved edges, in straight pieces."""
+    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
+
+    cut = vtkDataSetSurfaceFilter()
+    cut.SetInputData(mesh)
+    cut.SetNonlinearSubdivisionLevel(PIECES)
+    cut.Update()
+    return _pyvista().wrap(cut.GetOutput())
+
+
+#: Cost: a curved edge is drawn in two to the power of so many straight pieces.
+PIECES = 3
 #: Colours of statuses that the colour-blind tell apart: open, stick, slip.
 STATUS = {"open": "#bbbbbb", "stick": "#0072b2", "slip": "#e69f00"}
 BLACK = "black"
@@ -115,7 +160,7 @@ def animate(
     look = _look_of(colour_by, label, max(sizes) or 1.0)
     bounds = np.array([mesh.bounds for meshes, _ in pictures for mesh in meshes])
     low, high = bounds[:, ::2].min(axis=0), bounds[:, 1::2].max(axis=0)
-    grey = {"color": "#f0f0f0", "show_edges": edges, "edge_color": "#b8b8b8"}
+    grey: dict[str, Any] = {"color": "#f0f0f0", "show_edges": edges, "edge_color": "#b8b8b8"}
     if low[2] < high[2]:  # in space the solids hide what is between them
         grey = {"color": "#b0b0b0", "style": "wireframe"}
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -124,10 +169,10 @@ def animate(
     for i, (meshes, coloured) in enumerate(pictures):
         plotter.clear()
         for mesh in meshes if contact else ():
-            plotter.add_mesh(mesh, **grey)
+            _draw(plotter, mesh, **grey)
         for mesh in coloured:
             own = {"line_width": 9, "show_edges": False} if contact else {"show_edges": edges}
-            plotter.add_mesh(mesh, **look, **own)
+            _draw(plotter, mesh, **look, **own)
         if line is not None:
             ends = [[*point, 0.0] for point in line]
             plotter.add_lines(np.array(ends), color=BLACK, width=4)
@@ -173,11 +218,12 @@ def deformed(
         gradient = mesh.compute_derivative(scalars="displacement", gradient=True)["gradient"]
         mesh[label] = colour(np.asarray(gradient).reshape(-1, 3, 3))
         mesh.points = mesh.points + magnify * mesh["displacement"]
-        meshes.append(mesh.clip_box([left, left + shown, -1e9, 1e9, -1.0, 1.0], invert=False))
-    limit = max(float(mesh[label].max()) for mesh in meshes)
+        meshes.append(mesh)
+    box = [left, left + shown, -1e9, 1e9, -1.0, 1.0]
+    limit = max(float(mesh.clip_box(box, invert=False)[label].max()) for mesh in meshes)
     for mesh in meshes:
         edges = {"show_edges": True, "edge_opacity": 0.2}
-        plotter.add_mesh(mesh, **_look_of(label, label, limit), **edges)
+        _draw(plotter, mesh, box, **_look_of(label, label, limit), **edges)
     centre = np.array([left + wide / 2, middle[1], 0.0])
     _look(plotter, centre, np.array([0.0, 0.0, 1.0]), height)
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -145,6 +145,13 @@ STOPS = {
             "align the tubes, or let the hole begin wider: `clearance=[(depth, clearance), ...]`",
         ),
         Stop(
+            "too thick",
+            "recess = ..., clearance = ...: their sum must be > 0; at the depth ... m ... does not "
+            "fit into its hole",
+            "a thick part of a rod reaches a narrow part of its guide, in which it would stick",
+            "the recess of its sections, the clearance there",
+        ),
+        Stop(
             "collapse",
             "facets of a contact collapse, or are nowhere",
             "a facet without area, or NaN in its corners",

@@ -72,6 +72,31 @@ class GuideCoupling(NodalJump):
         )
         self._distances[self._trace.void] = guide.far
 
+    def clearance(self) -> np.ndarray:
+        """What the rod has around it at the points where it is straight in the middle of its hole,
+        (n,) in m; the guide's ``far`` where there is no hole, or no rod."""
+        clearance = self._guide.holes(self._trace.positions(), self._stations)[1]
+        clearance[self._trace.void] = self._guide.far
+        if (outline := self.outline()) is not None:
+            clearance += np.where(clearance < self._guide.far, outline[0], 0.0)
+        return clearance
+
+    @property
+    def tight(self) -> str:
+        """Where the rod does not fit into its hole, or ""."""
+        if (outline := self.outline()) is None:
+            return ""
+        clearance = self.clearance()
+        worst = int(clearance.argmin())
+        if clearance[worst] > 0:
+            return ""
+        depth, recess = self._guide.depth(self._trace.positions())[worst], outline[0][worst]
+        hole = clearance[worst] - recess
+        return (
+            f"recess = {recess:.6g}, clearance = {hole:.6g}: their sum must be > 0; "
+            f"at the depth {depth:.6g} m {self._rod.name!r} does not fit into its hole"
+        )
+
     def outline(self) -> tuple[np.ndarray, np.ndarray] | None:
         """Recess of the rod's surface at the points, m, and its derivative by s, (n,) each; None of
         a rod that has none."""
@@ -94,7 +119,9 @@ class GuideCoupling(NodalJump):
 
     @property
     def blocked(self) -> str:  # type: ignore[override]
-        """Where the tip would go into the face of a tube or card."""
+        """Where the tip would go into the face of a tube or card, or the rod is too thick."""
+        if reason := self.tight:
+            return reason
         rows, guide = self._stations, self._guide
         reached = guide.faces & self._void[rows] & ~self._trace.void[rows]
         within = np.where(reached, self.gaps()[rows], 0.0)
@@ -139,8 +166,8 @@ class GuideContact(Contact):
 
     Raises:
         InputError: no beam or guide, axes that are not parallel, a rod that is longer than its
-            guide allows, a guide too bent for the rod as it starts, a guide that moves around an
-            elastic tube, and what Contact refuses.
+            guide allows, a guide too bent for the rod as it starts or too narrow, a guide that
+            moves around an elastic tube, and what Contact refuses.
     """
 
     #: What holds or drives a rod along its axis pays for what walls push: the rod's own books say.
@@ -176,6 +203,8 @@ class GuideContact(Contact):
         super().__init__(solid, facets, obstacle, formulation, friction, **others)
         # what touches at the start bears: whether it opens is for the law to say
         self.status = (self.gap >= -self.tolerance).astype(float)
+        if reason := self.coupling.tight:
+            raise checks.InputError(reason)
         worst = int(self.gap.argmax())
         if self.gap[worst] > self.deepest:
             depth = float(obstacle.depth(self.trace.positions())[worst])

@@ -69,7 +69,7 @@ def settle(
         The contact at rest, with its ``force`` and ``status``.
 
     Raises:
-        InputError: it finds no rest.
+        InputError: it finds no rest, or is thicker than a hole.
     """
     rod = solid.rod
     law, supported = rod.law, not rod.matrices.free_axial.all()
@@ -108,10 +108,10 @@ def _relax(
         trace.follow()
         solid.linearise(step)
         trace.linearise(step)
-        off, wide = guide.holes(trace.positions(), touch.stations)
-        near = np.flatnonzero(~trace.void & (wide < guide.far))
-        recess = touch.coupling.outline()
-        wide = wide if recess is None else wide + recess[0]
+        if reason := touch.coupling.tight:
+            raise checks.InputError(reason)
+        off, wide = guide.holes(trace.positions(), touch.stations)[0], touch.coupling.clearance()
+        near = np.flatnonzero(wide < guide.far)
         rows = (near[:, None] * d + np.arange(d)).ravel()
         W = trace.compliance(rows, trace, rows).reshape(len(near), d, len(near), d)
         across = guide.lateral

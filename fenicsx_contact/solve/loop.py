@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..base.checks import StepFailed
+from ..base.overflow import diverging
 from ..base.vectors import largest
 from ..contact.trial import candidate_force, nonlinearity
 from ..solids import DeformableSolid
@@ -94,8 +95,7 @@ class StepSolver:
         if not (self._settles and isinstance(self.system, Condensed)):  # which screens them
             for contact in self._all.contacts:
                 contact.candidates.choose()
-        # an iterate that diverges overflows: its error then is inf, which every loop asks
-        with np.errstate(over="ignore", invalid="ignore"):
+        with diverging():
             return (self._fixed_point if self._settles else self._full)(step, clock)
 
     # -- contact settled on frozen geometry, which is then renewed --------------------------------

@@ -34,7 +34,8 @@ LOOSE = 10.0
 @dataclass(frozen=True)
 class Trial:
     """A step that was solved and not yet accepted: the solids stand in their trial states.
-    ``arrives``: it ends where a point arrives, at an instant that depends on everything."""
+    ``arrives``: it ends where a point arrives, at an instant that depends on everything;
+    ``again``: how often it was solved again about where solids had been put."""
 
     step: Step
     force: np.ndarray
@@ -43,6 +44,7 @@ class Trial:
     remarks: list[str]
     certificate: float = 0.0
     arrives: bool = False
+    again: int = 0
 
     def then(self, other: Trial) -> Trial:
         """The other one, which came after this one and for it."""
@@ -82,7 +84,8 @@ class Stepper:
             what they and the energies leave unexplained.
         most: the largest kinetic and strain energy so far, J.
         times: seconds spent by phase.
-        watchers: called with each trial before it is accepted; they only look.
+        watchers: called with each trial before it is accepted; ``rounds``: with each before it is
+            solved again. They only look.
     """
 
     def __init__(
@@ -108,6 +111,7 @@ class Stepper:
         self.energies = self.sum_energies()
         self.most = self.energies[0] + abs(self.energies[1])
         self.watchers: list[Callable[[Trial], None]] = []
+        self.rounds: list[Callable[[Trial], None]] = []
         self._begun: Step | None = None
         self._pushed = 0.0  # the largest force at a point so far, N
         self._overlaps = any(c.depth() > c.tolerance for c in self.contacts)
@@ -139,11 +143,13 @@ class Stepper:
             trial, certificate, moved = self._solved(step, closing, clock)
             while moved and certificate.worst > GEOMETRY_TOLERANCE:  # as long as it gains
                 last, tried = certificate, trial
+                for look in self.rounds:
+                    look(tried)
                 try:
                     trial, certificate, moved = self._solved(step, closing, clock)
                 except StepFailed as failure:
                     raise StepFailed(last.refusal or str(failure)) from failure
-                trial = tried.then(trial)
+                trial = replace(tried.then(trial), again=tried.again + 1)
                 moved = moved and certificate.worst < last.worst
             if certificate.refusal:
                 raise StepFailed(certificate.refusal)

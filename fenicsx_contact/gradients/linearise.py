@@ -15,7 +15,7 @@ from ..contact.arrivals import arrival
 from ..contact.contact import Contact
 from ..scene import Scene
 from ..solve.yielding import COMPLIANCE
-from ..steps.step import Trial
+from ..steps.trial import Trial
 from ..theory.theta import QuasiStatic, Step, ThetaScheme
 from .blocks import Blocks, Inner, LinearStep
 from .hold import shift

@@ -19,7 +19,7 @@ from ..base import checks
 from ..base.constants import SAME
 from ..output.history import History
 from ..scene import Scene
-from ..steps.step import Trial
+from ..steps.trial import Trial
 from .bearing import OfContact
 from .blocks import LinearStep
 from .edges import Edges

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -25,32 +25,11 @@ from ..solve.surface_problem import SurfaceSystem
 from ..theory.theta import Step
 from .certificate import Certificate, certify
 from .hold import hold_gaps
+from .trial import Trial
 
 #: Velocities are off by so many times what Newton's method has left, at most: statuses of a
 #: hyperstatic contact share an error out unevenly.
 LOOSE = 10.0
-
-
-@dataclass(frozen=True)
-class Trial:
-    """A step that was solved and not yet accepted: the solids stand in their trial states.
-    ``arrives``: it ends where a point arrives, at an instant that depends on everything;
-    ``again``: how often it was solved again about where solids had been put."""
-
-    step: Step
-    force: np.ndarray
-    newton: int
-    geometry: int
-    remarks: list[str]
-    certificate: float = 0.0
-    arrives: bool = False
-    again: int = 0
-
-    def then(self, other: Trial) -> Trial:
-        """The other one, which came after this one and for it."""
-        newton, geometry = self.newton + other.newton, self.geometry + other.geometry
-        remarks = self.remarks + other.remarks
-        return replace(other, newton=newton, geometry=geometry, remarks=remarks)
 
 
 class StepTaker(Protocol):
@@ -149,7 +128,7 @@ class Stepper:
                     trial, certificate, moved = self._solved(step, closing, clock)
                 except StepFailed as failure:
                     raise StepFailed(last.refusal or str(failure)) from failure
-                trial = replace(tried.then(trial), again=tried.again + 1)
+                trial = tried.then(trial)
                 moved = moved and certificate.worst < last.worst
             if certificate.refusal:
                 raise StepFailed(certificate.refusal)

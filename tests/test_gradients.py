@@ -652,10 +652,6 @@ def test_what_is_not_supported_is_refused_by_name():
                                fixed=["top"], name="held")], [])  # fmt: skip
     with pytest.raises(InputError, match="stands in no modulus"):
         Modulus(solid_of(held), fem.Constant(solid_of(held).mesh.mesh, 1.0))
-    low = ElasticSolid(rectangle(), youngs_modulus=1e6, poisson_ratio=0.3, density=1.0, name="low")
-    high = RigidSolid(rectangle(), mass=1.0, name="high")
-    pair = Scene([low, high], [Contact(low, "top", (high, "base"), name="pair")], deepest=3.0)
-    refused(pair, {"g": weight(pair)}, "contact 'pair' is between two solids")
 
 
 def test_a_run_with_tangents_is_the_run():

@@ -16,7 +16,6 @@ from fenicsx_contact import (
     InputError,
     KelvinVoigt,
     QuasiStatic,
-    RigidSolid,
     Scene,
     ThetaScheme,
     neo_hookean,
@@ -207,7 +206,3 @@ def test_what_is_not_supported_is_refused_by_name():
     over = thrown(wide=0.36)
     with pytest.raises(InputError, match=r"contact 'c', point .* reaches beyond its master"):
         tangents(over, 0.012, 1e-3, {"g": weight(over)})
-    low = RigidSolid(rectangle(), mass=1.0, name="low")
-    high = RigidSolid(moved(rectangle(), 0.0, 0.8), mass=1.0, name="high")
-    pair = Scene([low, high], [Contact(high, "base", (low, "top"), name="c")], allow_free=True)
-    refused(pair, {"g": weight(pair)}, "of which one is not deformable")

@@ -81,6 +81,8 @@ class LinearStep:
         forces: where the forces of each contact stand among the unknowns, point by point.
         inner: solids with solvers of their own, and where their unknowns stand; the others are
             solved for together, dense.
+        before: what was solved in the same step before it, and where in the state what it goes on
+            from stands: by what solids were put elsewhere.
 
     Attributes:
         sizes: by which the unknowns are scaled; infinite for those of inner solids.
@@ -94,8 +96,10 @@ class LinearStep:
         soft: np.ndarray,
         forces: list[slice],
         inner: list[tuple[slice, Inner]],
+        before: tuple[LinearStep, np.ndarray] | None = None,
     ) -> None:
         self._minus, self._by, self.forces, self._inner = minus, by, forces, inner
+        self._before = before
         outer = np.ones(len(soft), dtype=bool)
         for at, _ in inner:
             outer[at] = False
@@ -160,6 +164,10 @@ class LinearStep:
 
     def tangent(self, start: np.ndarray) -> np.ndarray:
         """dx (unknowns, parameters) from ds (state, parameters)."""
+        if self._before:
+            before, passed = self._before
+            start = start.copy()
+            start[passed] = before.tangent(start)[passed]
         right = -(self._minus.times(start) + self._by)
         result, outer = np.zeros_like(right), right[self._outer]
         for at, solid, into, _, _ in self._joints:
@@ -182,4 +190,11 @@ class LinearStep:
         left[self._outer] = outer = self._solve(outer, True)
         for at, solid, into, _, _ in self._joints:
             left[at] = solid.solve(right[at] - into.T @ outer, True)
-        return -self._minus.transposed(left), -(self._by.T @ left)
+        start, by = -self._minus.transposed(left), -(self._by.T @ left)
+        if self._before:
+            before, passed = self._before
+            end = np.zeros_like(start)
+            end[passed], start[passed] = start[passed], 0.0
+            earlier, more = before.adjoint(end)
+            start, by = start + earlier, by + more
+        return start, by

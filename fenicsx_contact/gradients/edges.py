@@ -10,7 +10,7 @@ import numpy as np
 
 from ..contact.arrivals import arrival
 from ..scene import Scene
-from ..steps.step import Trial
+from ..steps.trial import Trial
 from .kinks import Kink, alike, kinks
 from .linearise import Linearisation, arriving
 from .surface import ContactRows

@@ -4,28 +4,39 @@
 
     s = -m G' y,      (G m G') y = off
 
-m: the inverse of the mass, G: derivatives of the gaps of the bearing points by the place; both turn
-with the solid, G with the normals of an obstacle, too.
+m: the inverse of the mass, G: derivatives of the gaps of the bearing points by the places; both
+turn with the solids, G with the normals of an obstacle and with what two solids see of each other,
+too.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from ..base.vectors import dot
 from ..theory.theta import Step
 from .kinematics import Arms
+from .pair_hold import PairBearing
+from .pairs import PairRows
 from .parameters import Parameter
+from .points import RigidPoints
 from .rigid import RigidMotion
 from .surface import ContactRows
 
 
 class Shift(NamedTuple):
-    """A shift (size,), and its derivatives by q before it, v, q_old, v_old (size, size), dt (size,)
-    and parameters (size, p)."""
+    """The shifts of all rigid solids, one after another, (n,).
+
+    Attributes:
+        way: the shifts.
+        q, v, q_old, v_old: derivatives by the places before, the velocities, and both at the start
+            of the step, (n, n).
+        dt, by: by the length of the step, (n,), and by parameters, (n, p).
+    """
 
     way: np.ndarray
     q: np.ndarray
@@ -36,59 +47,105 @@ class Shift(NamedTuple):
     by: np.ndarray
 
 
+class Bearing(Protocol):
+    """The bearing points of a contact, (k,), in the unknowns of its solids, (n,).
+
+    Attributes:
+        G: derivatives of the gaps, (k, n).
+        off: how far they are from where they belong, (k,).
+        q, v, q_old, v_old, dt, by: derivatives of that, (k, ...).
+        moved: by each parameter the change of the normals, (k, d), or None.
+    """
+
+    G: np.ndarray
+    off: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    q_old: np.ndarray
+    v_old: np.ndarray
+    dt: np.ndarray
+    by: np.ndarray
+    moved: list[np.ndarray | None]
+
+    def bent(self, turned: np.ndarray) -> np.ndarray:
+        """Change of G where the normals turn."""
+
+    def turned_forces(self, y: np.ndarray) -> np.ndarray:
+        """Derivative of G' y by q, (n, n)."""
+
+    def turned_rows(self, u: np.ndarray) -> np.ndarray:
+        """Derivative of G u by q, (k, n)."""
+
+
+def held(rows: ContactRows) -> bool:
+    """Whether bearing points of a contact keep their gaps."""
+    rigid = all(isinstance(m, RigidMotion) for m in rows.motions)
+    return rigid and rows.contact.formulation.percussive
+
+
 def shift(
-    motion: RigidMotion,
+    motions: Sequence[RigidMotion],
     contacts: Sequence[ContactRows],
     step: Step,
     parameters: Sequence[Parameter],
 ) -> Shift | None:
-    """That of a solid, None if nothing is put back."""
-    bearing = []
+    """Those of rigid solids, None if nothing is put back."""
+    ends = np.cumsum([0, *(m.size for m in motions)])
+    places = {id(m): np.arange(*at) for m, at in zip(motions, zip(ends[:-1], ends[1:]))}
+    bearing: list[Bearing] = []
+    columns = []
     for rows in contacts:
-        contact = rows.contact
-        if not step.dt or not contact.formulation.percussive:
+        if not step.dt or not held(rows):
             continue
-        points = np.flatnonzero(contact.equations.statuses() > 0)
+        points = np.flatnonzero(rows.contact.equations.statuses() > 0)
         if len(points):
-            bearing.append(_Bearing(rows, points, step, parameters))
+            pair = isinstance(rows, PairRows)
+            kind = PairBearing if pair else ObstacleBearing
+            bearing.append(kind(rows, points, step, parameters))  # type: ignore[arg-type]
+            columns.append(np.concatenate([places[id(m)] for m in rows.motions]))
     if not bearing:
         return None
-    m = motion.mobility(motion.turn[1])
-    G, off = (np.concatenate([getattr(b, each) for b in bearing]) for each in ("G", "off"))
+    points = np.cumsum([0, *(len(b.off) for b in bearing)])
+    bounds = [slice(*at) for at in zip(points[:-1], points[1:])]
+
+    def together(name: str) -> np.ndarray:
+        result = np.zeros((points[-1], ends[-1]))
+        for b, at, own in zip(bearing, bounds, columns):
+            result[at, own] = getattr(b, name)
+        return result
+
+    m = block_diag(*(each.mobility(each.turn[1]) for each in motions))
+    G, off = together("G"), np.concatenate([b.off for b in bearing])
     inverse = np.linalg.pinv(G @ m @ G.T, rcond=1e-10, hermitian=True)
     y = inverse @ off
     forces = G.T @ y
     u = m @ forces
-    moved = motion.turned(m, forces)  # and m turns
-    for b, (first, last) in zip(bearing, _bounds(bearing)):
-        moved = moved + m @ b.turned_forces(y[first:last])
-    turned = np.concatenate([b.turned_rows(u) for b in bearing])
+    parts = [(each, places[id(each)]) for each in motions]
+    moved = block_diag(*(each.turned(m[np.ix_(at, at)], forces[at]) for each, at in parts))
+    turned = np.zeros_like(G)
+    for b, at, own in zip(bearing, bounds, columns):  # and m turns
+        moved[:, own] += m[:, own] @ b.turned_forces(y[at])
+        turned[at, own] = b.turned_rows(u[own])
     back = m @ G.T @ inverse
-    own = -moved + back @ (turned + G @ moved)
-    derivatives = {"way": -u}
-    for name in ("q", "v", "q_old", "v_old", "dt", "by"):
+    derivatives = {name: -back @ together(name) for name in ("q", "v", "q_old", "v_old")}
+    derivatives["q"] += back @ (turned + G @ moved) - moved
+    for name in ("dt", "by"):
         derivatives[name] = -back @ np.concatenate([getattr(b, name) for b in bearing])
-    derivatives["q"] = derivatives["q"] + own
-    moved = np.zeros((motion.size, len(parameters)))
-    for b, (first, last) in zip(bearing, _bounds(bearing)):
+    for i, parameter in enumerate(parameters):  # m changes with the masses
+        heavier = [each.heavier(parameter, each.turn[1], u[at]) for each, at in parts]
+        less = m @ np.concatenate(heavier)
+        derivatives["by"][:, i] += less - back @ (G @ less)
+    for b, at, own in zip(bearing, bounds, columns):
         for i, by in enumerate(b.moved):
             if by is not None:
                 change = b.bent(by)
-                f = change.T @ y[first:last]
-                spread = np.zeros(len(off))
-                spread[first:last] = change @ u
-                moved[:, i] += -m @ f + back @ (spread + G @ (m @ f))
-    derivatives["by"] = derivatives["by"] + moved
-    return Shift(**derivatives)
+                f = m[:, own] @ (change.T @ y[at])
+                derivatives["by"][:, i] += back[:, at] @ (change @ u[own]) + back @ (G @ f) - f
+    return Shift(-u, **derivatives)
 
 
-def _bounds(bearing: Sequence[_Bearing]) -> list[tuple[int, int]]:
-    ends = np.cumsum([0, *(len(b.off) for b in bearing)])
-    return list(zip(ends[:-1], ends[1:]))
-
-
-class _Bearing:
-    """The bearing points of a contact: gaps, how far off they are, and the derivatives of that."""
+class ObstacleBearing:
+    """Bearing points of a contact with an obstacle; see :class:`Bearing`."""
 
     def __init__(
         self,
@@ -98,6 +155,7 @@ class _Bearing:
         parameters: Sequence[Parameter],
     ) -> None:
         contact, size = rows.contact, rows.motion.size
+        assert isinstance(rows.at, RigidPoints)
         d = contact.surface.dim
         at = (points[:, None] * d + np.arange(d)).ravel()
         new, old = rows.new, rows.old
@@ -113,7 +171,7 @@ class _Bearing:
         start = dot(w_old, n) * starts
         self.G = np.einsum("pi,pij->pj", n, J)
         self._J, self._C, self._n = J, C, n
-        self._arms = Arms(rows.arms[1].arms[points])
+        self._arms = Arms(rows.at.arms[1].arms[points])
         turned = C @ J
         wall = contact.coupling.wall  # type: ignore[attr-defined]
         place = rows.places[points]

@@ -31,6 +31,12 @@ class Kinematics:
         """Derivative by q of what depends on the places by weights (k, r, d), (k r, size)."""
         return _apply(weights, self.place)
 
+    def by(self, velocities: Any, places: Any) -> tuple[Any, Any]:
+        """Derivatives by v and q of what depends on the velocities and the places by operators
+        (r, n d)."""
+        bend = 0.0 if self.bend is None else velocities @ self.bend
+        return velocities @ self.place, places @ self.place + bend
+
     def by_bend(self, weights: np.ndarray) -> Any:
         """Derivative by q of what depends on the velocities by weights."""
         return 0.0 if self.bend is None else _apply(weights, self.bend)

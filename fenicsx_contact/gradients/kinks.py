@@ -19,7 +19,7 @@ import numpy as np
 from ..base.constants import ROUND_OFF
 from ..base.vectors import dot, largest
 from ..steps.certificate import ACCEPTED
-from ..steps.step import Trial
+from ..steps.trial import Trial
 from ..theory.theta import Step
 from .surface import ContactRows
 

@@ -15,10 +15,10 @@ from ..contact.arrivals import arrival
 from ..contact.contact import Contact
 from ..scene import Scene
 from ..solve.yielding import COMPLIANCE
-from ..steps.step import Trial
+from ..steps.trial import Trial
 from ..theory.theta import QuasiStatic, Step, ThetaScheme
 from .blocks import Blocks, Inner, LinearStep
-from .hold import Shift, shift
+from .hold import shift
 from .kinks import refuse_grazing
 from .motion import Motion, Row
 from .parameters import Parameter
@@ -30,7 +30,8 @@ from .surface import ContactRows
 class Linearisation:
     """Linearises the steps of a scene.
 
-    The state is, solid by solid, q and v, and the time.
+    The state is, solid by solid, q and v, and the time; of rigid solids beside others also by what
+    they were put back in the step, which is solved again about it.
 
     Args:
         scene: the scene.
@@ -64,10 +65,14 @@ class Linearisation:
         check_together(self.contacts)
         self._q: dict[int, slice] = {}
         self._v: dict[int, slice] = {}
+        self._s: dict[int, slice] = {}
         self.size = 0
+        pairs = any(len(contact.solids) > 1 for contact in scene.contacts)
         for m in self.motions:
             self._q[id(m)], self.size = _next(self.size, m.size)
             self._v[id(m)], self.size = _next(self.size, m.size)
+            if pairs and isinstance(m, RigidMotion):
+                self._s[id(m)], self.size = _next(self.size, m.size)
         self._t, self.size = _next(self.size, 1)
 
     def part(self, which: str, solid: Any) -> slice:
@@ -116,8 +121,10 @@ class Linearisation:
         return state
 
     def step(self, trial: Trial) -> LinearStep:
-        """The linearised step, after it was solved and before it is accepted."""
-        self._see(trial.step)
+        """The linearised step, after it was solved and before it is accepted or solved again."""
+        passed = np.array([i for at in self._s.values() for i in range(at.start, at.stop)], int)
+        self._earlier = (self.last, passed) if trial.again else None
+        self._see(trial)
         self.last = self.assembled(trial, self.contacts)
         return self.last
 
@@ -127,8 +134,8 @@ class Linearisation:
         plus, minus = Blocks((n, n)), Blocks((n, self.size))
         by = np.zeros((self._unknowns, len(self.parameters)))
         for m in self.motions:
-            mine = [rows for rows in contacts if rows.motion is m]
-            self._move(m, mine, step, plus, minus, by)
+            self._move(m, step, plus, minus, by)
+        self._put_back(contacts, step, plus, minus, by)
         for rows in contacts:
             self._bear(rows, plus, minus, by)
         self._end(trial, plus, minus, by)
@@ -140,16 +147,19 @@ class Linearisation:
         for m in self.motions:
             if (own := m.inner()) is not None:
                 inner.append((slice(self._q[id(m)].start, self._v[id(m)].stop), own))
-        return LinearStep(plus, minus, by, soft, forces, inner)
+        return LinearStep(plus, minus, by, soft, forces, inner, self._earlier)
 
-    def _see(self, step: Step) -> None:
+    def _see(self, trial: Trial) -> None:
         """Take up the step, and where its unknowns stand."""
+        step = trial.step
         self._unknowns = self.size
         self._before, self._moving = dict(self._q), dict(self._v)
         self._m: dict[int, slice] = {}
         self._f: dict[int, slice] = {}
         self._y: dict[int, slice] = {}
         for m in self.motions:
+            if isinstance(m, RigidMotion):
+                m.begin(trial.again > 0)
             m.see(step)
             if isinstance(m, RigidMotion):  # before what bears is put back to its gaps
                 for each in (self._before, self._moving):
@@ -166,7 +176,6 @@ class Linearisation:
     def _move(
         self,
         m: Motion,
-        mine: Sequence[ContactRows],
         step: Step,
         plus: Blocks,
         minus: Blocks,
@@ -178,20 +187,45 @@ class Linearisation:
         self._add(moving, m, m.balance(step), plus, minus)
         for i, parameter in enumerate(self.parameters):
             by[moving, i] += m.by(parameter, step)
-        if isinstance(m, RigidMotion):
-            here, ends = self._q[id(m)], self._v[id(m)]
-            for at, block in zip((here, ends, before, moving), m.kept()):
-                plus.add(ends, at, block)
+
+    def _put_back(
+        self,
+        contacts: Sequence[ContactRows],
+        step: Step,
+        plus: Blocks,
+        minus: Blocks,
+        by: np.ndarray,
+    ) -> None:
+        """Where rigid solids are put after the step was solved, and by what in all."""
+        motions = [m for m in self.motions if isinstance(m, RigidMotion)]
+        put = shift(motions, contacts, step, self.parameters)
+        ends = np.cumsum([0, *(m.size for m in motions)])
+        places = [slice(*at) for at in zip(ends[:-1], ends[1:])]
+        for m, mine in zip(motions, places):
+            here, after, before = self._q[id(m)], self._v[id(m)], self._before[id(m)]
+            for at, block in zip((here, after, before, self._moving[id(m)]), m.kept()):
+                plus.add(after, at, block)
+            way = np.zeros(m.size) if put is None else put.way[mine]
+            onwards, further = m.onwards(way)
             plus.add(here, here, m.one)
-            put = shift(m, mine, step, self.parameters)
-            if not isinstance(put, Shift):
-                plus.add(here, before, -m.one)
-                return
-            onwards, further = m.onwards(put.way)
             plus.add(here, before, -onwards)
-            *row, parameters = (-further @ each for each in put[1:])
-            self._add(here, m, Row(*row), plus, minus)
-            by[here] += parameters
+            told = [(here, further)]
+            if id(m) in self._s:
+                every = self._s[id(m)]
+                plus.add(every, every, m.one)
+                if self._earlier:
+                    minus.add(every, every, -m.one)
+                    minus.add(before, every, -m.put())
+                told.append((every, m.one))
+            if put is None:
+                continue
+            for at, factor in told:
+                for other, theirs in zip(motions, places):
+                    changes = put.q, put.v, put.q_old, put.v_old
+                    q, v, q_old, v_old = (-factor @ each[mine, theirs] for each in changes)
+                    dt = -factor @ put.dt[mine] * (other is m)
+                    self._add(at, other, Row(q, v, q_old, v_old, dt), plus, minus)
+                by[at] -= factor @ put.by[mine]
 
     def _add(self, at: slice, m: Motion, row: Row, plus: Blocks, minus: Blocks) -> None:
         if isinstance(m, RigidMotion):  # others have solvers of their own

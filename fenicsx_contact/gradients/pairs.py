@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The rows of a contact between two deformable solids in a linearised step.
+"""The rows of a contact between two solids in a linearised step.
 
 The jump is a mean over what faces each node, ``w = J(q) v``, with J, gaps and normals of the places
 of the nodes of both sides; how these change, :mod:`~fenicsx_contact.contact.mortar.rates` knows,
-where the master does not end beside a point that bears.
+where the master does not end beside a point that bears. Of a rigid solid places and velocities of
+the nodes, and what forces at them are to it, depend on how it is turned, too.
 """
 
 from __future__ import annotations
@@ -22,30 +23,37 @@ from ..contact.mortar.rates import Rates
 from ..contact.mortar_jump import MortarJump
 from ..solids import MonolithicTrace
 from .kinematics import diagonal, square
-from .motion import DeformableMotion, Motion
+from .motion import Motion
+from .points import points_of
 from .surface import ContactRows, refuse_law
 
 
 class PairRows(ContactRows):
-    """A contact between two deformable solids; see :class:`~.surface.ContactRows`.
+    """A contact between two solids; see :class:`~.surface.ContactRows`.
 
     Args:
         contact: the contact.
         motions: of the slave and of the master.
+
+    Attributes:
+        nodes: points of the solids, of the slave first; what follows is of all these nodes.
+        pair, then: pairing at the end of the step, before what bears was put back, and at the start
+            of it after :meth:`before`; ``rates``: of the former.
+        velocities, old_velocities: at the end and at the start, (N, d).
     """
 
     def __init__(self, contact: Contact, motions: Sequence[Motion]) -> None:
         super().__init__(contact, motions[0])
         self.motions = motions
         name = f"gradients: contact {contact.name!r}"
-        if not all(isinstance(m, DeformableMotion) for m in motions):
-            raise checks.InputError(f"{name} is between two solids of which one is not deformable")
         if motions[0] is motions[1]:
             raise checks.InputError(f"{name} is of a solid with itself")
-        if any(solid.degree > 1 for solid in contact.solids):  # type: ignore[attr-defined]
+        if any(getattr(solid, "degree", 1) > 1 for solid in contact.solids):
             raise checks.InputError(f"{name} is between two solids, and one is of second degree")
         pair = contact.coupling.pairing  # type: ignore[attr-defined]
-        self._before = Pairing(pair.slave, pair.master)
+        self._now, self.then = (Pairing(pair.slave, pair.master) for _ in range(2))
+        last = pair.slave.nodes.size
+        self._sides = slice(0, last), slice(last, None)
 
     def _refuse(self, contact: Contact) -> None:
         if type(contact) is not Contact or type(contact.coupling) is not MortarJump:
@@ -54,24 +62,31 @@ class PairRows(ContactRows):
 
     def _kinematics(self) -> None:
         contact, d = self.contact, self._d
-        coupling = contact.coupling
-        assert isinstance(coupling, MortarJump)
-        self._seeing = []
-        for trace in contact.traces:
+        self.nodes = []
+        for m, trace in zip(self.motions, contact.traces):
             assert isinstance(trace, MonolithicTrace)
-            self._seeing.append(sp.csr_matrix(trace.seeing()))
-        now, then = (coupling.velocities(f"{which}velocity") for which in ("trial_", ""))
-        self._pair, shape = coupling.pairing, (self._before.total, d)
-        self._rates = Rates(self._pair)
-        self._J = sp.csr_matrix(self._pair.operator)
-        self._turning = sp.csr_matrix(self._rates.jump(now.reshape(shape)))
-        self._then = then.reshape(shape)
-        self.jump, self.start_jump = (self._J @ now.ravel()).reshape(-1, d), contact.jump
-        self.normal, self.places = contact.normal, self._pair.places[: len(contact.normal)]
-        ways = [s.trial_displacement - s.displacement for s in contact.solids]  # type: ignore
-        way = np.concatenate([(S @ w).reshape(-1, d) for S, w in zip(self._seeing, ways)])
-        self._start_places = self._pair.places - way
+            self.nodes.append(points_of(m, trace, self.step))
+        self._start_places, self._places, self.old_velocities, self.velocities = (
+            np.concatenate([getattr(each, name) for each in self.nodes])
+            for name in ("old_places", "places", "old_velocities", "velocities")
+        )
+        self._way = float(np.abs(self._places - self._start_places).max())
+        self.pair = contact.coupling.pairing  # type: ignore[attr-defined]
+        if not np.array_equal(self.pair.places, self._places):  # solids were put back
+            self.pair = self._now
+            self.pair.update(self._places, self._way)
+        self.rates = Rates(self.pair)
+        self._J = sp.csr_matrix(self.pair.operator)
+        self._turning = sp.csr_matrix(self.rates.jump(self.velocities))
+        self.jump = (self._J @ self.velocities.ravel()).reshape(-1, d)
+        self.start_jump, self.normal = contact.jump, contact.normal
+        self.places = self._places[: len(contact.normal)]
         self._refuse_edges()
+
+    def before(self) -> Rates:
+        """The rates of the pairing at the start of the step, ``then``."""
+        self.then.update(self._start_places, self._way)
+        return Rates(self.then)
 
     def _refuse_edges(self) -> None:
         """Refuse points that bear beside an edge of the master: how their areas change with it is
@@ -80,7 +95,7 @@ class PairRows(ContactRows):
         Raises:
             InputError: there are.
         """
-        pair, contact = self._pair, self.contact
+        pair, contact = self.pair, self.contact
         bears = contact.equations.statuses() > 0
         lost = np.flatnonzero(bears & (pair.area < (1 - SAME) * pair.full_area))
         if len(lost):
@@ -90,10 +105,13 @@ class PairRows(ContactRows):
                 "reaches beyond its master while it bears, which is not supported"
             )
 
-    def _split(self, matrix: Any) -> list[Any]:
-        """Derivatives by the unknowns of both solids, from those by the nodes of both sides."""
-        last = self._seeing[0].shape[0]
-        return [matrix[:, :last] @ self._seeing[0], matrix[:, last:] @ self._seeing[1]]
+    def components(self, points: np.ndarray) -> np.ndarray:
+        """Where the components of points of the slave stand among those of all of them."""
+        return (points[:, None] * self._d + np.arange(self._d)).ravel()
+
+    def sides(self, matrix: Any) -> list[Any]:
+        """What of a matrix (..., N d) belongs to the nodes of either side."""
+        return [matrix[:, side] for side in self._sides]
 
     def derivatives(self) -> dict[str, tuple[Any, Any]]:
         p, d = self.points, self._d
@@ -105,49 +123,59 @@ class PairRows(ContactRows):
         by_normal = G[:, :, 1:] + start * self.start_jump[p][:, None]
         by_normal = by_normal - rate * gap * self.jump[p][:, None]
         before = gap * self._reads_gap[p][:, None, None]
-        places = (p[:, None] * d + np.arange(d)).ravel()
+        places = self.components(p)
         J, moving = self._J[places], self._turning[places]
-        by_gap, turned = (sp.csr_matrix(each) for each in (self._rates.gap, self._rates.normal))
+        by_gap, turned = (sp.csr_matrix(each) for each in (self.rates.gap, self.rates.normal))
 
         starts = bool(before.any() or start.any())
         if starts:  # the gaps and jumps that there were
-            self._before.update(self._start_places, 0.0)
-            rates = Rates(self._before)
-            J_then = sp.csr_matrix(self._before.operator)[places]
-            turned_then = sp.csr_matrix(rates.jump(self._then))[places]
+            rates = self.before()
+            J_then = sp.csr_matrix(self.then.operator)[places]
+            turned_then = sp.csr_matrix(rates.jump(self.old_velocities))[places]
             gap_then = sp.csr_matrix(rates.gap)[p]
 
-        def told(rows: slice) -> dict[str, Any]:
-            on = {
-                "v": diagonal(by_jump[:, rows]) @ J,
-                "q": diagonal(by_jump[:, rows]) @ moving
-                + diagonal(share * gap[:, rows]) @ by_gap[p]
-                + diagonal(by_normal[:, rows]) @ turned[places],
-            }
-            if starts:
-                then = diagonal(start[:, rows] * n)
-                on["v_old"] = then @ J_then
-                on["q_old"] = then @ turned_then + diagonal(before[:, rows]) @ gap_then
-            return on
+        def told(rows: slice) -> Iterator[tuple[str, Any]]:
+            by_velocities = diagonal(by_jump[:, rows]) @ J
+            by_places = diagonal(by_jump[:, rows]) @ moving
+            by_places += diagonal(share * gap[:, rows]) @ by_gap[p]
+            by_places += diagonal(by_normal[:, rows]) @ turned[places]
+            both = zip(self.nodes, self.sides(by_velocities), self.sides(by_places))
+            for i, (nodes, velocities, places_) in enumerate(both):
+                yield from zip(self.keys("v", "q", i), nodes.new.by(velocities, places_))
+            if not starts:
+                return
+            then = diagonal(start[:, rows] * n)
+            by_places = then @ turned_then + diagonal(before[:, rows]) @ gap_then
+            both = zip(self.nodes, self.sides(then @ J_then), self.sides(by_places))
+            for i, (nodes, velocities, places_) in enumerate(both):
+                yield from zip(self.keys("v_old", "q_old", i), nodes.old.by(velocities, places_))
 
-        multipliers, forces = told(slice(d, None)), told(slice(0, d))
+        forces = dict(told(slice(0, d)))
         result: dict[str, tuple[Any, Any]] = {"m": (square(T[:, d:, d:]), -square(T[:, :d, d:]))}
-        for name, rows in multipliers.items():
-            for i, pair in enumerate(zip(self._split(rows), self._split(forces[name]))):
-                result[self.key(name, i)] = pair[0], -pair[1]
+        for name, rows in told(slice(d, None)):
+            result[name] = rows, -forces[name]
         return result
 
+    def keys(self, first: str, last: str, i: int) -> tuple[str, str]:
+        """What derivatives by two of v, q, ... of a solid are called."""
+        return self.key(first, i), self.key(last, i)
+
     def spreads(self, forces: np.ndarray) -> Iterator[tuple[Motion, Any]]:
-        places = (self.points[:, None] * self._d + np.arange(self._d)).ravel()
-        for m, J in zip(self.motions, self._split(self._J[places])):
-            yield m, J.T @ sp.csr_matrix(forces)
+        given = sp.csr_matrix(forces)
+        both = self.sides(self._J[self.components(self.points)])
+        for m, nodes, J in zip(self.motions, self.nodes, both):
+            yield m, nodes.forces.T @ (J.T @ given)
 
     def bent(self) -> Iterator[tuple[Motion, str, Any]]:
         forces = np.zeros_like(self.normal)
         forces[self.points] = self._force.reshape(-1, self._d)
-        nodes = sp.csr_matrix(self._rates.spread(forces, True))  # of forces by their areas
-        for m, block in zip(self.motions, self._split(nodes.T.tocsr())):
-            yield m, "y", block.T.tocsr()
+        spread = sp.csr_matrix(self.rates.spread(forces, True))  # of forces by their areas
+        at_nodes = (self._J.T @ forces.ravel())[None]
+        every = zip(self.motions, self.nodes, self._sides, self.sides(at_nodes))
+        for i, (m, nodes, side, (given,)) in enumerate(every):
+            yield m, "y", nodes.forces.T @ spread[side]
+            for name, block in nodes.turned(given.reshape(-1, self._d)).items():
+                yield m, self.key(name, i), block
 
     def read(self) -> list[tuple[Motion, Any]]:
-        return list(zip(self.motions, self._seeing))
+        return [(m, nodes.new.place) for m, nodes in zip(self.motions, self.nodes)]

@@ -22,7 +22,9 @@ class RigidMotion(Motion):
     """A rigid solid with d translations and 1 or 3 spins.
 
     Attributes:
-        place, turn: at the start and at the end, before what bears was put back to its gaps.
+        about: by what it had been put back to its gaps when the step was solved, which is more than
+            once where what it meets moves along, (size,).
+        place, turn: at the start and at the end, before what bears was put back after that.
         velocity: at both, (size,).
     """
 
@@ -31,6 +33,7 @@ class RigidMotion(Motion):
         self.one = np.eye(self.size)
         self._holding = np.diag(np.isin(np.arange(self.size), self.held).astype(float))
         self._spins = slice(solid.dim, self.size)
+        self.about = self._put = np.zeros(self.size)
 
     @property
     def hinged(self) -> bool:
@@ -38,13 +41,20 @@ class RigidMotion(Motion):
         spins = self.size - self.solid.dim
         return 0 < int((self.held >= self.solid.dim).sum()) < spins
 
+    def begin(self, again: bool) -> None:
+        """A step was solved, or solved again from where the last solution was put."""
+        self.about = self._put if again else np.zeros(self.size)
+        shifted = self.solid.shifted
+        self._put = np.zeros(self.size) if shifted is None else shifted
+
     def see(self, step: Step) -> None:
         solid, d = self.solid, self.solid.dim
         state = solid.state()
         self.velocity = state["velocity"], solid.moving_velocity
         self._way = step.increment(*self.velocity, None)
-        self.turn = state["turn"], rotation_matrix(self._way[d:]) @ state["turn"]
-        self.place = state["place"], state["place"] + self._way[:d]
+        turn = rotation_matrix(self.about[d:]) @ rotation_matrix(self._way[d:]) @ state["turn"]
+        self.turn = state["turn"], turn
+        self.place = state["place"], state["place"] + self._way[:d] + self.about[:d]
         self._inertia = [self.inertia(turn) for turn in self.turn]
         momenta = [m @ v for m, v in zip(self._inertia, self.velocity)]
         self._momentum = momenta[1] - momenta[0]
@@ -79,8 +89,14 @@ class RigidMotion(Motion):
 
     def kinematics(self, step: Step) -> Row:
         before, further = self.onwards(self._way)
+        on, _ = self.onwards(self.about)
+        before, further = on @ before, on @ further
         row = super().kinematics(step)
         return Row(row.q, further @ row.v, -before, further @ row.v_old, row.dt)
+
+    def put(self) -> np.ndarray:
+        """Derivative of the place by ``about``."""
+        return self.onwards(self.about)[1]
 
     def balance(self, step: Step) -> Row:
         rate = step.inertia_rate
@@ -113,9 +129,13 @@ class RigidMotion(Motion):
     def by(self, parameter: Parameter, step: Step) -> np.ndarray:
         solid, rows = self.solid, np.zeros(self.size)
         for sign, turn, velocity in zip((-1, 1), self.turn, self.velocity):
-            R = self._block(1.0, turn if solid.dim == 3 else np.eye(1))
-            change = parameter.momentum(solid, R.T @ velocity)
-            rows += sign * step.inertia_rate * (R @ (rows * 0 + change))
+            rows += sign * step.inertia_rate * self.heavier(parameter, turn, velocity)
         if step.loaded:
             rows = rows - step.load_weight * parameter.load(solid)
         return self._hold(rows)
+
+    def heavier(self, parameter: Parameter, turn: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+        """Change of the momentum of a velocity by a parameter, where it has turned."""
+        R = self._block(1.0, turn if self.solid.dim == 3 else np.eye(1))
+        change = parameter.momentum(self.solid, R.T @ velocity)
+        return np.asarray(R @ (np.zeros(self.size) + change))

@@ -19,7 +19,7 @@ from ..base import checks
 from ..base.constants import SAME
 from ..output.history import History
 from ..scene import Scene
-from ..steps.step import Trial
+from ..steps.trial import Trial
 from .bearing import OfContact
 from .blocks import LinearStep
 from .edges import Edges
@@ -69,15 +69,22 @@ def tangents(
     names = [_forces(rows.contact) for rows in linear.contacts]
     columns |= {name: [np.zeros(size)] for each in names for name in each}
     x: np.ndarray | None = None
+    met: list[Kink] = []  # in the step
+
+    def look(trial: Trial) -> np.ndarray:
+        if not trial.again:
+            met.clear()
+        change = _finite(trial, linear.step(trial).tangent(state))
+        met.extend(edges.kinks(trial, scene.stepper.resolution, change, state))
+        return change
 
     def watch(trial: Trial) -> None:
         nonlocal state, x
-        step = linear.step(trial)
-        x = _finite(trial, step.tangent(state))
-        found.extend(edges.kinks(trial, scene.stepper.resolution, x, state))
+        x = look(trial)
+        found.extend(dict.fromkeys(met))
         state = x[: linear.size]
         columns["time"].append(state[linear.time].ravel())
-        for each, at in zip(names, step.forces):
+        for each, at in zip(names, linear.last.forces):
             for i, name in enumerate(each):  # point by point
                 columns[name].append(x[at][i :: len(each)].sum(axis=0))
 
@@ -91,7 +98,7 @@ def tangents(
         return measure
 
     probes = {name: probe(name, quantity) for name, quantity in quantities.items()}
-    with _watching(scene, watch):
+    with _watching(scene, look, watch):
         history = scene.run(until, dt, probes=probes, stop_when=stop_when)
     _refuse_halved(scene, history, first, dt)
     arrays = {name: np.array(rows) for name, rows in columns.items()}
@@ -157,17 +164,26 @@ def adjoints(
 
     after, by = (np.zeros((n, len(seeds.values))) for n in (linear.size, len(parameters)))
     found: list[Kink] = []
+    met: list[Kink] = []  # in a step
+
+    def look(trial: Trial) -> LinearStep:
+        if not trial.again:
+            met.clear()
+        step = linear.step(trial)
+        met.extend(edges.kinks(trial, scene.stepper.resolution, None, None))
+        return step
+
     for end, start, row in zip(reversed(ends), reversed(kept), reversed(firsts)):
         scene.restore(start)
         steps: list[tuple[Trial, LinearStep]] = []
         seeds.begin(row)
 
         def watch(trial: Trial, steps: list[tuple[Trial, LinearStep]] = steps) -> None:
-            steps.append((trial, linear.step(trial)))
+            steps.append((trial, look(trial)))
             seeds.unknowns = len(steps[-1][1])
-            found.extend(edges.kinks(trial, scene.stepper.resolution, None, None))
+            found.extend(dict.fromkeys(met))
 
-        with _watching(scene, watch):
+        with _watching(scene, look, watch):
             scene.run(first + end * dt, dt, progress=False, probes={"seeds": seeds})
         for (trial, step), (seed, more) in zip(reversed(steps), reversed(seeds.found)):
             seed[: linear.size] += after
@@ -221,9 +237,15 @@ def _forces(contact: Any) -> list[str]:
 
 
 @contextmanager
-def _watching(scene: Scene, watch: Callable[[Trial], None]) -> Iterator[None]:
-    scene.stepper.watchers.append(watch)
+def _watching(
+    scene: Scene, look: Callable[[Trial], Any], watch: Callable[[Trial], None]
+) -> Iterator[None]:
+    """Look at what is solved again, and watch what is accepted."""
+    stepper = scene.stepper
+    stepper.rounds.append(look)
+    stepper.watchers.append(watch)
     try:
         yield
     finally:
-        scene.stepper.watchers.remove(watch)
+        stepper.rounds.remove(look)
+        stepper.watchers.remove(watch)

@@ -75,6 +75,7 @@ def rows_of(
                 f"gradients: contact {contact.name!r} is between two solids, in a scene with "
                 "located impacts"
             )
+        _refuse_hinged(contact, motions)
         return PairRows(contact, motions)
     (motion,) = motions
     if isinstance(motion, BeamMotion) and isinstance(contact, GuideContact):
@@ -90,12 +91,19 @@ def rows_of(
             f"gradients: contact {contact.name!r} is one of a beam, but not of a BeamSolid with a "
             "guide"
         )
-    if isinstance(motion, RigidMotion) and motion.hinged and contact.formulation.percussive:
-        raise checks.InputError(
-            f"gradients: contact {contact.name!r} puts back solid {motion.solid.name!r}, which is "
-            "held about one or two axes"
-        )
+    _refuse_hinged(contact, motions)
     return ContactRows(contact, motion)
+
+
+def _refuse_hinged(contact: Contact, motions: Sequence[Motion]) -> None:
+    """Refuse to put back solids that turn about some axes in space and about others not."""
+    rigid = [m for m in motions if isinstance(m, RigidMotion)]
+    hinged = [m for m in rigid if m.hinged]
+    if len(rigid) == len(motions) and hinged and contact.formulation.percussive:
+        raise checks.InputError(
+            f"gradients: contact {contact.name!r} puts back solid {hinged[0].solid.name!r}, which "
+            "is held about one or two axes"
+        )
 
 
 def check_together(contacts: Sequence[ContactRows]) -> None:

@@ -28,10 +28,10 @@ from ..theory.formulations import Gap, Velocity
 from ..theory.friction import Coulomb, Tresca
 from ..theory.theta import Step
 from .forms import ByField
-from .kinematics import Arms, Kinematics, square
+from .kinematics import square
 from .motion import Motion
 from .parameters import Parameter
-from .rigid import RigidMotion
+from .points import points_of
 
 
 class ContactRows:
@@ -45,8 +45,7 @@ class ContactRows:
         points: the candidates of the step, (k,).
         old, new: kinematics at the start and at the end of the step, before what bears was put back
             to its gaps; ``old_places``, ``places``: at both, (n, d) in m.
-        ends: kinematics where the step ends.
-        arms: of a rigid solid, from its centre to the points, at the start and at the end.
+        at: the points.
         normal, bend: normals of the slave at the end, and their derivatives by the places.
         slope, old_slope: derivatives of the gaps by the places at the end and at the start: the
             normals, where the obstacle tells true distances.
@@ -95,30 +94,12 @@ class ContactRows:
 
     def _kinematics(self) -> None:
         """Places, velocities and normals, and what they depend on."""
-        contact, step = self.contact, self.step
-        trace, solid, d = contact.traces[0], self.motion.solid, self._d
-        x = trace.positions()
-        if isinstance(self.motion, RigidMotion):
-            ends, back = x - solid.trial_place, solid.trial_turn.T
-            self.arms = [Arms(ends @ (turn @ back).T) for turn in self.motion.turn]
-            spins = [velocity[d:] for velocity in self.motion.velocity]
-            self.old, self.new = (arm.kinematics(spin) for arm, spin in zip(self.arms, spins))
-            self.ends, self._end_places = Arms(ends).kinematics(spins[1]), x
-            weight = step.scheme.force_weight
-            self._forces = weight * self.new.place + (1 - weight) * self.old.place
-            self._forces[:, self.motion.held] = 0.0
-            start, self.places = (at + a.arms for at, a in zip(self.motion.place, self.arms))
-            self.start_jump = (self.old.place @ self.motion.velocity[0]).reshape(-1, d)
-            self.jump = (self.new.place @ self.motion.velocity[1]).reshape(-1, d)
-        else:
-            assert isinstance(trace, MonolithicTrace)
-            J = trace.seeing()
-            self.old = self.new = Kinematics(J)
-            self._forces, self.places = J, x
-            self.ends, self._end_places = self.new, x
-            start = x - (J @ (solid.trial_displacement - solid.displacement)).reshape(-1, d)
-            self.start_jump, self.jump = contact.jump, contact.trial_jump
-        self._normals(start)
+        trace = self.contact.traces[0]
+        assert isinstance(trace, MonolithicTrace)
+        at = self.at = points_of(self.motion, trace, self.step)
+        self.old, self.new, self.places = at.old, at.new, at.places
+        self.start_jump, self.jump = at.old_velocities, at.velocities
+        self._normals(at.old_places)
 
     def _linearise(self) -> None:
         """Take up the forces and the derivatives of the form."""
@@ -204,19 +185,19 @@ class ContactRows:
     def gap_row(self, point: int) -> np.ndarray:
         """Derivative of the gap of a point at the end by q, (size,)."""
         wall = self.contact.coupling.wall  # type: ignore[attr-defined]
-        slope = -wall.slopes(self._end_places[point : point + 1], 0.0)[0]
-        row = slope @ self.ends.place[point * self._d : (point + 1) * self._d]
+        slope = -wall.slopes(self.at.end_places[point : point + 1], 0.0)[0]
+        row = slope @ self.at.ends.place[point * self._d : (point + 1) * self._d]
         return np.asarray(row).ravel()
 
     def gap_by(self, parameters: Sequence[Parameter], point: int) -> np.ndarray:
         """And by parameters, (p,)."""
-        place = self._end_places[point : point + 1]
+        place = self.at.end_places[point : point + 1]
         return np.array([self.closer(parameter, place)[0] for parameter in parameters])
 
     def spread(self, forces: np.ndarray) -> Any:
         """Forces at the candidates as forces on the solid, (size, ...)."""
         places = (self.points[:, None] * self._d + np.arange(self._d)).ravel()
-        spreading = self._forces[places].T
+        spreading = self.at.forces[places].T
         return spreading @ (forces if isinstance(spreading, np.ndarray) else sp.csr_matrix(forces))
 
     @staticmethod
@@ -240,16 +221,9 @@ class ContactRows:
 
     def turned(self) -> dict[str, Any]:
         """Derivatives of J' f at fixed forces, of what J depends on."""
-        if not isinstance(self.motion, RigidMotion):
-            return {}
-        weight, result = self.step.scheme.force_weight, []
         forces = np.zeros_like(self.places)
         forces[self.points] = self._force.reshape(-1, self._d)
-        for share, arms in zip((1 - weight, weight), self.arms):
-            block = share * arms.turned(forces)
-            block[self.motion.held] = 0.0
-            result.append(block)
-        return dict(zip(("q_old", "q"), result))
+        return self.at.turned(forces)
 
     def soft(self, compliance: float) -> np.ndarray:
         """A compliance of the multipliers, from one of scaled unknowns and rows."""

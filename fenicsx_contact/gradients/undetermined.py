@@ -17,7 +17,8 @@ from .surface import ContactRows
 
 def rigid(rows: ContactRows) -> bool:
     """Whether a contact has candidates of a rigid solid."""
-    return isinstance(rows.motion, RigidMotion) and len(rows.points) > 0
+    solids = any(isinstance(m, RigidMotion) for m in rows.motions)
+    return solids and len(rows.points) > 0
 
 
 def sliding(rows: ContactRows) -> int | None:

@@ -124,7 +124,7 @@ class RigidSolid(RigidMotion):
         self.memory = step.recall(self.memory, lambda: self._force_at_start(step))
         carried = step.carried(self.memory)
         self._given = step.loaded * (step.load_weight * self._load + carried)
-        self._shifted = None
+        self.shifted = None
         for applied in self.applied:
             self._driving = step.mean_load(applied.at) / step.load_weight
             self._given = self._given + step.loaded * step.load_weight * self._driving

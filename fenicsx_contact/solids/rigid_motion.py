@@ -27,6 +27,7 @@ class RigidMotion(MonolithicSolid):
         trial_place, trial_turn: the centre of mass and the rotation in the trial state.
         moving_velocity: with which the step has moved it there; in space :meth:`shift` changes the
             spin, not the momentum.
+        shifted: what it has been shifted by in the step, beside its velocities, or None.
     """
 
     mass: float
@@ -43,8 +44,7 @@ class RigidMotion(MonolithicSolid):
     _mobility: np.ndarray
     _momentum: np.ndarray
     _trial_momentum: np.ndarray
-    #: What it has been shifted by in the step, beside its velocities.
-    _shifted: np.ndarray | None = None
+    shifted: np.ndarray | None = None
 
     @abstractmethod
     def push(self, force: np.ndarray) -> None:
@@ -58,8 +58,8 @@ class RigidMotion(MonolithicSolid):
         if self.dim == 3:  # products of many rotations would lose orthogonality, momentum with it
             turn = turn @ (1.5 * EYE - 0.5 * turn.T @ turn)
         self.trial_turn = turn
-        if self._shifted is not None:
-            self._put(self._shifted)
+        if self.shifted is not None:
+            self._put(self.shifted)
 
     def _put(self, way: np.ndarray) -> None:
         self.trial_place = self.trial_place + way[: self.dim]
@@ -84,7 +84,7 @@ class RigidMotion(MonolithicSolid):
 
     def shift(self, way: np.ndarray) -> None:
         d = self.dim
-        self._shifted = way if self._shifted is None else self._shifted + way
+        self.shifted = way if self.shifted is None else self.shifted + way
         self._put(way)
         if d == 3:  # the spin that belongs to the momentum
             spin = self.spatial(self._mobility, self.trial_turn) @ self._trial_momentum[d:]

@@ -33,7 +33,8 @@ from ..solids import Solid
 from ..solve.problem import Clock
 from ..theory.theta import Scheme, Step
 from .pace import Pace
-from .step import Stepper, Trial
+from .step import Stepper
+from .trial import Trial
 
 #: Cost: share of the allowed error that a step aims at when its length is changed.
 SAFETY = 0.8

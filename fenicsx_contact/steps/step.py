@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -25,30 +25,11 @@ from ..solve.surface_problem import SurfaceSystem
 from ..theory.theta import Step
 from .certificate import Certificate, certify
 from .hold import hold_gaps
+from .trial import Trial
 
 #: Velocities are off by so many times what Newton's method has left, at most: statuses of a
 #: hyperstatic contact share an error out unevenly.
 LOOSE = 10.0
-
-
-@dataclass(frozen=True)
-class Trial:
-    """A step that was solved and not yet accepted: the solids stand in their trial states.
-    ``arrives``: it ends where a point arrives, at an instant that depends on everything."""
-
-    step: Step
-    force: np.ndarray
-    newton: int
-    geometry: int
-    remarks: list[str]
-    certificate: float = 0.0
-    arrives: bool = False
-
-    def then(self, other: Trial) -> Trial:
-        """The other one, which came after this one and for it."""
-        newton, geometry = self.newton + other.newton, self.geometry + other.geometry
-        remarks = self.remarks + other.remarks
-        return replace(other, newton=newton, geometry=geometry, remarks=remarks)
 
 
 class StepTaker(Protocol):
@@ -82,7 +63,8 @@ class Stepper:
             what they and the energies leave unexplained.
         most: the largest kinetic and strain energy so far, J.
         times: seconds spent by phase.
-        watchers: called with each trial before it is accepted; they only look.
+        watchers: called with each trial before it is accepted; ``rounds``: with each before it is
+            solved again. They only look.
     """
 
     def __init__(
@@ -108,6 +90,7 @@ class Stepper:
         self.energies = self.sum_energies()
         self.most = self.energies[0] + abs(self.energies[1])
         self.watchers: list[Callable[[Trial], None]] = []
+        self.rounds: list[Callable[[Trial], None]] = []
         self._begun: Step | None = None
         self._pushed = 0.0  # the largest force at a point so far, N
         self._overlaps = any(c.depth() > c.tolerance for c in self.contacts)
@@ -139,6 +122,8 @@ class Stepper:
             trial, certificate, moved = self._solved(step, closing, clock)
             while moved and certificate.worst > GEOMETRY_TOLERANCE:  # as long as it gains
                 last, tried = certificate, trial
+                for look in self.rounds:
+                    look(tried)
                 try:
                     trial, certificate, moved = self._solved(step, closing, clock)
                 except StepFailed as failure:

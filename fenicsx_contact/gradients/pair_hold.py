@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Bearing points of a contact between two rigid solids: how far they are from where they belong,
+and the derivatives of that; see :mod:`~.hold`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from ..base.vectors import dot
+from ..theory.theta import Step
+from .kinematics import Kinematics
+from .pairs import PairRows
+from .parameters import Parameter
+from .points import RigidPoints
+
+
+class PairBearing:
+    """Bearing points of a contact between two rigid solids; see :class:`~.hold.Bearing`. No
+    parameter moves the normals.
+
+    Args:
+        rows: of the contact.
+        points: that bear.
+        step: that was solved.
+        parameters: by which.
+    """
+
+    def __init__(
+        self,
+        rows: PairRows,
+        points: np.ndarray,
+        step: Step,
+        parameters: Sequence[Parameter],
+    ) -> None:
+        contact, coupling, d = rows.contact, rows.contact.coupling, rows.normal.shape[1]
+        self._rows, self._points, self._at = rows, points, rows.components(points)
+        self._nodes = [each for each in rows.nodes if isinstance(each, RigidPoints)]
+        self._n, self._J = rows.normal[points], _dense(rows.pair.operator)[self._at]
+        self._turn = _dense(rows.rates.normal)[self._at].reshape(len(points), d, -1)
+        self._place = _together([each.new for each in self._nodes], "place")
+        rises = self._along(self._J)
+        self.G = rises @ self._place
+
+        w, w_old, starts = rows.jump[points], rows.start_jump[points], rows.reads_start[points]
+        rest, rate = step.dt - step.gap_rate, step.gap_rate
+        # of the clearance that is kept and the like pairings know nothing
+        more = coupling.gaps() - coupling.pairing.gap  # type: ignore[attr-defined]
+        gap = (rows.pair.gap + more - contact.gap)[points]
+        n = self._n
+        self.off = gap - rate * dot(w, n) - rest * starts * dot(w_old, n)
+        towards = rate * w + rest * starts[:, None] * w_old
+        by_places = _dense(rows.rates.gap)[points] - np.einsum("pi,pij->pj", towards, self._turn)
+        by_places -= rate * self._along(_dense(rows.rates.jump(rows.velocities))[self._at])
+        bend = _together([each.new for each in self._nodes], "bend")
+        self.q, self.v = by_places @ self._place - rate * rises @ bend, -rate * self.G
+        then, early = rows.before(), rest * starts[:, None]
+        rises = self._along(_dense(rows.then.operator)[self._at])
+        by_places = -_dense(then.gap)[points]
+        by_places -= early * self._along(_dense(then.jump(rows.old_velocities))[self._at])
+        place, bend = (_together([e.old for e in self._nodes], name) for name in ("place", "bend"))
+        self.q_old, self.v_old = by_places @ place - early * rises @ bend, -early * rises @ place
+        self.dt = np.zeros(len(points))  # instants are not located between two solids
+        self.by = np.zeros((len(points), len(parameters)))
+        self.moved: list[np.ndarray | None] = [None] * len(parameters)
+
+    def _along(self, matrix: np.ndarray) -> np.ndarray:
+        """The components along the normals of rows (k d, ...), (k, ...)."""
+        return np.einsum("pi,pij->pj", self._n, matrix.reshape(*self._n.shape, -1))
+
+    def bent(self, turned: np.ndarray) -> np.ndarray:
+        """Change of G where the normals turn."""
+        return np.einsum("pi,pij->pj", turned, self._J.reshape(*turned.shape, -1)) @ self._place
+
+    def turned_forces(self, y: np.ndarray) -> np.ndarray:
+        """Derivative of G' y by q, (n, n)."""
+        rows, forces = self._rows, np.zeros_like(self._rows.normal)
+        forces[self._points] = y[:, None] * self._n
+        spread = _dense(rows.rates.spread(forces))
+        spread = spread + self._J.T @ (y[:, None, None] * self._turn).reshape(len(self._at), -1)
+        given = rows.sides((forces[self._points].ravel() @ self._J)[None])
+        arms = [each.arms[1] for each in self._nodes]
+        lever = [a.turned(g.reshape(a.arms.shape)) for a, g in zip(arms, given)]
+        return np.asarray(self._place.T @ spread @ self._place + block_diag(*lever))
+
+    def turned_rows(self, u: np.ndarray) -> np.ndarray:
+        """Derivative of G u by q, (k, n)."""
+        rows, way = self._rows, self._place @ u
+        seen = (self._J @ way).reshape(self._n.shape)
+        moved = _dense(rows.rates.jump(way.reshape(rows.velocities.shape)))[self._at]
+        by_places = self._along(moved) + np.einsum("pi,pij->pj", seen, self._turn)
+        spins, first = [], 0
+        for each in self._nodes:
+            size = each.new.place.shape[1]
+            spins.append(each.arms[1].kinematics(u[first : first + size][rows.normal.shape[1] :]))
+            first += size
+        return np.asarray(by_places @ self._place + self._along(self._J) @ _together(spins, "bend"))
+
+
+def _together(kinematics: Sequence[Kinematics], name: str) -> np.ndarray:
+    return np.asarray(block_diag(*(getattr(each, name) for each in kinematics)))
+
+
+def _dense(matrix: Any) -> np.ndarray:
+    return matrix if isinstance(matrix, np.ndarray) else matrix.toarray()

@@ -21,6 +21,7 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.contact.mortar import Pairing, Side
 from fenicsx_contact.contact.mortar.rates import Rates
+from fenicsx_contact.contact.mortar.stance import Stance
 
 # -- the pairing and its derivatives --
 
@@ -58,14 +59,24 @@ def sides(cell, degree):
     return slave, patch(3, 0.0, cell, 0.03, degree, False, 0.0, 1.0)
 
 
+def stance(slave, master, rng):
+    """Some facets stand on others, anywhere: on a corner, or, in space, on an edge."""
+    m = len(slave.cells)
+    foot = np.where(np.arange(m) % 3 == 1, -1, rng.integers(len(master.cells), size=m))
+    share = rng.standard_normal((m, slave.dim - 1)) * (slave.dim > 2)
+    share[::2] = 0.0
+    return Stance(foot, share @ slave.flat.middle_slopes)
+
+
+@pytest.mark.parametrize("stands", [False, True], ids=["", "standing"])
 @pytest.mark.parametrize("over", [False, True], ids=["inside", "over the edge"])
 @pytest.mark.parametrize(
     ("cell", "degree"),
     [("interval", 1), ("triangle", 1), ("triangle", 2), ("quadrilateral", 1), ("quadrilateral", 2)],
 )
-def test_derivatives_of_the_pairing(cell, degree, over):
+def test_derivatives_of_the_pairing(cell, degree, over, stands):
     """Gap, normal, jump and forces against central differences; in space also where the slave
-    hangs over the master's edges, and areas change."""
+    hangs over the master's edges, and areas change; also of facets that stand on others."""
     if over and cell == "interval":
         pytest.skip("in the plane what is covered is taken as fixed")
     rng = np.random.default_rng(0)
@@ -75,6 +86,8 @@ def test_derivatives_of_the_pairing(cell, degree, over):
     places += 1e-3 * rng.standard_normal(places.shape)
     places[: len(slave.nodes)] += [0.37, -0.29, 0.0] if over else 0.0
     v, way = rng.standard_normal(places.shape), rng.standard_normal(places.shape)
+    if stands:
+        pair.stand(stance(slave, master, rng))
     pair.update(places, 0.5)
     f = rng.standard_normal((pair.n, slave.dim))
     rates = Rates(pair)
@@ -94,8 +107,9 @@ def test_derivatives_of_the_pairing(cell, degree, over):
         assert np.abs((a - b) / (2 * h) - exact).max() < 1e-8 * np.abs(exact).max()
 
 
+@pytest.mark.parametrize("stands", [False, True], ids=["", "standing"])
 @pytest.mark.parametrize("cell", ["interval", "triangle", "quadrilateral"])
-def test_what_presses_has_no_moment(cell):
+def test_what_presses_has_no_moment(cell, stands):
     """Forces along the normals are equal, opposite, and on one line: on crooked surfaces that are
     apart here and overlap there, too."""
     rng = np.random.default_rng(1)
@@ -104,6 +118,8 @@ def test_what_presses_has_no_moment(cell):
     places = np.concatenate([slave.nodes, master.nodes])
     places += 0.03 * rng.standard_normal(places.shape)
     places[: len(slave.nodes), -1] -= 0.05
+    if stands:
+        pair.stand(stance(slave, master, rng))
     pair.update(places, 0.5)
     assert pair.paired.all() and pair.gap.max() > 0 > pair.gap.min()
     pressed = rng.random(pair.n)[:, None] * pair.normal

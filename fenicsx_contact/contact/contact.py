@@ -125,8 +125,7 @@ class Contact(SurfaceResults):
 
     def _locate(self) -> None:
         """Gap (n,) and jump (n, d) at the start of a step."""
-        self.gap = self.coupling.gaps()
-        self.jump = self.coupling.jump("velocity")
+        self.gap, self.jump = self.coupling.gaps(), self.coupling.jump("velocity")
         self._start()
 
     def _start(self) -> None:
@@ -140,7 +139,7 @@ class Contact(SurfaceResults):
         """Take up what the other side does in the step, from the state at its start."""
         self.coupling.begin(step)
         if self.coupling.stand(self.status > 0, step):
-            self.gap, self.jump = self.coupling.gaps(), self.coupling.jump("velocity")
+            self._locate()
 
     def predict(self, step: Step, closing: bool = True) -> None:
         """Follow the solids' prediction of the begun step; what may be its candidates: points that
@@ -298,5 +297,5 @@ class Contact(SurfaceResults):
         unknowns = n * (self.equations.fields.components - self.surface.dim)
         friction = self.friction_law.describe() if self.friction_law else "no friction (no tau)"
         what = f"{unknowns} multipliers" if unknowns else "springs (no multipliers)"
-        name, where = self.formulation.name, f"{n} points of {self.solid.name!r}"
-        return f"{name}, {where}, before {self.coupling.describe()}, {friction}, {what}"
+        where = f"{n} points of {self.solid.name!r}, before {self.coupling.describe()}"
+        return f"{self.formulation.name}, {where}, {friction}, {what}"

@@ -84,7 +84,7 @@ class MortarJump(Coupling):
     def stand(self, bears: np.ndarray, step: Step) -> bool:
         way = step.dt * largest(self.velocities("velocity"))
         stance = self._standing.find(self._start, way, bears)
-        if stance == self.pairing.stance:
+        if stance.same(self.pairing.stance):
             return False
         self.pairing.stand(stance)
         self._ending.stand(stance)

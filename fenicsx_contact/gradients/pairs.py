@@ -73,6 +73,7 @@ class PairRows(ContactRows):
         self._way = float(np.abs(self._places - self._start_places).max())
         self.pair = contact.coupling.pairing  # type: ignore[attr-defined]
         if not np.array_equal(self.pair.places, self._places):  # solids were put back
+            self._now.stand(self.pair.stance)
             self.pair = self._now
             self.pair.update(self._places, self._way)
         self.rates = Rates(self.pair)
@@ -85,6 +86,7 @@ class PairRows(ContactRows):
 
     def before(self) -> Rates:
         """The rates of the pairing at the start of the step, ``then``."""
+        self.then.stand(self.pair.stance)
         self.then.update(self._start_places, self._way)
         return Rates(self.then)
 

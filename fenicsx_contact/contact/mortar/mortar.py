@@ -110,7 +110,7 @@ class Pairing:
 
     def stand(self, stance: Stance) -> None:
         """Let the slave's facets stand so on the master's from the next update on."""
-        if stance != self.stance:
+        if not stance.same(self.stance):
             self.stance, self._way = stance, np.nan
 
     def update(self, places: np.ndarray, way: float) -> None:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Numbers that several rooms share, each for one reason."""
 
-#: Places, lengths, directions and motions that are given twice and differ by less than this share
-#: of their size are the same; a cell with less than this share of the volume of its edges is flat.
+#: Places, lengths, directions, motions and forces that differ by less than this share of their
+#: size are the same; a cell with less than this share of the volume of its edges is flat.
 SAME = 1e-9
 #: What is below this share of the terms that it is the difference of is round-off.
 ROUND_OFF = 1e-14

@@ -66,8 +66,8 @@ def went_inside(contact: Contact, depth: float, most: float) -> str:
         return ""
     return (
         f"contact {contact.name!r} went {depth:.3g} m inside its master: {law.name!r} holds "
-        "velocities along the normals of the slave, which where a corner of it meets a face are "
-        "not those of the gap: let the face be the slave"
+        "velocities along the normals of facets, which where edges of both solids meet are not "
+        "those of the gap: look there, or take 'gap'"
     )
 
 

@@ -31,8 +31,7 @@ class Contact(SurfaceResults):
     """A contact between the named facets of a solid (slave) and what they may touch (master).
 
     Args:
-        solid: the slave; between two solids better the softer or the finer one, or the one whose
-            face a corner meets: forces act along the slave's normals.
+        solid: the slave; between two solids better the softer or the finer one.
         facets: the name of its facets in contact.
         master: an obstacle, or another solid and the name of its facets; the same ones: itself.
         formulation: a formulation or its name; see :mod:`fenicsx_contact.theory.formulations`.

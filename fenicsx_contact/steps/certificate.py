@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..base.constants import SAME
 from ..contact.trial import candidate_force, trial_work, violation
 from ..solve.problem import Assembly
 from ..theory.theta import Step
@@ -21,8 +22,6 @@ ACCEPTED = 1e-5
 #: Share of the largest energy of a run that contacts may have given since its start: finite steps
 #: on curved surfaces, and slip that turns round within a step, give a little and take it again.
 GIVEN = 1e-2
-#: Forces below this share of the largest of a run are none.
-FAINT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ def certify(
     worked += sum(work for work, _ in works)
     size = energy + sum(most for _, most in works)
     return Certificate(
-        max(problem.imbalances(step, problem.solids, FAINT * force), default=0.0),
+        max(problem.imbalances(step, problem.solids, SAME * force), default=0.0),
         max((violation(contact, step, force) for contact, force in acting), default=0.0),
         max(worked, 0.0) / size if energy else 0.0,
     )

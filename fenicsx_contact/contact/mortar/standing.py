@@ -144,20 +144,22 @@ class Standing:
         side, result = self._slave, Stance(self._none.facet.copy(), self._none.along.copy())
         if not len(facet):
             return result
-        every = np.arange(len(side.cells))
         g = side.middle_tangents(xs)
-        unit, _ = unit_and_length(side.normal(g, every))
+        unit, _ = unit_and_length(side.normal(g, np.arange(len(side.cells))))
         middle = xs[side.corners].mean(axis=1)
-        arm = middle - middle[facet, None]  # (q, m, d)
-        near = SAME * side.size
-        level = np.abs((arm * unit[facet, None]).sum(axis=2)) <= near
-        level &= (np.abs(unit - unit[facet, None]) <= SAME).all(axis=2)
         lies = bears[side.corners].sum(axis=1) >= side.dim
-        level &= ~(level & lies).any(axis=1)[:, None]
-        lowest = np.where(level, height[:, None], np.inf).argmin(axis=0)
-        which = np.flatnonzero(level.any(axis=0))
-        lowest = lowest[which]
-        basis = np.moveaxis(np.concatenate([g[:, which], unit[None, which]]), 0, 2)
-        share = (inverses(basis) @ edge[lowest][:, :, None])[:, :-1, 0]  # in the plane of the facet
-        result.facet[which], result.along[which] = foot[lowest], share @ side.middle_slopes
+        done = np.zeros(len(side.cells), dtype=bool)
+        for i in np.argsort(height, kind="stable"):
+            one = facet[i]
+            if done[one]:
+                continue
+            level = ~done & (np.abs((middle - middle[one]) @ unit[one]) <= SAME * side.size)
+            level &= (np.abs(unit - unit[one]) <= SAME).all(axis=1)
+            done |= level
+            which = np.flatnonzero(level)
+            if lies[which].any():
+                continue
+            basis = np.moveaxis(np.concatenate([g[:, which], unit[None, which]]), 0, 2)
+            share = (inverses(basis) @ edge[i])[:, :-1]  # in the planes of the facets
+            result.facet[which], result.along[which] = foot[i], share @ side.middle_slopes
         return result

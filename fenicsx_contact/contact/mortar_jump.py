@@ -9,6 +9,7 @@ from dataclasses import asdict, fields
 import numpy as np
 
 from ..base.cells import NODES
+from ..base.checks import StepFailed
 from ..base.vectors import largest
 from ..solids import Solid
 from ..theory.theta import Step
@@ -86,11 +87,19 @@ class MortarJump(Coupling):
         stance = self._standing.find(self._start, way, bears)
         if stance.same(self.pairing.stance):
             return False
+        self._end, was = self._start, self.pairing.stance
+        self._stand(was)  # a step that failed has led it elsewhere
+        before = self._depths()
+        self._stand(stance)
+        if (self._depths() > np.maximum(before, self.equations.fields.surface.extent)).any():
+            self._stand(was)
+            raise StepFailed("two solids are folded into each other, deeper than one is large")
+        return True
+
+    def _stand(self, stance: Stance) -> None:
         self.pairing.stand(stance)
         self._ending.stand(stance)
-        self._end = self._start
         self.pairing.update(self._start, self._way)
-        return True
 
     def follow(self) -> None:
         for trace in self.traces:

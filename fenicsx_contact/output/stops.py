@@ -139,6 +139,12 @@ STOPS = {
             "smaller steps",
         ),
         Stop(
+            "folded",
+            "two solids are folded into each other, deeper than one is large",
+            "a corner of one stands where it is far inside the other",
+            "smaller steps; smoother surfaces",
+        ),
+        Stop(
             "butts",
             "the tip of ... butts at the depth ... m, ... m beside the hole",
             "the tip of a rod meets the face of a tube or card, on which it does not bear",

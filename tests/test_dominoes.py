@@ -74,7 +74,8 @@ def in_space(unit):
     ]
     contacts.append(Contact(first, "right", (second, "left"), friction=0.2, name="face"))
     history = Scene([first, second], contacts).run(0.14, 1e-3)
-    assert history.finished and not history.remarks
+    assert history.finished
+    assert not any("halved" in remark for _, remark in history.remarks)  # no step is cut
     assert history["face.force_x"][-1] < 0
     return first.rotation
 
@@ -85,6 +86,32 @@ def test_in_space_they_fall_straight_in_any_units():
     turned = in_space(1.0)
     np.testing.assert_allclose(turned[[0, 2]], 0.0, atol=1e-9)
     np.testing.assert_allclose(in_space(1e3), turned, atol=1e-6)
+
+
+def fallen(facets, face_is_slave):
+    """The same two in the plane, after 0.14 s: how they are turned."""
+    first, second = solids = [domino(i, facets) for i in range(2)]
+    contacts = [
+        Contact(solid, side, FLOOR, friction=0.5, name=f"{solid.name}.{side}")
+        for solid in solids
+        for side in ("base", "right")
+    ]
+    sides = [(first, "right"), (second, "left")]
+    contacts.append(
+        Contact(*sides[face_is_slave], sides[not face_is_slave], friction=0.2, name="face")
+    )
+    history = Scene(solids, contacts).run(0.14, 1e-3)
+    assert history.finished, history.reason
+    return np.array([solid.rotation for solid in solids])
+
+
+def test_a_corner_that_slides_on_a_face():
+    """Its facets do not count; where the face is the slave, they do, with the same limit. (Along
+    the normals of the corner's own facets it fell elsewhere, by 2 and 25 %, with any of them.)"""
+    exact = fallen(1, False)
+    np.testing.assert_allclose(fallen(16, False), exact, rtol=1e-9)
+    errors = [np.abs(fallen(n, True) - exact).max() for n in (4, 16)]
+    assert errors[1] < 0.4 * errors[0] and errors[1] < 0.012
 
 
 @pytest.mark.second
@@ -108,5 +135,5 @@ def test_what_moving_weights_give_falls_with_the_facets():
         assert history.finished, history.reason
         total = total_energy(history)
         given.append(np.maximum(np.diff(total), 0.0).sum() / total[0])
-    assert given[0] < 0.02 and given[2] < 1e-3
+    assert given[0] < 0.025 and given[2] < 1e-6
     assert given[0] > 2 * given[1] > 4 * given[2]

@@ -5,9 +5,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scenes import FLOOR, G, box, elastic_block, light_footed_block, soft_block
+from scenes import FLOOR, G, box, elastic_block, light_footed_block, rectangle, soft_block
 
-from fenicsx_contact import Contact, ElasticSolid, HalfSpace, Scene
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    HalfSpace,
+    HyperelasticSolid,
+    Scene,
+    neo_hookean,
+)
 from fenicsx_contact.solve import surface_problem as system
 from fenicsx_contact.solve.pointwise import PointwiseSolver, PointwiseStep
 
@@ -92,8 +99,60 @@ def two_contacts():
     return Scene([solid], [contact, wall])
 
 
+def two_solids(kind, mesh, size):
+    """A solid that slides on another, which slides on the floor."""
+    dim, solids = len(size), []
+    for name, cells, lift, slide in (("lower", 4, -0.003, 0.0), ("upper", 3, 0.0, 0.4)):
+        velocity = np.eye(dim)[0] * slide - np.eye(dim)[-1] * 0.1
+        body = mesh((cells,) * (dim - 1) + (2,), size)
+        body.mesh.geometry.x[:, dim - 1] += lift + (size[-1] if slide else 0.0)
+        if kind is HyperelasticSolid:
+            others = {"energy": neo_hookean(1e6, 0.3)}
+        else:
+            others = {"youngs_modulus": 1e6, "poisson_ratio": 0.3}
+        solids.append(
+            kind(
+                body,
+                density=1000.0,
+                gravity=-G * np.eye(dim)[-1],
+                velocity=lambda x, v=velocity: v[:, None] + 0 * x[: len(v)],
+                name=name,
+                **others,
+            )
+        )
+    floor = HalfSpace([0.0] * (dim - 1) + [-0.003], np.eye(dim)[-1])
+    lower, upper = solids
+    contacts = [
+        Contact(lower, "base", floor, friction=0.3, name="floor"),
+        Contact(upper, "base", (lower, "top"), friction=0.2, name="c"),
+    ]
+    return Scene(solids, contacts, geometry="newton", solver="condensed")
+
+
+def elastic_pair():
+    return two_solids(ElasticSolid, rectangle, (0.4, 0.2))
+
+
+def soft_pair():
+    return two_solids(HyperelasticSolid, rectangle, (0.4, 0.2))
+
+
+def elastic_pair_in_space():
+    return two_solids(ElasticSolid, box, (0.4, 0.3, 0.2))
+
+
 @pytest.mark.parametrize(
-    "make", [elastic_block, light_footed_block, soft_block, sliding_box, two_contacts]
+    "make",
+    [
+        elastic_block,
+        light_footed_block,
+        soft_block,
+        sliding_box,
+        two_contacts,
+        elastic_pair,
+        soft_pair,
+        elastic_pair_in_space,
+    ],
 )
 def test_runs_are_the_same(make, monkeypatch):
     histories = []

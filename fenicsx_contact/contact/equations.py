@@ -15,7 +15,7 @@ from ..base.expressions import finite_form
 from ..theory.formulations import Formulation
 from ..theory.friction import FrictionBound
 from .surface import Surface, SurfaceFields
-from .tangent import SurfaceTangent
+from .tangent import PointRows, SurfaceTangent
 
 
 class SurfaceEquations:
@@ -216,6 +216,10 @@ class SurfaceEquations:
         """And their tangent, dense."""
         dense = self.tangents.dense()
         return dense if self._block is None else dense[self._block]
+
+    def point_rows(self) -> PointRows:
+        """The same point by point."""
+        return PointRows(self.point_tangents())
 
     def point_tangents(self) -> np.ndarray:
         """Tangents of the candidates one by one, (points, unknowns, unknowns)."""

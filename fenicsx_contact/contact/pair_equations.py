@@ -23,6 +23,7 @@ from .mortar.matrices import (
     used_columns,
 )
 from .mortar.rates import Rates
+from .tangent import PointRows
 
 
 class PairedEquations:
@@ -117,29 +118,34 @@ class PairedEquations:
         forces = self._J.T @ residual[: len(e.active_jumps)]
         return np.concatenate([forces, residual[len(e.active_jumps) :]])
 
+    def point_rows(self, frozen: bool = False) -> PointRows:
+        """Their tangent point by point; if ``frozen`` without the derivatives of the geometry."""
+        e, mine, d = self.equations, self.active_places, self._d
+        tangents, rates = e.point_tangents(), self._rates
+        if rates is None or frozen:
+            return PointRows(tangents, self._J, self._J)
+        by = e.tangents.parameters()[e.candidates]
+        at_nodes = np.zeros((self.pairing.n, d))
+        at_nodes[e.candidates] = e.active_residual()[: len(e.active_jumps)].reshape(-1, d)
+        areas = np.array_equal(e.weight, self.pairing.area)  # or they are points
+        turning = self._gap_rate * rates.spread(at_nodes, areas)[mine][:, mine]
+        read = np.concatenate([tangents[:, :, :d], by, tangents[:, :, d:]], axis=2)
+        return PointRows(read, self._seen, self._J, turning)
+
     def _tangent(self, frozen: bool = False) -> Matrix:
         """Their tangent; if ``frozen`` without the derivatives of the geometry."""
-        e, mine, d, J = self.equations, self.active_places, self._d, self._J
-        tangents = e.point_tangents()
-        c, u, _ = tangents.shape
-        read, seen = tangents[:, :, :d], J
-        exact = self._rates is not None and not frozen
-        if exact:
-            read = np.concatenate([read, e.tangents.parameters()[e.candidates]], axis=2)
-            seen = self._seen
-        forces = J.T @ by_point(read[:, :d], seen)
-        if exact:
-            assert self._rates is not None
-            at_nodes = np.zeros((self.pairing.n, d))
-            at_nodes[e.candidates] = e.active_residual()[: c * d].reshape(c, d)
-            areas = np.array_equal(e.weight, self.pairing.area)  # or they are points
-            spread = self._rates.spread(at_nodes, areas)[mine][:, mine]
-            forces = forces + self._gap_rate * spread
+        d, J = self._d, self._J
+        tangents, seen, _, turning = self.point_rows(frozen)
+        c, u, r = tangents.shape
+        r -= u - d  # what a point reads
+        forces = J.T @ by_point(tangents[:, :d, :r], seen)
+        if turning is not None:
+            forces = forces + turning
         own = np.arange(c * (u - d)).reshape(u - d, c).T  # multipliers stand component by component
         order = np.arange(c * (u - d)).reshape(c, u - d).T.ravel()
-        rows = by_point(read[:, d:], seen)[order]
-        columns = by_point(tangents[:, :d, d:].transpose(0, 2, 1), J)[order].T
-        inner = tangents[:, d:, d:]
+        rows = by_point(tangents[:, d:, :r], seen)[order]
+        columns = by_point(tangents[:, :d, r:].transpose(0, 2, 1), J)[order].T
+        inner = tangents[:, d:, r:]
         corner = gather(inner, own[:, :, None], own[:, None], (own.size, own.size), self._dense)
         return block([[forces, columns], [rows, corner]])
 

@@ -7,13 +7,34 @@ all of the tangent that is not zero.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import scipy.sparse as sp
 import ufl
 
 from ..base import compat
+from .mortar.matrices import Matrix
 from .parameters import ParameterTangents
 from .surface import SurfaceFields
+
+
+class PointRows(NamedTuple):
+    """The tangent of a part point by point: the rows of a point know its own multipliers, and of
+    all v active velocities r numbers that it reads; forces on it act on these velocities.
+
+    Attributes:
+        tangents: by what is read and by the multipliers, (c, d + m, r + m).
+        reads: what is read, (c r, v); None: the velocities are those of the points.
+        spreads: its transpose spreads forces on the points, (c d, v); None likewise.
+        turning: derivative of what fixed forces on the points mean for the velocities, (v, v), or
+            None.
+    """
+
+    tangents: np.ndarray
+    reads: Matrix | None = None
+    spreads: Matrix | None = None
+    turning: Matrix | None = None
 
 
 class SurfaceTangent:

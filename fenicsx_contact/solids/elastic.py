@@ -98,7 +98,15 @@ class ElasticSolid(DeformableSolid):
     def _state_changed(self) -> None:
         self._internal = self.internal_force(self.displacement)
 
+    def predict(self, step: Step) -> None:
+        super().predict(step)
+        self._linearised: Step | None = None
+
     def linearise(self, step: Step) -> None:
+        self.drop_forces()
+        if step is self._linearised:  # one linearisation serves a step
+            return
+        self._linearised = step
         key = (step.inertia_rate, step.force_rate, step.rate_weight)
         if key not in self._factors:
             if len(self._factors) >= KEPT:
@@ -127,7 +135,6 @@ class ElasticSolid(DeformableSolid):
                 known[self.fixed_unknowns] = self.trial_velocity[self.fixed_unknowns]
                 self.free_load -= self._damping(damper, step, step.rate(self.velocity, known))
         self.free_load[self.fixed_unknowns] = self.trial_velocity[self.fixed_unknowns]
-        self._force = np.zeros(self.owned)
         self._free_velocity = None
 
     def _drive(self, step: Step) -> None:

@@ -15,9 +15,9 @@ from .statics import stands
 #: Cost: components of surface points above which no dense system is formed.
 LARGE_SURFACE = 1500
 #: Cost: components up to which full Newton takes nonlinear solids in motion by their compliance: it
-#: is made anew when a tangent is, at the cost of a few factorisations whatever the mesh, and full
-#: Newton needs few; the fixed point needs more, of which the compliance saves all but the first.
-SMALL_SURFACE = 150
+#: is made anew when a tangent is, which serves for several steps, at the cost of some
+#: factorisations; a percussion needs it more often. The fixed point, too, saves all but the first.
+SMALL_SURFACE = 1000
 #: Cost: unknowns of solids in space above which nothing is factored (demos/benchmark_iterative.py).
 LARGE_SOLIDS = 10_000
 

@@ -7,7 +7,8 @@ a step obeys::
     df + K_ww dw + K_wm dm = 0        K_mw dw + K_mm dm = -r_m
 
 point by point, which without dm reads ``C dw + D df = c``; with ``dw = W df - r_w`` only the forces
-are left to solve for, half of the unknowns::
+are left to solve for, half of the unknowns. (Between solids w is all that a point reads: its jump,
+its gap and its normal.) ::
 
     (C W + D) df = c + C r_w
 
@@ -33,23 +34,24 @@ class PointwiseStep:
     """The equations of the points without their multipliers; pure numbers.
 
     Args:
-        tangent: K of the points, (points, d + multipliers, d + multipliers).
+        tangent: K of the points, (points, d + multipliers, r + multipliers): r numbers are read.
         residual: r_m of the points, (points, multipliers).
         d: dimension of space.
 
     Attributes:
-        C, D, c: (points, d, d) and (points, d).
+        C, D, c: (points, d, r), (points, d, d) and (points, d).
     """
 
     def __init__(self, tangent: np.ndarray, residual: np.ndarray, d: int) -> None:
-        n, size, _ = tangent.shape
+        n, size, r = tangent.shape
         m = size - d
-        self._w = tangent[:, :, :d]
+        r -= m
+        self._w = tangent[:, :, :r]
         self._known = np.zeros((n, size))
         self._known[:, d:] = -residual
         # turn the rows: dm in the first m of them only
         if m:
-            self._Q, self._R = np.linalg.qr(tangent[:, :, d:], mode="complete")
+            self._Q, self._R = np.linalg.qr(tangent[:, :, r:], mode="complete")
         else:
             self._Q = np.broadcast_to(np.eye(size), (n, size, size))
         rest = np.swapaxes(self._Q[:, :, m:], 1, 2)
@@ -57,7 +59,7 @@ class PointwiseStep:
 
     def multipliers(self, dw: np.ndarray, df: np.ndarray) -> np.ndarray:
         """dm of the points, (points, multipliers)."""
-        m = self._w.shape[1] - dw.shape[1]
+        m = self._w.shape[1] - df.shape[1]
         if not m:
             return np.zeros((len(dw), 0))
         left = self._known - _times(self._w, dw)
@@ -70,7 +72,8 @@ class PointwiseSolver:
     """Solves ``(C W + D) x = b``, C and D block diagonal, with factors that it keeps.
 
     Args:
-        compliance: added to the diagonal of W in the factors, not in the system.
+        compliance: added in the factors, not in the system, to what the first d numbers of a point
+            gain by its own force.
     """
 
     def __init__(self, compliance: float) -> None:
@@ -79,20 +82,28 @@ class PointwiseSolver:
         self._kept: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
     def solve(
-        self, C: np.ndarray, D: np.ndarray, W: np.ndarray, sizes: np.ndarray, b: np.ndarray
+        self,
+        C: np.ndarray,
+        D: np.ndarray,
+        W: np.ndarray,
+        sizes: np.ndarray,
+        b: np.ndarray,
+        keeps: bool = True,
     ) -> np.ndarray | None:
         """The solution (points, d), or None if the matrix is singular.
 
         Args:
-            C, D: blocks, (points, d, d), numbers.
-            W: (points d, points d).
+            C, D: blocks, (points, d, r) and (points, d, d), numbers.
+            W: (points r, points d).
             sizes: of its columns over those of its rows, (points, d).
             b: (points, d).
+            keeps: whether W may come again; factors of one that does not are of no further use.
         """
         rows = 1 / np.maximum(np.abs(C).max(axis=2), np.abs(D).max(axis=2))
         C, D, b = C * rows[..., None], D * rows[..., None], b * rows
         x, left = np.zeros_like(b), np.inf
-        for blocks in ((_rounded(C), _rounded(D)), (C, D)):
+        exact, rounded = (C, D), (_rounded(C), _rounded(D))
+        for blocks in (rounded, exact) if keeps else (exact,):
             factors = self._factors(*blocks, W, sizes)
             if factors is not None:
                 x, left = _corrected(factors, C, D, W, sizes, b)
@@ -109,10 +120,10 @@ class PointwiseSolver:
         key = b"".join(array.tobytes() for array in (C, D, sizes))
         if key not in self._kept:
             n, d = sizes.shape
-            matrix = np.matmul(C, W.reshape(n, d, n * d)).reshape(n, d, n, d)
+            matrix = np.matmul(C, W.reshape(n, -1, n * d)).reshape(n, d, n, d)
             matrix *= sizes
             each = np.arange(n)
-            matrix[each, :, each, :] += D + self._compliance * C
+            matrix[each, :, each, :] += D + self._compliance * C[:, :, :d]
             factors, pivots, singular = lapack.dgetrf(matrix.reshape(n * d, n * d))
             if singular:
                 return None
@@ -136,7 +147,7 @@ def _corrected(
     while True:
         step, _ = lapack.dgetrs(*factors, residual.ravel())
         new = x + step.reshape(b.shape)
-        moved = (W @ (sizes * new).ravel()).reshape(b.shape)
+        moved = (W @ (sizes * new).ravel()).reshape(len(b), -1)
         residual = b - _times(C, moved) - _times(D, new)
         now = float(np.abs(residual).max()) / size
         gained = 2 * now < left

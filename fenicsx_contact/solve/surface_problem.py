@@ -14,14 +14,13 @@ pressure).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import lapack
 
 from ..base.vectors import largest
 from ..contact.part import Part
-from .pointwise import PointwiseSolver, PointwiseStep
+from .by_points import ByPoints, Place
 from .statuses import Statuses
 from .yielding import COMPLIANCE, FIRM, Yielding
 
@@ -31,13 +30,6 @@ SLOW = 1e-4
 #: Cost: above so many unknowns those of the points are condensed first: where W is that of the last
 #: problem, for which factors are kept, and where it is new.
 MANY = 60, 250
-
-
-class _Place(NamedTuple):
-    """Where the active unknowns of a part stand in the system."""
-
-    part: Part
-    place: np.ndarray
 
 
 class SurfaceSystem(Statuses):
@@ -55,13 +47,13 @@ class SurfaceSystem(Statuses):
     """
 
     def __init__(self, parts: Sequence[Part], names: Sequence[str], hyperstatic: bool) -> None:
+        self._by_points = ByPoints()
         super().__init__(parts, names)
         self._hyperstatic = hyperstatic
         self._total = sum(p.places for p in self.parts)
         self._revision = -1
-        self._solver = PointwiseSolver(COMPLIANCE)
         self._sizes = np.empty(0), np.empty(0)
-        self.W, self.free, self._nodal = np.empty((0, 0)), np.empty(0), False
+        self.W, self.free, self._many = np.empty((0, 0)), np.empty(0), False
         self.worst, self._judged = 0.0, np.empty(0)
         self._firm = COMPLIANCE if hyperstatic else FIRM
         self._compliance, self._centre = self._firm, np.empty(0)
@@ -78,7 +70,9 @@ class SurfaceSystem(Statuses):
     def begin(self, free: np.ndarray, compliance: np.ndarray) -> None:
         """Take up the free velocities (flat) and W of the active points, after `arrange`."""
         new = compliance.shape != self.W.shape or not np.array_equal(compliance, self.W)
-        self._many = self._nodal and self.size > MANY[new]
+        # between solids J changes in each iteration, and with it all that W alone would keep
+        new = new or any(part is not part.equations for part in self.parts)
+        self._many = not self._hyperstatic and self.size > MANY[new]
         self.W, self.free = compliance, free
         self.worst = 0.0
         self._yielding.restart()
@@ -92,12 +86,12 @@ class SurfaceSystem(Statuses):
             active.append(part.active_places + offset)
             offset += part.places
         self.active = np.concatenate(active)
-        self.placed: list[_Place] = []
+        self.placed: list[Place] = []
         w, m = 0, len(self.active)
         for part in self.parts:
             count, extra = len(part.active_places), part.multipliers
             place = np.concatenate([np.arange(w, w + count), np.arange(m, m + extra)])
-            self.placed.append(_Place(part, place))
+            self.placed.append(Place(part, place))
             w, m = w + count, m + extra
         self.size = m
         if m:
@@ -105,8 +99,6 @@ class SurfaceSystem(Statuses):
             for part, place in self.placed:
                 columns[place], rows[place] = part.scales()
             self._columns, self._rows = columns, rows
-            nodal = all(part is part.equations for part in self.parts)
-            self._nodal = nodal and not self._hyperstatic
             self._scaling = np.empty(0)  # made where all unknowns are solved for together
 
     def _gather(self, arrays: Sequence[np.ndarray]) -> np.ndarray:
@@ -143,6 +135,10 @@ class SurfaceSystem(Statuses):
             part.equations.freeze_bound(min(1.0, 1 / compliance) if compliance else 0.0)
         self.update()
 
+    def forget(self) -> None:
+        super().forget()
+        self._by_points.forget()
+
     def begin_again(self) -> bool:
         """It would not help: with the solids condensed no function falls."""
         return False
@@ -172,35 +168,15 @@ class SurfaceSystem(Statuses):
 
     def _iterate_points(self) -> bool:
         """By the forces of the points alone."""
-        d = self.parts[0].equations.fields.surface.dim
-        nw = len(self.active)
-        steps, sizes = [], []
         placed = [each for each in self.placed if len(each.place)]
-        for part, place in placed:
-            n = len(part.active_places) // d
-            unknowns = _by_point(place, n, d)
-            size = part.equations.force_scale[part.equations.candidates]
-            K = part.equations.point_tangents() * self._columns[unknowns][:, None, :]
-            K[:, :d] /= size[:, None, None]
-            K[:, d:] *= self._rows[unknowns][:, d:, None]
-            steps.append(PointwiseStep(K, self.residual[unknowns[:, d:]], d))
-            sizes.append(np.repeat(size[:, None], d, axis=1))
-        C, D, c = (np.concatenate([getattr(s, a) for s in steps]) for a in ("C", "D", "c"))
-        size, behind = np.concatenate(sizes), self.residual[:nw].reshape(-1, d)
-        right = c + np.einsum("pij,pj->pi", C, behind)
-        df = self._solver.solve(C, D, self.W, size * self._rows[:nw].reshape(-1, d), right)
-        if df is None or not np.isfinite(df).all():
+        found = self._by_points.step(self.W, placed, self.residual, (self._columns, self._rows))
+        if found is None:
             return False
-        change = (size * df).ravel()
-        dw = ((self.W @ change) * self._rows[:nw]).reshape(-1, d) - behind
-        self.linear_force = self._spread(change - self.assembled[:nw])
-        first = 0
-        for step, (part, place) in zip(steps, placed):
-            n = len(part.active_places) // d
-            mine = slice(first, first + n)
-            dm = step.multipliers(dw[mine], df[mine])
-            part.move(np.concatenate([dw[mine].ravel(), dm.T.ravel()]) * self._columns[place])
-            first += n
+        step, change = found
+        self.linear_force = self._spread(change - self.assembled[: len(self.active)])
+        step *= self._columns
+        for part, place in placed:
+            part.move(step[place])
         self.update()
         return True
 
@@ -281,8 +257,3 @@ class SurfaceSystem(Statuses):
             p.kind(int(np.flatnonzero(place == row)[0])) for p, place in self.placed if row in place
         )
         return f"a {next(kinds)} row stalls at a scaled residual of {self.worst:.3g}"
-
-
-def _by_point(place: np.ndarray, n: int, d: int) -> np.ndarray:
-    """Places of the unknowns of each of n points, from those of a part, (n, unknowns)."""
-    return np.concatenate([place[: n * d].reshape(n, d), place[n * d :].reshape(-1, n).T], axis=1)

@@ -218,12 +218,8 @@ class SurfaceEquations:
         return dense if self._block is None else dense[self._block]
 
     def point_rows(self) -> PointRows:
-        """The same point by point."""
-        return PointRows(self.point_tangents())
-
-    def point_tangents(self) -> np.ndarray:
-        """Tangents of the candidates one by one, (points, unknowns, unknowns)."""
-        return self.tangents.blocks()[self.candidates]
+        """The same, the candidates one by one."""
+        return PointRows(self.tangents.blocks()[self.candidates])
 
     def move(self, step: np.ndarray) -> None:
         """Add to the active unknowns."""

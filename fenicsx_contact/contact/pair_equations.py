@@ -121,7 +121,7 @@ class PairedEquations:
     def point_rows(self, frozen: bool = False) -> PointRows:
         """Their tangent point by point; if ``frozen`` without the derivatives of the geometry."""
         e, mine, d = self.equations, self.active_places, self._d
-        tangents, rates = e.point_tangents(), self._rates
+        tangents, rates = e.point_rows().tangents, self._rates
         if rates is None or frozen:
             return PointRows(tangents, self._J, self._J)
         by = e.tangents.parameters()[e.candidates]

@@ -102,6 +102,7 @@ class DeformableTrace(MonolithicTrace):
             self.reference.size, dtype=bool
         )  # columns of A^-1 J' that are computed
         self._columns = np.empty((0, 0))
+        self._free = np.empty(0), np.empty(0)  # a load, and velocities under it
         self._compliance: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
     def _sum(self, values: np.ndarray) -> np.ndarray:
@@ -145,8 +146,12 @@ class DeformableTrace(MonolithicTrace):
             return self._sum(self._operator @ solid.free_velocity())
         # J A^-1 b = (A^-1 J')' b where A is symmetric: no solve, and round-off like that of W
         self._solve_for(np.arange(size))
-        held = self._held @ solid.trial_velocity
-        return self._sum(self._columns.T @ solid.free_load + held)
+        load, (of, free) = solid.free_load, self._free
+        if load is not of:  # that of a linear solid is the same in all of a step
+            held = self._held @ solid.trial_velocity
+            free = self._sum(self._columns.T @ load + held)
+            self._free = load, free
+        return free
 
     def compliance(self, mine: np.ndarray, other: Trace, theirs: np.ndarray) -> np.ndarray:
         assert isinstance(other, DeformableTrace)

@@ -56,10 +56,8 @@ class ByPoints:
         points: list[Points] = []
         for part, place in placed:
             rows, first, count = part.point_rows(), place[0], len(part.active_places)
-            n, u, _ = rows.tangents.shape
-            mine = place[count:].reshape(-1, n).T  # multipliers of the points
-            m = mine.shape[1]
-            d, read = u - m, rows.tangents.shape[2] - m
+            mine = place[count:].reshape(-1, len(rows.tangents)).T  # multipliers of the points
+            d, read = (size - mine.shape[1] for size in rows.tangents.shape[1:])
             size = part.equations.force_scale[part.equations.candidates]
             K = rows.tangents.copy()
             K[:, :, :read] *= speed
@@ -78,10 +76,9 @@ class ByPoints:
         dy, dq, change = found
         result, last = np.concatenate([dy, np.empty(len(residual) - v)]), 0
         for each, own, (part, place) in zip(steps, points, placed):
-            (n, d), seen = own.sizes.shape, own.rows.reads
-            first, last = last, last + n
-            read = dy[own.mine] if seen is None else seen @ dy[own.mine]
-            dm = each.multipliers(read.reshape(n, -1), dq[first:last])
+            first, last, seen = last, last + len(own.C), own.rows.reads
+            z = dy[own.mine] if seen is None else seen @ dy[own.mine]
+            dm = each.multipliers(z.reshape(len(own.C), -1), dq[first:last])
             result[place[len(part.active_places) :]] = dm.T.ravel()
         return result, speed * change
 

@@ -24,7 +24,7 @@ from scipy.linalg import lapack
 
 from ..base.constants import ROUND_OFF
 from ..base.vectors import largest
-from ..contact.mortar.matrices import Matrix, by_point
+from ..contact.mortar.matrices import by_point
 from ..contact.tangent import PointRows
 from .yielding import FIRM
 

@@ -223,9 +223,9 @@ class SurfaceSystem(Statuses):
             return self.worst
         nw = len(self.active)
         scaled = self.residual.copy()
-        scaled[:nw] /= np.maximum(
-            1.0, slow * (self._absolute() @ np.abs(self.assembled[:nw])) * self._rows[:nw]
-        )
+        if slow:
+            resolved = slow * (self._absolute() @ np.abs(self.assembled[:nw])) * self._rows[:nw]
+            scaled[:nw] /= np.maximum(1.0, resolved)
         self.worst = max(
             largest(part.equations.natural(scaled[place])) for part, place in self.placed
         )

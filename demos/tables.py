@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Put the tables that the demos wrote into the README: no figure there is typed by hand.
+"""Put the tables that the demos wrote where they are shown: no figure there is typed by hand.
 
 `./run demos/tables.py` takes `results/<demo>/table.md` of every full run (not of `--quick`) that
 stands there into `demos/tables/`, and what stands in `demos/tables/` between the markers
-`<!-- <demo> -->` and `<!-- end -->` of the README.
+`<!-- <demo> -->` and `<!-- end -->` of the README, which has some, and of the page of all.
 """
 
 import re
@@ -11,6 +11,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 README, TABLES, RESULTS = HERE.parent / "README.md", HERE / "tables", Path("results")
+ALL = HERE / "site" / "reference" / "measured.md"
 BLOCK = re.compile(r"(?<=<!-- )(?!end )(\w+)( -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 
@@ -25,21 +26,22 @@ def collect() -> list[str]:
     return taken
 
 
-def filled(readme: str) -> str:
-    """The README with the tables as they stand.
+def filled(page: str) -> str:
+    """The page with the tables as they stand.
 
     Raises:
         FileNotFoundError: a marker names no table.
     """
-    return BLOCK.sub(lambda m: m[1] + m[2] + (TABLES / f"{m[1]}.md").read_text(), readme)
+    return BLOCK.sub(lambda m: m[1] + m[2] + (TABLES / f"{m[1]}.md").read_text(), page)
 
 
 def main() -> None:
     """Everything."""
     TABLES.mkdir(exist_ok=True)
     taken = collect()
-    README.write_text(filled(README.read_text()))
-    print(f"taken over: {', '.join(taken) or 'nothing'}; README written")
+    for page in (README, ALL):
+        page.write_text(filled(page.read_text()))
+    print(f"taken over: {', '.join(taken) or 'nothing'}; {README.name} and {ALL.name} written")
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The README's snippets run verbatim, each by itself from an empty folder, in the source tree and
+"""The snippets of the README and the user's guide run verbatim, each by itself from an empty folder, in the source tree and
 as a wheel installs the package."""
 
 import os
@@ -15,11 +15,24 @@ from processes import HANGS
 
 TOP = Path(__file__).resolve().parent.parent
 README = (TOP / "README.md").read_text()
-SNIPPETS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+GUIDE = (TOP / "demos" / "site" / "reference" / "guide.md").read_text()
+SNIPPETS = list(dict.fromkeys(re.findall(r"```python\n(.*?)```", README + GUIDE, re.DOTALL)))
 
 
 def test_there_are_snippets():
     assert len(SNIPPETS) >= 5
+
+
+def test_the_readme_is_short_and_its_links_lead_somewhere():
+    assert len(README.splitlines()) < 250
+    for page in (TOP / "README.md", TOP / "demos" / "README.md"):
+        for link in re.findall(r"\]\((?!http)([^)#]+)", page.read_text()):
+            assert (page.parent / link).exists(), link
+
+
+def test_every_demo_is_in_their_list():
+    listed = set(re.findall(r"`?(\w+\.py)`?", (TOP / "demos" / "README.md").read_text()))
+    assert listed >= {path.name for path in (TOP / "demos").glob("*.py")}
 
 
 def test_pictures():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The README's tables are what the demos wrote."""
+"""The tables of the README, and of the page of all, are what the demos wrote."""
 
 import importlib.util
 import re
@@ -11,12 +11,14 @@ tables = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(tables)
 
 
-def test_the_readme_shows_what_the_demos_wrote():
-    readme = tables.README.read_text()
-    assert tables.filled(readme) == readme
-    shown = {match[1] for match in tables.BLOCK.finditer(readme)}
-    assert shown == {file.stem for file in tables.TABLES.glob("*.md")}
-    assert {"rocking_block", "hertz"} <= shown
+def test_pages_show_what_the_demos_wrote():
+    shown = []
+    for page in (tables.README, tables.ALL):
+        text = page.read_text()
+        assert tables.filled(text) == text
+        shown.append({match[1] for match in tables.BLOCK.finditer(text)})
+    assert shown[0] == {"rocking_block", "error_against_run_time", "stability_map"}
+    assert shown[1] == {file.stem for file in tables.TABLES.glob("*.md")}
 
 
 def test_every_table_tells_whence_it_comes():

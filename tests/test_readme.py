@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The snippets of the README and the user's guide run verbatim, each by itself from an empty folder, in the source tree and
-as a wheel installs the package."""
+"""Snippets of the README and the user's guide run verbatim, each by itself from an empty folder,
+in the source tree and as a wheel installs the package."""
 
 import os
 import re

@@ -16,25 +16,6 @@ if worker := os.environ.get("PYTEST_XDIST_WORKER"):  # who waits 10 s for anothe
             source.unlink()
 
 import pytest
-from ffcx.codegeneration import jit
-
-
-def load_once(seek):
-    """A form that this process has loaded is loaded: to find it again all forms are listed that
-    the suite ever compiled, which took two thirds of the time of a short test."""
-    loaded = {}
-
-    def sought(name, objects, directory, *more, **others):
-        key = name, tuple(objects), str(directory)
-        found = loaded.get(key) or seek(name, objects, directory, *more, **others)
-        if found[0] is not None:  # else it is to be compiled
-            loaded[key] = found
-        return found
-
-    return sought
-
-
-jit.get_cached_module = load_once(jit.get_cached_module)
 
 #: Files of the first tier: the laws, the house, one test of each trap, exact impacts.
 QUICK = (

@@ -14,10 +14,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenes
+from dolfinx import jit
 
 import fenicsx_contact
 import fenicsx_contact.steps.run
 from fenicsx_contact import InputError, read_history
+from fenicsx_contact.base import compiling
 from fenicsx_contact.output import storage
 
 UNTIL, DT = 0.012, 1e-3
@@ -230,6 +232,20 @@ def test_a_directory_that_cannot_be_made(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match=r"directory = .* cannot be written"):
         run(directory=tmp_path / "file" / "run")
+
+
+def test_what_a_process_has_compiled_is_not_sought_again(monkeypatch):
+    """Another scene of the same kinds asks dolfinx for no form, element or expression."""
+    seek, sought = jit.ffcx_jit, []
+
+    def seeking(*what, **how):
+        sought.append(what)
+        return seek(*what, **how)
+
+    monkeypatch.setattr(jit, "ffcx_jit", seeking)
+    monkeypatch.setattr(compiling, "_known", {})
+    counts = [len(sought) for _ in range(2) if run().finished]
+    assert counts[0] == counts[1] > 5
 
 
 def test_a_form_that_a_killed_run_left_half_compiled(tmp_path):

@@ -12,7 +12,7 @@ import ufl
 from dolfinx import fem, geometry
 from mpi4py import MPI
 
-from .compiling import compiled, quiet_compiler
+from .compiling import compiled, compiler
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 MODERN = VERSION >= (0, 8)  # elements come from basix.ufl, wrappers hold a _cpp_object
@@ -87,7 +87,7 @@ def given_nodes(mesh: Any) -> np.ndarray:
 # -- function spaces ----------------------------------------------------------------------------
 
 
-@quiet_compiler()
+@compiler()
 def lagrange_space(mesh: Any, degree: int = 1, shape: tuple[int, ...] = ()) -> Any:
     """Continuous Lagrange space of scalars (``shape=()``) or vectors (``shape=(d,)``)."""
     if MODERN:
@@ -97,7 +97,7 @@ def lagrange_space(mesh: Any, degree: int = 1, shape: tuple[int, ...] = ()) -> A
     return fem.FunctionSpace(mesh, ("Lagrange", degree))
 
 
-@quiet_compiler()
+@compiler()
 def component_space(mesh: Any, components: int, degree: int = 1) -> Any:
     """A mixed space of ``components`` scalar Lagrange fields (never blocked, so that any of them
     can stand in a native sparse matrix)."""
@@ -108,7 +108,7 @@ def component_space(mesh: Any, components: int, degree: int = 1) -> Any:
     return fem.FunctionSpace(mesh, ufl.MixedElement([scalar] * components))
 
 
-@quiet_compiler()
+@compiler()
 def cellwise_space(mesh: Any, dim: int = 0) -> Any:
     """Space of scalars, or vectors of ``dim`` components, that are constant in each cell."""
     if MODERN:
@@ -241,7 +241,7 @@ class PointExpression:
             points = points()  # a method before 0.10
         if not ufl.domain.extract_domains(ufl.algorithms.expand_derivatives(expression)):
             expression += fem.Constant(mesh, np.zeros(expression.ufl_shape))  # numbers have no mesh
-        with quiet_compiler():
+        with compiler():
             self._expression = fem.Expression(expression, points)
         self._cells = np.arange(num_local_cells(mesh), dtype=np.int32)
         self._mesh = mesh

@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Forms compiled in silence: the driver of the C compiler tells its commands to everyone's root
-logger, and a first use looks like a failure. And what a killed run left half compiled, for which
-every later run would wait in vain, is compiled anew."""
+logger, and a first use looks like a failure. What a killed run left half compiled, for which every
+later run would wait in vain, is compiled anew. And what a process has once is not sought on the
+disk again: that takes longer than to solve a small scene."""
 
 from __future__ import annotations
 
 import logging
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from typing import Any
 
+import ffcx.naming
 import ufl
 from dolfinx import fem, jit
 
@@ -36,9 +38,8 @@ def forget_what_is_left() -> None:
 
 
 @contextmanager
-def quiet_compiler() -> Iterator[None]:
+def _quiet() -> Iterator[None]:
     """Let nobody log but warnings and errors."""
-    forget_what_is_left()
     before = logging.root.manager.disable
     logging.disable(max(before, logging.INFO))
     try:
@@ -47,7 +48,42 @@ def quiet_compiler() -> Iterator[None]:
         logging.disable(before)
 
 
-@quiet_compiler()
+_known: dict[Any, Any] = {}  # what this process has compiled or loaded
+
+
+def _name(what: Any) -> Any:
+    """The same for what compiles to the same: forms, elements, expressions at points."""
+    if isinstance(what, ufl.Form):
+        return what.signature()
+    return ffcx.naming.compute_signature([what], "") if isinstance(what, tuple) else what
+
+
+def _once(seek: Callable[..., Any]) -> Callable[..., Any]:
+    """``dolfinx.jit.ffcx_jit``, asked once for each form, element and expression."""
+
+    def sought(comm: Any, what: Any, **options: Any) -> Any:
+        key = _name(what), str(options)
+        if comm.size > 1 or key not in _known:  # processes seek together
+            forget_what_is_left()
+            with _quiet():
+                _known[key] = seek(comm, what, **options)
+        return _known[key]
+
+    return sought
+
+
+@contextmanager
+def compiler() -> Iterator[None]:
+    """Within it dolfinx compiles in silence, and seeks nothing twice."""
+    seek = jit.ffcx_jit
+    jit.ffcx_jit = _once(seek)
+    try:
+        yield
+    finally:
+        jit.ffcx_jit = seek
+
+
+@compiler()
 def compiled(form: ufl.Form) -> Any:
     """The form, compiled or taken from the cache."""
     return fem.form(form)

@@ -61,12 +61,12 @@ def _name(what: Any) -> Any:
 def _once(seek: Callable[..., Any]) -> Callable[..., Any]:
     """``dolfinx.jit.ffcx_jit``, asked once for each form, element and expression."""
 
-    def sought(comm: Any, what: Any, **options: Any) -> Any:
-        key = _name(what), str(options)
+    def sought(comm: Any, what: Any, *options: Any, **named: Any) -> Any:
+        key = _name(what), str((options, named))
         if comm.size > 1 or key not in _known:  # processes seek together
             forget_what_is_left()
             with _quiet():
-                _known[key] = seek(comm, what, **options)
+                _known[key] = seek(comm, what, *options, **named)
         return _known[key]
 
     return sought

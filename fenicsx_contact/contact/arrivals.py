@@ -33,11 +33,14 @@ def missed(contact: Contact, closing: bool) -> str:
     gaps = contact.coupling.gaps()
     asked = contact.chosen & (contact.status == 0)
     deepest = contact.coupling.deepest(asked, contact.gap, gaps)
-    through = asked & (deepest > np.maximum(gaps, 0.0) + contact.tolerance)
-    if through.any():
-        free = (contact.equations.statuses() == 0) & ~contact.touching()
-        if (through & free).any():
-            return f"a point of contact {contact.name!r} goes through what it meets"
+    if deepest is not gaps:
+        through = asked & (deepest > np.maximum(gaps, 0.0) + contact.tolerance)
+        if through.any():
+            through &= (contact.equations.statuses() == 0) & ~contact.touching()
+            if through.any():
+                return f"a point of contact {contact.name!r} goes through what it meets"
+    if not gaps.max() > contact.surface.extent:
+        return ""
     asked = contact.chosen & (closing | contact.candidates.allowed)
     if (gaps > np.maximum(contact.gap, contact.surface.extent))[asked].any():
         return f"contact {contact.name!r} goes deeper than its surface is large"

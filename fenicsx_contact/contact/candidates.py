@@ -57,6 +57,8 @@ class Candidates:
 
     def widen(self, jump: np.ndarray, step: Step) -> bool:
         """Ask what the jumps (n, d) ask for besides; whether that is any."""
+        if len(self._equations.candidates) == len(jump):
+            return False
         more = self._violate(jump, step) & ~self._asked
         if not (more & self.allowed & self._coupling.near()).any():
             return False

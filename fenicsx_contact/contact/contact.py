@@ -130,7 +130,8 @@ class Contact(SurfaceResults):
     def _start(self) -> None:
         """Frame from which the next step starts, and round-off of the distances in it."""
         self.noise = ROUND_OFF * float(np.abs(self.coupling.positions()).max())
-        self.equations.fields.keep_frame()
+        if not self.coupling.fixed_normal:
+            self.equations.fields.keep_frame()
 
     # -- the step -------------------------------------------------------------------------------
 
@@ -215,10 +216,11 @@ class Contact(SurfaceResults):
 
     def push(self, force: np.ndarray, step: Step) -> float:
         """The speed that forces on the points (N) would give to one alone, m/s."""
-        if not force.any():
+        size = largest(force)
+        if not size:
             return 0.0
         self.units(step)
-        return self._scales.speed(force)
+        return size * self._scales.mobility
 
     def start(self, free: np.ndarray) -> None:
         """Starting values of a step, from the velocities of the points without contact, flat."""
@@ -240,7 +242,7 @@ class Contact(SurfaceResults):
         where hardly anything presses."""
         status = self.equations.statuses()
         along = self.trial_jump - dot(self.trial_jump, self.normal)[:, None] * self.normal
-        still = np.linalg.norm(along, axis=1) <= resolution
+        still = dot(along, along) <= resolution**2
         status = np.where(still, np.minimum(status, 1.0), status)
         hardly = self.units(step)[0] * self.equations.weight * resolution
         return np.where(np.abs(dot(self.force, self.normal)) <= hardly, 0.0, status)

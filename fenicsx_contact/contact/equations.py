@@ -30,6 +30,7 @@ class SurfaceEquations:
         augmentation: pure numbers that multiply rho_n and rho_t.
 
     Attributes:
+        idle_multipliers: indices of those of the points that are no candidates.
         carried: velocities of the other side that are given, flat, m/s: the velocities of the
             points are w and these.
     """
@@ -51,7 +52,7 @@ class SurfaceEquations:
         self._status = compat.PointExpression(status, surface.scalars)
 
         self._surface, self._chosen = surface, chosen
-        self._augmentation = np.array(augmentation)
+        self._augmentation, self._natural = np.array(augmentation), augmentation == (1, 1)
         self.weight = weight
         self.jumps = self.places = n * d
         self.size = k.components * n
@@ -61,8 +62,9 @@ class SurfaceEquations:
         self._z = k.unknowns.x.array
         self._key, self._speed, self._rates = b"", 0.0, (0.0, 0.0, 0.0, 0.0)
         self.carried = np.zeros(self.jumps)
-        self.rho = self._units = np.ones((2, n))  # normal, tangential
+        self.rho = np.ones((2, n))  # normal, tangential
         self._tresca = 0.0
+        self._given = self.rho, 0.0  # of what rho is made
         self.revision = 0  # counts the changes of candidates and scales
         self.choose(chosen)
 
@@ -83,6 +85,9 @@ class SurfaceEquations:
         self.active = np.concatenate([self.active_jumps, blocks.ravel()]).astype(np.int64)
         self._active_dofs = self._order[self.active]
         self._block = None if len(self.active) == self.size else np.ix_(self.active, self.active)
+        idle = np.ones(self.size, dtype=bool)
+        idle[: self.jumps] = idle[self.active] = False
+        self.idle_multipliers = np.flatnonzero(idle)
 
     def set_scale(self, units: np.ndarray, speed: float) -> None:
         """Scale unknowns, rows and augmentation.
@@ -92,13 +97,13 @@ class SurfaceEquations:
                 normal and its tangents, (2, n).
             speed: a typical speed of the step, m/s.
         """
-        self._units = units
-        rho = (self._tresca or self._augmentation[:, None]) * units
-        changed = not np.array_equal(rho, self.rho)
+        given = units, self._tresca
+        changed = given[0] is not self._given[0] or given[1] != self._given[1]
         if not changed and speed == self._speed:
             return
         if changed:
-            self.rho = rho
+            self._given = given
+            self.rho = rho = (self._tresca or self._augmentation[:, None]) * units
             self.fields.rho_n.x.array[:], self.fields.rho_t.x.array[:] = rho
         self._speed = speed
         self.revision += 1
@@ -137,7 +142,7 @@ class SurfaceEquations:
     def natural(self, scaled: np.ndarray) -> np.ndarray:
         """What the scaled residuals of the active rows stand for: where a row says what a
         multiplier is (open points, friction that slips) it is divided by rho."""
-        if self._tresca or (self._augmentation == 1).all():
+        if self._tresca or self._natural:
             return scaled
         m, d = len(self.candidates), self._surface.dim
         status, result = self.statuses()[self.candidates], scaled.copy()
@@ -151,7 +156,7 @@ class SurfaceEquations:
         in it: Tresca's problem. It is solved with this augmentation; 0: no longer."""
         self._tresca = augmentation
         if self._speed:
-            self.set_scale(self._units, self._speed)
+            self.set_scale(self._given[0], self._speed)
         if self.size > self.tractions:
             self.fields.frozen.value = float(augmentation > 0)
             lam = self.values[self.jumps : self.tractions]
@@ -284,14 +289,6 @@ class SurfaceEquations:
         lam = slice(self.jumps, self.tractions)
         z[lam] = np.minimum(z[lam], 0.0)
         self.values = z
-
-    @property
-    def idle_multipliers(self) -> np.ndarray:
-        """Those of the points that are no candidates."""
-        idle = np.ones(self.size, dtype=bool)
-        idle[: self.jumps] = False
-        idle[self.active] = False
-        return idle
 
     @property
     def multiplier(self) -> np.ndarray | None:

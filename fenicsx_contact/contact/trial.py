@@ -47,7 +47,8 @@ def violation(contact: Contact, step: Step, force: np.ndarray) -> float:
     e.values, k.gap.x.array[:] = before, gap
     force = force.reshape(len(e.candidates), -1)
     pushed = contact.push(force, step)
-    lost = contact.push(force[~contact.coupling.near()[e.candidates]], step)
+    near = contact.coupling.near()[e.candidates]
+    lost = 0.0 if near.all() else contact.push(force[~near], step)
     return max(largest(rows) * e.speed, lost) / max(e.speed, pushed)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from contextlib import nullcontext
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -65,8 +66,8 @@ class Wall:
         )
         self.obstacle, self.dim = obstacle, obstacle.dim
         self.flat = bool(getattr(obstacle, "flat", False))
-        self._distance, asks = _timed(obstacle.distance)
-        self._normals, _ = _timed(obstacle.normals)
+        self._distance, asks = _timed(obstacle.distance, self.flat)
+        self._normals, _ = _timed(obstacle.normals, self.flat)
         self._slopes, _ = _timed(getattr(obstacle, "slopes", obstacle.normals))
         curvature = getattr(obstacle, "curvature", None)
         self._curvature = _timed(curvature)[0] if curvature and not self.flat else None
@@ -160,8 +161,11 @@ def _parameters(function: Callable) -> list[inspect.Parameter] | None:
     return [p for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
 
 
-def _timed(function: Callable) -> tuple[Callable[[np.ndarray, float], np.ndarray], bool]:
-    """The function of points as one of points and time, and whether it insists on the time."""
+def _timed(
+    function: Callable, flat: bool = False
+) -> tuple[Callable[[np.ndarray, float], np.ndarray], bool]:
+    """The function of points as one of points and time, and whether it insists on the time; what is
+    ``flat`` is affine in places, which are not so large that it would overflow."""
     parameters = _parameters(function)
     asks = parameters is None or len(parameters) > 1
     insists = bool(asks and parameters and parameters[1].default is inspect.Parameter.empty)
@@ -169,7 +173,7 @@ def _timed(function: Callable) -> tuple[Callable[[np.ndarray, float], np.ndarray
     def asked(points: np.ndarray, time: float) -> np.ndarray:
         if not largest(points) <= checks.LARGEST:  # of an iterate that diverges
             raise checks.StepFailed("facets of a contact collapse, or are nowhere")
-        with told():
+        with nullcontext() if flat else told():
             return function(points, time) if asks else function(points)
 
     return asked, insists

@@ -9,7 +9,7 @@ increment turns on; angular momentum is balanced in space, so that free flight k
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import sqrt
+from math import inf, isfinite, sqrt
 from typing import Any
 
 import numpy as np
@@ -86,6 +86,7 @@ class RigidSolid(RigidMotion):
         else:
             self.inertia = rho * (np.trace(second) * np.eye(3) - second)
         self._mobility = np.linalg.inv(self.inertia)
+        self._masses = np.array([*[self.mass] * self.dim, *np.diag(self.inertia)])  # for d = 2
         self._radius = sqrt(np.trace(self.inertia) / self.mass)
         d, spins = self.dim, 1 if self.dim == 2 else 3
         self.gravity = np.zeros(d) if gravity is None else checks.vector("gravity", gravity, d)
@@ -99,6 +100,7 @@ class RigidSolid(RigidMotion):
         self._held_by += f", held {names}" if names else ""
         self._holding = np.zeros(d + spins)
         self._holding[self.held] = 1.0
+        self._kept = 1.0 - self._holding  # 0 of what is held, whose balance is not asked for
         self.supported = bool(self.springs) or len(self.held) > 0
         self._steady = d == 2 and not self.springs  # one matrix for steps of one length
         self._spinning = d == 3 and not self.springs and not self._holding[d:].any()
@@ -133,7 +135,7 @@ class RigidSolid(RigidMotion):
     def _force_at_start(self, step: Step) -> np.ndarray:
         acting = [spring.force(self._place, self._turn) for spring in self.springs]
         acting += [applied.at(step.start) for applied in self.applied]
-        return (1 - self._holding) * np.sum([self._load, *acting], axis=0)
+        return self._kept * np.sum([self._load, *acting], axis=0)
 
     def linearise(self, step: Step) -> None:
         if not self._steady or step.span != self._inverse_for:
@@ -210,9 +212,7 @@ class RigidSolid(RigidMotion):
 
     def residual(self) -> np.ndarray:
         change = self._trial_momentum - self._momentum
-        residual = change / self._inverse_for - self._acting - self._force
-        residual[self.held] = 0.0
-        return residual
+        return self._kept * (change / self._inverse_for - self._acting - self._force)
 
     def load_size(self) -> float:
         free = np.linalg.solve(self.inverse + np.diag(self._holding), self.free_velocity)
@@ -223,15 +223,16 @@ class RigidSolid(RigidMotion):
         return np.linalg.solve(self.inverse + np.diag(self._holding), off)
 
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
-        rate, load = step.inertia_force(self._momentum, self._trial_momentum), self._acting
-        residual = rate - load - self._force
-        residual[self.held] = 0.0
-        size = np.abs(self._momentum / step.span) + np.abs(load) + self._terms
-        d, largest = self.dim, size[: self.dim].max()
-        size[d:] = np.maximum(size[d:], self._radius * largest)  # forces at arm's length, too
-        if largest <= noise:
+        rate, load, d = step.inertia_force(self._momentum, self._trial_momentum), self._acting, self.dim
+        residual = np.abs(self._kept * (rate - load - self._force)).tolist()
+        size = (np.abs(self._momentum / step.span) + np.abs(load) + self._terms).tolist()
+        if not isfinite(sum(residual)):  # max may pass over NaN
+            return inf
+        force = max(size[:d])
+        moment = max(*size[d:], self._radius * force)  # forces at arm's length, too
+        if force <= noise:
             return 0.0
-        return max(_relative(residual[:d], size[:d]), _relative(residual[d:], size[d:]))
+        return max(max(residual[:d]) / (force or 1.0), max(residual[d:]) / (moment or 1.0))
 
     def accept(self, step: Step) -> None:
         self.memory = step.remember(self.velocity, self.trial_velocity, self._acting, self.memory)
@@ -253,7 +254,3 @@ class RigidSolid(RigidMotion):
     def describe(self) -> str:
         weight = f"mass {self.mass:.9g}, gravity {self.gravity.tolist()}{self._held_by}"
         return f"rigid, {weight}, {len(self.velocity)} unknowns"
-
-
-def _relative(residual: np.ndarray, size: np.ndarray) -> float:
-    return float(np.abs(residual).max() / (size.max() or 1.0))

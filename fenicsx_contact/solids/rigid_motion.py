@@ -41,6 +41,7 @@ class RigidMotion(MonolithicSolid):
     moving_velocity: np.ndarray
     _place: np.ndarray
     _turn: np.ndarray
+    _masses: np.ndarray
     _mobility: np.ndarray
     _momentum: np.ndarray
     _trial_momentum: np.ndarray
@@ -70,9 +71,11 @@ class RigidMotion(MonolithicSolid):
         return tensor if self.dim == 2 else turn @ tensor @ turn.T
 
     def _momentum_of(self, velocity: np.ndarray, turn: np.ndarray) -> np.ndarray:
-        d = self.dim
-        spin = self.spatial(self.inertia, turn) @ velocity[d:]
-        return np.concatenate([self.mass * velocity[:d], spin])
+        if self.dim == 2:
+            return self._masses * velocity
+        momentum = self.mass * velocity
+        momentum[3:] = self.spatial(self.inertia, turn) @ velocity[3:]
+        return momentum
 
     @property
     def mobility(self) -> np.ndarray:

@@ -76,7 +76,8 @@ class RigidTrace(MonolithicTrace):
             operator[:, 0, 4], operator[:, 0, 5] = z, -y
             operator[:, 1, 3], operator[:, 1, 5] = -z, x
             operator[:, 2, 3], operator[:, 2, 4] = y, -x
-        operator[:, :, self._solid.held] = 0.0  # what is held does not move
+        if len(self._solid.held):
+            operator[:, :, self._solid.held] = 0.0  # does not move
         return operator.reshape(n * d, -1)
 
     def positions(self) -> np.ndarray:

@@ -69,15 +69,18 @@ class SurfaceSystem(Statuses):
 
     def begin(self, free: np.ndarray, compliance: np.ndarray) -> None:
         """Take up the free velocities (flat) and W of the active points, after `arrange`."""
-        new = compliance.shape != self.W.shape or not np.array_equal(compliance, self.W)
-        # between solids J changes in each iteration, and with it all that W alone would keep
-        new = new or any(part is not part.equations for part in self.parts)
-        self._many = not self._hyperstatic and self.size > MANY[new]
+        few = self._hyperstatic or self.size <= MANY[0]
+        self._many = not few and self.size > MANY[self._renewed(compliance)]
         self.W, self.free = compliance, free
         self.worst = 0.0
         self._yielding.restart()
         if self.size:
             self.update()
+
+    def _renewed(self, compliance: np.ndarray) -> bool:
+        """Whether what W alone would keep is lost; between solids J changes in each iteration."""
+        new = compliance.shape != self.W.shape or not np.array_equal(compliance, self.W)
+        return new or any(part is not part.equations for part in self.parts)
 
     def _arrange(self) -> None:
         """Places of the active unknowns: all velocities, then the multipliers by contact."""

@@ -206,9 +206,8 @@ class Stepper:
         for watch in self.watchers:
             watch(trial)
         clock, step = Clock(self.times), trial.step
-        momentum, loads, supports, tractions = np.sum(
-            [solid.works(step) for solid in self.solids], axis=0
-        )
+        works = zip(*(solid.works(step) for solid in self.solids))
+        momentum, loads, supports, tractions = map(sum, works)
         damped = sum(solid.damped(step) for solid in self.solids)
         means = {id(solid): solid.mean_velocity(step) for solid in self.solids}
         for solid in self.solids:

@@ -36,7 +36,7 @@ def missed(contact: Contact, closing: bool) -> str:
     if deepest is not gaps:
         through = asked & (deepest > np.maximum(gaps, 0.0) + contact.tolerance)
         if through.any():
-            through &= (contact.equations.statuses() == 0) & ~contact.touching()
+            through &= (contact.trial_status == 0) & ~contact.touching()
             if through.any():
                 return f"a point of contact {contact.name!r} goes through what it meets"
     if not gaps.max() > contact.surface.extent:
@@ -83,7 +83,7 @@ def depth(contact: Contact) -> float:
 def short(contact: Contact) -> float:
     """How far from the obstacle the farthest point is that bears in the trial state, an impact, and
     was open at the start, m."""
-    fresh = contact.chosen & ~contact.touching() & (contact.equations.statuses() > 0)
+    fresh = contact.chosen & ~contact.touching() & (contact.trial_status > 0)
     return float(-contact.gap[fresh].min(initial=0.0))
 
 
@@ -92,6 +92,6 @@ def struck(contact: Contact, speed: float) -> bool:
     or approached faster than ``speed``, m/s: its velocity has jumped. Springs let none jump."""
     if not contact.formulation.multipliers:
         return False
-    fresh = (contact.equations.statuses() > 0) & (contact.status == 0)
+    fresh = (contact.trial_status > 0) & (contact.status == 0)
     fast = (contact.jump * contact.normal).sum(axis=1) > speed
     return bool((fresh & (fast | ~contact.touching())).any())

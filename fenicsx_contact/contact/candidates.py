@@ -69,11 +69,11 @@ class Candidates:
 
     def limit(self, step: Step) -> np.ndarray | None:
         """The w_n that the law allows at each point at most, (n,) in m/s, None for springs."""
-        k = self._equations.fields
+        e = self._equations
         return self._formulation.limit(
             StepData(
-                gap=k.gap.x.array,
-                start_jump_n=k.start_jump_n.x.array,
+                gap=e.gap,
+                start_jump_n=e.start_jump_n,
                 gap_rate=step.gap_rate,
                 limit_rate=step.limit_rate,
                 horizon=step.horizon,
@@ -83,9 +83,9 @@ class Candidates:
 
     def _violate(self, jump: np.ndarray, step: Step, noise: float = 0.0) -> np.ndarray:
         """Points whose jump (n, d) is more than the law allows less ``noise``, (n,) of bool."""
-        k, limit = self._equations.fields, self.limit(step)
-        approach = dot(jump, k.normal.x.array.reshape(jump.shape)) + noise
+        e, limit = self._equations, self.limit(step)
+        approach = dot(jump, e.normal.reshape(jump.shape)) + noise
         if limit is None:  # springs know no limit, but what they do not touch
-            limit = -k.gap.x.array / step.gap_rate if step.gap_rate else np.inf * approach
+            limit = -e.gap / step.gap_rate if step.gap_rate else np.inf * approach
             return (approach > limit) | (self._gap > 0)
         return approach > limit

@@ -45,7 +45,8 @@ class Contact(SurfaceResults):
         name: for messages and files.
 
     Attributes:
-        gap, jump: at the start of the step, m and m/s; ``trial_jump`` in the trial state.
+        gap, jump: at the start of the step, m and m/s; ``trial_jump``, ``trial_status`` in the
+            trial state.
         start_jump_n: w_n at the start, by the operators of the step; ``end_gap``: at its end if
             nothing approached.
         resolution: speeds below it, m/s, the last step did not resolve.
@@ -109,6 +110,7 @@ class Contact(SurfaceResults):
         self._springs = TangentialSprings(self.equations, self.formulation)
         self._scales = Scales(self.coupling, self.surface.size)
         self.resolution, self.moved = 0.0, 1.0
+        self._told: Step | None = None  # the step of whose start the equations know
         self._set_normal(self.coupling.normals())
         self._locate()
 
@@ -146,7 +148,7 @@ class Contact(SurfaceResults):
         are open now only if ``closing``, in a percussion only those of a law of velocities."""
         if bool(step.dt) != bool(self.moved):  # impulses are alike in a percussion and a step
             self.equations.scale_multipliers((self.moved or 1.0) / step.span)
-        self.moved = step.dt
+        self.moved, self._told = step.dt, None
         if self.coupling.driven:
             self.jump = self.coupling.jump("velocity")
         self.coupling.follow()
@@ -188,23 +190,30 @@ class Contact(SurfaceResults):
             self.candidates.choose()
         if not self.coupling.fixed_normal:
             self._set_normal(self.coupling.normals())
-        gap = self.gap if step.dt else np.minimum(self.gap, 0.0)  # no way to correct a drift
-        # what less than the resolved speed would close is closed, and what round-off opened
-        closed = max(self.resolution * step.horizon, self.noise)
-        gap = np.where((gap < 0) & (gap >= -closed), 0.0, gap)
+        if self._told is not step or not self.coupling.fixed_normal:
+            self._tell(step)
         if share:
             # the gap at the end of the step as a function of w: end + gap_rate w_n
             approach = dot(self.coupling.jump("trial_velocity"), self.normal)
             self.end_gap = self.coupling.gaps() - step.gap_rate * approach
-            gap = (1 - share) * gap + share * self.end_gap
-        start = dot(self.jump, self.normal)  # as the operators of this step see it
-        self.start_jump_n = np.where(np.abs(start) <= self.resolution, 0.0, start)
-        k.gap.x.array[:], k.start_jump_n.x.array[:] = gap, self.start_jump_n
+            self.equations.gap[:] = (1 - share) * self._start_gap + share * self.end_gap
         if k.feed(self, step):
             self.equations.refresh()
         self.equations.set_rates(share * step.gap_rate, step.span, step.limit_rate, step.horizon)
         self._springs.linearise(step, self.gap, self.jump)
         self.coupling.linearise(step, exact, share)
+
+    def _tell(self, step: Step) -> None:
+        """Tell the equations how the step starts."""
+        self._told = step
+        gap = self.gap if step.dt else np.minimum(self.gap, 0.0)  # no way to correct a drift
+        # what less than the resolved speed would close is closed, and what round-off opened
+        closed = max(self.resolution * step.horizon, self.noise)
+        self._start_gap = np.where((gap < 0) & (gap >= -closed), 0.0, gap)
+        start = dot(self.jump, self.normal)  # as the operators of this step see it
+        self.start_jump_n = np.where(np.abs(start) <= self.resolution, 0.0, start)
+        self.equations.gap[:] = self._start_gap
+        self.equations.start_jump_n[:] = self.start_jump_n
 
     def _set_normal(self, normal: np.ndarray) -> None:
         self.normal = np.ascontiguousarray(normal)
@@ -236,14 +245,19 @@ class Contact(SurfaceResults):
         self.coupling.follow()
         self.trial_jump = self.coupling.jump("trial_velocity")
 
+    def ask(self) -> None:
+        """The equations have been solved: take up the statuses that they have."""
+        self.trial_status = self.equations.statuses()
+
     def _statuses(self, step: Step, resolution: float) -> np.ndarray:
-        """Statuses in the trial state; what moves along the surface by less than ``resolution``,
+        """Statuses to be kept; what moves along the surface by less than ``resolution``,
         m/s, sticks, and a point whose force would move it by less is open, whatever round-off says
         where hardly anything presses."""
-        status = self.equations.statuses()
-        along = self.trial_jump - dot(self.trial_jump, self.normal)[:, None] * self.normal
-        still = dot(along, along) <= resolution**2
-        status = np.where(still, np.minimum(status, 1.0), status)
+        status = self.trial_status
+        if status.max() > 1:
+            along = self.trial_jump - dot(self.trial_jump, self.normal)[:, None] * self.normal
+            still = dot(along, along) <= resolution**2
+            status = np.where(still, np.minimum(status, 1.0), status)
         hardly = self.units(step)[0] * self.equations.weight * resolution
         return np.where(np.abs(dot(self.force, self.normal)) <= hardly, 0.0, status)
 

@@ -12,8 +12,10 @@ import scipy.sparse as sp
 
 from ..base import compat
 from ..base.expressions import finite_form
+from ..base.vectors import largest
 from ..theory.formulations import Formulation
 from ..theory.friction import FrictionBound
+from .memory import at_points
 from .surface import Surface, SurfaceFields
 from .tangent import PointRows, SurfaceTangent
 
@@ -30,6 +32,8 @@ class SurfaceEquations:
         augmentation: pure numbers that multiply rho_n and rho_t.
 
     Attributes:
+        gap, start_jump_n, normal: what the form reads as d_n, as w_n at the start of the step and
+            as n, flat, in m, m/s and 1.
         idle_multipliers: indices of those of the points that are no candidates.
         carried: velocities of the other side that are given, flat, m/s: the velocities of the
             points are w and these.
@@ -59,7 +63,8 @@ class SurfaceEquations:
         self.tractions = self.jumps + n * formulation.multipliers  # where tau begins
         self._order = np.concatenate([k.dofs[:d].T.ravel(), k.dofs[d:].ravel()])
         self.tangents = SurfaceTangent(k, form, self._order)
-        self._z = k.unknowns.x.array
+        self._z, self._closed, self.gap = (f.x.array for f in (k.unknowns, k.closed, k.gap))
+        self.start_jump_n, self.normal = k.start_jump_n.x.array, k.normal.x.array
         self._key, self._speed, self._rates = b"", 0.0, (0.0, 0.0, 0.0, 0.0)
         self.carried = np.zeros(self.jumps)
         self.rho = np.ones((2, n))  # normal, tangential
@@ -76,8 +81,9 @@ class SurfaceEquations:
             return
         self._key = key
         self.revision += 1
-        self.fields.closed.x.array[:] = candidates
+        self._closed[:] = candidates
         self.candidates = np.flatnonzero(candidates)
+        self._stopping: float | None = None
         n, d = self._surface.points.shape
         self.active_jumps = (self.candidates[:, None] * d + np.arange(d)).ravel()
         blocks = np.arange(self.jumps, self.size, n)[:, None] + self.candidates
@@ -109,6 +115,7 @@ class SurfaceEquations:
         self.revision += 1
         d, share = self._surface.dim, np.where(self.weight > 0, self.weight, 1.0)
         self.force_scale = units[0] * speed * share  # of each point, N
+        self._stopping = None
         self.column_scale = np.full(self.size, speed)
         self.row_scale = np.full(self.size, 1 / speed)
         if self.tractions > self.jumps:
@@ -121,6 +128,13 @@ class SurfaceEquations:
     def speed(self) -> float:
         """The typical speed of the step by which its unknowns are scaled, m/s."""
         return self._speed
+
+    @property
+    def stopping_force(self) -> float:
+        """The largest force that stops a candidate of that speed within the step, N."""
+        if self._stopping is None:
+            self._stopping = largest(self.force_scale[self.candidates])
+        return self._stopping
 
     def set_weight(self, weight: np.ndarray) -> None:
         """The points weigh otherwise in the integrals than before, (n,)."""
@@ -256,11 +270,9 @@ class SurfaceEquations:
 
     def statuses(self) -> np.ndarray:
         """0 open, 1 stick (or bearing without friction), 2 slip, for each point."""
-        status = np.zeros(self._surface.size)
-        if len(self.candidates):
-            status[self._surface.cell_nodes.ravel()] = self._status().ravel()
-            status *= self.fields.closed.x.array
-        return status
+        if not len(self.candidates):
+            return np.zeros(self._surface.size)
+        return at_points(self._surface, self._status) * self._closed
 
     def start(self, jump: np.ndarray, free: np.ndarray) -> None:
         """Starting values of a step: what bore goes on, the others start from the free jump.

@@ -29,13 +29,15 @@ class Scales:
 
     def __init__(self, coupling: Coupling, points: int) -> None:
         self._coupling = coupling
-        self._octave, self.mobility = -np.inf, 0.0
+        self._span, self._octave, self.mobility = 0.0, -np.inf, 0.0
         self._units = np.ones((2, points))
 
     def units(self, normal: np.ndarray, weight: np.ndarray, step: Step) -> np.ndarray:
         """The pressures that stop 1 m/s of each point alone within the step, along its normal and
         its tangents, (2, n); kept while the length of the step does not change by much."""
-        octave = float(frexp(step.span)[1])
+        if step.span == self._span:
+            return self._units
+        octave, self._span = float(frexp(step.span)[1]), step.span
         if self._octave != octave:
             mobility = self._coupling.mobility()
             along = (mobility * normal**2).sum(axis=1)
@@ -52,7 +54,7 @@ class Scales:
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave."""
-        self._units = np.array(state["units"])
+        self._units, self._span = np.array(state["units"]), 0.0
         self._octave, self.mobility = map(float, state["octave"])
 
 

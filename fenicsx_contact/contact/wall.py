@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from contextlib import nullcontext
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -168,13 +167,16 @@ def _timed(
     ``flat`` is affine in places, which are not so large that it would overflow."""
     parameters = _parameters(function)
     asks = parameters is None or len(parameters) > 1
+    answer = function if asks else lambda points, time: function(points)
     insists = bool(asks and parameters and parameters[1].default is inspect.Parameter.empty)
 
     def asked(points: np.ndarray, time: float) -> np.ndarray:
         if not largest(points) <= checks.LARGEST:  # of an iterate that diverges
             raise checks.StepFailed("facets of a contact collapse, or are nowhere")
-        with nullcontext() if flat else told():
-            return function(points, time) if asks else function(points)
+        if flat:
+            return answer(points, time)
+        with told():
+            return answer(points, time)
 
     return asked, insists
 

@@ -223,7 +223,8 @@ class RigidSolid(RigidMotion):
         return np.linalg.solve(self.inverse + np.diag(self._holding), off)
 
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
-        rate, load, d = step.inertia_force(self._momentum, self._trial_momentum), self._acting, self.dim
+        rate = step.inertia_force(self._momentum, self._trial_momentum)
+        load, d = self._acting, self.dim
         residual = np.abs(self._kept * (rate - load - self._force)).tolist()
         size = (np.abs(self._momentum / step.span) + np.abs(load) + self._terms).tolist()
         if not isfinite(sum(residual)):  # max may pass over NaN

@@ -42,6 +42,7 @@ class RigidMotion(MonolithicSolid):
     _place: np.ndarray
     _turn: np.ndarray
     _masses: np.ndarray
+    _kept: np.ndarray
     _mobility: np.ndarray
     _momentum: np.ndarray
     _trial_momentum: np.ndarray
@@ -79,10 +80,11 @@ class RigidMotion(MonolithicSolid):
 
     @property
     def mobility(self) -> np.ndarray:
-        d = self.dim
-        result = np.zeros((len(self.velocity),) * 2)
-        result[range(d), range(d)] = 1 / self.mass
-        result[d:, d:] = self.spatial(self._mobility, self.trial_turn)
+        if self.dim == 2:
+            return np.diag(self._kept / self._masses)
+        result = np.zeros((6, 6))
+        result[range(3), range(3)] = 1 / self.mass
+        result[3:, 3:] = self.spatial(self._mobility, self.trial_turn)
         return without(result, self.held)
 
     def shift(self, way: np.ndarray) -> None:

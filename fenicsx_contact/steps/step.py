@@ -141,6 +141,8 @@ class Stepper:
     def _solved(self, step: Step, closing: bool, clock: Clock) -> tuple[Trial, Certificate, bool]:
         """The step solved about where solids are put; whether they are put elsewhere after it."""
         trial = Trial(step, *self._method.solve(step, clock))
+        for contact in self.contacts:
+            contact.ask()
         moved = bool(step.dt) and not self._linear and hold_gaps(self.contacts, step)
         moved = moved and self._pairs  # before obstacles such a step is too long
         for solid in self.solids:

@@ -45,8 +45,7 @@ class Contact(SurfaceResults):
         name: for messages and files.
 
     Attributes:
-        gap, jump: at the start of the step, m and m/s; ``trial_jump``, ``trial_status`` in the
-            trial state.
+        gap, jump: at the start of the step, m, m/s; ``trial_jump``, ``trial_status``: in its trial.
         start_jump_n: w_n at the start, by the operators of the step; ``end_gap``: at its end if
             nothing approached.
         resolution: speeds below it, m/s, the last step did not resolve.
@@ -106,6 +105,7 @@ class Contact(SurfaceResults):
         coupling.recess = worn(self.memory, self.formulation)
         self.solids, self.traces, self.part = coupling.solids, coupling.traces, coupling.part
         self.force, self.status = np.zeros(self.surface.points.shape), np.zeros(self.surface.size)
+        self.trial_status = self.status
         self.candidates = Candidates(self.equations, self.coupling, self.formulation)
         self._springs = TangentialSprings(self.equations, self.formulation)
         self._scales = Scales(self.coupling, self.surface.size)
@@ -197,6 +197,7 @@ class Contact(SurfaceResults):
             approach = dot(self.coupling.jump("trial_velocity"), self.normal)
             self.end_gap = self.coupling.gaps() - step.gap_rate * approach
             self.equations.gap[:] = (1 - share) * self._start_gap + share * self.end_gap
+            self.candidates.renew()
         if k.feed(self, step):
             self.equations.refresh()
         self.equations.set_rates(share * step.gap_rate, step.span, step.limit_rate, step.horizon)
@@ -205,15 +206,15 @@ class Contact(SurfaceResults):
 
     def _tell(self, step: Step) -> None:
         """Tell the equations how the step starts."""
-        self._told = step
         gap = self.gap if step.dt else np.minimum(self.gap, 0.0)  # no way to correct a drift
         # what less than the resolved speed would close is closed, and what round-off opened
         closed = max(self.resolution * step.horizon, self.noise)
         self._start_gap = np.where((gap < 0) & (gap >= -closed), 0.0, gap)
         start = dot(self.jump, self.normal)  # as the operators of this step see it
         self.start_jump_n = np.where(np.abs(start) <= self.resolution, 0.0, start)
-        self.equations.gap[:] = self._start_gap
-        self.equations.start_jump_n[:] = self.start_jump_n
+        e, self._told = self.equations, step
+        e.gap[:], e.start_jump_n[:] = self._start_gap, self.start_jump_n
+        self.candidates.renew()
 
     def _set_normal(self, normal: np.ndarray) -> None:
         self.normal = np.ascontiguousarray(normal)
@@ -236,18 +237,10 @@ class Contact(SurfaceResults):
         jump = self.coupling.to_jump(free)
         self.equations.start(self.jump.ravel(), jump.ravel())
 
-    def limit(self, step: Step) -> np.ndarray | None:
-        """The w_n that the law allows at each point at most, None for springs."""
-        return self.candidates.limit(step)
-
     def follow(self) -> None:
         """Follow the solids to their trial states, which have just been computed."""
         self.coupling.follow()
         self.trial_jump = self.coupling.jump("trial_velocity")
-
-    def ask(self) -> None:
-        """The equations have been solved: take up the statuses that they have."""
-        self.trial_status = self.equations.statuses()
 
     def _statuses(self, step: Step, resolution: float) -> np.ndarray:
         """Statuses to be kept; what moves along the surface by less than ``resolution``,
@@ -270,8 +263,8 @@ class Contact(SurfaceResults):
             resolution: speeds below it are none, m/s; so is round-off of those of the points.
         """
         self.equations.release()
-        own = largest(self.coupling.velocities("trial_velocity"))
-        self.resolution = resolution = max(resolution, ROUND_OFF * own)
+        fastest = largest(self.coupling.velocities("trial_velocity"))
+        self.resolution = resolution = max(resolution, ROUND_OFF * fastest)
         self.force = self.coupling.force(force)
         self.status = self._statuses(step, resolution)
         self._springs.accept(step, self.force, self.normal, self.status == 1)
@@ -305,12 +298,3 @@ class Contact(SurfaceResults):
         self.coupling.restore(state)
         self._locate()
         self.equations.fields.set_tangent(np.array(state["tangent"]))
-
-    def describe(self) -> str:
-        """What is there and what was left out."""
-        n = int(self.chosen.sum())
-        unknowns = n * (self.equations.fields.components - self.surface.dim)
-        friction = self.friction_law.describe() if self.friction_law else "no friction (no tau)"
-        what = f"{unknowns} multipliers" if unknowns else "springs (no multipliers)"
-        where = f"{n} points of {self.solid.name!r}, before {self.coupling.describe()}"
-        return f"{self.formulation.name}, {where}, {friction}, {what}"

@@ -18,9 +18,10 @@ from ..theory.friction import FrictionBound
 from .memory import at_points
 from .surface import Surface, SurfaceFields
 from .tangent import PointRows, SurfaceTangent
+from .unknowns import SurfaceUnknowns
 
 
-class SurfaceEquations:
+class SurfaceEquations(SurfaceUnknowns):
     """The compiled equations of one contact surface.
 
     Args:
@@ -34,7 +35,6 @@ class SurfaceEquations:
     Attributes:
         gap, start_jump_n, normal: what the form reads as d_n, as w_n at the start of the step and
             as n, flat, in m, m/s and 1.
-        idle_multipliers: indices of those of the points that are no candidates.
         carried: velocities of the other side that are given, flat, m/s: the velocities of the
             points are w and these.
     """
@@ -192,15 +192,6 @@ class SurfaceEquations:
         self._residual.refresh_constants()
         self.tangents.refresh_constants()
 
-    @property
-    def values(self) -> np.ndarray:
-        """The unknowns; setting them sets the fields."""
-        return self._z[self._order]
-
-    @values.setter
-    def values(self, values: np.ndarray) -> None:
-        self._z[self._order] = values
-
     def residual(self) -> np.ndarray:
         """The assembled contact terms of (7)."""
         return self._residual()[self._order]
@@ -273,37 +264,3 @@ class SurfaceEquations:
         if not len(self.candidates):
             return np.zeros(self._surface.size)
         return at_points(self._surface, self._status) * self._closed
-
-    def start(self, jump: np.ndarray, free: np.ndarray) -> None:
-        """Starting values of a step: what bore goes on, the others start from the free jump.
-
-        Args:
-            jump, free: of the last step and without contact, flat, m/s.
-        """
-        self.release()
-        z = self.values
-        z[: self.jumps] = free
-        if self.tractions > self.jumps:
-            bearing = np.repeat(z[self.jumps : self.tractions] < 0, self._surface.dim)
-            z[: self.jumps][bearing] = jump[bearing]
-        self.values = z
-
-    def scale_multipliers(self, ratio: float) -> None:
-        """Multiply lam and tau."""
-        values = self.values
-        values[self.jumps :] *= ratio
-        self.values = values
-
-    def release(self) -> None:
-        """Nothing acts where there are no equations, nor pulls where round-off would."""
-        z = self.values
-        z[self.idle_multipliers] = 0.0
-        lam = slice(self.jumps, self.tractions)
-        z[lam] = np.minimum(z[lam], 0.0)
-        self.values = z
-
-    @property
-    def multiplier(self) -> np.ndarray | None:
-        """lam at the points, Pa (N where a formulation acts at points), if there is one."""
-        lam = slice(self.jumps, self.tractions)
-        return self.values[lam] if self.tractions > self.jumps else None

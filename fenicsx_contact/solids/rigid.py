@@ -104,6 +104,7 @@ class RigidSolid(RigidMotion):
         self.supported = bool(self.springs) or len(self.held) > 0
         self._steady = d == 2 and not self.springs  # one matrix for steps of one length
         self._spinning = d == 3 and not self.springs and not self._holding[d:].any()
+        self.balanced = self._steady or self._spinning
 
         turn = angles("rotation", rotation, spins)
         pivot = self.centre if about is None else checks.vector("about", about, d)

@@ -162,7 +162,8 @@ class StepSolver:
     def _nonlinearity(self, step: Step, speed: float, force: np.ndarray) -> float:
         """Largest relative error of what was linearised, in the trial state."""
         self._all.refuse_broken()
-        errors = self._all.imbalances(step, [s for s in self._all.solids if not s.linear])
+        asked = [s for s in self._all.solids if not (s.linear or s.balanced)]
+        errors = self._all.imbalances(step, asked)
         for contact, part in zip(self._all.contacts, self._all.parts):
             jump, gap, size = nonlinearity(contact, step)
             size = max(speed, size, SLOW * contact.push(force[part], step))

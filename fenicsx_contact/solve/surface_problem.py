@@ -43,7 +43,6 @@ class SurfaceSystem(Statuses):
         parts, names: of the contacts.
         W, free: compliance of the active points and their velocities without contact.
         worst: the largest error of any row, after :meth:`error`.
-        linear_force: forces after :meth:`iterate` as the linearised equations have them.
     """
 
     def __init__(self, parts: Sequence[Part], names: Sequence[str], hyperstatic: bool) -> None:
@@ -176,7 +175,7 @@ class SurfaceSystem(Statuses):
         if found is None:
             return False
         step, change = found
-        self.linear_force = self._spread(change - self.assembled[: len(self.active)])
+        self._linear_force = change - self.assembled[: len(self.active)]
         step *= self._columns
         for part, place in placed:
             part.move(step[place])
@@ -213,7 +212,7 @@ class SurfaceSystem(Statuses):
         if not self._centre.size:
             step += lapack.dgetrs(factors, pivots, self.residual - A @ step)[0]
         step *= self._columns
-        self.linear_force = self._spread(stiffness @ step - self.assembled[:nw])
+        self._linear_force = stiffness @ step - self.assembled[:nw]
         for part, place in self.placed:
             part.move(-step[place])
         self.update()
@@ -245,6 +244,10 @@ class SurfaceSystem(Statuses):
     def force(self) -> np.ndarray:
         """Forces on the solids at all points, flat, N."""
         return self._spread(-self.assembled[: len(self.active)] if self.size else np.empty(0))
+
+    def linear_force(self) -> np.ndarray:
+        """The same after :meth:`iterate` as the linearised equations have them."""
+        return self._spread(self._linear_force if self.size else np.empty(0))
 
     def _spread(self, force: np.ndarray) -> np.ndarray:
         result = np.zeros(self._total)

@@ -14,15 +14,17 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
+from scipy.linalg import lapack
 
 from ..base import checks
 from ..base.mesh import NamedMesh
+from ..base.vectors import largest
 from ..theory.theta import Step
 from .moments import moments
 from .rigid_forces import Applied, Load, components, held_components, pull, without
 from .rigid_forces import springs as to_ground
 from .rigid_motion import RigidMotion
-from .rotations import angles, rotation_matrix, turned_tensor, turning
+from .rotations import EYE, angles, rotation_matrix, turned_tensor, turning
 
 
 class RigidSolid(RigidMotion):
@@ -142,10 +144,10 @@ class RigidSolid(RigidMotion):
         if not self._steady or step.span != self._inverse_for:
             self._inverse_for = step.span
             self.linearisation += 1
-            d = self.dim
-            self.inverse = np.zeros((len(self.velocity),) * 2)
-            self.inverse[range(d), range(d)] = step.span / self.mass
-            spin = self._mobility if d == 2 else np.linalg.inv(self._spin_tangent(step))
+            d, n = self.dim, len(self.velocity)
+            self.inverse = np.zeros((n, n))
+            self.inverse.flat[: d * (n + 1) : n + 1] = step.span / self.mass
+            spin = self._mobility if d == 2 else lapack.dgesv(self._spin_tangent(step), EYE)[2]
             self.inverse[d:, d:] = step.span * spin
             for spring in self.springs:
                 self.inverse = spring.stiffen(self.inverse, self.trial_turn, step.force_rate)
@@ -195,7 +197,7 @@ class RigidSolid(RigidMotion):
             new = self.trial_turn @ (self._mobility @ (self.trial_turn.T @ momentum))
             self.trial_velocity[self.dim :] = new
             self._move(step)
-            last, change = change, float(np.abs(new - old).max())
+            last, change = change, largest(new - old)
             falls = change < last
 
     def layout(self, comm: MPI.Comm) -> list[int]:

@@ -152,7 +152,9 @@ class Contact(SurfaceResults):
         if self.coupling.driven:
             self.jump = self.coupling.jump("velocity")
         self.coupling.follow()
-        allowed = self.formulation.closed(self.coupling.gaps(), self.tolerance)
+        allowed = self.chosen
+        if decide := getattr(self.formulation, "closed", None):
+            allowed = allowed & decide(self.coupling.gaps(), self.tolerance)
         if not closing:
             allowed = allowed & self.touching()
         if not step.dt and not self.formulation.percussive:
@@ -226,16 +228,13 @@ class Contact(SurfaceResults):
 
     def push(self, force: np.ndarray, step: Step) -> float:
         """The speed that forces on the points (N) would give to one alone, m/s."""
-        size = largest(force)
-        if not size:
-            return 0.0
-        self.units(step)
+        if size := largest(force):
+            self.units(step)
         return size * self._scales.mobility
 
     def start(self, free: np.ndarray) -> None:
         """Starting values of a step, from the velocities of the points without contact, flat."""
-        jump = self.coupling.to_jump(free)
-        self.equations.start(self.jump.ravel(), jump.ravel())
+        self.equations.start(self.jump.ravel(), self.coupling.to_jump(free).ravel())
 
     def follow(self) -> None:
         """Follow the solids to their trial states, which have just been computed."""

@@ -10,7 +10,8 @@ _ONES = np.ones(3)
 
 def largest(values: np.ndarray) -> float:
     """The largest absolute value; 0 of none, NaN where there is one."""
-    return float(np.maximum.reduce(np.abs(values), axis=None, initial=0.0))
+    sizes = np.abs(values)
+    return float(sizes.item(sizes.argmax())) if sizes.size else 0.0
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -131,7 +131,7 @@ class Contact(SurfaceResults):
 
     def _start(self) -> None:
         """Frame from which the next step starts, and round-off of the distances in it."""
-        self.noise = ROUND_OFF * float(np.abs(self.coupling.positions()).max())
+        self.noise = ROUND_OFF * largest(self.coupling.positions())
         if not self.coupling.fixed_normal:
             self.equations.fields.keep_frame()
 

@@ -77,7 +77,7 @@ def astray(contact: Contact, step: Step) -> np.ndarray:
 
 def farthest(contact: Contact) -> float:
     """The largest coordinate of its points, m."""
-    return float(np.abs(contact.coupling.positions()).max())
+    return largest(contact.coupling.positions())
 
 
 def normal_rows(contact: Contact, points: np.ndarray) -> list[np.ndarray]:

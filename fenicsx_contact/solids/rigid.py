@@ -103,6 +103,8 @@ class RigidSolid(RigidMotion):
         self._holding = np.zeros(d + spins)
         self._holding[self.held] = 1.0
         self._kept = 1.0 - self._holding  # 0 of what is held, whose balance is not asked for
+        if d == 2:
+            self._everywhere = np.diag(self._kept / self._masses)  # its mobility
         self.supported = bool(self.springs) or len(self.held) > 0
         self._steady = d == 2 and not self.springs  # one matrix for steps of one length
         self._spinning = d == 3 and not self.springs and not self._holding[d:].any()

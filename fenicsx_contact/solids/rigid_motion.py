@@ -42,7 +42,7 @@ class RigidMotion(MonolithicSolid):
     _place: np.ndarray
     _turn: np.ndarray
     _masses: np.ndarray
-    _kept: np.ndarray
+    _everywhere: np.ndarray
     _mobility: np.ndarray
     _momentum: np.ndarray
     _trial_momentum: np.ndarray
@@ -81,7 +81,7 @@ class RigidMotion(MonolithicSolid):
     @property
     def mobility(self) -> np.ndarray:
         if self.dim == 2:
-            return np.diag(self._kept / self._masses)
+            return self._everywhere
         result = np.zeros((6, 6))
         result[range(3), range(3)] = 1 / self.mass
         result[3:, 3:] = self.spatial(self._mobility, self.trial_turn)

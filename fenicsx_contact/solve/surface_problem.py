@@ -223,9 +223,9 @@ class SurfaceSystem(Statuses):
         the share ``slow`` of those that the forces stand for."""
         if self._judged is self.residual and slow == SLOW:
             return self.worst
-        nw = len(self.active)
-        scaled = self.residual.copy()
+        nw, scaled = len(self.active), self.residual
         if slow:
+            scaled = scaled.copy()
             resolved = slow * (self._absolute() @ np.abs(self.assembled[:nw])) * self._rows[:nw]
             scaled[:nw] /= np.maximum(1.0, resolved)
         self.worst = max(

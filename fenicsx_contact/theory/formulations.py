@@ -267,6 +267,5 @@ _MEMBERS = (
     "points",
     "gap_share",
     "form",
-    "closed",
     "limit",
 )

@@ -85,7 +85,6 @@ class Solid(ABC):
         mesh: its shape.
         dim: dimension of space.
         linear: one linearisation serves a whole step.
-        balanced: :meth:`correct` leaves nothing of its momentum balance but round-off.
         shiftable: rigid: can be put elsewhere without a velocity (`shift`, `mobility`).
         massless: some of its boundary has no mass, and so no velocity of its own.
         patient: an old linearisation may serve as long as corrections converge fast.
@@ -103,7 +102,6 @@ class Solid(ABC):
     supported: bool
     massless = False
     revolution = False
-    balanced = False
     shiftable = False
     patient = False
     velocity: np.ndarray

@@ -27,10 +27,12 @@ class RigidMotion(MonolithicSolid):
         trial_place, trial_turn: the centre of mass and the rotation in the trial state.
         moving_velocity: with which the step has moved it there; in space :meth:`shift` changes the
             spin, not the momentum.
+        balanced: `correct` leaves nothing of its momentum balance but round-off.
         shifted: what it has been shifted by in the step, beside its velocities, or None.
     """
 
     mass: float
+    balanced: bool
     centre: np.ndarray
     inertia: np.ndarray
     held: np.ndarray

@@ -64,6 +64,8 @@ class Assembly:
 
     def compliance(self, active: np.ndarray) -> np.ndarray:
         """W of the active points, whose indices among all are sorted."""
+        if not len(active):
+            return np.empty((0, 0))
         if len(self.sides) == 1:
             _, trace = self.sides[0]
             return trace.compliance(active, trace, active)

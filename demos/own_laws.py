@@ -117,10 +117,6 @@ class Penalty:
         pressure = self.stiffness * (start + end) / 2
         return k.integral(pressure * k.test_jump_n), ufl.conditional(ufl.gt(pressure, 0), 1.0, 0.0)
 
-    def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
-        """The form decides."""
-        return np.ones(len(predicted_gap), dtype=bool)
-
     def limit(self, data: Any) -> None:
         """Springs allow any speed."""
 

@@ -299,7 +299,10 @@ def test_limit_is_that_of_the_form(name):
         row = eq.residual()[eq.jumps :] / eq.weight  # -(w_n - limit)
         data = StepData(gap, start, gap_rate, limit_rate, dt)
         np.testing.assert_allclose(fast + row, law.limit(data), rtol=0, atol=1e-10)
-    assert law.closed(np.array([-1.0, 1.0]), 0.0).tolist() == [not isinstance(law, Printed), True]
+    decides = getattr(law, "closed", None)
+    assert bool(decides) == isinstance(law, Printed)
+    if decides:
+        assert decides(np.array([-1.0, 1.0]), 0.0).tolist() == [False, True]
 
 
 def spring_work(spring, a, b, mean_share, dt=0.3):

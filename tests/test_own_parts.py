@@ -76,9 +76,6 @@ class Penalty:
             form += k.integral(b / speed * ufl.dot(k.jump_t, k.test_jump_t))
         return form, bears
 
-    def closed(self, predicted_gap, tolerance):
-        return np.ones(len(predicted_gap), dtype=bool)
-
     def limit(self, data):
         return None
 
@@ -97,9 +94,6 @@ class Shim:
 
     def form(self, k):
         return weak_form(k, k.jump_n + (k.gap + self.thickness) / k.gap_rate)
-
-    def closed(self, predicted_gap, tolerance):
-        return np.ones(len(predicted_gap), dtype=bool)
 
     def limit(self, data):
         return -(data.gap + self.thickness) / data.gap_rate

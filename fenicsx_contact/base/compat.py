@@ -244,13 +244,16 @@ class PointExpression:
         with compiler():
             self._expression = fem.Expression(expression, points)
         self._cells = np.arange(num_local_cells(mesh), dtype=np.int32)
-        self._mesh = mesh
+        self._mesh, size = mesh, int(np.prod(expression.ufl_shape))
+        self._shape = len(self._cells), len(points) * size
 
     def __call__(self) -> np.ndarray:
         """Values, (cells, nodes x components)."""
-        mesh = (self._mesh,) if MODERN else ()
-        values = self._expression.eval(*mesh, self._cells)
-        return np.reshape(values, (len(self._cells), -1 if len(self._cells) else 1))
+        if MODERN:
+            return self._expression.eval(self._mesh, self._cells).reshape(self._shape)
+        values = np.zeros(self._shape)
+        self._expression._cpp_object.eval(self._cells, values)
+        return values
 
 
 class PointValues:

@@ -16,7 +16,10 @@ _OUTSIDE: ContextVar[dict[str, Any] | None] = ContextVar("outside", default=None
 @contextmanager
 def diverging() -> Iterator[None]:
     """Iterates that diverge overflow: their error then is inf, which every loop asks."""
-    token = _OUTSIDE.set(_OUTSIDE.get() or dict(np.geterr()))
+    if _OUTSIDE.get():
+        yield
+        return
+    token = _OUTSIDE.set(dict(np.geterr()))
     try:
         with np.errstate(over="ignore", invalid="ignore"):
             yield

@@ -33,11 +33,14 @@ def missed(contact: Contact, closing: bool) -> str:
     gaps = contact.coupling.gaps()
     asked = contact.chosen & (contact.status == 0)
     deepest = contact.coupling.deepest(asked, contact.gap, gaps)
-    through = asked & (deepest > np.maximum(gaps, 0.0) + contact.tolerance)
-    if through.any():
-        free = (contact.equations.statuses() == 0) & ~contact.touching()
-        if (through & free).any():
-            return f"a point of contact {contact.name!r} goes through what it meets"
+    if deepest is not gaps:
+        through = asked & (deepest > np.maximum(gaps, 0.0) + contact.tolerance)
+        if through.any():
+            through &= (contact.trial_status == 0) & ~contact.touching()
+            if through.any():
+                return f"a point of contact {contact.name!r} goes through what it meets"
+    if not gaps.max() > contact.surface.extent:
+        return ""
     asked = contact.chosen & (closing | contact.candidates.allowed)
     if (gaps > np.maximum(contact.gap, contact.surface.extent))[asked].any():
         return f"contact {contact.name!r} goes deeper than its surface is large"
@@ -80,7 +83,7 @@ def depth(contact: Contact) -> float:
 def short(contact: Contact) -> float:
     """How far from the obstacle the farthest point is that bears in the trial state, an impact, and
     was open at the start, m."""
-    fresh = contact.chosen & ~contact.touching() & (contact.equations.statuses() > 0)
+    fresh = contact.chosen & ~contact.touching() & (contact.trial_status > 0)
     return float(-contact.gap[fresh].min(initial=0.0))
 
 
@@ -89,6 +92,6 @@ def struck(contact: Contact, speed: float) -> bool:
     or approached faster than ``speed``, m/s: its velocity has jumped. Springs let none jump."""
     if not contact.formulation.multipliers:
         return False
-    fresh = (contact.equations.statuses() > 0) & (contact.status == 0)
+    fresh = (contact.trial_status > 0) & (contact.status == 0)
     fast = (contact.jump * contact.normal).sum(axis=1) > speed
     return bool((fresh & (fast | ~contact.touching())).any())

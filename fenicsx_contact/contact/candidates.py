@@ -36,6 +36,8 @@ class Candidates:
     ) -> None:
         self._equations, self._coupling, self._formulation = equations, coupling, formulation
         self.allowed = self._asked = np.ones(len(equations.weight), dtype=bool)
+        self._limit: np.ndarray | None = None
+        self.renew()
 
     def begin(self, allowed: np.ndarray, gap: np.ndarray) -> None:
         """All that are allowed, (n,) of bool, once they are chosen; ``gap``: at the start of the
@@ -57,33 +59,42 @@ class Candidates:
 
     def widen(self, jump: np.ndarray, step: Step) -> bool:
         """Ask what the jumps (n, d) ask for besides; whether that is any."""
+        if len(self._equations.candidates) == len(jump):
+            return False
         more = self._violate(jump, step) & ~self._asked
-        if not (more & self.allowed & self._coupling.near()).any():
+        if not more.any() or not (more & self.allowed & self._coupling.near()).any():
             return False
         self._asked = self._asked | more
         self.earlier.append((self._equations.candidates, self._equations.values))
         self.choose()
         return True
 
+    def renew(self) -> None:
+        """What the law reads of the step has changed."""
+        self._limit_of: Step | None = None
+
     def limit(self, step: Step) -> np.ndarray | None:
         """The w_n that the law allows at each point at most, (n,) in m/s, None for springs."""
-        k = self._equations.fields
-        return self._formulation.limit(
+        if self._limit_of is step:
+            return self._limit
+        e, self._limit_of = self._equations, step
+        self._limit = self._formulation.limit(
             StepData(
-                gap=k.gap.x.array,
-                start_jump_n=k.start_jump_n.x.array,
+                gap=e.gap,
+                start_jump_n=e.start_jump_n,
                 gap_rate=step.gap_rate,
                 limit_rate=step.limit_rate,
                 horizon=step.horizon,
                 loaded=step.loaded,
             )
         )
+        return self._limit
 
     def _violate(self, jump: np.ndarray, step: Step, noise: float = 0.0) -> np.ndarray:
         """Points whose jump (n, d) is more than the law allows less ``noise``, (n,) of bool."""
-        k, limit = self._equations.fields, self.limit(step)
-        approach = dot(jump, k.normal.x.array.reshape(jump.shape)) + noise
+        e, limit = self._equations, self.limit(step)
+        approach = dot(jump, e.normal.reshape(jump.shape)) + noise
         if limit is None:  # springs know no limit, but what they do not touch
-            limit = -k.gap.x.array / step.gap_rate if step.gap_rate else np.inf * approach
+            limit = -e.gap / step.gap_rate if step.gap_rate else np.inf * approach
             return (approach > limit) | (self._gap > 0)
         return approach > limit

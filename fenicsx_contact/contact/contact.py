@@ -45,7 +45,7 @@ class Contact(SurfaceResults):
         name: for messages and files.
 
     Attributes:
-        gap, jump: at the start of the step, m and m/s; ``trial_jump`` in the trial state.
+        gap, jump: at the start of the step, m, m/s; ``trial_jump``, ``trial_status``: in its trial.
         start_jump_n: w_n at the start, by the operators of the step; ``end_gap``: at its end if
             nothing approached.
         resolution: speeds below it, m/s, the last step did not resolve.
@@ -105,10 +105,12 @@ class Contact(SurfaceResults):
         coupling.recess = worn(self.memory, self.formulation)
         self.solids, self.traces, self.part = coupling.solids, coupling.traces, coupling.part
         self.force, self.status = np.zeros(self.surface.points.shape), np.zeros(self.surface.size)
+        self.trial_status = self.status
         self.candidates = Candidates(self.equations, self.coupling, self.formulation)
         self._springs = TangentialSprings(self.equations, self.formulation)
         self._scales = Scales(self.coupling, self.surface.size)
         self.resolution, self.moved = 0.0, 1.0
+        self._told: Step | None = None  # the step of whose start the equations know
         self._set_normal(self.coupling.normals())
         self._locate()
 
@@ -129,8 +131,9 @@ class Contact(SurfaceResults):
 
     def _start(self) -> None:
         """Frame from which the next step starts, and round-off of the distances in it."""
-        self.noise = ROUND_OFF * float(np.abs(self.coupling.positions()).max())
-        self.equations.fields.keep_frame()
+        self.noise = ROUND_OFF * largest(self.coupling.positions())
+        if not self.coupling.fixed_normal:
+            self.equations.fields.keep_frame()
 
     # -- the step -------------------------------------------------------------------------------
 
@@ -145,11 +148,13 @@ class Contact(SurfaceResults):
         are open now only if ``closing``, in a percussion only those of a law of velocities."""
         if bool(step.dt) != bool(self.moved):  # impulses are alike in a percussion and a step
             self.equations.scale_multipliers((self.moved or 1.0) / step.span)
-        self.moved = step.dt
+        self.moved, self._told = step.dt, None
         if self.coupling.driven:
             self.jump = self.coupling.jump("velocity")
         self.coupling.follow()
-        allowed = self.formulation.closed(self.coupling.gaps(), self.tolerance)
+        allowed = self.chosen
+        if decide := getattr(self.formulation, "closed", None):
+            allowed = allowed & decide(self.coupling.gaps(), self.tolerance)
         if not closing:
             allowed = allowed & self.touching()
         if not step.dt and not self.formulation.percussive:
@@ -187,23 +192,31 @@ class Contact(SurfaceResults):
             self.candidates.choose()
         if not self.coupling.fixed_normal:
             self._set_normal(self.coupling.normals())
-        gap = self.gap if step.dt else np.minimum(self.gap, 0.0)  # no way to correct a drift
-        # what less than the resolved speed would close is closed, and what round-off opened
-        closed = max(self.resolution * step.horizon, self.noise)
-        gap = np.where((gap < 0) & (gap >= -closed), 0.0, gap)
+        if self._told is not step or not self.coupling.fixed_normal:
+            self._tell(step)
         if share:
             # the gap at the end of the step as a function of w: end + gap_rate w_n
             approach = dot(self.coupling.jump("trial_velocity"), self.normal)
             self.end_gap = self.coupling.gaps() - step.gap_rate * approach
-            gap = (1 - share) * gap + share * self.end_gap
-        start = dot(self.jump, self.normal)  # as the operators of this step see it
-        self.start_jump_n = np.where(np.abs(start) <= self.resolution, 0.0, start)
-        k.gap.x.array[:], k.start_jump_n.x.array[:] = gap, self.start_jump_n
+            self.equations.gap[:] = (1 - share) * self._start_gap + share * self.end_gap
+            self.candidates.renew()
         if k.feed(self, step):
             self.equations.refresh()
         self.equations.set_rates(share * step.gap_rate, step.span, step.limit_rate, step.horizon)
         self._springs.linearise(step, self.gap, self.jump)
         self.coupling.linearise(step, exact, share)
+
+    def _tell(self, step: Step) -> None:
+        """Tell the equations how the step starts."""
+        gap = self.gap if step.dt else np.minimum(self.gap, 0.0)  # no way to correct a drift
+        # what less than the resolved speed would close is closed, and what round-off opened
+        closed = max(self.resolution * step.horizon, self.noise)
+        self._start_gap = np.where((gap < 0) & (gap >= -closed), 0.0, gap)
+        start = dot(self.jump, self.normal)  # as the operators of this step see it
+        self.start_jump_n = np.where(np.abs(start) <= self.resolution, 0.0, start)
+        e, self._told = self.equations, step
+        e.gap[:], e.start_jump_n[:] = self._start_gap, self.start_jump_n
+        self.candidates.renew()
 
     def _set_normal(self, normal: np.ndarray) -> None:
         self.normal = np.ascontiguousarray(normal)
@@ -215,19 +228,13 @@ class Contact(SurfaceResults):
 
     def push(self, force: np.ndarray, step: Step) -> float:
         """The speed that forces on the points (N) would give to one alone, m/s."""
-        if not force.any():
-            return 0.0
-        self.units(step)
-        return self._scales.speed(force)
+        if size := largest(force):
+            self.units(step)
+        return size * self._scales.mobility
 
     def start(self, free: np.ndarray) -> None:
         """Starting values of a step, from the velocities of the points without contact, flat."""
-        jump = self.coupling.to_jump(free)
-        self.equations.start(self.jump.ravel(), jump.ravel())
-
-    def limit(self, step: Step) -> np.ndarray | None:
-        """The w_n that the law allows at each point at most, None for springs."""
-        return self.candidates.limit(step)
+        self.equations.start(self.jump.ravel(), self.coupling.to_jump(free).ravel())
 
     def follow(self) -> None:
         """Follow the solids to their trial states, which have just been computed."""
@@ -235,13 +242,14 @@ class Contact(SurfaceResults):
         self.trial_jump = self.coupling.jump("trial_velocity")
 
     def _statuses(self, step: Step, resolution: float) -> np.ndarray:
-        """Statuses in the trial state; what moves along the surface by less than ``resolution``,
+        """Statuses to be kept; what moves along the surface by less than ``resolution``,
         m/s, sticks, and a point whose force would move it by less is open, whatever round-off says
         where hardly anything presses."""
-        status = self.equations.statuses()
-        along = self.trial_jump - dot(self.trial_jump, self.normal)[:, None] * self.normal
-        still = np.linalg.norm(along, axis=1) <= resolution
-        status = np.where(still, np.minimum(status, 1.0), status)
+        status = self.trial_status
+        if status.max() > 1:
+            along = self.trial_jump - dot(self.trial_jump, self.normal)[:, None] * self.normal
+            still = dot(along, along) <= resolution**2
+            status = np.where(still, np.minimum(status, 1.0), status)
         hardly = self.units(step)[0] * self.equations.weight * resolution
         return np.where(np.abs(dot(self.force, self.normal)) <= hardly, 0.0, status)
 
@@ -254,8 +262,8 @@ class Contact(SurfaceResults):
             resolution: speeds below it are none, m/s; so is round-off of those of the points.
         """
         self.equations.release()
-        own = largest(self.coupling.velocities("trial_velocity"))
-        self.resolution = resolution = max(resolution, ROUND_OFF * own)
+        fastest = largest(self.coupling.velocities("trial_velocity"))
+        self.resolution = resolution = max(resolution, ROUND_OFF * fastest)
         self.force = self.coupling.force(force)
         self.status = self._statuses(step, resolution)
         self._springs.accept(step, self.force, self.normal, self.status == 1)
@@ -289,12 +297,3 @@ class Contact(SurfaceResults):
         self.coupling.restore(state)
         self._locate()
         self.equations.fields.set_tangent(np.array(state["tangent"]))
-
-    def describe(self) -> str:
-        """What is there and what was left out."""
-        n = int(self.chosen.sum())
-        unknowns = n * (self.equations.fields.components - self.surface.dim)
-        friction = self.friction_law.describe() if self.friction_law else "no friction (no tau)"
-        what = f"{unknowns} multipliers" if unknowns else "springs (no multipliers)"
-        where = f"{n} points of {self.solid.name!r}, before {self.coupling.describe()}"
-        return f"{self.formulation.name}, {where}, {friction}, {what}"

@@ -12,13 +12,16 @@ import scipy.sparse as sp
 
 from ..base import compat
 from ..base.expressions import finite_form
+from ..base.vectors import largest
 from ..theory.formulations import Formulation
 from ..theory.friction import FrictionBound
+from .memory import at_points
 from .surface import Surface, SurfaceFields
 from .tangent import PointRows, SurfaceTangent
+from .unknowns import SurfaceUnknowns
 
 
-class SurfaceEquations:
+class SurfaceEquations(SurfaceUnknowns):
     """The compiled equations of one contact surface.
 
     Args:
@@ -30,6 +33,8 @@ class SurfaceEquations:
         augmentation: pure numbers that multiply rho_n and rho_t.
 
     Attributes:
+        gap, start_jump_n, normal: what the form reads as d_n, as w_n at the start of the step and
+            as n, flat, in m, m/s and 1.
         carried: velocities of the other side that are given, flat, m/s: the velocities of the
             points are w and these.
     """
@@ -51,18 +56,20 @@ class SurfaceEquations:
         self._status = compat.PointExpression(status, surface.scalars)
 
         self._surface, self._chosen = surface, chosen
-        self._augmentation = np.array(augmentation)
+        self._augmentation, self._natural = np.array(augmentation), augmentation == (1, 1)
         self.weight = weight
         self.jumps = self.places = n * d
         self.size = k.components * n
         self.tractions = self.jumps + n * formulation.multipliers  # where tau begins
         self._order = np.concatenate([k.dofs[:d].T.ravel(), k.dofs[d:].ravel()])
         self.tangents = SurfaceTangent(k, form, self._order)
-        self._z = k.unknowns.x.array
+        self._z, self._closed, self.gap = (f.x.array for f in (k.unknowns, k.closed, k.gap))
+        self.start_jump_n, self.normal = k.start_jump_n.x.array, k.normal.x.array
         self._key, self._speed, self._rates = b"", 0.0, (0.0, 0.0, 0.0, 0.0)
         self.carried = np.zeros(self.jumps)
-        self.rho = self._units = np.ones((2, n))  # normal, tangential
+        self.rho = np.ones((2, n))  # normal, tangential
         self._tresca = 0.0
+        self._given = self.rho, 0.0  # of what rho is made
         self.revision = 0  # counts the changes of candidates and scales
         self.choose(chosen)
 
@@ -74,8 +81,9 @@ class SurfaceEquations:
             return
         self._key = key
         self.revision += 1
-        self.fields.closed.x.array[:] = candidates
+        self._closed[:] = candidates
         self.candidates = np.flatnonzero(candidates)
+        self._stopping: float | None = None
         n, d = self._surface.points.shape
         self.active_jumps = (self.candidates[:, None] * d + np.arange(d)).ravel()
         blocks = np.arange(self.jumps, self.size, n)[:, None] + self.candidates
@@ -83,6 +91,9 @@ class SurfaceEquations:
         self.active = np.concatenate([self.active_jumps, blocks.ravel()]).astype(np.int64)
         self._active_dofs = self._order[self.active]
         self._block = None if len(self.active) == self.size else np.ix_(self.active, self.active)
+        idle = np.ones(self.size, dtype=bool)
+        idle[: self.jumps] = idle[self.active] = False
+        self.idle_multipliers = np.flatnonzero(idle)
 
     def set_scale(self, units: np.ndarray, speed: float) -> None:
         """Scale unknowns, rows and augmentation.
@@ -92,18 +103,19 @@ class SurfaceEquations:
                 normal and its tangents, (2, n).
             speed: a typical speed of the step, m/s.
         """
-        self._units = units
-        rho = (self._tresca or self._augmentation[:, None]) * units
-        changed = not np.array_equal(rho, self.rho)
+        given = units, self._tresca
+        changed = given[0] is not self._given[0] or given[1] != self._given[1]
         if not changed and speed == self._speed:
             return
         if changed:
-            self.rho = rho
+            self._given = given
+            self.rho = rho = (self._tresca or self._augmentation[:, None]) * units
             self.fields.rho_n.x.array[:], self.fields.rho_t.x.array[:] = rho
         self._speed = speed
         self.revision += 1
         d, share = self._surface.dim, np.where(self.weight > 0, self.weight, 1.0)
         self.force_scale = units[0] * speed * share  # of each point, N
+        self._stopping = None
         self.column_scale = np.full(self.size, speed)
         self.row_scale = np.full(self.size, 1 / speed)
         if self.tractions > self.jumps:
@@ -116,6 +128,13 @@ class SurfaceEquations:
     def speed(self) -> float:
         """The typical speed of the step by which its unknowns are scaled, m/s."""
         return self._speed
+
+    @property
+    def stopping_force(self) -> float:
+        """The largest force that stops a candidate of that speed within the step, N."""
+        if self._stopping is None:
+            self._stopping = largest(self.force_scale[self.candidates])
+        return self._stopping
 
     def set_weight(self, weight: np.ndarray) -> None:
         """The points weigh otherwise in the integrals than before, (n,)."""
@@ -137,7 +156,7 @@ class SurfaceEquations:
     def natural(self, scaled: np.ndarray) -> np.ndarray:
         """What the scaled residuals of the active rows stand for: where a row says what a
         multiplier is (open points, friction that slips) it is divided by rho."""
-        if self._tresca or (self._augmentation == 1).all():
+        if self._tresca or self._natural:
             return scaled
         m, d = len(self.candidates), self._surface.dim
         status, result = self.statuses()[self.candidates], scaled.copy()
@@ -151,7 +170,7 @@ class SurfaceEquations:
         in it: Tresca's problem. It is solved with this augmentation; 0: no longer."""
         self._tresca = augmentation
         if self._speed:
-            self.set_scale(self._units, self._speed)
+            self.set_scale(self._given[0], self._speed)
         if self.size > self.tractions:
             self.fields.frozen.value = float(augmentation > 0)
             lam = self.values[self.jumps : self.tractions]
@@ -172,15 +191,6 @@ class SurfaceEquations:
         self.revision += 1
         self._residual.refresh_constants()
         self.tangents.refresh_constants()
-
-    @property
-    def values(self) -> np.ndarray:
-        """The unknowns; setting them sets the fields."""
-        return self._z[self._order]
-
-    @values.setter
-    def values(self, values: np.ndarray) -> None:
-        self._z[self._order] = values
 
     def residual(self) -> np.ndarray:
         """The assembled contact terms of (7)."""
@@ -251,50 +261,6 @@ class SurfaceEquations:
 
     def statuses(self) -> np.ndarray:
         """0 open, 1 stick (or bearing without friction), 2 slip, for each point."""
-        status = np.zeros(self._surface.size)
-        if len(self.candidates):
-            status[self._surface.cell_nodes.ravel()] = self._status().ravel()
-            status *= self.fields.closed.x.array
-        return status
-
-    def start(self, jump: np.ndarray, free: np.ndarray) -> None:
-        """Starting values of a step: what bore goes on, the others start from the free jump.
-
-        Args:
-            jump, free: of the last step and without contact, flat, m/s.
-        """
-        self.release()
-        z = self.values
-        z[: self.jumps] = free
-        if self.tractions > self.jumps:
-            bearing = np.repeat(z[self.jumps : self.tractions] < 0, self._surface.dim)
-            z[: self.jumps][bearing] = jump[bearing]
-        self.values = z
-
-    def scale_multipliers(self, ratio: float) -> None:
-        """Multiply lam and tau."""
-        values = self.values
-        values[self.jumps :] *= ratio
-        self.values = values
-
-    def release(self) -> None:
-        """Nothing acts where there are no equations, nor pulls where round-off would."""
-        z = self.values
-        z[self.idle_multipliers] = 0.0
-        lam = slice(self.jumps, self.tractions)
-        z[lam] = np.minimum(z[lam], 0.0)
-        self.values = z
-
-    @property
-    def idle_multipliers(self) -> np.ndarray:
-        """Those of the points that are no candidates."""
-        idle = np.ones(self.size, dtype=bool)
-        idle[: self.jumps] = False
-        idle[self.active] = False
-        return idle
-
-    @property
-    def multiplier(self) -> np.ndarray | None:
-        """lam at the points, Pa (N where a formulation acts at points), if there is one."""
-        lam = slice(self.jumps, self.tractions)
-        return self.values[lam] if self.tractions > self.jumps else None
+        if not len(self.candidates):
+            return np.zeros(self._surface.size)
+        return at_points(self._surface, self._status) * self._closed

@@ -54,6 +54,7 @@ class NodalJump(Coupling):
         self._start = self._end = np.zeros(self._shape)
         self._start_positions = self.traces[0].positions()
         self._seen: np.ndarray | None = None  # depths in the followed state, once asked for
+        self._normals: np.ndarray | None = None
 
     def begin(self, step: Step) -> None:
         self._seen = None
@@ -101,7 +102,9 @@ class NodalJump(Coupling):
         return self._seen
 
     def normals(self) -> np.ndarray:
-        return -self.wall.normals(self.traces[0].positions(), self.time)
+        if self._normals is None or not self.fixed_normal:
+            self._normals = -self.wall.normals(self.traces[0].positions(), self.time)
+        return self._normals
 
     def to_jump(self, velocities: np.ndarray) -> np.ndarray:
         jump = velocities.reshape(self._shape)

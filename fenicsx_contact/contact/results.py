@@ -6,9 +6,12 @@ from __future__ import annotations
 import numpy as np
 
 from ..base.vectors import dot
+from ..solids import Solid
 from ..theory.formulations import Formulation
+from ..theory.friction import FrictionBound
 from .equations import SurfaceEquations
 from .jump import Coupling
+from .surface import Surface
 
 
 class SurfaceResults:
@@ -24,6 +27,9 @@ class SurfaceResults:
     chosen: np.ndarray
     gap: np.ndarray
     force: np.ndarray
+    solid: Solid
+    surface: Surface
+    friction_law: FrictionBound | None
 
     @property
     def traction(self) -> np.ndarray:
@@ -51,3 +57,12 @@ class SurfaceResults:
     def depth(self) -> float:
         """Penetration of the deepest point, m."""
         return max(0.0, float(self.gap[self.chosen].max()))
+
+    def describe(self) -> str:
+        """What is there and what was left out."""
+        n = int(self.chosen.sum())
+        unknowns = n * (self.equations.fields.components - self.surface.dim)
+        friction = self.friction_law.describe() if self.friction_law else "no friction (no tau)"
+        what = f"{unknowns} multipliers" if unknowns else "springs (no multipliers)"
+        where = f"{n} points of {self.solid.name!r}, before {self.coupling.describe()}"
+        return f"{self.formulation.name}, {where}, {friction}, {what}"

@@ -7,7 +7,6 @@ from math import frexp
 
 import numpy as np
 
-from ..base.vectors import largest
 from ..theory.theta import Step
 from .jump import Coupling
 
@@ -22,17 +21,23 @@ class Scales:
     Args:
         coupling: of the points.
         points: how many.
+
+    Attributes:
+        mobility: the speed that 1 N would give to the lightest point alone within the step, m/s,
+            when units were asked for last.
     """
 
     def __init__(self, coupling: Coupling, points: int) -> None:
         self._coupling = coupling
-        self._octave, self._mobility = -np.inf, 0.0
+        self._span, self._octave, self.mobility = 0.0, -np.inf, 0.0
         self._units = np.ones((2, points))
 
     def units(self, normal: np.ndarray, weight: np.ndarray, step: Step) -> np.ndarray:
         """The pressures that stop 1 m/s of each point alone within the step, along its normal and
         its tangents, (2, n); kept while the length of the step does not change by much."""
-        octave = float(frexp(step.span)[1])
+        if step.span == self._span:
+            return self._units
+        octave, self._span = float(frexp(step.span)[1]), step.span
         if self._octave != octave:
             mobility = self._coupling.mobility()
             along = (mobility * normal**2).sum(axis=1)
@@ -40,22 +45,17 @@ class Scales:
             self._units = np.array([inverse(each * weight) for each in (along, across)])
             if len(self._coupling.solids) > 1:
                 self._units *= MEETING
-            self._octave, self._mobility = octave, float(mobility.max())
+            self._octave, self.mobility = octave, float(mobility.max())
         return self._units
-
-    def speed(self, force: np.ndarray) -> float:
-        """The speed that forces on the points (N) would give to one alone, m/s, by the last
-        units."""
-        return largest(force) * self._mobility
 
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically."""
-        return {"units": self._units, "octave": np.array([self._octave, self._mobility])}
+        return {"units": self._units, "octave": np.array([self._octave, self.mobility])}
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave."""
-        self._units = np.array(state["units"])
-        self._octave, self._mobility = map(float, state["octave"])
+        self._units, self._span = np.array(state["units"]), 0.0
+        self._octave, self.mobility = map(float, state["octave"])
 
 
 def inverse(flexible: np.ndarray) -> np.ndarray:

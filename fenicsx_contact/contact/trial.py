@@ -19,35 +19,36 @@ def nonlinearity(contact: Contact, step: Step) -> tuple[float, float, float]:
     if not len(points):
         return 0.0, 0.0, 0.0
     linear = contact.equations.values[: contact.equations.jumps].reshape(contact.normal.shape)
-    jump = np.abs(contact.trial_jump - linear)[points].max()
+    jump = largest((contact.trial_jump - linear)[points])
     gap = 0.0
     if contact.formulation.gap_share:
         expected = contact.end_gap + step.gap_rate * dot(linear, contact.normal)
-        gap = float(np.abs(contact.coupling.gaps() - expected)[points].max())
+        gap = largest((contact.coupling.gaps() - expected)[points])
         gap = max(0.0, gap - contact.noise)
-    return float(jump), gap, float(np.abs(contact.trial_jump).max())
+    return jump, gap, largest(contact.trial_jump)
 
 
 def violation(contact: Contact, step: Step, force: np.ndarray) -> float:
     """By how much the rows of the candidates fail with the jumps and gaps of the trial state,
     in shares of the speeds of the step and of the forces that stop them: those of the unknowns, at
     the candidates, flat, N. What meets nothing there bears nothing."""
-    e, k, share = contact.equations, contact.equations.fields, contact.formulation.gap_share
+    e, share = contact.equations, contact.formulation.gap_share
     if not len(e.candidates):
         return 0.0
-    before, gap = e.values, k.gap.x.array.copy()
+    before, gap = e.values, e.gap.copy()
     values = before.copy()
     values[: e.jumps] = contact.trial_jump.ravel()
     e.values = values
     if share:
         way = step.gap_rate * dot(contact.trial_jump, contact.normal)
-        k.gap.x.array[:] = (1 - share) * contact.gap + share * (contact.coupling.gaps() - way)
+        e.gap[:] = (1 - share) * contact.gap + share * (contact.coupling.gaps() - way)
     n = len(e.active_jumps)
-    rows = e.natural(e.active_residual() * e.scales()[1])[n:]
-    e.values, k.gap.x.array[:] = before, gap
+    rows = e.natural(e.active_residual() * e.row_scale[e.active])[n:]
+    e.values, e.gap[:] = before, gap
     force = force.reshape(len(e.candidates), -1)
     pushed = contact.push(force, step)
-    lost = contact.push(force[~contact.coupling.near()[e.candidates]], step)
+    near = contact.coupling.near()[e.candidates]
+    lost = 0.0 if near.all() else contact.push(force[~near], step)
     return max(largest(rows) * e.speed, lost) / max(e.speed, pushed)
 
 
@@ -76,12 +77,12 @@ def astray(contact: Contact, step: Step) -> np.ndarray:
 
 def farthest(contact: Contact) -> float:
     """The largest coordinate of its points, m."""
-    return float(np.abs(contact.coupling.positions()).max())
+    return largest(contact.coupling.positions())
 
 
 def normal_rows(contact: Contact, points: np.ndarray) -> list[np.ndarray]:
     """For each solid the derivatives of the gaps of these points by its unknowns."""
-    d, normals = contact.surface.dim, contact.normal[points]
+    d, normals = contact.surface.dim, contact.normal[points, None]
     rows = (points[:, None] * d + np.arange(d)).ravel()
     operators = contact.coupling.jump_rows(rows)
-    return [np.einsum("pi,pij->pj", normals, J.reshape(len(points), d, -1)) for J in operators]
+    return [(normals @ J.reshape(len(points), d, -1))[:, 0] for J in operators]

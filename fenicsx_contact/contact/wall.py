@@ -65,8 +65,8 @@ class Wall:
         )
         self.obstacle, self.dim = obstacle, obstacle.dim
         self.flat = bool(getattr(obstacle, "flat", False))
-        self._distance, asks = _timed(obstacle.distance)
-        self._normals, _ = _timed(obstacle.normals)
+        self._distance, asks = _timed(obstacle.distance, self.flat)
+        self._normals, _ = _timed(obstacle.normals, self.flat)
         self._slopes, _ = _timed(getattr(obstacle, "slopes", obstacle.normals))
         curvature = getattr(obstacle, "curvature", None)
         self._curvature = _timed(curvature)[0] if curvature and not self.flat else None
@@ -160,17 +160,23 @@ def _parameters(function: Callable) -> list[inspect.Parameter] | None:
     return [p for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
 
 
-def _timed(function: Callable) -> tuple[Callable[[np.ndarray, float], np.ndarray], bool]:
-    """The function of points as one of points and time, and whether it insists on the time."""
+def _timed(
+    function: Callable, flat: bool = False
+) -> tuple[Callable[[np.ndarray, float], np.ndarray], bool]:
+    """The function of points as one of points and time, and whether it insists on the time; what is
+    ``flat`` is affine in places, which are not so large that it would overflow."""
     parameters = _parameters(function)
     asks = parameters is None or len(parameters) > 1
+    answer = function if asks else lambda points, time: function(points)
     insists = bool(asks and parameters and parameters[1].default is inspect.Parameter.empty)
 
     def asked(points: np.ndarray, time: float) -> np.ndarray:
         if not largest(points) <= checks.LARGEST:  # of an iterate that diverges
             raise checks.StepFailed("facets of a contact collapse, or are nowhere")
+        if flat:
+            return answer(points, time)
         with told():
-            return function(points, time) if asks else function(points)
+            return answer(points, time)
 
     return asked, insists
 
@@ -188,7 +194,7 @@ def _mean(velocity: Callable) -> Callable[[np.ndarray, float, float], np.ndarray
 def _finite(what: str, answer: Any, points: np.ndarray) -> np.ndarray:
     if type(answer) is not np.ndarray or answer.dtype.kind != "f":  # it is asked often
         answer = checks.floats(answer)
-    if not np.isfinite(answer).all():
+    if not largest(answer) < np.inf:  # nor NaN
         at = np.argwhere(~np.isfinite(answer))[0]
         raise checks.StepFailed(
             f"the {what} of an obstacle is {answer[tuple(at)]} at the point "

@@ -22,8 +22,10 @@ def work(
     if not force.any():
         return 0.0, 0.0, 0.0
     jump = contact.coupling.mean_jump(means, step)
-    total = span * float((force * jump).sum())
-    pressed = span * float((dot(force, normal) * dot(jump, normal)).sum())
+    total = span * float(np.vdot(force, jump))
+    pressed = span * float(dot(force, normal) @ dot(jump, normal))
+    if not contact.coupling.driven:
+        return pressed, total - pressed, 0.0
     driven = span * float((force * contact.coupling.carried(step)).sum())
     return pressed, total - pressed, driven
 

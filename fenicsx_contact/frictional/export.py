@@ -101,7 +101,7 @@ def _problem(scene: Scene, step: Step) -> FrictionalProblem:
         rows.append((frame @ J).reshape(normal.size, J.shape[2]))
         carried = e.carried.reshape(-1, dim)[e.candidates][bearing]
         offset = -np.einsum("pij,pj->pi", frame, carried)
-        limit = contact.limit(step)
+        limit = contact.candidates.limit(step)
         assert limit is not None, "springs are refused"
         offset[:, 0] += limit[e.candidates][bearing]
         offsets.append(offset.ravel())

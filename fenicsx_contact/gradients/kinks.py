@@ -100,7 +100,7 @@ def weak(rows: ContactRows, speed: float) -> Iterator[Edge]:
 def grazing(rows: ContactRows, trial: Trial, speed: float) -> Iterator[Edge]:
     """Points that have no equations and neither approach nor leave."""
     contact, step = rows.contact, trial.step
-    limit = contact.limit(step)
+    limit = contact.candidates.limit(step)
     if limit is None or (step.dt and not contact.candidates.allowed.any()):
         return
     asked = contact.chosen & contact.candidates.allowed & contact.coupling.near()

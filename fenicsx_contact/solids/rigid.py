@@ -9,20 +9,22 @@ increment turns on; angular momentum is balanced in space, so that free flight k
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import sqrt
+from math import inf, isfinite, sqrt
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
+from scipy.linalg import lapack
 
 from ..base import checks
 from ..base.mesh import NamedMesh
+from ..base.vectors import largest
 from ..theory.theta import Step
 from .moments import moments
 from .rigid_forces import Applied, Load, components, held_components, pull, without
 from .rigid_forces import springs as to_ground
 from .rigid_motion import RigidMotion
-from .rotations import angles, rotation_matrix, turned_tensor, turning
+from .rotations import EYE, angles, rotation_matrix, turned_tensor, turning
 
 
 class RigidSolid(RigidMotion):
@@ -86,6 +88,7 @@ class RigidSolid(RigidMotion):
         else:
             self.inertia = rho * (np.trace(second) * np.eye(3) - second)
         self._mobility = np.linalg.inv(self.inertia)
+        self._masses = np.array([*[self.mass] * self.dim, *np.diag(self.inertia)])  # for d = 2
         self._radius = sqrt(np.trace(self.inertia) / self.mass)
         d, spins = self.dim, 1 if self.dim == 2 else 3
         self.gravity = np.zeros(d) if gravity is None else checks.vector("gravity", gravity, d)
@@ -99,9 +102,13 @@ class RigidSolid(RigidMotion):
         self._held_by += f", held {names}" if names else ""
         self._holding = np.zeros(d + spins)
         self._holding[self.held] = 1.0
+        self._kept = 1.0 - self._holding  # 0 of what is held, whose balance is not asked for
+        if d == 2:
+            self._everywhere = np.diag(self._kept / self._masses)  # its mobility
         self.supported = bool(self.springs) or len(self.held) > 0
         self._steady = d == 2 and not self.springs  # one matrix for steps of one length
         self._spinning = d == 3 and not self.springs and not self._holding[d:].any()
+        self.balanced = self._steady or self._spinning
 
         turn = angles("rotation", rotation, spins)
         pivot = self.centre if about is None else checks.vector("about", about, d)
@@ -133,16 +140,16 @@ class RigidSolid(RigidMotion):
     def _force_at_start(self, step: Step) -> np.ndarray:
         acting = [spring.force(self._place, self._turn) for spring in self.springs]
         acting += [applied.at(step.start) for applied in self.applied]
-        return (1 - self._holding) * np.sum([self._load, *acting], axis=0)
+        return self._kept * np.sum([self._load, *acting], axis=0)
 
     def linearise(self, step: Step) -> None:
         if not self._steady or step.span != self._inverse_for:
             self._inverse_for = step.span
             self.linearisation += 1
-            d = self.dim
-            self.inverse = np.zeros((len(self.velocity),) * 2)
-            self.inverse[range(d), range(d)] = step.span / self.mass
-            spin = self._mobility if d == 2 else np.linalg.inv(self._spin_tangent(step))
+            d, n = self.dim, len(self.velocity)
+            self.inverse = np.zeros((n, n))
+            self.inverse.flat[: d * (n + 1) : n + 1] = step.span / self.mass
+            spin = self._mobility if d == 2 else lapack.dgesv(self._spin_tangent(step), EYE)[2]
             self.inverse[d:, d:] = step.span * spin
             for spring in self.springs:
                 self.inverse = spring.stiffen(self.inverse, self.trial_turn, step.force_rate)
@@ -192,7 +199,7 @@ class RigidSolid(RigidMotion):
             new = self.trial_turn @ (self._mobility @ (self.trial_turn.T @ momentum))
             self.trial_velocity[self.dim :] = new
             self._move(step)
-            last, change = change, float(np.abs(new - old).max())
+            last, change = change, largest(new - old)
             falls = change < last
 
     def layout(self, comm: MPI.Comm) -> list[int]:
@@ -210,9 +217,7 @@ class RigidSolid(RigidMotion):
 
     def residual(self) -> np.ndarray:
         change = self._trial_momentum - self._momentum
-        residual = change / self._inverse_for - self._acting - self._force
-        residual[self.held] = 0.0
-        return residual
+        return self._kept * (change / self._inverse_for - self._acting - self._force)
 
     def load_size(self) -> float:
         free = np.linalg.solve(self.inverse + np.diag(self._holding), self.free_velocity)
@@ -223,15 +228,17 @@ class RigidSolid(RigidMotion):
         return np.linalg.solve(self.inverse + np.diag(self._holding), off)
 
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
-        rate, load = step.inertia_force(self._momentum, self._trial_momentum), self._acting
-        residual = rate - load - self._force
-        residual[self.held] = 0.0
-        size = np.abs(self._momentum / step.span) + np.abs(load) + self._terms
-        d, largest = self.dim, size[: self.dim].max()
-        size[d:] = np.maximum(size[d:], self._radius * largest)  # forces at arm's length, too
-        if largest <= noise:
+        rate = step.inertia_force(self._momentum, self._trial_momentum)
+        load, d = self._acting, self.dim
+        residual = np.abs(self._kept * (rate - load - self._force)).tolist()
+        size = (np.abs(self._momentum / step.span) + np.abs(load) + self._terms).tolist()
+        if not isfinite(sum(residual)):  # max may pass over NaN
+            return inf
+        force = max(size[:d])
+        moment = max(*size[d:], self._radius * force)  # forces at arm's length, too
+        if force <= noise:
             return 0.0
-        return max(_relative(residual[:d], size[:d]), _relative(residual[d:], size[d:]))
+        return max(max(residual[:d]) / (force or 1.0), max(residual[d:]) / (moment or 1.0))
 
     def accept(self, step: Step) -> None:
         self.memory = step.remember(self.velocity, self.trial_velocity, self._acting, self.memory)
@@ -253,7 +260,3 @@ class RigidSolid(RigidMotion):
     def describe(self) -> str:
         weight = f"mass {self.mass:.9g}, gravity {self.gravity.tolist()}{self._held_by}"
         return f"rigid, {weight}, {len(self.velocity)} unknowns"
-
-
-def _relative(residual: np.ndarray, size: np.ndarray) -> float:
-    return float(np.abs(residual).max() / (size.max() or 1.0))

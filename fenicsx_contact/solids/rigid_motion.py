@@ -27,10 +27,12 @@ class RigidMotion(MonolithicSolid):
         trial_place, trial_turn: the centre of mass and the rotation in the trial state.
         moving_velocity: with which the step has moved it there; in space :meth:`shift` changes the
             spin, not the momentum.
+        balanced: `correct` leaves nothing of its momentum balance but round-off.
         shifted: what it has been shifted by in the step, beside its velocities, or None.
     """
 
     mass: float
+    balanced: bool
     centre: np.ndarray
     inertia: np.ndarray
     held: np.ndarray
@@ -41,6 +43,8 @@ class RigidMotion(MonolithicSolid):
     moving_velocity: np.ndarray
     _place: np.ndarray
     _turn: np.ndarray
+    _masses: np.ndarray
+    _everywhere: np.ndarray
     _mobility: np.ndarray
     _momentum: np.ndarray
     _trial_momentum: np.ndarray
@@ -70,16 +74,19 @@ class RigidMotion(MonolithicSolid):
         return tensor if self.dim == 2 else turn @ tensor @ turn.T
 
     def _momentum_of(self, velocity: np.ndarray, turn: np.ndarray) -> np.ndarray:
-        d = self.dim
-        spin = self.spatial(self.inertia, turn) @ velocity[d:]
-        return np.concatenate([self.mass * velocity[:d], spin])
+        if self.dim == 2:
+            return self._masses * velocity
+        momentum = self.mass * velocity
+        momentum[3:] = self.spatial(self.inertia, turn) @ velocity[3:]
+        return momentum
 
     @property
     def mobility(self) -> np.ndarray:
-        d = self.dim
-        result = np.zeros((len(self.velocity),) * 2)
-        result[range(d), range(d)] = 1 / self.mass
-        result[d:, d:] = self.spatial(self._mobility, self.trial_turn)
+        if self.dim == 2:
+            return self._everywhere
+        result = np.zeros((6, 6))
+        result[range(3), range(3)] = 1 / self.mass
+        result[3:, 3:] = self.spatial(self._mobility, self.trial_turn)
         return without(result, self.held)
 
     def shift(self, way: np.ndarray) -> None:

@@ -10,6 +10,7 @@ import scipy.sparse as sp
 
 from ..theory.theta import Step
 from .base import MonolithicTrace, Trace
+from .rotations import ARMS
 
 
 class TracedSolid(Protocol):
@@ -68,15 +69,9 @@ class RigidTrace(MonolithicTrace):
         d, n = self._solid.dim, len(self._reference)
         self._arm = arm = self._reference @ turn.T
         operator = self._translation.copy()
-        if d == 2:
-            np.negative(arm[:, 1], out=operator[:, 0, 2])
-            operator[:, 1, 2] = arm[:, 0]
-        else:
-            x, y, z = arm.T
-            operator[:, 0, 4], operator[:, 0, 5] = z, -y
-            operator[:, 1, 3], operator[:, 1, 5] = -z, x
-            operator[:, 2, 3], operator[:, 2, 4] = y, -x
-        operator[:, :, self._solid.held] = 0.0  # what is held does not move
+        operator[:, :, d:] = (arm @ ARMS[d]).reshape(n, d, -1)
+        if len(self._solid.held):
+            operator[:, :, self._solid.held] = 0.0  # does not move
         return operator.reshape(n * d, -1)
 
     def positions(self) -> np.ndarray:

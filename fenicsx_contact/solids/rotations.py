@@ -3,12 +3,10 @@
 
 from __future__ import annotations
 
-from functools import reduce
-from math import factorial, sin, sqrt
+from math import cos, factorial, isfinite, sin, sqrt
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ..base import checks
 
@@ -20,6 +18,8 @@ GENERATORS = {
                  [[0, 0, 1], [0, 0, 0], [-1, 0, 0]],
                  [[0, -1, 0], [1, 0, 0], [0, 0, 0]]], dtype=float),
 }  # fmt: skip
+#: By dimension: what an arm makes of spins, flat: ``arm @ ARMS[d]`` is (d, spins).
+ARMS = {d: G.transpose(2, 1, 0).reshape(d, -1) for d, G in GENERATORS.items()}
 #: (w - sin w)/w³ in powers of w², the highest first: to round-off within a turn.
 CUBIC = [(-1) ** k / factorial(2 * k + 3) for k in reversed(range(20))]
 
@@ -37,7 +37,19 @@ def rotation_matrix(increment: np.ndarray) -> np.ndarray:
     if len(increment) == 1:
         c, s = np.cos(increment[0]), np.sin(increment[0])
         return np.array([[c, -s], [s, c]])
-    return Rotation.from_rotvec(increment).as_matrix()
+    x, y, z = increment.tolist()
+    half = 0.5 * sqrt(x * x + y * y + z * z)
+    if not isfinite(half):  # of an iterate that diverges
+        return np.full((3, 3), np.nan)
+    once, w = 0.5 * sin(half) / half if half else 0.5, cos(half)
+    x, y, z = once * x, once * y, once * z  # with w a unit quaternion
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 def cross_matrix(a: np.ndarray) -> np.ndarray:
@@ -51,7 +63,9 @@ def turning(way: np.ndarray) -> np.ndarray:
     square, W = float(way @ way), cross_matrix(way)
     half = 0.5 * sqrt(square)
     once = sin(half) / half if half else 1.0
-    cubic = reduce(lambda total, each: total * square + each, CUBIC)
+    cubic = 0.0
+    for each in CUBIC:
+        cubic = cubic * square + each
     return EYE + 0.5 * once**2 * W + cubic * W @ W
 
 

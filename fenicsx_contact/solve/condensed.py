@@ -91,7 +91,7 @@ class Condensed:
         surfaces = self.surfaces
         if surfaces.size and not surfaces.iterate():
             return False
-        self.carry(step, surfaces.linear_force if surfaces.size else surfaces.force())
+        self.carry(step, surfaces.linear_force())
         return True
 
     def stall(self) -> str:

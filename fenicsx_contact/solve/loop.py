@@ -74,7 +74,7 @@ class StepSolver:
         self._bodies = [s for s in problem.solids if isinstance(s, DeformableSolid)]
         self._start: tuple[Step | None, float] = None, 0.0
         self.errors: list[float] = []
-        self.reached = 0.0
+        self.reached = self._pushed = 0.0
         self.system = SYSTEMS[solver](problem)
         if floating:
             self.system.hold(floating)
@@ -134,13 +134,14 @@ class StepSolver:
         dense = isinstance(self.system, Condensed)
         for contact in self._all.contacts:
             contact.linearise(step, exact=not dense and len(contact.solids) == 1)
-        pushed = max((c.push(c.force, step) for c in self._all.contacts), default=0.0)
+        if first:
+            self._pushed = max((c.push(c.force, step) for c in self._all.contacts), default=0.0)
         if isinstance(self.system, Condensed):
             free = self.system.free()
             if first:
                 for contact, part in zip(self._all.contacts, self._all.parts):
                     contact.screen(free[part], step)
-            speed = scale_of(max(self._all.fastest(free), SLOW * pushed))
+            speed = scale_of(max(self._all.fastest(free), SLOW * self._pushed))
             self._all.set_scale(step, speed)
             if first:
                 for contact, part in zip(self._all.contacts, self._all.parts):
@@ -162,7 +163,9 @@ class StepSolver:
     def _nonlinearity(self, step: Step, speed: float, force: np.ndarray) -> float:
         """Largest relative error of what was linearised, in the trial state."""
         self._all.refuse_broken()
-        errors = self._all.imbalances(step, [s for s in self._all.solids if not s.linear])
+        exact = (solid.linear or getattr(solid, "balanced", False) for solid in self._all.solids)
+        asked = [solid for solid, closed in zip(self._all.solids, exact) if not closed]
+        errors = self._all.imbalances(step, asked)
         for contact, part in zip(self._all.contacts, self._all.parts):
             jump, gap, size = nonlinearity(contact, step)
             size = max(speed, size, SLOW * contact.push(force[part], step))

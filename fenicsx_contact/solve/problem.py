@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import ceil, inf, log2
 from time import perf_counter
 
 import numpy as np
@@ -34,6 +35,10 @@ class Assembly:
         self.sides: list[tuple[Solid, Trace]] = [
             side for c in self.contacts for side in zip(c.solids, c.traces)
         ]
+        self._of = {
+            id(s): [c for c in self.contacts if any(s is each for each in c.solids)]
+            for s in self.solids
+        }
         self.slices = _slices(trace.jump(s.velocity).size for s, trace in self.sides)
 
     def surface_system(self) -> SurfaceSystem:
@@ -59,6 +64,8 @@ class Assembly:
 
     def compliance(self, active: np.ndarray) -> np.ndarray:
         """W of the active points, whose indices among all are sorted."""
+        if not len(active):
+            return np.empty((0, 0))
         if len(self.sides) == 1:
             _, trace = self.sides[0]
             return trace.compliance(active, trace, active)
@@ -94,14 +101,8 @@ class Assembly:
     def noise(self, solid: Solid | None = None) -> float:
         """Forces [N] of contacts of the solid, or of any, that are none: of points that just touch
         they are the round-off of gaps."""
-        return NOISE * max(
-            (
-                float(contact.equations.force_scale[contact.equations.candidates].max(initial=0.0))
-                for contact in self.contacts
-                if solid is None or any(solid is each for each in contact.solids)
-            ),
-            default=0.0,
-        )
+        contacts = self.contacts if solid is None else self._of[id(solid)]
+        return NOISE * max((c.equations.stopping_force for c in contacts), default=0.0)
 
     def refuse_broken(self) -> None:
         """Raise StepFailed if a solid has no admissible trial state."""
@@ -118,7 +119,7 @@ def _largest(contact: Contact, velocities: np.ndarray) -> float:
 
 def scale_of(speed: float) -> float:
     """A power of two near the speed: scales change rarely then, and cost no accuracy."""
-    return float(2.0 ** np.ceil(np.log2(speed))) if 0 < speed < np.inf else 1.0
+    return 2.0 ** ceil(log2(speed)) if 0 < speed < inf else 1.0
 
 
 def _slices(sizes: Iterable[int]) -> list[slice]:

@@ -43,7 +43,6 @@ class SurfaceSystem(Statuses):
         parts, names: of the contacts.
         W, free: compliance of the active points and their velocities without contact.
         worst: the largest error of any row, after :meth:`error`.
-        linear_force: forces after :meth:`iterate` as the linearised equations have them.
     """
 
     def __init__(self, parts: Sequence[Part], names: Sequence[str], hyperstatic: bool) -> None:
@@ -69,15 +68,18 @@ class SurfaceSystem(Statuses):
 
     def begin(self, free: np.ndarray, compliance: np.ndarray) -> None:
         """Take up the free velocities (flat) and W of the active points, after `arrange`."""
-        new = compliance.shape != self.W.shape or not np.array_equal(compliance, self.W)
-        # between solids J changes in each iteration, and with it all that W alone would keep
-        new = new or any(part is not part.equations for part in self.parts)
-        self._many = not self._hyperstatic and self.size > MANY[new]
+        few = self._hyperstatic or self.size <= MANY[0]
+        self._many = not few and self.size > MANY[self._renewed(compliance)]
         self.W, self.free = compliance, free
         self.worst = 0.0
         self._yielding.restart()
         if self.size:
             self.update()
+
+    def _renewed(self, compliance: np.ndarray) -> bool:
+        """Whether what W alone would keep is lost; between solids J changes in each iteration."""
+        new = compliance.shape != self.W.shape or not np.array_equal(compliance, self.W)
+        return new or any(part is not part.equations for part in self.parts)
 
     def _arrange(self) -> None:
         """Places of the active unknowns: all velocities, then the multipliers by contact."""
@@ -173,7 +175,7 @@ class SurfaceSystem(Statuses):
         if found is None:
             return False
         step, change = found
-        self.linear_force = self._spread(change - self.assembled[: len(self.active)])
+        self._linear_force = change - self.assembled[: len(self.active)]
         step *= self._columns
         for part, place in placed:
             part.move(step[place])
@@ -210,7 +212,7 @@ class SurfaceSystem(Statuses):
         if not self._centre.size:
             step += lapack.dgetrs(factors, pivots, self.residual - A @ step)[0]
         step *= self._columns
-        self.linear_force = self._spread(stiffness @ step - self.assembled[:nw])
+        self._linear_force = stiffness @ step - self.assembled[:nw]
         for part, place in self.placed:
             part.move(-step[place])
         self.update()
@@ -221,9 +223,9 @@ class SurfaceSystem(Statuses):
         the share ``slow`` of those that the forces stand for."""
         if self._judged is self.residual and slow == SLOW:
             return self.worst
-        nw = len(self.active)
-        scaled = self.residual.copy()
+        nw, scaled = len(self.active), self.residual
         if slow:
+            scaled = scaled.copy()
             resolved = slow * (self._absolute() @ np.abs(self.assembled[:nw])) * self._rows[:nw]
             scaled[:nw] /= np.maximum(1.0, resolved)
         self.worst = max(
@@ -242,6 +244,10 @@ class SurfaceSystem(Statuses):
     def force(self) -> np.ndarray:
         """Forces on the solids at all points, flat, N."""
         return self._spread(-self.assembled[: len(self.active)] if self.size else np.empty(0))
+
+    def linear_force(self) -> np.ndarray:
+        """The same after :meth:`iterate` as the linearised equations have them."""
+        return self._spread(self._linear_force if self.size else np.empty(0))
 
     def _spread(self, force: np.ndarray) -> np.ndarray:
         result = np.zeros(self._total)

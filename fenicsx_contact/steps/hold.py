@@ -12,8 +12,10 @@ two solids see of each other (a corner on a face that turns, too) the step is so
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import ulp
 
 import numpy as np
+from scipy.linalg import lapack
 
 from ..contact.contact import Contact
 from ..contact.trial import astray, farthest, normal_rows
@@ -27,31 +29,28 @@ def hold_gaps(contacts: Sequence[Contact], step: Step) -> bool:
     for contact in contacts:
         if not contact.formulation.percussive or not all(s.shiftable for s in contact.solids):
             continue
-        bearing = np.flatnonzero(contact.equations.statuses() > 0)
+        bearing = contact.trial_status.nonzero()[0]
         if len(bearing):
             off = astray(contact, step)[bearing]
-            off[np.abs(off) <= 2 * np.spacing(farthest(contact))] = 0.0
+            off[np.abs(off) <= 2 * ulp(farthest(contact))] = 0.0
             held.append((contact, bearing, off))
-    if not any(off.any() for _, _, off in held):
+    if not held:
         return False
-    solids = list({id(s): s for contact, _, _ in held for s in contact.solids}.values())
-    starts = np.cumsum([0, *(len(s.velocity) for s in solids)])
-    rows, mobility = [], np.zeros((starts[-1], starts[-1]))
-    for k, solid in enumerate(solids):
-        place = slice(starts[k], starts[k + 1])
-        mobility[place, place] = solid.mobility
+    off = np.concatenate([off for _, _, off in held])
+    if not off.any():
+        return False
+    solids = {id(s): s for contact, _, _ in held for s in contact.solids}
+    rows = {key: np.zeros((len(off), len(s.velocity))) for key, s in solids.items()}
+    first = 0
     for contact, bearing, _ in held:
-        each = np.zeros((len(bearing), starts[-1]))
         for solid, G in zip(contact.solids, normal_rows(contact, bearing)):
-            k = next(i for i, other in enumerate(solids) if other is solid)
-            each[:, starts[k] : starts[k + 1]] += G
-        rows.append(each)
-    G, off = np.concatenate(rows), np.concatenate([each for _, _, each in held])
-    spread = mobility @ G.T
-    forces = np.linalg.lstsq(G @ spread, -off, rcond=1e-10)[0]
-    shift = spread @ forces
-    for k, solid in enumerate(solids):
-        solid.shift(shift[starts[k] : starts[k + 1]])
+            rows[id(solid)][first : first + len(bearing)] += G
+        first += len(bearing)
+    ways = {key: solid.mobility @ rows[key].T for key, solid in solids.items()}
+    moved = sum(rows[key] @ way for key, way in ways.items())
+    forces = lapack.dgelss(moved, -off, cond=1e-10)[1][: len(off)]
+    for key, solid in solids.items():
+        solid.shift(ways[key] @ forces)
     for contact in contacts:
         contact.follow()
     return True

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..base import checks
 from ..base.checks import StepFailed
+from ..base.overflow import diverging
 from ..base.processes import any_of
 from ..contact.arrivals import starts_inside, went_inside
 from ..contact.contact import Contact
@@ -161,7 +162,8 @@ class _Course:
         bar = _bar(steps, self.done, progress, scene.comm.rank)
         history.reason = "finished"
         try:
-            self._go(steps, fields_every, stop_when, bar)
+            with diverging():
+                self._go(steps, fields_every, stop_when, bar)
         except (StepFailed, NotWritten) as failure:
             history.reason = f"stopped at t = {scene.time:.9g} s: {failure}"
         bar.close()

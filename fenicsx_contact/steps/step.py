@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -132,7 +131,7 @@ class Stepper:
                 moved = moved and certificate.worst < last.worst
             if certificate.refusal:
                 raise StepFailed(certificate.refusal)
-            return replace(trial, certificate=certificate.worst)
+            return trial
         except StepFailed:
             for contact, was in zip(self.contacts, before):
                 contact.equations.values, contact.moved = was
@@ -140,7 +139,9 @@ class Stepper:
 
     def _solved(self, step: Step, closing: bool, clock: Clock) -> tuple[Trial, Certificate, bool]:
         """The step solved about where solids are put; whether they are put elsewhere after it."""
-        trial = Trial(step, *self._method.solve(step, clock))
+        solution = self._method.solve(step, clock)
+        for contact in self.contacts:
+            contact.trial_status = contact.equations.statuses()
         moved = bool(step.dt) and not self._linear and hold_gaps(self.contacts, step)
         moved = moved and self._pairs  # before obstacles such a step is too long
         for solid in self.solids:
@@ -149,7 +150,8 @@ class Stepper:
         for contact in self.contacts:
             if reason := missed(contact, closing):
                 raise StepFailed(reason)
-        return trial, self._certify(step), moved
+        certificate = self._certify(step)
+        return Trial(step, *solution, certificate.worst), certificate, moved
 
     def _certify(self, step: Step) -> Certificate:
         takes = all(contact.gives_nothing for contact in self.contacts)
@@ -206,9 +208,8 @@ class Stepper:
         for watch in self.watchers:
             watch(trial)
         clock, step = Clock(self.times), trial.step
-        momentum, loads, supports, tractions = np.sum(
-            [solid.works(step) for solid in self.solids], axis=0
-        )
+        works = zip(*(solid.works(step) for solid in self.solids))
+        momentum, loads, supports, tractions = map(sum, works)
         damped = sum(solid.damped(step) for solid in self.solids)
         means = {id(solid): solid.mean_velocity(step) for solid in self.solids}
         for solid in self.solids:

@@ -33,6 +33,10 @@ class Formulation(Protocol):
         points: coordinates (k, d) of the points that it acts on, None for all nodes.
         gap_share: which gap the form reads: 0 that of the start of the step, 1 that of its end as
             it depends on w.
+
+    Optional is ``closed(predicted_gap, tolerance)``: Su, (n,) of bool, where it is decided before
+    the step, from the gaps (n,) [m] at the end of an explicit prediction, equal up to a tolerance
+    [m]. Without it the form decides.
     """
 
     @property
@@ -50,10 +54,6 @@ class Formulation(Protocol):
 
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Contact terms of (7), and the status of each point: 0 open, 1 stick, 2 slip."""
-
-    def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
-        """Su, as far as it is decided before the step, from the gaps (n,) [m] at the end of an
-        explicit prediction, equal up to a tolerance [m]; True where the form decides."""
 
     def limit(self, data: StepData) -> np.ndarray | None:
         """The w_n (n,) [m/s] that the law allows at most; None for springs."""
@@ -106,10 +106,6 @@ class Velocity:
         leaving = k.limit_rate / (1 + k.limit_rate) * larger(-k.start_jump_n, 0.0)
         return where_deep(self.drift_correction * (leaving - k.gap / k.horizon), limit)
 
-    def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
-        """The form decides."""
-        return np.ones(len(predicted_gap), dtype=bool)
-
     def limit(self, data: StepData) -> np.ndarray:
         """The w_n that the law allows at most."""
         return self._most(data, np.maximum, lambda back, else_: np.where(data.gap > 0, back, else_))
@@ -161,10 +157,6 @@ class Gap:
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Contact terms of (7) with the gap law, and the status of each point."""
         return weak_form(k, k.jump_n + k.gap / k.gap_rate)
-
-    def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
-        """The form decides."""
-        return np.ones(len(predicted_gap), dtype=bool)
 
     def limit(self, data: StepData) -> np.ndarray:
         """The w_n that the law allows at most."""
@@ -229,10 +221,6 @@ class Discrete:
         """Its mean over the way from one depth to another."""
         return 0.5 * self.stiffness * (a + b)
 
-    def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
-        """The form decides."""
-        return np.ones(len(predicted_gap), dtype=bool)
-
     def limit(self, data: StepData) -> None:
         """Springs allow any speed."""
 
@@ -279,6 +267,5 @@ _MEMBERS = (
     "points",
     "gap_share",
     "form",
-    "closed",
     "limit",
 )

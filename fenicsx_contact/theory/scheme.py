@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -127,7 +128,7 @@ class Step:
         """Time at which it ends, s."""
         return self.start + self.dt
 
-    @property
+    @cached_property
     def span(self) -> float:
         """The time over which the forces of the step are spread, s."""
         return self.dt or 1.0
@@ -144,7 +145,7 @@ class Step:
 
     # -- position --------------------------------------------------------------------------------
 
-    @property
+    @cached_property
     def gap_rate(self) -> float:
         """Derivative of the end position by the end velocity, s."""
         return self.scheme.position_rate * self.dt

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import Any, ClassVar
 
-import numpy as np
 import ufl
 
 from ...base import checks
@@ -77,10 +76,6 @@ class Compliance:
         """Its mean over the way from one depth to another."""
         mean = sum(w * (a + s * (b - a)) ** self.exponent for s, w in _GAUSS)
         return k.field("coefficient", self.coefficient) * mean
-
-    def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
-        """The form decides."""
-        return np.ones(len(predicted_gap), dtype=bool)
 
     def limit(self, data: StepData) -> None:
         """Asperities allow any speed."""

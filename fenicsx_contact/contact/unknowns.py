@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The unknowns of a contact surface, from step to step."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .surface import Surface
+
+
+class SurfaceUnknowns:
+    """w point by point, then lam and tau component by component.
+
+    Attributes:
+        jumps, tractions: where lam and where tau begins.
+        idle_multipliers: indices of those of the points that are no candidates.
+    """
+
+    jumps: int
+    tractions: int
+    idle_multipliers: np.ndarray
+    _surface: Surface
+    _order: np.ndarray  # their degrees of freedom
+    _z: np.ndarray  # their values, in the order of these
+
+    @property
+    def values(self) -> np.ndarray:
+        """The unknowns; setting them sets the fields."""
+        return self._z[self._order]
+
+    @values.setter
+    def values(self, values: np.ndarray) -> None:
+        self._z[self._order] = values
+
+    def start(self, jump: np.ndarray, free: np.ndarray) -> None:
+        """Starting values of a step: what bore goes on, the others start from the free jump.
+
+        Args:
+            jump, free: of the last step and without contact, flat, m/s.
+        """
+        self.release()
+        z = self.values
+        z[: self.jumps] = free
+        if self.tractions > self.jumps:
+            bearing = np.repeat(z[self.jumps : self.tractions] < 0, self._surface.dim)
+            z[: self.jumps][bearing] = jump[bearing]
+        self.values = z
+
+    def scale_multipliers(self, ratio: float) -> None:
+        """Multiply lam and tau."""
+        values = self.values
+        values[self.jumps :] *= ratio
+        self.values = values
+
+    def release(self) -> None:
+        """Nothing acts where there are no equations, nor pulls where round-off would."""
+        z = self.values
+        z[self.idle_multipliers] = 0.0
+        lam = slice(self.jumps, self.tractions)
+        z[lam] = np.minimum(z[lam], 0.0)
+        self.values = z
+
+    @property
+    def multiplier(self) -> np.ndarray | None:
+        """lam at the points, Pa (N where a formulation acts at points), if there is one."""
+        lam = slice(self.jumps, self.tractions)
+        return self.values[lam] if self.tractions > self.jumps else None

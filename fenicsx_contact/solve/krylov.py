@@ -28,6 +28,7 @@ from ..solids import DeformableSolid
 from .monolithic import Monolithic
 from .multigrid import Multigrid, rigid_modes
 from .problem import Assembly
+from .solid_matrix import SolidMatrix
 from .solid_rows import petsc_matrix
 
 #: Share of the residual at which a linear solve ends, and how many iterations it may take.
@@ -61,6 +62,7 @@ class Krylov(Monolithic):
         self._given = np.concatenate(given) - self.places.mine.start
         self.counts: deque[int] = deque(maxlen=100)
         self._multigrid: Multigrid | None = None
+        self._held: SolidMatrix | None = None
         self._made_of: list[int] = []
 
     def _solve(self) -> np.ndarray:
@@ -78,12 +80,12 @@ class Krylov(Monolithic):
         block = sp.bmat([[block[:n, :n], ym], [solve @ block[n:, :n], solve @ mm]], format="csr")
         residual = self.residual()
         residual[n:] = solve @ residual[n:]
-        A = petsc_matrix(self._matrix(block), self.comm)
-        x, b = A.createVecs()
-        b.setArray(residual[self._rows_here])
         blocks = ym, inverse @ seen, sp.diags(1 / force)
         springs = (yy - ym @ inverse @ seen).tocsr()
         stale = self._renew(springs)
+        A = self._solids.plus(petsc_matrix(block[self._rows_here], self.comm))
+        x, b = A.createVecs()
+        b.setArray(residual[self._rows_here])
         count, done = self._krylov(A, b, x, blocks, PATIENCE if stale else MAX_ITERATIONS)
         if stale and not done:
             self._renew(springs, anew=True)
@@ -104,16 +106,27 @@ class Krylov(Monolithic):
     def _renew(self, springs: sp.csr_matrix, anew: bool = False) -> bool:
         """Set up the multigrid of P, the solids with these springs; whether its coarser levels are
         those of solids that have changed since, which they never are if made ``anew``."""
-        P = petsc_matrix(self._matrix(springs), self.comm)
         if self._multigrid is None or anew:
             if self._multigrid is not None:
                 self._multigrid.destroy()
-            solids = petsc_matrix(self._solid_rows(), self.comm)
-            self._multigrid = Multigrid(solids, self._modes, self.solids[0].dim)
-            solids.destroy()
-            self._made_of = self._solid_rows.linearisations
-        self._multigrid.stiffen(P, petsc_matrix(springs[self.places.mine], self.comm))
-        return self._made_of != self._solid_rows.linearisations
+            self._multigrid = Multigrid(self._solids.matrix, self._modes, self.solids[0].dim)
+            self._made_of = self._solids.of
+        own = petsc_matrix(springs[self.places.mine], self.comm)
+        self._multigrid.stiffen(self._solids.plus(own), own)
+        return self._made_of != self._solids.of
+
+    @property
+    def _solids(self) -> SolidMatrix:
+        """The solids as they are linearised now."""
+        now = self._solid_rows.now()
+        if self._held is None or self._held.of != now:
+            if self._held is not None:
+                self._held.destroy()
+            self._held = SolidMatrix(self._solid_rows, self.comm)
+        return self._held
+
+    def _diagonal(self) -> np.ndarray:
+        return self._solid_rows.everywhere(self._solids.diagonal())
 
     def _krylov(
         self, A: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, blocks: Blocks, most: int
@@ -142,7 +155,7 @@ class Krylov(Monolithic):
         self, ym: sp.csr_matrix, my: sp.csr_matrix, mm: sp.csr_matrix
     ) -> sp.csr_matrix:
         """S^-1: the multipliers of each node by what is left of their rows."""
-        springs = my @ sp.diags(1 / self._solid_rows.diagonal()) @ ym
+        springs = my @ sp.diags(1 / self._diagonal()) @ ym
         S = (mm - springs).tocsr()
         empty = np.empty(0, dtype=np.int64)
         blocks, first = [(np.empty(0), empty, empty)], 0

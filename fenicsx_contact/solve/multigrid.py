@@ -43,17 +43,18 @@ class Multigrid:
         self._levels: list[PETSc.Mat] = []
 
     def stiffen(self, matrix: PETSc.Mat, springs: PETSc.Mat) -> None:
-        """Cycles are from now on for this matrix, solids and springs together; it takes both."""
+        """Cycles are from now on for this matrix, solids and springs together, which it
+        takes; the springs are kept with it."""
         self._free()
-        self._levels = [matrix]
+        self._levels, passing = [matrix], []
         for transfer, solids in zip(self._transfers, self._coarser):
-            coarse = springs.ptap(transfer)
-            springs.destroy()
-            springs = coarse
+            springs = springs.ptap(transfer)
             level = solids.copy()
             level.axpy(1.0, springs, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
             self._levels.append(level)
-        springs.destroy()
+            passing.append(springs)
+        for each in passing:
+            each.destroy()
         self._cycle = cycle = PETSc.PC().create(matrix.comm)
         cycle.setOptionsPrefix("multigrid_")
         cycle.setType("mg")

@@ -36,7 +36,7 @@ class SolidRows:
     def __call__(self, rows: int = 0, columns: int = 0) -> sp.csr_matrix:
         """The rows, with empty rows and columns behind, where multipliers come and go, if so many
         are asked for."""
-        now = [solid.linearisation for solid in self._solids]
+        now = self.now()
         if now != self.linearisations:
             self.linearisations = now
             matrices = [solid.matrix_rows(self._comm) for solid in self._solids]
@@ -47,6 +47,17 @@ class SolidRows:
         n, m = max(rows, order.shape[0]), max(columns, order.shape[1])
         indptr = np.pad(order.indptr, (0, n - order.shape[0]), "edge")
         return sp.csr_matrix((self._values, order.indices, indptr), (n, m))
+
+    def now(self) -> list[int]:
+        """The solids' present linearisations."""
+        return [solid.linearisation for solid in self._solids]
+
+    def forget(self) -> None:
+        """Keep nothing of linear solids, whose rows are not asked for again; of others keep where
+        their entries stand."""
+        self.linearisations, self._values = [], np.empty(0)
+        if all(solid.linear for solid in self._solids):
+            self._patterns, self._order = [], sp.csr_matrix((0, 0))
 
     def _arrange(self, patterns: list[tuple[np.ndarray, np.ndarray]]) -> None:
         """Find where the entries of the solids' matrices stand, if not as before."""
@@ -63,7 +74,7 @@ class SolidRows:
             columns.append(numbers[indices])
         row, column = np.concatenate(places), np.concatenate(columns)
         shape = mine.stop - mine.start, self._places.size
-        self._order = sp.csr_matrix((np.arange(len(row)), (row, column)), shape)
+        self._order = sp.csr_matrix((np.arange(len(row), dtype=np.int32), (row, column)), shape)
 
     def diagonal(self) -> np.ndarray:
         """The diagonal, on every process."""

@@ -77,7 +77,8 @@ def _close(ones: Spheres, others: Spheres) -> tuple[np.ndarray, np.ndarray]:
         members = np.flatnonzero(octave == each)
         reach = ones.radii + others.radii[members].max()
         try:
-            found = cKDTree(others.middles[members]).query_ball_point(ones.middles, reach)
+            tree = cKDTree(others.middles[members])
+            found = tree.query_ball_point(ones.middles, reach, return_sorted=False)
         except ValueError as failure:  # of an iterate that diverges: their squares are not finite
             raise StepFailed("facets of a contact collapse, or are nowhere") from failure
         count = np.fromiter(map(len, found), dtype=np.int64, count=len(found))

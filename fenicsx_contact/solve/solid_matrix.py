@@ -60,7 +60,7 @@ class _Sum:
         self._solids.mult(self._x, self._y)
         y.array_w[: self._n] += self._y.array_r
 
-    def getDiagonal(self, matrix: PETSc.Mat, diagonal: PETSc.Vec) -> None:  # noqa: N802
+    def getDiagonal(self, matrix: PETSc.Mat, diagonal: PETSc.Vec) -> None:
         """That of the sum."""
         self._more.getDiagonal(diagonal)
         self._solids.getDiagonal(self._y)

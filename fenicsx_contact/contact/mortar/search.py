@@ -58,7 +58,7 @@ class Near:
     def __call__(self, ones: Spheres, others: Spheres) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the pairs, ascending in the first."""
         if self._moved(ones, others):
-            margin = MARGIN * float(ones.radii.mean())
+            margin = MARGIN * float(ones.radii.sum() / max(len(ones.radii), 1))
             self._pairs = _close(ones.wider(margin), others)
             self._sought, self._margin = (ones, others), margin
         return self._pairs

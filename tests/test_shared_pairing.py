@@ -29,6 +29,7 @@ assert comm.size == {processes}
 
 def same(mine, theirs):
     mine, theirs = (x if isinstance(x, np.ndarray) else x.toarray() for x in (mine, theirs))
+    assert mine.shape == theirs.shape
     assert np.abs(mine - theirs).max() <= 1e-12 * max(1.0, np.abs(theirs).max())
     assert len(set(comm.allgather(mine.tobytes()))) == 1  # they go on with the same digits
 

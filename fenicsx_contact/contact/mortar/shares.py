@@ -60,8 +60,8 @@ class Shares:
         """The sum of arrays of one shape."""
         if self._comm.size == 1:
             return values
-        total = np.empty_like(values)
-        self._comm.Reduce(np.ascontiguousarray(values), total)
+        total = np.empty(values.shape)
+        self._comm.Reduce(np.ascontiguousarray(values, dtype=float), total)  # counts of nothing
         self._comm.Bcast(total)
         return total
 

@@ -27,7 +27,7 @@ from ..base.checks import StepFailed
 from ..solids import DeformableSolid
 from .monolithic import Monolithic
 from .multigrid import Multigrid, rigid_modes
-from .problem import Assembly
+from .problem import Assembly, Clock
 from .solid_matrix import SolidMatrix
 from .solid_rows import petsc_matrix
 
@@ -50,6 +50,7 @@ class Krylov(Monolithic):
 
     Attributes:
         counts: iterations of the last linear solves.
+        times: seconds that they took, by part.
     """
 
     near = NEAR
@@ -61,12 +62,13 @@ class Krylov(Monolithic):
         given = [own[s.fixed_unknowns] for s, own in zip(solids, self.places.own)]
         self._given = np.concatenate(given) - self.places.mine.start
         self.counts: deque[int] = deque(maxlen=100)
+        self.times: dict[str, float] = {}
         self._multigrid: Multigrid | None = None
         self._held: SolidMatrix | None = None
         self._made_of: list[int] = []
 
     def _solve(self) -> np.ndarray:
-        n = self.places.size
+        clock, n = Clock(self.times), self.places.size
         frozen = self._contact_block(frozen=True) + self._compliance()
         yy, ym, seen, mm = frozen[:n, :n], frozen[:n, n:], frozen[n:, :n], frozen[n:, n:]
         # far from the solution some points are paired with what they will not meet, and derivatives
@@ -82,7 +84,9 @@ class Krylov(Monolithic):
         residual[n:] = solve @ residual[n:]
         blocks = ym, inverse @ seen, sp.diags(1 / force)
         springs = (yy - ym @ inverse @ seen).tocsr()
+        clock("surface")
         stale = self._renew(springs)
+        clock("multigrid")
         A = self._solids.plus(petsc_matrix(block[self._rows_here], self.comm))
         x, b = A.createVecs()
         b.setArray(residual[self._rows_here])
@@ -92,6 +96,7 @@ class Krylov(Monolithic):
             more, done = self._krylov(A, b, x, blocks, MAX_ITERATIONS)
             count += more
         self.counts.append(count)
+        clock("GMRES")
         local = x.array_r.copy()
         for thing in (A, x, b):
             thing.destroy()

@@ -88,7 +88,9 @@ else:
 """
 
 
-@pytest.mark.parametrize("processes", [2, 3, 4])
+@pytest.mark.parametrize(
+    "processes", [3, *(pytest.param(n, marks=pytest.mark.second) for n in (2, 4))]
+)
 def test_shares_add_up_to_what_one_process_finds(processes):
     output_of(
         mpirun(SCRIPT.format(tests=str(Path(__file__).parent), processes=processes), processes)

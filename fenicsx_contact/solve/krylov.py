@@ -61,6 +61,13 @@ class Krylov(Monolithic):
         self._modes = np.vstack([rigid_modes(s) for s in solids])
         given = [own[s.fixed_unknowns] for s, own in zip(solids, self.places.own)]
         self._given = np.concatenate(given) - self.places.mine.start
+        # unknowns at the surfaces, which contacts touch: all, this process's, and these from 0
+        touched = np.zeros(self.places.size, dtype=bool)
+        for k, trace in (each for traces in self._traces for each in traces):
+            touched[self.places.numbers[k][trace.seeing().indices]] = True
+        self._touched, here = np.flatnonzero(touched), self.places.mine
+        self._at = np.flatnonzero(touched[here])
+        self._mine = here.start + self._at
         self.counts: deque[int] = deque(maxlen=100)
         self.times: dict[str, float] = {}
         self._multigrid: Multigrid | None = None
@@ -87,7 +94,7 @@ class Krylov(Monolithic):
         clock("surface")
         stale = self._renew(springs)
         clock("multigrid")
-        A = self._solids.plus(petsc_matrix(block[self._rows_here], self.comm))
+        A = self._system(block)
         x, b = A.createVecs()
         b.setArray(residual[self._rows_here])
         count, done = self._krylov(A, b, x, blocks, PATIENCE if stale else MAX_ITERATIONS)
@@ -108,16 +115,25 @@ class Krylov(Monolithic):
         local[self._given] = 0.0  # to more digits than the tolerance leaves them
         return self._solid_rows.everywhere(local)
 
+    def _system(self, block: sp.csr_matrix) -> PETSc.Mat:
+        """The solids with what the contacts add to them and their multipliers."""
+        multipliers = np.arange(self.places.size, self.size)
+        here = multipliers[: self._rows_here.stop - self.places.mine.stop]
+        rows = np.concatenate([self._mine, here])
+        own = block[rows][:, np.concatenate([self._touched, multipliers])]
+        return self._solids.plus(petsc_matrix(own, self.comm), rows - self.places.mine.start)
+
     def _renew(self, springs: sp.csr_matrix, anew: bool = False) -> bool:
         """Set up the multigrid of P, the solids with these springs; whether its coarser levels are
         those of solids that have changed since, which they never are if made ``anew``."""
         if self._multigrid is None or anew:
             if self._multigrid is not None:
                 self._multigrid.destroy()
-            self._multigrid = Multigrid(self._solids.matrix, self._modes, self.solids[0].dim)
+            solids, block = self._solids.matrix, self.solids[0].dim
+            self._multigrid = Multigrid(solids, self._modes, block, self._mine)
             self._made_of = self._solids.of
-        own = petsc_matrix(springs[self.places.mine], self.comm)
-        self._multigrid.stiffen(self._solids.plus(own), own)
+        own = petsc_matrix(springs[self._mine][:, self._touched], self.comm)
+        self._multigrid.stiffen(self._solids.plus(own, self._at), own)
         return self._made_of != self._solids.of
 
     @property

@@ -28,11 +28,12 @@ class SolidMatrix:
         self.matrix = petsc_matrix(rows(), comm)
         rows.forget()
 
-    def plus(self, more: PETSc.Mat) -> PETSc.Mat:
-        """The sum with a matrix, which it keeps, and which may have further rows and columns behind
-        those of each process."""
-        context, sizes = _Sum(self.matrix, more), more.getSizes()
-        total = PETSc.Mat().createPython(sizes, context, comm=more.comm)
+    def plus(self, more: PETSc.Mat, at: np.ndarray) -> PETSc.Mat:
+        """The sum with a matrix, which it keeps, of those rows and columns ``at`` which each
+        process has; behind those of the solids there may be further ones."""
+        n = self.matrix.getLocalSize()[0]
+        sizes = max(n, int(at[-1]) + 1 if len(at) else 0), PETSc.DECIDE
+        total = PETSc.Mat().createPython((sizes, sizes), _Sum(self.matrix, more, at), more.comm)
         total.setUp()
         return total
 
@@ -49,24 +50,33 @@ class SolidMatrix:
 
 
 class _Sum:
-    def __init__(self, solids: PETSc.Mat, more: PETSc.Mat) -> None:
-        self._solids, self._more, self._n = solids, more, solids.getLocalSize()[0]
+    def __init__(self, solids: PETSc.Mat, more: PETSc.Mat, at: np.ndarray) -> None:
+        self._solids, self._more, self._at = solids, more, at
+        self._n = solids.getLocalSize()[0]
         self._x, self._y = solids.createVecs()
+        self._u, self._v = more.createVecs()
 
     def mult(self, matrix: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
         """y = (solids + more) x."""
-        self._more.mult(x, y)
-        self._x.setArray(x.array_r[: self._n])
+        given = x.array_r
+        self._x.setArray(given[: self._n])
+        self._u.setArray(given[self._at])
         self._solids.mult(self._x, self._y)
-        y.array_w[: self._n] += self._y.array_r
+        self._more.mult(self._u, self._v)
+        self._add(y)
 
     def getDiagonal(self, matrix: PETSc.Mat, diagonal: PETSc.Vec) -> None:
         """That of the sum."""
-        self._more.getDiagonal(diagonal)
         self._solids.getDiagonal(self._y)
-        diagonal.array_w[: self._n] += self._y.array_r
+        self._more.getDiagonal(self._v)
+        self._add(diagonal)
+
+    def _add(self, result: PETSc.Vec) -> None:
+        values = result.array_w
+        values[: self._n], values[self._n :] = self._y.array_r, 0.0
+        values[self._at] += self._v.array_r
 
     def destroy(self, matrix: PETSc.Mat) -> None:
         """Free what the sum alone has."""
-        for thing in (self._more, self._x, self._y):
+        for thing in (self._more, self._x, self._y, self._u, self._v):
             thing.destroy()

@@ -73,6 +73,8 @@ class Near:
 def _close(ones: Spheres, others: Spheres) -> tuple[np.ndarray, np.ndarray]:
     found = [(np.empty(0, dtype=np.int64),) * 2]
     try:
+        if not all(np.isfinite(each.middles).all() for each in (ones, others)):
+            raise ValueError("not finite")
         trees = [list(_by_size(each)) for each in (ones, others)]
         for mine, tree, size in trees[0]:
             for theirs, other, its_size in trees[1]:

@@ -27,6 +27,21 @@
 # cannot slide (with such the counts were 23 to 35 in place of 15).
 #
 # Each size runs in a process of its own, so that its memory can be told.
+#
+# ## A plan for 1e8 unknowns
+#
+# A desk does not hold them, but it tells what would happen: each part of the run is timed on
+# several sizes, and on one process and two. From the former comes how it grows, $n^k$; from the
+# latter, by Amdahl's law, which share $f = 2/s - 1$ of it is done on every process again, if two
+# gain a factor $s$. What all processes hold besides is the difference in memory between two and
+# one. `plan.md` carries this on to a cluster, part by part, worst first; it is a calculation from
+# a few sizes of one scene, and says what to do next rather than how long it takes.
+#
+# What is shared out today: the solids, their assembly and matrices, the multigrid and the Krylov
+# method; and of the contact finding partners, cutting out overlaps, and integrating there, with
+# its derivatives. What every process still has: the places of both surfaces, the matrices of the
+# jumps and the tangent of the contact, which grow as surfaces do, $n^{2/3}$; and some vectors of
+# all unknowns, which grow as $n$, and are the first to go on a cluster.
 
 # %%
 import json
@@ -52,16 +67,33 @@ RESULTS = Path("results") / "benchmark_iterative"
 STEEL, ALUMINIUM, NU = 210e3, 70e3, 0.3  # MPa
 WIDTH = 0.1  # contact radius over the sphere's
 FRICTION = 0.3
+FAR, LOAD = 1e8, 5e5  # unknowns of the plan, and of each of its processes
+
+#: What to do about what is not shared out, by part.
+NEXT = {
+    "mesh": "read a mesh that is partitioned already: gmsh makes it on one process",
+    "set-up": "find facets and their nodes from shared tables, not from all of all processes",
+    "solids": "nothing but sums of a few numbers: energies and errors, asked for less often",
+    "pairing": "own the slave's nodes by process, with the rows of their jumps and a halo of the "
+    "master about them, in place of sums of whole matrices; search by boxes of each process",
+    "surface": "the contact's tangent by those rows, in PETSc, and of the multipliers' rows, which "
+    "the last process has, to each process those of its nodes",
+    "multigrid": "springs carried to coarser levels by the rows of the transfers at the surface "
+    "alone; coarsest level on few processes (telescope)",
+    "GMRES": "fewer sums (pipelined GMRES); vectors of all unknowns only where they are owned",
+}
 
 
 # %%
 def pressed(n: int, solver: str, friction: float = 0.0) -> dict[str, Any]:
     """A steel half sphere of radius 1 pressed on aluminium, n elements over the contact radius."""
+    begin = perf_counter()
     zone = {"h": WIDTH / n, "half_width": 1.2 * WIDTH, "coarse": 0.5}
     ball_mesh = mesh_from_gmsh(MESHES / "half_sphere.geo", R=1.0, **zone)
     block_mesh = mesh_from_gmsh(MESHES / "foundation3d.geo", width=1.0, height=1.0, **zone)
     rollers = {"x0": (0.0, None, None), "y0": (None, 0.0, None)}
     start = perf_counter()
+    before = memory_mb()
     elastic = {"poisson_ratio": NU, "density": 1.0}
     down = {"top": lambda t: [None, None, -(WIDTH**2) * t], **rollers}
     ball = ElasticSolid(ball_mesh, youngs_modulus=STEEL, prescribed=down, name="ball", **elastic)
@@ -75,6 +107,7 @@ def pressed(n: int, solver: str, friction: float = 0.0) -> dict[str, Any]:
     )
     contact = Contact(ball, "bottom", (block, "top"), "gap", friction, name="contact")
     scene = Scene([ball, block], [contact], QuasiStatic(), geometry="newton", solver=solver)
+    ready = perf_counter()
     history = scene.run(1.0, 1.0, progress=False)
     whole = perf_counter() - start
     assert history.finished, history.reason
@@ -82,8 +115,9 @@ def pressed(n: int, solver: str, friction: float = 0.0) -> dict[str, Any]:
     modulus = effective_modulus(STEEL, NU, ALUMINIUM, NU)
     exact = PointContact(4 * load, modulus, 1.0)
     area = float(contact.coupling.area[contact.status > 0].sum())
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024  # MB
-    comm = scene.comm
+    comm, pair = scene.comm, contact.coupling.pairing
+    times = {**scene.stepper.times, **scene.stepper.solve_times}
+    matrices = [pair.means, pair.rises, pair.operator, contact.part.sparse_tangent()]
     return {
         "setting": {"n": n, "solver": solver, "friction": friction, "processes": comm.size},
         "unknowns": ball.unknowns + block.unknowns,
@@ -91,9 +125,24 @@ def pressed(n: int, solver: str, friction: float = 0.0) -> dict[str, Any]:
         "newton": int(history["newton"][-1]),
         "krylov": scene.krylov,
         "run_time_s": whole,
-        "phases_s": scene.stepper.times,
-        "memory_mb": comm.allreduce(memory),
+        "phases_s": {**times, "mesh": start - begin, "set-up": ready - start},
+        "surface_nodes": len(pair.places),
+        "surface_mb": sum(map(size_mb, matrices)),
+        "start_mb": comm.allreduce(before),
+        "memory_mb": comm.allreduce(memory_mb()),
     }
+
+
+def memory_mb() -> float:
+    """The most memory that this process has had."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def size_mb(matrix: Any) -> float:
+    """Of a matrix, dense or sparse."""
+    if isinstance(matrix, np.ndarray):
+        return matrix.nbytes / 2**20
+    return sum(x.nbytes for x in (matrix.data, matrix.indices, matrix.indptr)) / 2**20
 
 
 # %%
@@ -122,20 +171,101 @@ def measured(n: int, solver: str, friction: float = 0.0, processes: int = 1) -> 
     return json.loads(lines[-1])
 
 
-def exponent(rows: list[dict[str, Any]]) -> float:
-    """Of the linear solves' time by the number of unknowns, fitted."""
+def growth(rows: list[dict[str, Any]], values: list[float]) -> float:
+    """The exponent of values by the number of unknowns, fitted."""
     size = np.log([row["unknowns"] for row in rows])
-    time = np.log([row["phases_s"]["linear solve"] for row in rows])
-    return float(np.polyfit(size, time, 1)[0])
+    return float(np.polyfit(size, np.log(np.maximum(values, 1e-9)), 1)[0])
+
+
+def exponent(rows: list[dict[str, Any]]) -> float:
+    """That of the linear solves' time."""
+    return growth(rows, [row["phases_s"]["linear solve"] for row in rows])
 
 
 def speed_up(one: dict[str, Any], two: dict[str, Any]) -> dict[str, float]:
     """What two processes gain over one."""
     gains = {
         phase: one["phases_s"][phase] / two["phases_s"][phase]
-        for phase in ("solids", "pairing", "linear solve")
+        for phase in (*NEXT, "linear solve")
+        if phase in one["phases_s"]
     }
     return {**gains, "all": one["run_time_s"] / two["run_time_s"]}
+
+
+def parts(one: list[dict[str, Any]], gains: dict[str, float]) -> list[dict[str, Any]]:
+    """How each part of the run grows, and how long it takes on a cluster, the longest first."""
+    found, last, many = [], one[-1], FAR / LOAD
+    for part in NEXT:
+        seconds = [row["phases_s"][part] for row in one]
+        power, again = growth(one, seconds), float(np.clip(2 / gains[part] - 1, 0, 1))
+        far = seconds[-1] * (FAR / last["unknowns"]) ** power
+        found.append(
+            {
+                "part": part,
+                "exponent": power,
+                "seconds": seconds[-1],
+                "speed_up": gains[part],
+                "again": again,
+                "far_s": far * (again + (1 - again) / many),
+            }
+        )
+    return sorted(found, key=lambda each: -each["far_s"])
+
+
+def memories(one: list[dict[str, Any]], two: list[dict[str, Any]]) -> dict[str, float]:
+    """Memory [MB] that grows: of all, by what each further process adds to it, and of the matrices
+    of the surface; how each grows, and what it is at the size of the plan, a process."""
+    same = [row for row in one if row["unknowns"] in [each["unknowns"] for each in two]]
+    all_mb = [row["memory_mb"] - row["start_mb"] for row in same]
+    grown = [row["memory_mb"] - row["start_mb"] for row in two]
+    more = [max(b - a, 0.0) for a, b in zip(all_mb, grown)]
+    surface = [row["surface_mb"] for row in one]
+    at = FAR / one[-1]["unknowns"]
+    nodes = growth(one, [row["surface_nodes"] for row in one])
+    powers = growth(same, all_mb), growth(same, more), growth(one, surface)
+    return {
+        "all_exponent": powers[0],
+        "more_exponent": powers[1],
+        "surface_exponent": powers[2],
+        "nodes_exponent": nodes,
+        "all_mb": all_mb[-1],
+        "more_mb": more[-1],
+        "surface_mb": surface[-1],
+        "all_far_mb": all_mb[-1] * at ** powers[0] / (FAR / LOAD),
+        "more_far_mb": more[-1] * at ** powers[1],
+        "surface_far_mb": surface[-1] * at ** powers[2],
+    }
+
+
+def plan(summary: dict[str, Any]) -> str:
+    """The way to many more unknowns, as Markdown, from what was measured."""
+    last, held = summary["iterative"][-1], summary["memory"]
+    lines = [
+        f"# {FAR:.0e} unknowns on {FAR / LOAD:.0f} processes",
+        "",
+        f"Measured on {len(summary['iterative'])} sizes up to {last['unknowns']} unknowns, one and "
+        "two processes; one load step. Seconds on the cluster: those of one process, grown by the "
+        "exponent, of which the share that is done again on each is not divided.",
+        "",
+        "| part | grows as n to the | seconds | two processes gain | done again on each "
+        "| seconds on the cluster, as it is | what is to be done |",
+        "|---|---|---|---|---|---|---|",
+        *(
+            f"| {p['part']} | {p['exponent']:.2f} | {p['seconds']:.3g} | {p['speed_up']:.2f} "
+            f"| {100 * p['again']:.0f} % | {p['far_s']:.3g} | {NEXT[p['part']]} |"
+            for p in summary["parts"]
+        ),
+        "",
+        f"Memory that grows: {held['all_mb']:.0f} MB, as n to the {held['all_exponent']:.2f}; on "
+        f"the cluster {held['all_far_mb']:.0f} MB for each process, if all were shared out. A "
+        f"second process adds {held['more_mb']:.0f} MB, as n to the {held['more_exponent']:.2f}: "
+        f"{held['more_far_mb']:.0f} MB on each of the cluster, which must go. Of that the matrices "
+        f"of the surface are {held['surface_mb']:.0f} MB, as n to the "
+        f"{held['surface_exponent']:.2f} (its nodes: {held['nodes_exponent']:.2f}): "
+        f"{held['surface_far_mb']:.0f} MB; the rest are vectors of all unknowns, on every process, "
+        "halos, and levels of the multigrid.",
+    ]
+    return "\n".join(lines)
 
 
 def draw(summary: dict[str, Any]) -> None:
@@ -182,6 +312,7 @@ def table(summary: dict[str, Any]) -> str:
 def main(quick: bool = False) -> dict[str, Any]:
     """Everything; returns the summary that is also written."""
     sizes, rough = ([3, 4], [3]) if quick else ([14, 20, 29, 41, 50], [20, 41, 62])
+    both = sizes if quick else sizes[1:]
     factored = [3] if quick else [6, 10, 14]
     summary: dict[str, Any] = {"iterative": [], "monolithic": [], "friction": []}
     for solver, each in (("iterative", sizes), ("monolithic", factored)):
@@ -195,10 +326,16 @@ def main(quick: bool = False) -> dict[str, Any]:
     for n in rough:
         summary["friction"].append(measured(n, "iterative", FRICTION))
         print(row_of(summary["friction"][-1]), flush=True)
-    if shutil.which("mpirun"):
-        two = measured(rows[-1]["setting"]["n"], "iterative", processes=2)
-        print(row_of(two), flush=True)
-        summary["two_processes"], summary["speed_up"] = [two], speed_up(rows[-1], two)
+    summary["two_processes"] = []
+    for n in both if shutil.which("mpirun") else []:
+        summary["two_processes"].append(measured(n, "iterative", processes=2))
+        print(row_of(summary["two_processes"][-1]), flush=True)
+    if two := summary["two_processes"]:
+        summary["speed_up"] = speed_up(rows[-1], two[-1])
+        summary["parts"] = parts(rows, summary["speed_up"])
+        summary["memory"] = memories(rows, two)
+        (RESULTS / "plan.md").write_text(plan(summary) + f"\n\n{whence()}\n")
+        print(plan(summary))
     write_summary(RESULTS, summary)
     write_table(RESULTS, table(summary), quick)
     draw(summary)

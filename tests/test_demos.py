@@ -481,6 +481,14 @@ def test_benchmark_iterative(tmp_path, monkeypatch, capsys):
     assert abs(rough["radius_error"]) < 0.05 and max(rough["krylov"]) < 100
     assert (demo.RESULTS / "time.png").stat().st_size > 5000
     assert "Krylov counts" in capsys.readouterr().out
+    assert {part["part"] for part in summary["parts"]} == set(demo.NEXT)
+    # of what is known: seconds as n^1.5, half of them again on each process
+    rows = [{"unknowns": n, "phases_s": dict.fromkeys(demo.NEXT, n**1.5)} for n in (1e4, 1e5)]
+    for part in demo.parts(rows, dict.fromkeys(demo.NEXT, 4 / 3)):
+        assert part["exponent"] == pytest.approx(1.5) and part["again"] == pytest.approx(0.5)
+        share = 0.5 * (1 + demo.LOAD / demo.FAR)
+        assert part["far_s"] == pytest.approx(share * demo.FAR**1.5)
+    assert "unknowns on 200 processes" in (demo.RESULTS / "plan.md").read_text()
 
 
 def test_gradients(tmp_path, monkeypatch, capsys):

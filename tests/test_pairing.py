@@ -6,6 +6,7 @@ import pytest
 from scenes import pressed_blocks, rectangle
 
 from fenicsx_contact import Contact, HyperelasticSolid, Scene, neo_hookean
+from fenicsx_contact.base.checks import StepFailed
 from fenicsx_contact.contact.mortar import Pairing, Side
 from fenicsx_contact.contact.mortar.search import Near, Spheres, candidates
 from fenicsx_contact.solve import sparse as direct
@@ -48,6 +49,15 @@ def test_all_spheres_that_meet_are_found():
         found = set(zip(*near(Spheres(ones, radii[0]), Spheres(others, radii[1]))))
         distance = np.linalg.norm(ones[:, None] - others, axis=2)
         assert found >= set(zip(*np.nonzero(distance <= radii[0][:, None] + radii[1])))
+
+
+@pytest.mark.parametrize("what", [np.nan, np.inf, 1e200])
+def test_what_is_nowhere_is_no_neighbour_but_an_error(what):
+    """An iterate that diverges must not seem to be far apart."""
+    here, there = np.zeros((2, 3)), np.array([[0.0, 0.0, 0.0], [what, 0.0, 0.0]])
+    for ones, others in ((here, there), (there, here)):
+        with pytest.raises(StepFailed, match="nowhere"):
+            Near()(Spheres(ones, np.ones(2)), Spheres(others, np.ones(2)))
 
 
 def thrown_blocks():

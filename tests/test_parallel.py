@@ -74,7 +74,13 @@ def finish(process: subprocess.Popen, directory: Path) -> History:
 
 @pytest.mark.parametrize(
     ("name", "processes"),
-    [*((name, 2) for name in RUNS), ("light_footed_block", 3), ("two_blocks", 4)],
+    [
+        *((name, 2) for name in RUNS),
+        ("light_footed_block", 3),
+        ("two_blocks", 4),
+        pytest.param("iterated_boxes", 3, marks=pytest.mark.second),
+        pytest.param("pressed_boxes", 4, marks=pytest.mark.second),
+    ],
 )
 def test_several_processes_give_the_numbers_of_one(name, processes, tmp_path):
     counts = 1, processes

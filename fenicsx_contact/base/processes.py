@@ -10,6 +10,8 @@ from typing import Any, TypeVar
 
 from mpi4py import MPI
 
+from .checks import StepFailed
+
 T = TypeVar("T")
 
 
@@ -27,6 +29,26 @@ def on_first(comm: Any, action: Callable[[], T]) -> T:
     result, failure = comm.bcast((result, failure))
     if failure is not None:
         raise failure
+    return result
+
+
+def together(comm: Any, action: Callable[[], T]) -> T:
+    """What an action returns on each process; a step that fails on any fails on all.
+
+    Raises:
+        StepFailed: on any process.
+    """
+    if comm.size == 1:
+        return action()
+    result: Any = None
+    failure: StepFailed | None = None
+    try:
+        result = action()
+    except StepFailed as problem:  # the others have not met it
+        failure = problem
+    failed = [each for each in comm.allgather(failure) if each is not None]
+    if failed:
+        raise failed[0]
     return result
 
 

@@ -53,7 +53,8 @@ class MortarJump(Coupling):
     ) -> None:
         self.solids, self.equations = list(solids), equations
         self._facets, self._moves = facets, moves
-        self.pairing = self._ending = Pairing(*sides)
+        self._comm = solids[0].mesh.mesh.comm
+        self.pairing = self._ending = Pairing(*sides, self._comm)
         self.traces = [solid.trace(side.nodes) for solid, side in zip(solids, sides)]
         self._standing = Standing(*sides)
         self.part = self._part = PairedEquations(equations, self.pairing)
@@ -79,7 +80,7 @@ class MortarJump(Coupling):
         super().begin(step)
         self._share = step.place_share if self._moves else 1.0
         if self._share < 1 and self._ending is self.pairing:
-            self._ending = Pairing(self.pairing.slave, self.pairing.master)
+            self._ending = Pairing(self.pairing.slave, self.pairing.master, self._comm)
             self._ending.stand(self.pairing.stance)
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:

@@ -27,7 +27,8 @@ from ..base.checks import StepFailed
 from ..solids import DeformableSolid
 from .monolithic import Monolithic
 from .multigrid import Multigrid, rigid_modes
-from .problem import Assembly
+from .problem import Assembly, Clock
+from .solid_matrix import SolidMatrix
 from .solid_rows import petsc_matrix
 
 #: Share of the residual at which a linear solve ends, and how many iterations it may take.
@@ -49,6 +50,7 @@ class Krylov(Monolithic):
 
     Attributes:
         counts: iterations of the last linear solves.
+        times: seconds that they took, by part.
     """
 
     near = NEAR
@@ -59,12 +61,21 @@ class Krylov(Monolithic):
         self._modes = np.vstack([rigid_modes(s) for s in solids])
         given = [own[s.fixed_unknowns] for s, own in zip(solids, self.places.own)]
         self._given = np.concatenate(given) - self.places.mine.start
+        # unknowns at the surfaces, which contacts touch: all, this process's, and these from 0
+        touched = np.zeros(self.places.size, dtype=bool)
+        for k, trace in (each for traces in self._traces for each in traces):
+            touched[self.places.numbers[k][trace.seeing().indices]] = True
+        self._touched, here = np.flatnonzero(touched), self.places.mine
+        self._at = np.flatnonzero(touched[here])
+        self._mine = here.start + self._at
         self.counts: deque[int] = deque(maxlen=100)
+        self.times: dict[str, float] = {}
         self._multigrid: Multigrid | None = None
+        self._held: SolidMatrix | None = None
         self._made_of: list[int] = []
 
     def _solve(self) -> np.ndarray:
-        n = self.places.size
+        clock, n = Clock(self.times), self.places.size
         frozen = self._contact_block(frozen=True) + self._compliance()
         yy, ym, seen, mm = frozen[:n, :n], frozen[:n, n:], frozen[n:, :n], frozen[n:, n:]
         # far from the solution some points are paired with what they will not meet, and derivatives
@@ -78,18 +89,21 @@ class Krylov(Monolithic):
         block = sp.bmat([[block[:n, :n], ym], [solve @ block[n:, :n], solve @ mm]], format="csr")
         residual = self.residual()
         residual[n:] = solve @ residual[n:]
-        A = petsc_matrix(self._matrix(block), self.comm)
-        x, b = A.createVecs()
-        b.setArray(residual[self._rows_here])
         blocks = ym, inverse @ seen, sp.diags(1 / force)
         springs = (yy - ym @ inverse @ seen).tocsr()
+        clock("surface")
         stale = self._renew(springs)
+        clock("multigrid")
+        A = self._system(block)
+        x, b = A.createVecs()
+        b.setArray(residual[self._rows_here])
         count, done = self._krylov(A, b, x, blocks, PATIENCE if stale else MAX_ITERATIONS)
         if stale and not done:
             self._renew(springs, anew=True)
             more, done = self._krylov(A, b, x, blocks, MAX_ITERATIONS)
             count += more
         self.counts.append(count)
+        clock("GMRES")
         local = x.array_r.copy()
         for thing in (A, x, b):
             thing.destroy()
@@ -101,19 +115,39 @@ class Krylov(Monolithic):
         local[self._given] = 0.0  # to more digits than the tolerance leaves them
         return self._solid_rows.everywhere(local)
 
+    def _system(self, block: sp.csr_matrix) -> PETSc.Mat:
+        """The solids with what the contacts add to them and their multipliers."""
+        multipliers = np.arange(self.places.size, self.size)
+        here = multipliers[: self._rows_here.stop - self.places.mine.stop]
+        rows = np.concatenate([self._mine, here])
+        own = block[rows][:, np.concatenate([self._touched, multipliers])]
+        return self._solids.plus(petsc_matrix(own, self.comm), rows - self.places.mine.start)
+
     def _renew(self, springs: sp.csr_matrix, anew: bool = False) -> bool:
         """Set up the multigrid of P, the solids with these springs; whether its coarser levels are
         those of solids that have changed since, which they never are if made ``anew``."""
-        P = petsc_matrix(self._matrix(springs), self.comm)
         if self._multigrid is None or anew:
             if self._multigrid is not None:
                 self._multigrid.destroy()
-            solids = petsc_matrix(self._solid_rows(), self.comm)
-            self._multigrid = Multigrid(solids, self._modes, self.solids[0].dim)
-            solids.destroy()
-            self._made_of = self._solid_rows.linearisations
-        self._multigrid.stiffen(P, petsc_matrix(springs[self.places.mine], self.comm))
-        return self._made_of != self._solid_rows.linearisations
+            solids, block = self._solids.matrix, self.solids[0].dim
+            self._multigrid = Multigrid(solids, self._modes, block, self._mine)
+            self._made_of = self._solids.of
+        own = petsc_matrix(springs[self._mine][:, self._touched], self.comm)
+        self._multigrid.stiffen(self._solids.plus(own, self._at), own)
+        return self._made_of != self._solids.of
+
+    @property
+    def _solids(self) -> SolidMatrix:
+        """The solids as they are linearised now."""
+        now = self._solid_rows.now()
+        if self._held is None or self._held.of != now:
+            if self._held is not None:
+                self._held.destroy()
+            self._held = SolidMatrix(self._solid_rows, self.comm)
+        return self._held
+
+    def _diagonal(self) -> np.ndarray:
+        return self._solid_rows.everywhere(self._solids.diagonal())
 
     def _krylov(
         self, A: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, blocks: Blocks, most: int
@@ -142,7 +176,7 @@ class Krylov(Monolithic):
         self, ym: sp.csr_matrix, my: sp.csr_matrix, mm: sp.csr_matrix
     ) -> sp.csr_matrix:
         """S^-1: the multipliers of each node by what is left of their rows."""
-        springs = my @ sp.diags(1 / self._solid_rows.diagonal()) @ ym
+        springs = my @ sp.diags(1 / self._diagonal()) @ ym
         S = (mm - springs).tocsr()
         empty = np.empty(0, dtype=np.int64)
         blocks, first = [(np.empty(0), empty, empty)], 0

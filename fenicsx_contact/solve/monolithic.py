@@ -179,22 +179,19 @@ class Monolithic(ABC):
         fixed = self.falling or self.held
         diagonal = np.repeat([0.0, -1.0 if fixed else -self._softness], [n, m])
         if self._floating.any():
-            stiff = np.abs(self._solid_rows.diagonal()).max()
+            stiff = np.abs(self._diagonal()).max()
             diagonal[:n] = FREE * stiff * self._floating
         return sp.diags(diagonal, format="csr")
+
+    def _diagonal(self) -> np.ndarray:
+        """That of the solids' matrices, on every process."""
+        return self._solid_rows.diagonal()
 
     @property
     def _rows_here(self) -> slice:
         """This process's rows of the system."""
         mine, final = self.places.mine, self.comm.rank == self.comm.size - 1
         return slice(mine.start, self.size if final else mine.stop)
-
-    def _matrix(self, extra: sp.csr_matrix) -> sp.csr_matrix:
-        """This process's rows of the solids' matrices and of what else there is, which is the same
-        on every process and, for the multipliers, may be larger."""
-        size, start = extra.shape[0], self.places.mine.start
-        rows = slice(start, min(self._rows_here.stop, size))
-        return extra[rows] + self._solid_rows(rows.stop - start, size)
 
     def stall(self) -> str:
         """What stalls."""

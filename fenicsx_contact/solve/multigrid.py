@@ -23,9 +23,12 @@ class Multigrid:
         matrix: of the solids, symmetric or nearly so.
         modes: rigid motions at this process's unknowns, (n, 3 or 6).
         block: unknowns of a node.
+        touched: those of this process's unknowns that springs may touch.
     """
 
-    def __init__(self, matrix: PETSc.Mat, modes: np.ndarray, block: int) -> None:
+    def __init__(
+        self, matrix: PETSc.Mat, modes: np.ndarray, block: int, touched: np.ndarray
+    ) -> None:
         matrix.setBlockSize(block)
         matrix.setNearNullSpace(_null_space(matrix, modes))
         hierarchy = PETSc.PC().create(matrix.comm)
@@ -39,21 +42,31 @@ class Multigrid:
         self._transfers = [hierarchy.getMGInterpolation(k) for k in below]
         self._coarser = [hierarchy.getMGSmoother(k - 1).getOperators()[0] for k in below]
         hierarchy.destroy()
+        # springs go down from where they are; the others' rows would cost most of the time
+        self._carriers = list(self._transfers)
+        for finest in self._transfers[:1]:
+            first, last = finest.getOwnershipRangeColumn()
+            rows = PETSc.IS().createGeneral(touched.astype(np.int32), matrix.comm)
+            columns = PETSc.IS().createStride(last - first, first, 1, matrix.comm)
+            self._carriers[0] = finest.createSubMatrix(rows, columns)
+            rows.destroy()
+            columns.destroy()
         self._cycle: PETSc.PC | None = None
         self._levels: list[PETSc.Mat] = []
 
     def stiffen(self, matrix: PETSc.Mat, springs: PETSc.Mat) -> None:
-        """Cycles are from now on for this matrix, solids and springs together; it takes both."""
+        """Cycles are from now on for this matrix, solids and springs together, which it
+        takes; the springs, of touched unknowns alone, are kept with it."""
         self._free()
-        self._levels = [matrix]
-        for transfer, solids in zip(self._transfers, self._coarser):
-            coarse = springs.ptap(transfer)
-            springs.destroy()
-            springs = coarse
+        self._levels, passing = [matrix], []
+        for carrier, solids in zip(self._carriers, self._coarser):
+            springs = springs.ptap(carrier)
             level = solids.copy()
             level.axpy(1.0, springs, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
             self._levels.append(level)
-        springs.destroy()
+            passing.append(springs)
+        for each in passing:
+            each.destroy()
         self._cycle = cycle = PETSc.PC().create(matrix.comm)
         cycle.setOptionsPrefix("multigrid_")
         cycle.setType("mg")
@@ -85,7 +98,7 @@ class Multigrid:
     def destroy(self) -> None:
         """Free what PETSc holds."""
         self._free()
-        for thing in (*self._transfers, *self._coarser):
+        for thing in (*self._carriers[:1], *self._transfers, *self._coarser):
             thing.destroy()
 
 

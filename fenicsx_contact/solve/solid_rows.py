@@ -31,39 +31,38 @@ class SolidRows:
     ) -> None:
         self._solids, self._places, self._comm = list(solids), places, comm
         self.linearisations: list[int] = []
-        self._patterns: list[tuple[np.ndarray, np.ndarray]] = []
 
     def __call__(self, rows: int = 0, columns: int = 0) -> sp.csr_matrix:
         """The rows, with empty rows and columns behind, where multipliers come and go, if so many
         are asked for."""
-        now = [solid.linearisation for solid in self._solids]
+        now = self.now()
         if now != self.linearisations:
             self.linearisations = now
-            matrices = [solid.matrix_rows(self._comm) for solid in self._solids]
-            self._arrange([matrix[:2] for matrix in matrices])
-            values = np.concatenate([matrix[2] for matrix in matrices])
-            self._values = values[self._order.data]
-        order = self._order
-        n, m = max(rows, order.shape[0]), max(columns, order.shape[1])
-        indptr = np.pad(order.indptr, (0, n - order.shape[0]), "edge")
-        return sp.csr_matrix((self._values, order.indices, indptr), (n, m))
+            self._values, self._indices, self._indptr = self._joined()
+        n, m = max(rows, len(self._indptr) - 1), max(columns, self._places.size)
+        indptr = np.pad(self._indptr, (0, n + 1 - len(self._indptr)), "edge")
+        return sp.csr_matrix((self._values, self._indices, indptr), (n, m))
 
-    def _arrange(self, patterns: list[tuple[np.ndarray, np.ndarray]]) -> None:
-        """Find where the entries of the solids' matrices stand, if not as before."""
-        if self._patterns and all(
-            np.array_equal(a, b) for pair in zip(patterns, self._patterns) for a, b in zip(*pair)
-        ):
-            return
-        self._patterns = patterns
-        mine, places, columns = self._places.mine, [], []
-        for (indptr, indices), own, numbers in zip(
-            patterns, self._places.own, self._places.numbers
-        ):
-            places.append(np.repeat(own[: len(indptr) - 1], np.diff(indptr)) - mine.start)
-            columns.append(numbers[indices])
-        row, column = np.concatenate(places), np.concatenate(columns)
-        shape = mine.stop - mine.start, self._places.size
-        self._order = sp.csr_matrix((np.arange(len(row)), (row, column)), shape)
+    def _joined(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Values, columns and row pointers of the solids below each other, as their rows stand on
+        each process; numbers ascend with those of each solid, and so do columns."""
+        values, columns, counts = [], [], []
+        for solid, numbers in zip(self._solids, self._places.numbers):
+            indptr, indices, data = solid.matrix_rows(self._comm)
+            values.append(data)
+            columns.append(numbers.astype(np.int32)[indices])
+            counts.append(np.diff(indptr))
+        indptr = np.concatenate([[0], *counts]).cumsum(dtype=np.int64)
+        return np.concatenate(values), np.concatenate(columns), indptr
+
+    def now(self) -> list[int]:
+        """The solids' present linearisations."""
+        return [solid.linearisation for solid in self._solids]
+
+    def forget(self) -> None:
+        """Keep nothing: the rows are not asked for again soon."""
+        self.linearisations = []
+        self._values = self._indices = self._indptr = np.empty(0)
 
     def diagonal(self) -> np.ndarray:
         """The diagonal, on every process."""

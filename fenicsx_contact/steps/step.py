@@ -247,6 +247,12 @@ class Stepper:
         return list(system.counts) if isinstance(system, Krylov) else []
 
     @property
+    def solve_times(self) -> dict[str, float]:
+        """Seconds of the linear solves by part, if the solver is iterative."""
+        system = getattr(self._method, "system", None)
+        return dict(system.times) if isinstance(system, Krylov) else {}
+
+    @property
     def surfaces(self) -> SurfaceSystem:
         """The surface problem of the step that was attempted last; the solver is condensed."""
         system = self._method.system

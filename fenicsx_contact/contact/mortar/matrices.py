@@ -27,13 +27,21 @@ def add_up(values: np.ndarray, rows: np.ndarray, n: int) -> np.ndarray:
 def gather(
     entries: np.ndarray, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int], dense: bool
 ) -> Matrix:
-    """The matrix of these entries; what falls together adds. The index arrays broadcast."""
-    rows = np.broadcast_to(rows, entries.shape).ravel()
-    columns = np.broadcast_to(columns, entries.shape).ravel()
-    if not dense:
-        return sp.csr_matrix((entries.ravel(), (rows, columns)), shape)
-    flat = np.bincount(rows * shape[1] + columns, entries.ravel(), shape[0] * shape[1])
-    return flat.reshape(shape)
+    """The matrix of these entries; what falls together adds. The index arrays broadcast; along the
+    last axis rows are the same."""
+    if dense:
+        rows, columns = (np.broadcast_to(x, entries.shape).ravel() for x in (rows, columns))
+        flat = np.bincount(rows * shape[1] + columns, entries.ravel(), shape[0] * shape[1])
+        return flat.reshape(shape)
+    # a product of matrices adds lines of entries, neither sorting these nor naming all their rows
+    lines = np.broadcast_to(rows, (*entries.shape[:-1], 1)).ravel()
+    each = np.arange(len(lines) + 1)
+    columns = np.broadcast_to(columns.astype(np.int32), entries.shape).ravel()
+    given = (entries.ravel(), columns, each * entries.shape[-1])
+    pick = sp.csr_matrix((np.ones(len(lines)), (lines, each[:-1])), (shape[0], len(lines)))
+    result = pick @ sp.csr_matrix(given, (len(lines), shape[1]))
+    result.sort_indices()
+    return result
 
 
 def stack(matrices: Sequence[Matrix]) -> Matrix:

@@ -27,6 +27,7 @@ from __future__ import annotations
 from math import prod
 
 import numpy as np
+from mpi4py import MPI
 
 from .integration import Lines, whole
 from .itself import Itself, any_other
@@ -34,6 +35,7 @@ from .matrices import DENSE, Matrix, add_up, along, by_component, by_point, gath
 from .overlaps import Overlaps
 from .pieces import Brink, Pieces
 from .search import FACETS
+from .shares import Shares
 from .side import Side
 from .stance import Stance
 
@@ -50,6 +52,7 @@ class Pairing:
 
     Args:
         slave, master: the sides; the same one twice: a surface before itself.
+        comm: the processes that share the work, each with all of both sides.
 
     Attributes:
         operator: J, (n d, N d).
@@ -59,14 +62,15 @@ class Pairing:
         normal, length: n_i, outward at the slave's corners, (n, d), and |m_i|, (n,).
         area: paired share of the surface of each node, (n,).
         paired: nodes that have a partner.
-        pieces, brink: what is integrated, and where it ends with the master.
-        dual, inverse_mass: of each facet, psi = phi @ dual, (m, corners, corners).
+        shared: which facets this process pairs.
+        pieces, brink: what is integrated, and where it ends with the master, on these.
+        dual, inverse_mass: of each of these, psi = phi @ dual, (m, corners, corners).
         shares: psi_i w / a_i at the points, (p, g, corners), and share: 1 / a_i, (n,).
         reach: how far from each node partners were sought, (n,) in m.
         stance: how the slave's facets stand on the master's.
     """
 
-    def __init__(self, slave: Side, master: Side) -> None:
+    def __init__(self, slave: Side, master: Side, comm: MPI.Comm = MPI.COMM_SELF) -> None:
         self.slave, self.master = slave, master
         self.n = int(slave.corners.max()) + 1
         self.total = len(slave.nodes) + len(master.nodes)
@@ -74,8 +78,12 @@ class Pairing:
         self._sizes = np.zeros(self.n)  # of the largest facet at each node
         np.maximum.at(self._sizes, slave.corners, slave.sizes[:, None])
         admits = Itself(slave) if master is slave else any_other
-        common = Lines if slave.dim == 2 else Overlaps
-        self._common: Lines | Overlaps = common(slave, master, admits)
+        self.shared = Shares(slave, comm)
+        self._common = (
+            Lines(slave, master, admits)
+            if slave.dim == 2
+            else Overlaps(slave, master, admits, self.shared.facets)
+        )
         self.brink: Brink | None = None
         self.stance = Stance.none(slave)
         self.places, self._way = np.empty((0, slave.dim)), np.nan
@@ -96,6 +104,10 @@ class Pairing:
         rows = self.slave.corners[facet].ravel()
         flat = sums.reshape(len(rows), prod(sums.shape[2:]))  # also of no points
         return add_up(flat, rows, self.n).reshape(self.n, *sums.shape[2:])
+
+    def _integral(self, values: np.ndarray) -> np.ndarray:
+        """The same of points on the pieces of all processes."""
+        return self.shared.sum(self.collect(values, self.pieces.facet))
 
     def nodes_of(self, pieces: Pieces) -> np.ndarray:
         """Nodes of the slave's and the master's facets, (p, k)."""
@@ -123,19 +135,21 @@ class Pairing:
         self.reach = FACETS * self._sizes + 4 * way
         self.places = places
         xs, xm = places[: len(self.slave.nodes)], places[len(self.slave.nodes) :]
-        pieces, self.brink = self._common.meet((xs, xm), reach, self.stance)
+        pieces, self.brink = self.shared.together(
+            lambda: self._common.meet((xs, xm), reach, self.stance)
+        )
         self.pieces = pieces
         corners = self.slave.corners[pieces.facet]
         self.nodes = self.nodes_of(pieces)
 
-        area = self.collect(pieces.corner * pieces.weight[..., None], pieces.facet)
+        area = self._integral(pieces.corner * pieces.weight[..., None])
         self.paired = area > COVERED * self.full_area
         self.area = np.where(self.paired, area, 0.0)
         self.share = share = 1 / np.where(self.paired, area, np.inf)
         dual = self._dual(pieces) * pieces.weight[..., None]
         self.shares = dual * share[corners][:, None]
         self._turn_normals(xs)
-        gap = self.collect(self.shares * self.depths(pieces)[..., None], pieces.facet)
+        gap = self._integral(self.shares * self.depths(pieces)[..., None])
         self.gap = np.where(self.paired, gap / self.length, -self.reach)
         self._operate()
 
@@ -143,14 +157,16 @@ class Pairing:
         pieces, d = self.pieces, self.slave.dim
         rows, columns = self.slave.corners[pieces.facet][:, :, None], self.nodes[:, None]
         means = np.swapaxes(self.shares, 1, 2) @ pieces.both  # (p, corners, k)
-        self.means: Matrix = gather(means, rows, columns, (self.n, self.total), self.dense)
-        self.rises: Matrix = gather(
+        own = gather(means, rows, columns, (self.n, self.total), self.dense)
+        self.means: Matrix = self.shared.add(own)
+        own = gather(
             means[..., None] * (pieces.unit / self.length[rows])[:, :, None],
             rows[..., None],
             columns[..., None] * d + np.arange(d),
             (self.n, self.total * d),
             self.dense,
         )
+        self.rises: Matrix = self.shared.add(own)
         each = by_component(self.means, d)
         self.operator: Matrix = each + self.at_normals(self.rises - along(self.normal, each))
 
@@ -182,7 +198,7 @@ class Pairing:
 
     def _turn_normals(self, xs: np.ndarray) -> None:
         units = self.shares[..., None] * self.pieces.unit[:, :, None]
-        mean = self.collect(units, self.pieces.facet)
+        mean = self._integral(units)
         length = np.linalg.norm(mean, axis=1)
         self.paired &= length > 0
         alone = ~self.paired

@@ -32,9 +32,10 @@ TWICE = 1e-9
 
 
 class Overlaps:
-    """Finds what the facets of two sides share, in the planes of the slave's."""
+    """Finds what some facets of a side share with those of another, in the planes of the former."""
 
-    def __init__(self, slave: Side, master: Side, admits: Admits) -> None:
+    def __init__(self, slave: Side, master: Side, admits: Admits, facets: np.ndarray) -> None:
+        self._facets = facets
         self._slave, self._master, self._admits = slave, master, admits
         self._near = Near()
         # exact, with derivatives, between triangles, and quadrilaterals that are parallelograms
@@ -85,8 +86,11 @@ class Overlaps:
     def _facing(self, planes: _Planes, xm: np.ndarray, reach: np.ndarray) -> _Pairs:
         """Facets that face each other and are near."""
         side = self._master.flat
-        mine, theirs = Spheres.around(planes.places), Spheres.around(xm[side.cells])
-        facet, other = in_tubes(planes.unit, reach, mine.radii, mine, theirs, self._near)
+        asked = self._facets
+        mine, theirs = Spheres.around(planes.places[asked]), Spheres.around(xm[side.cells])
+        tubes = planes.unit[asked], reach[asked], mine.radii
+        facet, other = in_tubes(*tubes, mine, theirs, self._near)
+        facet = asked[facet]
         normal = side.normal(side.middle_tangents(xm), np.arange(len(side.cells)))
         length = np.sqrt((normal**2).sum(axis=1))
         facing = (planes.unit[facet] * normal[other]).sum(axis=1) < FACING * length[other]

@@ -48,7 +48,7 @@ class Rates:
         rows, shape = self._rows(), (pair.normal.size, across)
         mean = gather(turn, rows[..., None], columns, shape, pair.dense)  # of m_i
         self._cover: Cover | None = None
-        if pair.brink is not None and len(pair.brink.across):
+        if pair.brink is not None and pair.shared.anywhere(len(pair.brink.across) > 0):
             self._cover, self._edge = Cover(pair, pair.brink), pair.brink.points
             sides, lengths = (pieces, self._edge), pair.length[:, None]
             inside, edge = (pair.depths(each)[..., None] for each in sides)
@@ -57,6 +57,7 @@ class Rates:
                 np.broadcast_to(each.unit, (*each.distance.shape, pair.slave.dim)) for each in sides
             )
             mean = mean + self._cover.means(inside, edge, pair.normal * lengths)
+        gap, mean = pair.shared.add(gap), pair.shared.add(mean)
         n = pair.normal
         self._stretch = along(n, mean)  # of |m_i|
         self.gap = self._per_length(gap, pair.gap)
@@ -106,6 +107,7 @@ class Rates:
             means = means + self._cover.means(inside, edge, mean)
             up, at = ((v * x.unit).sum(axis=2)[..., None] for v, x in zip((inside, edge), sides))
             rises = rises + self._cover.means(up, at, (rise * pair.length)[:, None])
+        means, rises = pair.shared.add(means), pair.shared.add(rises)
         return means, self._per_length(rises, rise)
 
     def spread(self, force: np.ndarray, areas: bool = False) -> Matrix:
@@ -129,15 +131,17 @@ class Rates:
         turned = pushed[:, :, None, None] * motion.turn[:, None]  # (p, k, d, corners d)
         acting[:, :, motion.turning] += turned.reshape(*rows.shape, motion.turn.shape[2])
         spread = gather(acting, rows[:, :, None], columns[:, None], shape, pair.dense)
+        if self._cover:
+            spread = spread + self._cover.forces(tangential, pressed)
+        spread = pair.shared.add(spread)
         more = normal[:, None, None] * np.eye(d) + n[:, :, None] * force[:, None]
         spread = spread - by_component(pair.means, d).T @ by_point(more, self.normal)
         more = along(force, self.normal) - by_point(pressed[:, None, None], self._stretch)
         spread = spread + pair.rises.T @ more
-        if self._cover:
-            spread = spread + self._cover.forces(tangential, pressed)
-            if not areas:
-                pressure = (pair.share[:, None] * force)[:, :, None]
-                spread = spread - pair.operator.T @ by_point(pressure, self._cover.areas())
+        if self._cover and not areas:
+            pressure = (pair.share[:, None] * force)[:, :, None]
+            grown = pair.shared.add(self._cover.areas())
+            spread = spread - pair.operator.T @ by_point(pressure, grown)
         return spread
 
     def _by_row(self, shares: np.ndarray) -> np.ndarray:

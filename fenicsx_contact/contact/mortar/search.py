@@ -2,14 +2,14 @@
 """Which rays may meet which facets: a search by trees, coarse and safe, before any intersection.
 
 The rays of a facet are a bundle. A bundle sees the facets whose spheres enter the tube around it,
-which is cut into pieces about as long as wide; trees find what is near a piece, one tree for facets
-of about the same size, so that a few large ones far away do not make everything near. What is near
+which is cut into pieces about as long as wide; trees find what is near a piece, one for what is
+about of the same size, so that a few large ones far away do not make everything near. What is near
 is found with some margin, and sought again only when something has moved farther.
 """
 
 from __future__ import annotations
 
-from itertools import chain
+from collections.abc import Iterator
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -58,7 +58,7 @@ class Near:
     def __call__(self, ones: Spheres, others: Spheres) -> tuple[np.ndarray, np.ndarray]:
         """Numbers of the pairs, ascending in the first."""
         if self._moved(ones, others):
-            margin = MARGIN * float(ones.radii.mean())
+            margin = MARGIN * float(ones.radii.sum() / max(len(ones.radii), 1))
             self._pairs = _close(ones.wider(margin), others)
             self._sought, self._margin = (ones, others), margin
         return self._pairs
@@ -71,22 +71,30 @@ class Near:
 
 
 def _close(ones: Spheres, others: Spheres) -> tuple[np.ndarray, np.ndarray]:
-    found_ones, found_others = [], []
-    octave = np.floor(np.log2(np.maximum(others.radii, np.finfo(float).tiny)))
-    for each in np.unique(octave):
-        members = np.flatnonzero(octave == each)
-        reach = ones.radii + others.radii[members].max()
-        try:
-            found = cKDTree(others.middles[members]).query_ball_point(ones.middles, reach)
-        except ValueError as failure:  # of an iterate that diverges: their squares are not finite
-            raise StepFailed("facets of a contact collapse, or are nowhere") from failure
-        count = np.fromiter(map(len, found), dtype=np.int64, count=len(found))
-        flat = np.fromiter(chain.from_iterable(found), np.int64, count.sum())
-        found_ones.append(np.repeat(np.arange(len(count)), count))
-        found_others.append(members[flat])
-    one, other = np.concatenate(found_ones), np.concatenate(found_others)
+    found = [(np.empty(0, dtype=np.int64),) * 2]
+    try:
+        if not all(np.isfinite(each.middles).all() for each in (ones, others)):
+            raise ValueError("not finite")
+        trees = [list(_by_size(each)) for each in (ones, others)]
+        for mine, tree, size in trees[0]:
+            for theirs, other, its_size in trees[1]:
+                pairs = tree.sparse_distance_matrix(other, size + its_size, output_type="ndarray")
+                one, two = mine[pairs["i"]], theirs[pairs["j"]]
+                meet = pairs["v"] <= ones.radii[one] + others.radii[two]
+                found.append((one[meet], two[meet]))
+    except ValueError as failure:  # of an iterate that diverges: their squares are not finite
+        raise StepFailed("facets of a contact collapse, or are nowhere") from failure
+    one, other = (np.concatenate(each) for each in zip(*found))
     order = np.lexsort((other, one))
     return one[order], other[order]
+
+
+def _by_size(spheres: Spheres) -> Iterator[tuple[np.ndarray, cKDTree, float]]:
+    """Spheres of about the same size, an octave: their numbers, tree of middles, largest radius."""
+    octave = np.floor(np.log2(np.maximum(spheres.radii, np.finfo(float).tiny)))
+    for each in np.unique(octave):
+        members = np.flatnonzero(octave == each)
+        yield members, cKDTree(spheres.middles[members]), spheres.radii[members].max()
 
 
 def candidates(

@@ -36,11 +36,11 @@ def forget_what_is_left() -> None:
 
 
 @contextmanager
-def quiet_compiler() -> Iterator[None]:
-    """Let nobody log but warnings and errors."""
+def quiet_compiler(highest: int = logging.INFO) -> Iterator[None]:
+    """Let nobody log but what is above a level: warnings and errors."""
     forget_what_is_left()
     before = logging.root.manager.disable
-    logging.disable(max(before, logging.INFO))
+    logging.disable(max(before, highest))
     try:
         yield
     finally:

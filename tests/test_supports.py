@@ -319,7 +319,7 @@ def test_planes_are_of_meshes_in_2d():
 
 
 def test_plane_stress_is_of_linear_solids():
-    with pytest.raises(InputError, match="plane = 'stress'.*'strain', 'axisymmetric'"):
+    with pytest.raises(InputError, match=r"plane = 'stress'.*'strain', 'axisymmetric'"):
         hyper(block(), plane="stress")
 
 

@@ -43,7 +43,7 @@ class HyperelasticSolid(DeformableSolid):
         mesh: its shape.
         energy: stored energy density, for instance
             :func:`~fenicsx_contact.solids.energies.neo_hookean` (E, nu).
-        plane: in 2D ``"strain"`` or ``"axisymmetric"``, a whole solid of revolution: x is the radius.
+        plane: in 2D ``"strain"`` or ``"axisymmetric"``: a whole solid, x is its radius.
         others: as for :class:`~fenicsx_contact.solids.deformable.DeformableSolid`.
     """
 

@@ -111,7 +111,8 @@ class Material(OfSolid):
         self._form = compiled(ufl.derivative(force, number, _one(number)))
         self._viscous: ViscousStress | None = None
         if solid.damping.beta:
-            self._viscous = ViscousStress(solid, energy(number), solid.damping.beta)
+            beta = solid.damping.beta
+            self._viscous = ViscousStress(solid, energy(number), beta, solid.volume)
             viscous = ufl.derivative(self._viscous.form, number, _one(number))
             self._viscous_form = compiled(viscous)
         swollen = 1e-3 * solid.vectors.places.ravel()  # a small strain tells materials apart

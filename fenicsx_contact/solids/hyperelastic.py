@@ -81,7 +81,7 @@ class HyperelasticSolid(DeformableSolid):
         self._noise = ROUND_OFF * abs(swollen)  # of the energy, the difference of such terms
         if self.damping.beta:
             beta = self.damping.beta
-            self.dampers.append(ViscousStress(self, energy, beta))
+            self.dampers.append(ViscousStress(self, energy, beta, self.volume))
             for foundation in self.foundations:
                 self.dampers.append(StiffnessDamper(beta, foundation.matrix, foundation.times))
         self._factor: Factorisation | None = None
@@ -131,7 +131,7 @@ class HyperelasticSolid(DeformableSolid):
 
     @cached_property
     def _strain_way(self) -> StrainWay:
-        return StrainWay(self, self._energy)
+        return StrainWay(self, self._energy, self.volume)
 
     @property
     def symmetric(self) -> bool:  # type: ignore[override]

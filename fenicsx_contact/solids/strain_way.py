@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import ufl
@@ -14,10 +14,8 @@ from petsc4py import PETSc
 from ..base import assembly
 from ..base.compiling import compiled
 from ..theory.theta import Step
+from .deformable import DeformableSolid
 from .energies import Energy, in_space
-
-if TYPE_CHECKING:
-    from .hyperelastic import HyperelasticSolid
 
 
 def second_stress(energy: Energy, C: Any) -> Any:
@@ -44,9 +42,10 @@ class StrainWay:
     Args:
         solid: whose they are.
         energy: its stored energy density.
+        measure: of the volume.
     """
 
-    def __init__(self, solid: HyperelasticSolid, energy: Energy) -> None:
+    def __init__(self, solid: DeformableSolid, energy: Energy, measure: ufl.Measure) -> None:
         self._vectors, space, mesh = solid.vectors, solid.space, solid.mesh.mesh
         self._start, self._end = fem.Function(space), fem.Function(space)
         self._share, self._weight = fem.Constant(mesh, 0.0), fem.Constant(mesh, 1.0)
@@ -58,7 +57,7 @@ class StrainWay:
         C = (1 - self._share) * before.T * before + self._share * after.T * after
         stress = (before + after) / 2 * second_stress(energy, C)
         work = ufl.inner(stress, solid.gradient(v))
-        residual = self._weight * solid.breadth * work * solid.volume
+        residual = self._weight * solid.breadth * work * measure
         self._force_form = compiled(residual)
         self._tangent_form = compiled(ufl.derivative(residual, self._end, du))
 

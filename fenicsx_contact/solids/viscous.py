@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import ufl
@@ -14,10 +14,8 @@ from petsc4py import PETSc
 from ..base import assembly
 from ..base.compiling import compiled
 from ..theory.theta import Step
+from .deformable import DeformableSolid
 from .energies import Energy, deformation
-
-if TYPE_CHECKING:
-    from .hyperelastic import HyperelasticSolid
 
 
 class ViscousStress:
@@ -31,6 +29,7 @@ class ViscousStress:
         solid: whose it is.
         energy: its stored energy density.
         time: beta, s.
+        measure: of the volume.
 
     Attributes:
         form: its force, a linear form.
@@ -38,14 +37,16 @@ class ViscousStress:
 
     number = "beta"
 
-    def __init__(self, solid: HyperelasticSolid, energy: Energy, time: float) -> None:
+    def __init__(
+        self, solid: DeformableSolid, energy: Energy, time: float, measure: ufl.Measure
+    ) -> None:
         self.time = time
         self._vectors, space = solid.vectors, solid.space
         self._displacement, self._rate, rest = (fem.Function(space) for _ in range(3))
         gradient = solid.gradient(self._displacement)
         F = ufl.Identity(gradient.ufl_shape[0]) + gradient
         strain_rate = ufl.sym(F.T * solid.gradient(rest))  # zero: at rest
-        at_rest = solid.breadth * energy(deformation(strain_rate)) * solid.volume
+        at_rest = solid.breadth * energy(deformation(strain_rate)) * measure
         v, dv = ufl.TestFunction(space), ufl.TrialFunction(space)
         second = ufl.derivative(ufl.derivative(at_rest, rest, v), rest, dv)
         weight = fem.Constant(solid.mesh.mesh, time)

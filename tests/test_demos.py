@@ -285,6 +285,23 @@ def test_canon(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.strip().splitlines()[-1].startswith("torque of slip +")
 
 
+def test_spheres(tmp_path, monkeypatch, capsys):
+    """A lining buckles without friction, and not where it sticks; energy until it does; Lamé."""
+    monkeypatch.chdir(tmp_path)
+    demo = load("spheres")
+    demo.main(quick=True)
+    summary = json.loads((demo.RESULTS / "summary.json").read_text())
+    coarse, fine = (abs(found["error"]) for found in summary["all_sides"])
+    assert fine < coarse / 1.8 and fine < 0.05
+    smooth, rough = summary["plates"].values()
+    assert smooth["buckles"] and smooth["finished"] and smooth["highest_lift"] > 1e-3
+    assert not rough["buckles"] and rough["highest_lift"] < 1e-5
+    for found in (smooth, rough):
+        assert abs(found["energy_error"]) < 1e-3
+    assert (demo.RESULTS / "spheres.png").stat().st_size > 5000
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("Lame's pressure ")
+
+
 def test_rigid_shapes(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     demo = load("rigid_shapes")

@@ -13,21 +13,25 @@ import ufl
 from mpi4py import MPI
 from processes import mpirun, output_of
 from scenes import box, check_energies, rates, rectangle, total_energy
+from scipy.optimize import brentq
 
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
+    EnergyMomentum,
     GeneralisedAlpha,
     HalfSpace,
     HyperelasticSolid,
     InputError,
     KelvinVoigt,
     QuasiStatic,
+    Rayleigh,
     Scene,
     mesh_from_gmsh,
     name_facets,
     name_points,
     neo_hookean,
+    st_venant_kirchhoff,
 )
 
 E, NU, RHO, WIDTH, HEIGHT = 1e6, 0.3, 1000.0, 0.4, 0.8
@@ -307,11 +311,16 @@ def test_planes_that_are_none_are_refused(plane):
         elastic(block(), plane=plane)
 
 
-def test_planes_are_of_linear_solids_in_2d():
+def test_planes_are_of_meshes_in_2d():
     with pytest.raises(InputError, match="plane = 'stress'"):
         elastic(box(), plane="stress")
     with pytest.raises(InputError, match="plane = 'axisymmetric'"):
-        hyper(block(), plane="axisymmetric")
+        hyper(box(), plane="axisymmetric")
+
+
+def test_plane_stress_is_of_linear_solids():
+    with pytest.raises(InputError, match=r"plane = 'stress'.*'strain', 'axisymmetric'"):
+        hyper(block(), plane="stress")
 
 
 # -- axisymmetry --
@@ -406,6 +415,95 @@ def test_a_solid_of_revolution_rests_on_a_floor():
     assert history["c.force_y"][-1] == pytest.approx(solid.mass * 9.81, rel=1e-9)
     with pytest.raises(InputError, match="'elastic' is a solid of revolution and 'flat' is not"):
         Scene([solid, elastic(block(), fixed=["base"], name="flat")], [contact], QuasiStatic())
+
+
+def rubber(mesh, **others):
+    given = {"energy": neo_hookean(E, NU), "density": RHO, "plane": "axisymmetric"}
+    return HyperelasticSolid(mesh, **{**given, **others})
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("cell", CELLS)
+def test_a_cylinder_is_stretched_by_half(cell, degree):
+    """Uniform large strain: the stretch across makes the stress across vanish."""
+    lmbda, mu, stretch = E * NU / (1 + NU) / (1 - 2 * NU), E / 2 / (1 + NU), 1.5
+    across = brentq(lambda a: mu * (a**2 - 1) + lmbda * np.log(a**2 * stretch), 0.3, 2.0)
+    axial = mu * (stretch - 1 / stretch) + lmbda * np.log(across**2 * stretch) / stretch
+    solid = rubber(
+        ring(3, cell, inner=0.0),
+        degree=degree,
+        prescribed={"base": (None, 0.0), "top": lambda t: (None, (stretch - 1) * 0.5 * t)},
+    )
+    history = Scene([solid], [], QuasiStatic()).run(1.0, 0.25)
+    assert history.finished, history.reason
+    u, x = solid.displacement.reshape(-1, 2), solid.vectors.places
+    np.testing.assert_allclose(u, x * [across - 1, stretch - 1], rtol=0, atol=1e-8)
+    assert solid.reaction("top")[1] == pytest.approx(axial * np.pi * OUTER**2, rel=1e-7)
+    stress = np.diag([0.0, axial / across**2, 0.0])  # r, y, hoop
+    np.testing.assert_allclose(solid.stress()[0], stress, rtol=0, atol=1e-7 * axial)
+
+
+def breathing(make, size, **others):
+    """A cylinder that swells at its top."""
+    return make(
+        ring(6, inner=0.0),
+        velocity=lambda x: size * np.stack([x[0] * x[1], x[0] * x[1]]),
+        **others,
+    )
+
+
+def test_small_motions_of_revolution_are_those_of_the_linear_solid():
+    """With damping; but for the quadrature."""
+    ends = []
+    for make in (lambda mesh, **o: elastic(mesh, plane="axisymmetric", **o), rubber):
+        solid = breathing(make, 1e-6, fixed=["base"], damping=Rayleigh(1.0, 1e-4))
+        history = Scene([solid], []).run(0.05, 1e-3)
+        assert history.finished and history["damping"][-1] < 0
+        ends.append(solid.displacement)
+    np.testing.assert_allclose(ends[1], ends[0], rtol=0, atol=1e-3 * np.abs(ends[0]).max())
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+def test_energy_of_revolution_through_an_impact(law):
+    """EnergyMomentum keeps it in large motion, exactly where the energy is quadratic in C; on a
+    floor with friction none is gained."""
+    solid = breathing(rubber, 20.0, energy=st_venant_kirchhoff(E, NU))
+    scene = Scene([solid], [], EnergyMomentum(), allow_free=True, geometry="newton")
+    total = total_energy(history := scene.run(0.1, 5e-3))
+    assert history.finished and history["strain"].max() > 0.3 * total[0]
+    assert np.abs(total - total[0]).max() < 1e-9 * total[0]
+    solid = rubber(ring(3, inner=0.0), velocity=(0.0, -2.0))
+    contact = Contact(solid, "base", HalfSpace((0, 0), (0, 1)), law, friction=0.3, name="c")
+    scene = Scene([solid], [contact], EnergyMomentum(), geometry="newton")
+    total = total_energy(history := scene.run(0.02, 1e-3))
+    assert history.finished and history["c.force_y"].max() > 0
+    assert (total - total[0]).max() < 1e-9 * total[0]
+
+
+def test_two_solids_of_revolution_press_each_other():
+    """Meshes that do not match, large strain: forces are those of a column, and pressures come to
+    be even as elements get smaller."""
+    errors, down = [], {"top": lambda t: (None, -0.3 * t)}
+    for n in (2, 4):
+        upper, lower = ring(n, inner=0.0), ring(3 * n // 2, "triangle", inner=0.0)
+        upper.mesh.geometry.x[:, 1] += 0.5
+        bodies = [
+            rubber(upper, prescribed=down, name="upper"),
+            rubber(lower, prescribed={"base": (None, 0.0)}, name="lower"),
+        ]
+        contact = Contact(bodies[0], "base", (bodies[1], "top"), "gap", name="c")
+        history = Scene(bodies, [contact], QuasiStatic(), geometry="newton").run(1.0, 0.25)
+        assert history.finished, history.reason
+        pressed = history["c.force_y"][-1]
+        reactions = [-bodies[0].reaction("top")[1], bodies[1].reaction("base")[1]]
+        np.testing.assert_allclose(reactions, pressed, rtol=1e-9)
+        column = rubber(
+            ring(2, inner=0.0),
+            prescribed={"base": (None, 0.0), "top": lambda t: (None, -0.15 * t)},
+        )
+        assert Scene([column], [], QuasiStatic()).run(1.0, 0.25).finished
+        errors.append(pressed / -column.reaction("top")[1] - 1)
+    assert abs(errors[1]) < abs(errors[0]) / 3 < 1e-3
 
 
 def test_negative_radii_are_refused():

@@ -38,10 +38,10 @@ def forget_what_is_left() -> None:
 
 
 @contextmanager
-def _quiet() -> Iterator[None]:
-    """Let nobody log but warnings and errors."""
+def quiet(highest: int = logging.INFO) -> Iterator[None]:
+    """Let nobody log but what is above a level: warnings and errors."""
     before = logging.root.manager.disable
-    logging.disable(max(before, logging.INFO))
+    logging.disable(max(before, highest))
     try:
         yield
     finally:
@@ -65,7 +65,7 @@ def _once(seek: Callable[..., Any]) -> Callable[..., Any]:
         key = _name(what), str((options, named))
         if comm.size > 1 or key not in _known:  # processes seek together
             forget_what_is_left()
-            with _quiet():
+            with quiet():
                 _known[key] = seek(comm, what, *options, **named)
         return _known[key]
 

@@ -14,7 +14,7 @@ from ..base import assembly, checks, compat
 from ..base.compiling import compiled
 from ..base.constants import SAME
 from ..solids import DeformableSolid, ElasticSolid, HyperelasticSolid, Solid
-from ..solids.energies import Energy, in_space
+from ..solids.energies import Energy, deformation
 from ..solids.viscous import ViscousStress
 from ..theory.theta import Step
 from .parameters import OfSolid, damping
@@ -104,15 +104,15 @@ class Material(OfSolid):
         self.solid: HyperelasticSolid = solid
         self._u = fem.Function(solid.space)
         number = _number(solid, checks.number("value", value))
-        F = in_space(ufl.Identity(solid.dim) + ufl.grad(self._u))
-        degree = {"quadrature_degree": 2 * solid.degree}
-        dx = ufl.Measure("dx", domain=solid.mesh.mesh, metadata=degree)
-        potential, test = energy(number)(F) * dx, ufl.TestFunction(solid.space)
+        density = energy(number)(deformation(solid.gradient(self._u)))
+        potential = solid.breadth * density * solid.volume
+        test = ufl.TestFunction(solid.space)
         force = ufl.derivative(potential, self._u, test)
         self._form = compiled(ufl.derivative(force, number, _one(number)))
         self._viscous: ViscousStress | None = None
         if solid.damping.beta:
-            self._viscous = ViscousStress(solid.vectors, energy(number), solid.damping.beta, dx)
+            beta = solid.damping.beta
+            self._viscous = ViscousStress(solid, energy(number), beta, solid.volume)
             viscous = ufl.derivative(self._viscous.form, number, _one(number))
             self._viscous_form = compiled(viscous)
         swollen = 1e-3 * solid.vectors.places.ravel()  # a small strain tells materials apart

@@ -12,6 +12,7 @@ functions of x and t it is the other way round: ``math.sin(t)`` of a constant of
 from __future__ import annotations
 
 import inspect
+import logging
 from collections.abc import Callable
 from typing import Any, Protocol
 
@@ -21,6 +22,7 @@ from dolfinx import fem
 
 from ..base import checks, compat
 from ..base.checks import is_function
+from ..base.compiling import quiet
 from ..base.expressions import terminals_off, wrong_number
 from ..base.mesh import NamedMesh
 
@@ -123,7 +125,8 @@ def field(what: str, value: Any, mesh: NamedMesh, shape: tuple[int, ...] = ()) -
     problems: list[str] = []
     for way in ways if steady else reversed(ways):
         try:
-            made = way()
+            with quiet(logging.ERROR):  # of what is tried UFL logs the failure, too
+                made = way()
             break
         except Exception as failure:  # what one of them cannot take raises anything
             problems.append(str(failure))

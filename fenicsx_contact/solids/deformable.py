@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -65,6 +66,7 @@ class DeformableSolid(SystemRows, Stressed):
     Attributes:
         mass: kg (kg/m in 2D).
         joined: names of the periodic sides, which nothing can touch.
+        breadth: m of the solid that a point of the mesh stands for, over 1 m, in UFL.
 
     Raises:
         InputError: numbers out of range, a name that the mesh lacks.
@@ -111,7 +113,7 @@ class DeformableSolid(SystemRows, Stressed):
         checks.choice("plane", plane, self.planes if mesh.dim == 2 else self.planes[:1])
         self.plane = PLANES[plane]
         self.revolution = self.plane.revolution
-        breadth = self.plane.breadth(ufl.SpatialCoordinate(mesh.mesh))
+        self.breadth = breadth = self.plane.breadth(ufl.SpatialCoordinate(mesh.mesh))
         motions = checks.mapping("prescribed", prescribed, "from locations to motions")
         tractions = checks.mapping("tractions", tractions, "from names of facets to tractions")
         springs = checks.mapping("springs", springs, "from locations to stiffness")
@@ -173,6 +175,10 @@ class DeformableSolid(SystemRows, Stressed):
             self.trial_velocity = self.velocity.copy()
             self._momentum = self.inertia.times(self.velocity)
         self._state_changed()
+
+    def gradient(self, field: Any) -> Any:
+        """Gradient of a field in UFL, with what is across the mesh where that deforms, too."""
+        return self.plane.gradient(field, ufl.SpatialCoordinate(self.mesh.mesh))
 
     @property
     @abstractmethod

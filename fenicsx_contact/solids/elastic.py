@@ -84,15 +84,14 @@ class ElasticSolid(DeformableSolid):
     def stiffness_form(self, E: Any, nu: Any) -> ufl.Form:
         """The stiffness of a solid of these moduli, a bilinear form."""
         lmbda, mu = (constant(self.mesh, value) for value in self.plane.lame(E, nu))
-        x = ufl.SpatialCoordinate(self.mesh.mesh)
         u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
-        strain, virtual = self.plane.strain(u, x), self.plane.strain(v, x)
+        strain, virtual = (ufl.sym(self.gradient(w)) for w in (u, v))
         stress = hooke(lmbda, mu, strain)
-        return self.plane.breadth(x) * ufl.inner(stress, virtual) * ufl.dx(self.mesh.mesh)
+        return self.breadth * ufl.inner(stress, virtual) * ufl.dx(self.mesh.mesh)
 
     def cauchy(self, displacement: Any) -> Any:
         lmbda, mu = (constant(self.mesh, m) for m in self.plane.lame(*self.moduli.values()))
-        strain = self.plane.strain(displacement, ufl.SpatialCoordinate(self.mesh.mesh))
+        strain = ufl.sym(self.gradient(displacement))
         return in_space(hooke(lmbda, mu, strain), self.plane.across(lmbda, strain))
 
     def _state_changed(self) -> None:

@@ -22,6 +22,11 @@ def in_space(F: Any, across: Any = 1) -> Any:
     return ufl.as_matrix([[F[0, 0], F[0, 1], 0], [F[1, 0], F[1, 1], 0], [0, 0, across]])
 
 
+def deformation(gradient: Any) -> Any:
+    """The deformation gradient, (3, 3), of a displacement gradient, (d, d) or (3, 3)."""
+    return in_space(ufl.Identity(gradient.ufl_shape[0]) + gradient)
+
+
 def lame_constants(youngs_modulus: Scalar, poisson_ratio: Scalar) -> tuple[Any, Any]:
     """lambda and mu, Pa.
 

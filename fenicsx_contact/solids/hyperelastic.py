@@ -26,7 +26,7 @@ from ..theory.theta import Step
 from .coefficients import refuse_strange
 from .damping import StiffnessDamper
 from .deformable import DeformableSolid
-from .energies import Energy, in_space
+from .energies import Energy, deformation
 from .factor import Factorisation
 from .strain_way import StrainWay
 from .viscous import ViscousStress
@@ -37,16 +37,18 @@ RATE = 0.1
 
 @whole
 class HyperelasticSolid(DeformableSolid):
-    """A hyperelastic solid; plane strain in 2D.
+    """A hyperelastic solid; in 2D in plane strain or of revolution.
 
     Args:
         mesh: its shape.
         energy: stored energy density, for instance
             :func:`~fenicsx_contact.solids.energies.neo_hookean` (E, nu).
+        plane: in 2D ``"strain"`` or ``"axisymmetric"``: a whole solid, x is its radius.
         others: as for :class:`~fenicsx_contact.solids.deformable.DeformableSolid`.
     """
 
     linear = False
+    planes = ("strain", "axisymmetric")
     distributed = (*DeformableSolid.distributed, "tangent.start", "tangent.end")
 
     def __init__(
@@ -58,12 +60,11 @@ class HyperelasticSolid(DeformableSolid):
         self._energy = energy
         self._field = u = fem.Function(self.space)
         v, du = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
-        F = in_space(ufl.Identity(self.dim) + ufl.grad(u))
-        degree = {"quadrature_degree": 2 * self.degree}
-        self._volume = dx = ufl.Measure("dx", domain=mesh.mesh, metadata=degree)
+        F = deformation(self.gradient(u))
+        self.volume = ufl.dx(mesh.mesh, degree=2 * self.degree + self.revolution)
         density = checks.called("energy", energy, F)
         refuse_strange("energy", energy, density, mesh)
-        potential = density * dx
+        potential = self.breadth * density * self.volume
         residual = ufl.derivative(potential, u, v)
         self.parameters += f", energy {potential.signature()[:8]}"
         self._volume_ratio = compat.PointExpression(ufl.det(F), compat.lagrange_space(mesh.mesh))
@@ -80,7 +81,7 @@ class HyperelasticSolid(DeformableSolid):
         self._noise = ROUND_OFF * abs(swollen)  # of the energy, the difference of such terms
         if self.damping.beta:
             beta = self.damping.beta
-            self.dampers.append(ViscousStress(self.vectors, energy, beta, dx))
+            self.dampers.append(ViscousStress(self, energy, beta, self.volume))
             for foundation in self.foundations:
                 self.dampers.append(StiffnessDamper(beta, foundation.matrix, foundation.times))
         self._factor: Factorisation | None = None
@@ -99,7 +100,7 @@ class HyperelasticSolid(DeformableSolid):
         self._begin()
 
     def cauchy(self, displacement: Any) -> Any:
-        F = ufl.variable(in_space(ufl.Identity(self.dim) + ufl.grad(displacement)))
+        F = ufl.variable(deformation(self.gradient(displacement)))
         return ufl.diff(self._energy(F), F) * F.T / ufl.det(F)
 
     def _set(self, displacement: np.ndarray) -> None:
@@ -130,7 +131,7 @@ class HyperelasticSolid(DeformableSolid):
 
     @cached_property
     def _strain_way(self) -> StrainWay:
-        return StrainWay(self.vectors, self._energy, self._volume)
+        return StrainWay(self, self._energy, self.volume)
 
     @property
     def symmetric(self) -> bool:  # type: ignore[override]

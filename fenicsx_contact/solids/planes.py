@@ -32,9 +32,9 @@ class Whole:
         """lambda and mu, Pa, from Young's modulus [Pa] and Poisson's ratio."""
         return E * nu / (1 + nu) / (1 - 2 * nu), E / 2 / (1 + nu)
 
-    def strain(self, w: Any, x: Any) -> Any:
-        """Small strain of a field w at x, in UFL."""
-        return ufl.sym(ufl.grad(w))
+    def gradient(self, w: Any, x: Any) -> Any:
+        """Gradient of a field w at x, in UFL: (d, d), or (3, 3) with what is across the mesh."""
+        return ufl.grad(w)
 
     def across(self, lmbda: Any, strain: Any) -> Any:
         """Stress across the plane."""
@@ -62,16 +62,18 @@ class PlaneStress(Whole):
 
 
 class Axisymmetric(Whole):
-    """A solid of revolution, whole: forces in N, energies in J, masses in kg. The hoop strain is
-    u_r/r. (O. C. Zienkiewicz, R. L. Taylor, The Finite Element Method I, chapter 5.)"""
+    """A solid of revolution, whole: forces in N, energies in J, masses in kg. The gradient round
+    the axis is u_r/r, on it that along r. (O. C. Zienkiewicz, R. L. Taylor, The Finite Element
+    Method I, chapter 5.)"""
 
     name = "axisymmetric, "
     revolution = True
     resisted = (0, 2)  # moving along r, turning
 
-    def strain(self, w: Any, x: Any) -> Any:
-        e = ufl.sym(ufl.grad(w))
-        return ufl.as_matrix([[e[0, 0], e[0, 1], 0], [e[1, 0], e[1, 1], 0], [0, 0, w[0] / x[0]]])
+    def gradient(self, w: Any, x: Any) -> Any:
+        g = ufl.grad(w)
+        hoop = ufl.conditional(ufl.gt(x[0], 0), w[0] / x[0], g[0, 0])
+        return ufl.as_matrix([[g[0, 0], g[0, 1], 0], [g[1, 0], g[1, 1], 0], [0, 0, hoop]])
 
     def breadth(self, x: Any) -> Any:
         return 2 * np.pi * x[0]

@@ -14,8 +14,8 @@ from petsc4py import PETSc
 from ..base import assembly
 from ..base.compiling import compiled
 from ..theory.theta import Step
+from .deformable import DeformableSolid
 from .energies import Energy, in_space
-from .vector_space import VectorSpace
 
 
 def second_stress(energy: Energy, C: Any) -> Any:
@@ -40,20 +40,24 @@ class StrainWay:
     """Forces of a step, and their tangent.
 
     Args:
-        vectors: the space of displacements.
-        energy: stored energy density.
+        solid: whose they are.
+        energy: its stored energy density.
         measure: of the volume.
     """
 
-    def __init__(self, vectors: VectorSpace, energy: Energy, measure: ufl.Measure) -> None:
-        self._vectors, space, mesh = vectors, vectors.space, vectors.mesh.mesh
+    def __init__(self, solid: DeformableSolid, energy: Energy, measure: ufl.Measure) -> None:
+        self._vectors, space, mesh = solid.vectors, solid.space, solid.mesh.mesh
         self._start, self._end = fem.Function(space), fem.Function(space)
         self._share, self._weight = fem.Constant(mesh, 0.0), fem.Constant(mesh, 1.0)
         v, du = ufl.TestFunction(space), ufl.TrialFunction(space)
-        before, after = (ufl.Identity(vectors.dim) + ufl.grad(u) for u in (self._start, self._end))
+        before, after = (
+            ufl.Identity(gradient.ufl_shape[0]) + gradient
+            for gradient in map(solid.gradient, (self._start, self._end))
+        )
         C = (1 - self._share) * before.T * before + self._share * after.T * after
         stress = (before + after) / 2 * second_stress(energy, C)
-        residual = self._weight * ufl.inner(stress, ufl.grad(v)) * measure
+        work = ufl.inner(stress, solid.gradient(v))
+        residual = self._weight * solid.breadth * work * measure
         self._force_form = compiled(residual)
         self._tangent_form = compiled(ufl.derivative(residual, self._end, du))
 

@@ -14,8 +14,8 @@ from petsc4py import PETSc
 from ..base import assembly
 from ..base.compiling import compiled
 from ..theory.theta import Step
-from .energies import Energy, in_space
-from .vector_space import VectorSpace
+from .deformable import DeformableSolid
+from .energies import Energy, deformation
 
 
 class ViscousStress:
@@ -26,8 +26,8 @@ class ViscousStress:
     of the strain over dt, so that a step of a rotation is not damped.
 
     Args:
-        vectors: the space of displacements.
-        energy: stored energy density.
+        solid: whose it is.
+        energy: its stored energy density.
         time: beta, s.
         measure: of the volume.
 
@@ -38,17 +38,18 @@ class ViscousStress:
     number = "beta"
 
     def __init__(
-        self, vectors: VectorSpace, energy: Energy, time: float, measure: ufl.Measure
+        self, solid: DeformableSolid, energy: Energy, time: float, measure: ufl.Measure
     ) -> None:
         self.time = time
-        self._vectors, space, d = vectors, vectors.space, vectors.dim
+        self._vectors, space = solid.vectors, solid.space
         self._displacement, self._rate, rest = (fem.Function(space) for _ in range(3))
-        F = ufl.Identity(d) + ufl.grad(self._displacement)
-        strain_rate = ufl.sym(F.T * ufl.grad(rest))  # zero: at rest
-        at_rest = energy(in_space(ufl.Identity(d) + strain_rate)) * measure
+        gradient = solid.gradient(self._displacement)
+        F = ufl.Identity(gradient.ufl_shape[0]) + gradient
+        strain_rate = ufl.sym(F.T * solid.gradient(rest))  # zero: at rest
+        at_rest = solid.breadth * energy(deformation(strain_rate)) * measure
         v, dv = ufl.TestFunction(space), ufl.TrialFunction(space)
         second = ufl.derivative(ufl.derivative(at_rest, rest, v), rest, dv)
-        weight = fem.Constant(vectors.mesh.mesh, time)
+        weight = fem.Constant(solid.mesh.mesh, time)
         self.form = weight * ufl.action(second, self._rate)
         self._force_form = compiled(self.form)
         self._matrix_form = compiled(weight * second)

@@ -259,8 +259,8 @@ class Linearisation:
             plus.add(last, last, sp.identity(seen.shape[0]))
             plus.add(last, self._before[id(m)], -seen)
             ends["y"] = slice(self._y[id(rows.contact)].start, last.stop)
-        for m, spread in rows.spreads(one):
-            plus.add(self._moving[id(m)], force, -spread)
+        for m, spread in rows.spreads():
+            plus.add(self._moving[id(m)], force, spread)
         for m, name, turned in rows.bent():
             into, where = (plus, ends) if name in ends else (minus, starts)
             into.add(self._moving[id(m)], where[name], -turned)

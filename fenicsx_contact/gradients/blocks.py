@@ -34,6 +34,12 @@ class Blocks:
         """Add a block at these rows and columns."""
         self.parts.append((rows, columns, block))
 
+    def copy(self) -> Blocks:
+        """One to which others are added."""
+        result = Blocks(self._shape)
+        result.parts = list(self.parts)
+        return result
+
     def times(self, values: np.ndarray) -> np.ndarray:
         """The product with columns."""
         result = np.zeros((self._shape[0], values.shape[1]))

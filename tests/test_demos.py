@@ -508,6 +508,17 @@ def test_benchmark_iterative(tmp_path, monkeypatch, capsys):
     assert "unknowns on 200 processes" in (demo.RESULTS / "plan.md").read_text()
 
 
+@pytest.mark.second
+def test_benchmark_gradients(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    demo = load("benchmark_gradients")
+    costs = demo.main(quick=True)["costs"]
+    assert set(costs) == set(demo.SCENES)
+    for cost in costs.values():  # short runs: most of it is compiling
+        assert cost["run_s"] > 0 and all(cost[way] > -0.5 for way in demo.WAYS)
+    assert "| rod in a bent guide |" in capsys.readouterr().out
+
+
 def test_gradients(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     demo = load("gradients")

@@ -48,6 +48,7 @@ from fenicsx_contact.gradients import (
     adjoints,
     tangents,
 )
+from fenicsx_contact.gradients.recording import ROOM
 from fenicsx_contact.rods import RodInTube
 
 LONG = pytest.mark.long
@@ -501,9 +502,13 @@ def test_a_block_in_space():
 # -- adjoints --
 
 
-@pytest.mark.parametrize("every", [None, 7, pytest.param(1000, marks=LONG)])
-def test_adjoints_are_tangents(every):
-    """To round-off, whatever is kept on the way; the scene is left where the run ends."""
+@pytest.mark.parametrize(
+    "every, room",
+    [(None, ROOM), (7, 0), (7, 2e5), pytest.param(1000, 0, marks=LONG)],
+)
+def test_adjoints_are_tangents(every, room):
+    """To round-off, whatever is kept on the way, linearised steps or states from which they are run
+    once more; the scene is left where the run ends."""
 
     def made():
         scene = thrown(ElasticSolid, mu=0.3)
@@ -512,7 +517,12 @@ def test_adjoints_are_tangents(every):
     scene, asked = made()
     forward = tangents(scene, 0.02, 5e-4, asked, centre(scene))
     scene, asked = made()
-    back = adjoints(scene, 0.02, 5e-4, asked, centre(scene), every=every)
+    steps = []
+    scene.stepper.watchers.append(lambda trial: steps.append(trial.step.dt))
+    back = adjoints(scene, 0.02, 5e-4, asked, centre(scene), every=every, room=room)
+    once = len(back.history) - 1
+    assert len(steps) == 2 * once if not room else once <= len(steps) < 2 * once
+    assert (len(steps) == once) == (room == ROOM)
     assert back.kept == {None: 6, 7: 6, 1000: 1}[every]
     for name in ("x", "y", "vx", "energy"):
         np.testing.assert_allclose(back.one_sided(name), forward[name][-1], rtol=1e-10)

@@ -22,6 +22,7 @@ from ..base.constants import KEPT
 from ..rods.beam import BeamSolid
 from ..rods.drive import AxialLaw
 from ..theory.theta import Step
+from .blocks import dense
 from .duals import Dual, variables
 from .motion import Motion, Row
 from .parameters import Parameter
@@ -161,6 +162,11 @@ class Inner:
         q, v = right[:n], right[n:]
         parts = [q, v + self._rate * q] if transposed else [q + self._rate * v, v]
         return np.concatenate(parts)
+
+    def columns(self, block: Any, first: int) -> np.ndarray:
+        """Its unknowns from a block of its rows, of which it begins with this one."""
+        rows = dense(block)
+        return np.concatenate([self._rate * rows, rows] if first else [rows, 0 * rows])
 
 
 def _refuse(solid: BeamSolid) -> None:

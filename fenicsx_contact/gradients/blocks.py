@@ -13,52 +13,51 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 import numpy as np
-import scipy.sparse as sp
 from scipy.linalg import lu_factor, lu_solve
 
 
 class Blocks:
-    """A sparse matrix made of blocks that add up, dense or sparse.
+    """A matrix made of blocks that add up, dense, sparse, or of points.
 
     Args:
         shape: of it.
+
+    Attributes:
+        parts: rows and columns of each block, and the block.
     """
 
     def __init__(self, shape: tuple[int, int]) -> None:
         self._shape = shape
-        self._parts: list[tuple[slice, slice, Any]] = []
+        self.parts: list[tuple[slice, slice, Any]] = []
 
     def add(self, rows: slice, columns: slice, block: Any) -> None:
         """Add a block at these rows and columns."""
-        self._parts.append((rows, columns, block))
+        self.parts.append((rows, columns, block))
 
-    def matrix(self) -> sp.csr_matrix:
-        """What they make."""
-        entries = [(np.empty(0, int), np.empty(0, int), np.empty(0))]
-        for rows, columns, block in self._parts:
-            if isinstance(block, np.ndarray):
-                row, column = block.nonzero()
-                data = block[row, column]
-            else:
-                coo = block.tocoo()
-                row, column, data = coo.row, coo.col, coo.data
-            entries.append((row + rows.start, column + columns.start, data))
-        row, column, data = (np.concatenate(each) for each in zip(*entries))
-        return sp.csr_matrix((data, (row, column)), self._shape)
+    def copy(self) -> Blocks:
+        """One to which others are added."""
+        result = Blocks(self._shape)
+        result.parts = list(self.parts)
+        return result
 
     def times(self, values: np.ndarray) -> np.ndarray:
         """The product with columns."""
         result = np.zeros((self._shape[0], values.shape[1]))
-        for rows, columns, block in self._parts:
+        for rows, columns, block in self.parts:
             result[rows] += block @ values[columns]
         return result
 
     def transposed(self, values: np.ndarray) -> np.ndarray:
         """The product of its transpose with columns."""
         result = np.zeros((self._shape[1], values.shape[1]))
-        for rows, columns, block in self._parts:
+        for rows, columns, block in self.parts:
             result[columns] += block.T @ values[rows]
         return result
+
+
+def dense(block: Any) -> np.ndarray:
+    """A block as an array."""
+    return block if isinstance(block, np.ndarray) else block.toarray()
 
 
 class Inner(Protocol):
@@ -66,6 +65,9 @@ class Inner(Protocol):
 
     def solve(self, right: np.ndarray, transposed: bool) -> np.ndarray:
         """Its unknowns from its rows, (rows, columns), or the other way round."""
+
+    def columns(self, block: Any, first: int) -> np.ndarray:
+        """Its unknowns from a block of its rows, of which it begins with this one."""
 
 
 class LinearStep:
@@ -104,17 +106,25 @@ class LinearStep:
         for at, _ in inner:
             outer[at] = False
         self._outer = outer.nonzero()[0]
-        rows = plus.matrix()
-        here = rows[self._outer]
-        matrix = here[:, self._outer].toarray()
+        place = np.cumsum(outer) - 1  # none stands on both sides
+        self._joints = [_Joint(at, solid) for at, solid in inner]
+        matrix = np.zeros((len(self._outer), len(self._outer)))
+        for rows, columns, block in plus.parts:
+            row, column = (slice(place[at.start], place[at.start] + at.stop - at.start)
+                           if at.stop > at.start and outer[at.start] else None
+                           for at in (rows, columns))  # fmt: skip
+            if row and column:
+                matrix[row, column] += dense(block)
+            for joint in self._joints:
+                if row and joint.has(columns):
+                    joint.into.append((row, joint.own(columns), block))
+                elif column and joint.has(rows):
+                    joint.out.append((column, joint.solid.columns(block, joint.own(rows).start)))
         # without the inner unknowns: each is solved for, for what joins it to the others
-        self._joints = []
-        for at, solid in inner:
-            into, out = here[:, at], rows[at][:, self._outer].tocsc()
-            joined = np.diff(out.indptr).nonzero()[0]
-            columns = solid.solve(out[:, joined].toarray(), False)
-            matrix[:, joined] -= into @ columns
-            self._joints.append((at, solid, into, joined, columns))
+        for joint in self._joints:
+            for column, moved in joint.out:
+                for row, own, block in joint.into:
+                    matrix[row, column] -= block @ moved[own]
         self._lapack(matrix, soft[self._outer])
         self.sizes = np.full(len(soft), np.inf)
         self.sizes[self._outer] = self._columns
@@ -170,12 +180,14 @@ class LinearStep:
             start[passed] = before.tangent(start)[passed]
         right = -(self._minus.times(start) + self._by)
         result, outer = np.zeros_like(right), right[self._outer]
-        for at, solid, into, _, _ in self._joints:
-            result[at] = solid.solve(right[at], False)
-            outer = outer - into @ result[at]
+        for joint in self._joints:
+            result[joint.at] = own = joint.solid.solve(right[joint.at], False)
+            for row, at, block in joint.into:
+                outer[row] -= block @ own[at]
         result[self._outer] = outer = self._solve(outer, False)
-        for at, _, _, joined, columns in self._joints:
-            result[at] -= columns @ outer[joined]
+        for joint in self._joints:
+            for column, moved in joint.out:
+                result[joint.at] -= moved @ outer[column]
         return result
 
     def adjoint(self, end: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -185,11 +197,15 @@ class LinearStep:
         right = np.zeros((len(self._by), end.shape[1]))
         right[: len(end)] = end
         left, outer = np.zeros_like(right), right[self._outer]
-        for at, _, _, joined, columns in self._joints:
-            outer[joined] -= columns.T @ right[at]
+        for joint in self._joints:
+            for column, moved in joint.out:
+                outer[column] -= moved.T @ right[joint.at]
         left[self._outer] = outer = self._solve(outer, True)
-        for at, solid, into, _, _ in self._joints:
-            left[at] = solid.solve(right[at] - into.T @ outer, True)
+        for joint in self._joints:
+            own = right[joint.at]
+            for row, at, block in joint.into:
+                own[at] -= block.T @ outer[row]
+            left[joint.at] = joint.solid.solve(own, True)
         start, by = -self._minus.transposed(left), -(self._by.T @ left)
         if self._before:
             before, passed = self._before
@@ -198,3 +214,26 @@ class LinearStep:
             earlier, more = before.adjoint(end)
             start, by = start + earlier, by + more
         return start, by
+
+
+class _Joint:
+    """How an inner solid and the outer unknowns read each other.
+
+    Attributes:
+        at, solid: where its unknowns stand, and its solver.
+        into: outer rows, own unknowns that they read, and by what.
+        out: outer unknowns, and what they make of the own ones.
+    """
+
+    def __init__(self, at: slice, solid: Inner) -> None:
+        self.at, self.solid = at, solid
+        self.into: list[tuple[slice, slice, Any]] = []
+        self.out: list[tuple[slice, np.ndarray]] = []
+
+    def has(self, at: slice) -> bool:
+        """Whether these unknowns are of it."""
+        return self.at.start <= at.start and at.stop <= self.at.stop
+
+    def own(self, at: slice) -> slice:
+        """Where they stand among its own."""
+        return slice(at.start - self.at.start, at.stop - self.at.start)

@@ -93,7 +93,7 @@ class Edges:
             with shifted(asked, [idle[linear.multipliers(rows)] for rows in asked]) as others:
                 instead = {id(rows): other for rows, other in zip(asked, others)}
                 contacts = [instead.get(id(rows), rows) for rows in linear.contacts]
-                other = linear.assembled(trial, contacts).tangent(start)
+                other = linear.assembled(contacts).tangent(start)
             largest = np.abs(x / sizes[:, None]).max(axis=0)
             change = (other - x)[state] / sizes[state, None]
             moves = not alike(change, np.broadcast_to(largest, change.shape)).all()

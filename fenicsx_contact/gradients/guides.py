@@ -137,10 +137,10 @@ class GuideRows(ContactRows):
             result += by_end[:, :, 0] * gap[:, None] + by_gap[:, :, 0] * before[:, None]
         return result[:, d:].ravel(), -result[:, :d].ravel()
 
-    def spread(self, forces: np.ndarray) -> Any:
-        """Velocities that forces at the candidates make in the step."""
+    def spread(self) -> Any:
+        """Minus the operator from forces at the candidates to velocities that they make."""
         J = self._seen()[1].jump.reshape(-1, self.motion.size)
-        return self.motion.lift(J.T) @ forces
+        return -self.motion.lift(J.T)
 
     def turned(self) -> dict[str, Any]:
         n = self.motion.size

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from ..base.constants import KEPT
 from ..solids.rotations import GENERATORS
+from .seen import Picked, Seen
 
 
 class Kinematics:
@@ -21,11 +23,19 @@ class Kinematics:
 
     def __init__(self, place: Any, bend: np.ndarray | None = None) -> None:
         self.place, self.bend = place, bend
+        self._kept: dict[bytes, Kinematics] = {}
 
     def at(self, points: np.ndarray, d: int) -> Kinematics:
-        """Those of some points."""
+        """Those of some points; where places are linear they are kept."""
         rows = (points[:, None] * d + np.arange(d)).ravel()
-        return Kinematics(self.place[rows], None if self.bend is None else self.bend[rows])
+        if self.bend is not None or isinstance(self.place, np.ndarray):
+            return Kinematics(self.place[rows], None if self.bend is None else self.bend[rows])
+        key = points.tobytes()
+        if key not in self._kept:
+            if len(self._kept) >= KEPT:
+                self._kept.clear()
+            self._kept[key] = Kinematics(Picked(self.place, rows))
+        return self._kept[key]
 
     def by_place(self, weights: np.ndarray) -> Any:
         """Derivative by q of what depends on the places by weights (k, r, d), (k r, size)."""
@@ -37,16 +47,17 @@ class Kinematics:
         bend = 0.0 if self.bend is None else velocities @ self.bend
         return velocities @ self.place, places @ self.place + bend
 
-    def by_bend(self, weights: np.ndarray) -> Any:
-        """Derivative by q of what depends on the velocities by weights."""
-        return 0.0 if self.bend is None else _apply(weights, self.bend)
+    def by_both(self, velocities: np.ndarray, places: np.ndarray) -> Any:
+        """Derivative by q of what depends on the velocities and the places by weights."""
+        result = self.by_place(places)
+        return result if self.bend is None else result + _apply(velocities, self.bend)
 
 
 def _apply(weights: np.ndarray, operator: Any) -> Any:
     k, r, d = weights.shape
     if isinstance(operator, np.ndarray):
         return np.matmul(weights, operator.reshape(k, d, -1)).reshape(k * r, -1)
-    return diagonal(weights) @ operator
+    return Seen(weights, operator)
 
 
 class Arms:

@@ -125,20 +125,20 @@ class Linearisation:
         passed = np.array([i for at in self._s.values() for i in range(at.start, at.stop)], int)
         self._earlier = (self.last, passed) if trial.again else None
         self._see(trial)
-        self.last = self.assembled(trial, self.contacts)
+        n, step = self._unknowns, trial.step
+        self._free = Blocks((n, n)), Blocks((n, self.size)), np.zeros((n, len(self.parameters)))
+        for m in self.motions:
+            self._move(m, step, *self._free)
+        self._put_back(step, *self._free)
+        self._end(trial, *self._free)
+        self.last = self.assembled(self.contacts)
         return self.last
 
-    def assembled(self, trial: Trial, contacts: Sequence[ContactRows]) -> LinearStep:
+    def assembled(self, contacts: Sequence[ContactRows]) -> LinearStep:
         """The step that was linearised last, with the rows of these in place of its contacts'."""
-        n, step = self._unknowns, trial.step
-        plus, minus = Blocks((n, n)), Blocks((n, self.size))
-        by = np.zeros((self._unknowns, len(self.parameters)))
-        for m in self.motions:
-            self._move(m, step, plus, minus, by)
-        self._put_back(contacts, step, plus, minus, by)
+        plus, minus, by = self._free[0].copy(), self._free[1].copy(), self._free[2].copy()
         for rows in contacts:
             self._bear(rows, plus, minus, by)
-        self._end(trial, plus, minus, by)
         soft = np.zeros(self._unknowns)
         for rows in contacts:
             soft[self._m[id(rows.contact)]] = rows.soft(COMPLIANCE)
@@ -190,7 +190,6 @@ class Linearisation:
 
     def _put_back(
         self,
-        contacts: Sequence[ContactRows],
         step: Step,
         plus: Blocks,
         minus: Blocks,
@@ -198,7 +197,7 @@ class Linearisation:
     ) -> None:
         """Where rigid solids are put after the step was solved, and by what in all."""
         motions = [m for m in self.motions if isinstance(m, RigidMotion)]
-        put = shift(motions, contacts, step, self.parameters)
+        put = shift(motions, self.contacts, step, self.parameters)
         ends = np.cumsum([0, *(m.size for m in motions)])
         places = [slice(*at) for at in zip(ends[:-1], ends[1:])]
         for m, mine in zip(motions, places):
@@ -259,8 +258,8 @@ class Linearisation:
             plus.add(last, last, sp.identity(seen.shape[0]))
             plus.add(last, self._before[id(m)], -seen)
             ends["y"] = slice(self._y[id(rows.contact)].start, last.stop)
-        for m, spread in rows.spreads(one):
-            plus.add(self._moving[id(m)], force, -spread)
+        for m, spread in rows.spreads():
+            plus.add(self._moving[id(m)], force, spread)
         for m, name, turned in rows.bent():
             into, where = (plus, ends) if name in ends else (minus, starts)
             into.add(self._moving[id(m)], where[name], -turned)

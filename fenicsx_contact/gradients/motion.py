@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import replace
-from functools import cached_property
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -23,9 +22,10 @@ from petsc4py import PETSc
 
 from ..base.constants import KEPT
 from ..solids import DeformableSolid, ElasticSolid
-from ..solids.factor import Factorisation
 from ..theory.theta import Step, ThetaScheme
 from .blocks import Inner as OwnRows
+from .inner import Factor, Inner
+from .kinematics import Kinematics
 from .parameters import Parameter
 
 
@@ -77,6 +77,10 @@ class Motion(ABC):
         """Its rows among its own unknowns, after :meth:`balance`, if it has a solver of its own."""
         return None
 
+    def seen(self, operator: Any) -> Kinematics:
+        """Points seen by an operator that stays the same."""
+        raise NotImplementedError(f"{self.solid.name!r} does not move linearly")
+
     def increment(self, step: Step) -> np.ndarray:
         """q+ - q-."""
         return step.increment(self.solid.velocity, self.solid.trial_velocity, None)
@@ -93,7 +97,8 @@ class DeformableMotion(Motion):
         self.one = sp.identity(self.size, format="csr")
         self._holding, self._freeing = (sp.diags(each, format="csr") for each in (hold, 1 - hold))
         self._massive = self._freeing @ self._mass
-        self._kept: dict[tuple[float, ...], Factor] = {}
+        self._kept: dict[tuple[float, ...], tuple[Row, Row, Inner]] = {}
+        self._seen: dict[int, Kinematics] = {}
         self._none = sp.csr_matrix(self._mass.shape)
         self._linear, self._own = isinstance(solid, ElasticSolid), cast(Any, None)
         self._viscous: Any = None  # of a linear solid
@@ -105,7 +110,39 @@ class DeformableMotion(Motion):
         self._ends = solid.displacement, solid.trial_displacement
         self._momentum = solid.inertia.times(solid.trial_velocity - solid.velocity)
 
+    def seen(self, operator: Any) -> Kinematics:
+        return self._seen.setdefault(id(operator), Kinematics(operator))
+
+    def kinematics(self, step: Step) -> Row:
+        row, self._balance, self._inner = self._rows(step)
+        return row._replace(dt=-self.increment(step) / (step.dt or 1.0))
+
     def balance(self, step: Step) -> Row:
+        """The balance of the step whose kinematics were asked last."""
+        by_dt = np.zeros(self.size)
+        if step.dt and step.scheme.inertia:
+            by_dt = self._freeing @ (-self._momentum / step.dt**2)
+        return self._balance._replace(dt=by_dt)
+
+    def _rows(self, step: Step) -> tuple[Row, Row, Inner]:
+        """Kinematics, balance and the solver; of a linear solid they come again."""
+        if not self._linear:
+            return self._make_rows(step)
+        key: tuple[float, ...] = (
+            step.dt,
+            step.loaded,
+            step.inertia_rate,
+            step.gap_rate,
+            step.rate_weight,
+        )
+        key += (step.rate_weight, step.force_share, *step.scheme.linear_weights)
+        if key not in self._kept:
+            if len(self._kept) >= KEPT:
+                self._kept.clear()
+            self._kept[key] = self._make_rows(step)
+        return self._kept[key]
+
+    def _make_rows(self, step: Step) -> tuple[Row, Row, Inner]:
         inertia = self._massive * step.inertia_rate
         old = new = self._none
         if step.loaded:
@@ -116,11 +153,9 @@ class DeformableMotion(Motion):
             viscous, bent = self._dampers(step)
             early, late = early + before * viscous, late + after * viscous
             old, new = old + (1 - step.force_share) * bent, new + step.force_share * bent
-        by_dt = np.zeros(self.size)
-        if step.dt and step.scheme.inertia:
-            by_dt = self._freeing @ (-self._momentum / step.dt**2)
-        self._inner = self._make_inner(step, late, new)
-        return Row(new, late + self._holding, old, early, by_dt)
+        inner = self._make_inner(step, late, new)
+        balance = Row(new, late + self._holding, old, early, np.empty(0))
+        return super().kinematics(step), balance, inner
 
     def _dampers(self, step: Step) -> tuple[Any, Any]:
         """Derivatives of the damping forces by the velocity, and by the displacement at which they
@@ -151,16 +186,9 @@ class DeformableMotion(Motion):
         return self._own
 
     def _make_inner(self, step: Step, inertia: Any, stiffness: Any) -> Inner:
-        key = step.inertia_rate, step.gap_rate, step.rate_weight
-        factor = self._kept.get(key) if self._linear else None
-        if factor is None:
-            matrix = (inertia + step.gap_rate * stiffness) @ self._freeing + self._holding
-            symmetric = self._linear or not self.solid.dampers
-            factor = Factor(sp.csr_matrix(matrix), self.solid.name, symmetric)
-        if self._linear:  # of a linear solid it comes again
-            if len(self._kept) >= KEPT:
-                self._kept.clear()
-            self._kept[key] = factor
+        matrix = (inertia + step.gap_rate * stiffness) @ self._freeing + self._holding
+        symmetric = self._linear or not self.solid.dampers
+        factor = Factor(sp.csr_matrix(matrix), self.solid.name, symmetric, self.held)
         return Inner(factor, stiffness, step.gap_rate, self.held)
 
     def inner(self) -> Inner:
@@ -192,76 +220,6 @@ class DeformableMotion(Motion):
                 rows = rows + weight * parameter.internal(solid, place)
             rows = rows + parameter.damped(solid, step)
         return np.asarray(self._freeing @ rows)
-
-
-class Inner:
-    """The rows of a deformable solid among its own unknowns (q, v) in one step::
-
-        q - rate v = r_q           stiffness q + inertia v = r_v
-
-    Args:
-        factor: of ``inertia + rate stiffness`` over what is not held, the identity elsewhere.
-        stiffness: over what is not held.
-        rate: derivative of q by v, s.
-        held: unknowns.
-    """
-
-    def __init__(self, factor: Factor, stiffness: Any, rate: float, held: np.ndarray) -> None:
-        self._factor, self._stiffness, self._rate, self._held = factor, stiffness, rate, held
-
-    def solve(self, right: np.ndarray, transposed: bool) -> np.ndarray:
-        """(q, v) from (r_q, r_v), (2 n, columns), or multipliers of the rows from columns."""
-        n = len(right) // 2
-        first, last = right[:n], right[n:]
-        K, rate = self._stiffness, self._rate
-        load = last + rate * first if transposed else last - K @ first
-        load[self._held] = 0.0  # nothing moves what is held
-        v = (self._factor.transposed if transposed else self._factor).solve(load)
-        return np.concatenate([first - K.T @ v if transposed else first + rate * v, v])
-
-
-class Factor:
-    """A direct factorisation of a matrix, made when it is first asked; knows what it has solved for
-    points, which come again.
-
-    Args:
-        matrix: the matrix, and whether it is symmetric.
-        name: of the solid.
-    """
-
-    def __init__(self, matrix: sp.csr_matrix, name: str, symmetric: bool) -> None:
-        self._matrix, self._name, self._symmetric = matrix, name, symmetric
-        self._known: dict[bytes, np.ndarray] = {}
-
-    @cached_property
-    def _factor(self) -> Factorisation:
-        parts = self._matrix.indptr, self._matrix.indices, self._matrix.data
-        made = PETSc.Mat().createAIJ(self._matrix.shape, csr=parts, comm=PETSc.COMM_SELF)
-        return Factorisation(made, f"{self._name}_gradients")
-
-    @cached_property
-    def transposed(self) -> Factor:
-        """That of the transpose."""
-        if self._symmetric:
-            return self
-        return Factor(self._matrix.T.tocsr(), self._name, False)
-
-    def solve(self, right: np.ndarray) -> np.ndarray:
-        """For columns (n, k)."""
-        result, missing, keys = np.zeros_like(right), [], []
-        for i, column in enumerate(right.T):
-            entries = column.nonzero()[0]
-            few = 2 * len(entries) < len(column)
-            key = entries.tobytes() + column[entries].tobytes() if few else b""
-            if key in self._known:
-                result[:, i] = self._known[key]
-            elif len(entries):
-                missing.append(i)
-                keys.append(key)
-        if missing:
-            result[:, missing] = self._factor.solve_many(sp.csc_matrix(right[:, missing]))
-        self._known |= {key: result[:, i].copy() for i, key in zip(missing, keys) if key}
-        return result
 
 
 def _scipy(matrix: Any) -> sp.csr_matrix:

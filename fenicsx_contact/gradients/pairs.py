@@ -162,11 +162,10 @@ class PairRows(ContactRows):
         """What derivatives by two of v, q, ... of a solid are called."""
         return self.key(first, i), self.key(last, i)
 
-    def spreads(self, forces: np.ndarray) -> Iterator[tuple[Motion, Any]]:
-        given = sp.csr_matrix(forces)
+    def spreads(self) -> Iterator[tuple[Motion, Any]]:
         both = self.sides(self._J[self.components(self.points)])
         for m, nodes, J in zip(self.motions, self.nodes, both):
-            yield m, nodes.forces.T @ (J.T @ given)
+            yield m, -(nodes.forces.T @ J.T)
 
     def bent(self) -> Iterator[tuple[Motion, str, Any]]:
         forces = np.zeros_like(self.normal)

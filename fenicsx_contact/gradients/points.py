@@ -10,7 +10,7 @@ import numpy as np
 
 from ..solids import MonolithicTrace
 from ..theory.theta import Step
-from .kinematics import Arms, Kinematics
+from .kinematics import Arms
 from .motion import Motion
 from .rigid import RigidMotion
 
@@ -33,7 +33,7 @@ class Points:
     def __init__(self, motion: Motion, trace: MonolithicTrace, step: Step) -> None:
         solid, J, x = motion.solid, trace.seeing(), trace.positions()
         self.forces = J
-        self.old = self.new = self.ends = Kinematics(J)
+        self.old = self.new = self.ends = motion.seen(J)
         self.places = self.end_places = x
         way = J @ (solid.trial_displacement - solid.displacement)
         self.old_places = x - way.reshape(x.shape)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,6 +37,19 @@ def explicit(parameters: Mapping[str, Parameter], quantity: Quantity) -> np.ndar
     return np.array([quantity.explicit(parameter) for parameter in parameters.values()])
 
 
+class Row(NamedTuple):
+    """What quantities are in a row of the history; None where nobody asks.
+
+    Attributes:
+        by: derivatives by the unknowns of its step, of the start by the state, (unknowns,
+            quantities).
+        explicit: by the parameters at a fixed state, (parameters, quantities).
+    """
+
+    by: np.ndarray | None
+    explicit: np.ndarray | None
+
+
 class Seeds:
     """What functionals put into an adjoint: a probe of the run along which it goes back.
 
@@ -44,17 +58,17 @@ class Seeds:
     Args:
         linear: linearises its steps.
         parameters, quantities, functionals: by name.
-        history: of the run, with the quantities.
 
     Attributes:
-        values: of quantities at the end and of functionals, (k of them).
+        values: of quantities at the end and of functionals, (k of them), after :meth:`weigh`.
         unknowns: of the step that was linearised last, 0 at the start of a run.
-        found: row by row the derivatives of the k by the unknowns of its step, of the start by the
-            state, and those by the parameters at a fixed state, (unknowns, k) and (parameters, k).
+        found: the rows since the last :meth:`begin`.
 
     Raises:
-        InputError: two of one name, derivatives by what is no quantity.
+        InputError: two of one name.
     """
+
+    values: dict[str, float]
 
     def __init__(
         self,
@@ -62,43 +76,66 @@ class Seeds:
         parameters: Mapping[str, Parameter],
         quantities: Mapping[str, Quantity],
         functionals: Mapping[str, Functional],
-        history: History,
     ) -> None:
-        self._linear, self._parameters, self._quantities = linear, parameters, quantities
-        end = np.eye(len(history))[-1]
-        self.values = {name: float(history[name][-1]) for name in quantities}
-        rows: list[Mapping[str, np.ndarray]] = [{name: end} for name in quantities]
-        for name, functional in functionals.items():
-            if name in self.values:
+        self._linear, self._parameters = linear, parameters
+        self._quantities, self._functionals = quantities, functionals
+        self._weights: np.ndarray | None = None
+        for name in functionals:
+            if name in quantities:
                 raise checks.InputError(f"functionals: {name!r} is a quantity, too")
+
+    def weigh(self, history: History) -> None:
+        """Take the values and the weights of a run.
+
+        Raises:
+            InputError: derivatives by what is no quantity.
+        """
+        quantities, rows, end = self._quantities, len(history), np.eye(len(history))[-1]
+        self.values = {name: float(history[name][-1]) for name in quantities}
+        every: list[Mapping[str, np.ndarray]] = [{name: end} for name in quantities]
+        for name, functional in self._functionals.items():
             self.values[name], weights = functional(history)
             for column in weights:
                 if column not in quantities and column != "time":
                     raise checks.InputError(
                         f"functionals[{name!r}]: gives derivatives by {column!r}, no quantity"
                     )
-            rows.append(weights)
-        nothing = np.zeros(len(history))
-        self._weights = {
-            name: np.stack([each.get(name, nothing) for each in rows], axis=1)
-            for name in (*quantities, "time")
-        }
+            every.append(weights)
+        nothing = np.zeros(rows)
+        names = (*quantities, "time")
+        table = [[each.get(name, nothing) for each in every] for name in names]
+        self._weights = np.array(table).transpose(2, 0, 1)  # rows, names, functionals
 
     def begin(self, row: int) -> None:
         """Begin at a row of the history."""
         self._row, self.unknowns = row, 0
-        self.found: list[tuple[np.ndarray, np.ndarray]] = []
+        self.found: list[Row] = []
 
     def __call__(self) -> float:
-        count, linear = len(self.values), self._linear
-        seed = np.zeros((self.unknowns or linear.size, count))
-        by = np.zeros((len(self._parameters), count))
-        seed[linear.time] = self._weights["time"][self._row]
-        for name, quantity in self._quantities.items():
-            weights = self._weights[name][self._row]
-            if weights.any():
-                seed += np.outer(gradient(linear, quantity, self.unknowns), weights)
-                by += np.outer(explicit(self._parameters, quantity), weights)
-        self.found.append((seed, by))
+        if self._weights is None:  # the end is asked for when it is known
+            asked = bool(self._functionals)
+        else:
+            asked = bool(self._weights[self._row, :-1].any())
+        self.found.append(self.row() if asked else Row(None, None))
         self._row += 1
         return 0.0
+
+    def row(self) -> Row:
+        """That of the present state."""
+        linear, every = self._linear, self._quantities.values()
+        by = [gradient(linear, quantity, self.unknowns) for quantity in every]
+        told = [explicit(self._parameters, quantity) for quantity in every]
+        return Row(np.array(by).T, np.array(told).T)
+
+    def of(self, row: int, found: Row, unknowns: int) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives of the k by the unknowns of a row's step and by the parameters, (unknowns, k)
+        and (parameters, k)."""
+        assert self._weights is not None
+        weights = self._weights[row]
+        if found.by is None or found.explicit is None:
+            count = weights.shape[1]
+            seed, by = np.zeros((unknowns, count)), np.zeros((len(self._parameters), count))
+        else:
+            seed, by = found.by @ weights[:-1], found.explicit @ weights[:-1]
+        seed[self._linear.time] += weights[-1]
+        return seed, by

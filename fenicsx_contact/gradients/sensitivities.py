@@ -9,7 +9,7 @@ it, from states that were kept on the way, and cost by the quantity.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from math import ceil, isqrt
 from typing import Any
 
@@ -27,8 +27,12 @@ from .kinks import Kink, NoDerivative
 from .linearise import Linearisation
 from .parameters import Parameter, among
 from .quantities import Quantity
+from .recording import ROOM, Part, Room
 from .results import Adjoints, Tangents
 from .seeds import Functional, Seeds, explicit, gradient
+
+#: The column of a run that the seeds of an adjoint write, and no one reads.
+_SEEDS = "seeds of the adjoint"
 
 
 def tangents(
@@ -114,12 +118,14 @@ def adjoints(
     *,
     functionals: Mapping[str, Functional] | None = None,
     every: int | None = None,
+    room: float = ROOM,
 ) -> Adjoints:
     """Run a scene by uniform steps, and go back for the derivatives of quantities at its end, and
     of functionals of all of it.
 
-    States are kept every so many steps; from each the steps up to the next are run once more and
-    gone back through. Memory grows with the root of the number of steps; the run is done twice.
+    Linearised steps are kept as long as there is room for them. Of the others states are kept every
+    so many steps, from each of which the steps up to the next are run once more and gone back
+    through: then memory grows with the root of their number.
 
     Args:
         scene: the scene; the derivatives are by its state as it is.
@@ -130,6 +136,7 @@ def adjoints(
             the rows (rows,) of quantities, and of ``"time"``, by their names; such as
             :class:`~.passing.Instant`.
         every: keep a state every so many steps; default: the root of their number.
+        room: bytes of linearised steps that are kept.
 
     Raises:
         InputError: what is not supported, by name; a run that stops before its end.
@@ -139,32 +146,17 @@ def adjoints(
     linear = Linearisation(scene, list(parameters.values()))
     edges = Edges(scene, linear)
     dt, first = checks.number("dt", dt, above=0), scene.time
+    room = checks.number("room", room, at_least=0)
     count = max(1, round((checks.number("until", until) - first) / dt))
     each = (
         isqrt(count - 1) + 1 if every is None else checks.whole_number("every", every, at_least=1)
     )
     ends = [min(k * each, count) for k in range(1, ceil(count / each) + 1)]
     begin = linear.start()
-
-    probes = {name: quantity.value for name, quantity in quantities.items()}
-    kept, firsts, history = [], [], History((*scene.columns, *quantities))
-    for end in ends:
-        kept.append({name: np.array(value) for name, value in scene.state().items()})
-        firsts.append(max(len(history) - 1, 0))
-        part = scene.run(first + end * dt, dt, progress=False, probes=probes)
-        if not part.finished:
-            raise checks.InputError(f"adjoints: the run {part.reason}")
-        _refuse_halved(scene, part, first, dt)
-        for row in part.rows(1 if len(history) else 0):
-            history.append(row)
-        history.remarks += part.remarks
-    history.reason, history.times = part.reason, part.times
-    last = scene.state()
-    seeds = Seeds(linear, parameters, quantities, functionals or {}, history)
-
-    after, by = (np.zeros((n, len(seeds.values))) for n in (linear.size, len(parameters)))
-    found: list[Kink] = []
+    seeds, left = Seeds(linear, parameters, quantities, functionals or {}), Room(room)
+    seeds.begin(0)
     met: list[Kink] = []  # in a step
+    part: Part
 
     def look(trial: Trial) -> LinearStep:
         if not trial.again:
@@ -173,27 +165,57 @@ def adjoints(
         met.extend(edges.kinks(trial, scene.stepper.resolution, None, None))
         return step
 
-    for end, start, row in zip(reversed(ends), reversed(kept), reversed(firsts)):
-        scene.restore(start)
-        steps: list[tuple[Trial, LinearStep]] = []
-        seeds.begin(row)
+    def watch(trial: Trial) -> None:
+        part.steps.append((trial, look(trial)))
+        part.kinks.extend(met)
+        seeds.unknowns = len(part.steps[-1][1])
 
-        def watch(trial: Trial, steps: list[tuple[Trial, LinearStep]] = steps) -> None:
-            steps.append((trial, look(trial)))
-            seeds.unknowns = len(steps[-1][1])
-            found.extend(dict.fromkeys(met))
+    def runs(keeps: bool, probes: dict[str, Callable[[], float]]) -> History:
+        """Run to the end of the part; whether its steps are kept."""
+        with _watching(scene, look, watch) if keeps else nullcontext():
+            return scene.run(part.end, dt, progress=False, probes=probes)
 
-        with _watching(scene, look, watch):
-            scene.run(first + end * dt, dt, progress=False, probes={"seeds": seeds})
-        for (trial, step), (seed, more) in zip(reversed(steps), reversed(seeds.found)):
+    probes = {name: quantity.value for name, quantity in quantities.items()}
+    parts, history, keeps = [], History((*scene.columns, *quantities)), room > 0
+    for end in ends:
+        state = {name: np.array(value) for name, value in scene.state().items()}
+        part = Part(state, first + end * dt, max(len(history) - 1, 0))
+        parts.append(part)
+        seeds.begin(part.row)
+        told = runs(keeps, {**probes, **({_SEEDS: seeds} if keeps else {})})
+        if not told.finished:
+            raise checks.InputError(f"adjoints: the run {told.reason}")
+        _refuse_halved(scene, told, first, dt)
+        for row in told.rows(1 if len(history) else 0):
+            history.append(row[: len(scene.columns) + len(quantities)])
+        history.remarks += told.remarks
+        part.seeds = seeds.found
+        keeps = keeps and left.take([part.steps, part.seeds])
+    history.reason, history.times = told.reason, told.times
+    last = scene.state()
+    seeds.weigh(history)
+    if part.steps:
+        part.seeds[-1] = seeds.row()
+
+    after, by = (np.zeros((n, len(seeds.values))) for n in (linear.size, len(parameters)))
+    for part in reversed(parts):
+        if not part.steps:
+            scene.restore(part.start)
+            seeds.begin(part.row)
+            runs(True, {_SEEDS: seeds})
+            part.seeds = seeds.found
+        for i in range(len(part.steps), 0, -1):
+            trial, step = part.steps.pop()
+            seed, more = seeds.of(part.row + i, part.seeds[i], len(step))
             seed[: linear.size] += after
             after, passed = step.adjoint(seed)
             by = _finite(trial, by + more + passed)
-    seed, more = seeds.found[0]
+    seed, more = seeds.of(0, parts[0].seeds[0], linear.size)
     scene.restore(last)
     by = by + more + begin.T @ (after + seed)
     gradients = dict(zip(seeds.values, by.T))
-    return Adjoints(history, seeds.values, tuple(parameters), found, len(kept), gradients)
+    found = list(dict.fromkeys(kink for part in parts for kink in part.kinks))
+    return Adjoints(history, seeds.values, tuple(parameters), found, len(parts), gradients)
 
 
 def _checked(

@@ -14,7 +14,6 @@ from copy import copy
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..base import checks
 from ..base.expressions import is_expression
@@ -32,6 +31,7 @@ from .kinematics import square
 from .motion import Motion
 from .parameters import Parameter
 from .points import points_of
+from .seen import Pushed
 
 
 class ContactRows:
@@ -155,9 +155,12 @@ class ContactRows:
             return weights(slice(d, None)), -weights(slice(0, d))
 
         result["v"] = told(lambda r: new.by_place(by_jump[:, r]))
-        result["q"] = told(lambda r: new.by_place(by_place[:, r]) + new.by_bend(by_jump[:, r]))
-        result["v_old"] = told(lambda r: old.by_place(by_start[:, r]))
-        result["q_old"] = told(lambda r: old.by_place(by_gap[:, r]) + old.by_bend(by_start[:, r]))
+        if by_place.any() or new.bend is not None:
+            result["q"] = told(lambda r: new.by_both(by_jump[:, r], by_place[:, r]))
+        if by_start.any():
+            result["v_old"] = told(lambda r: old.by_place(by_start[:, r]))
+        if by_gap.any() or (by_start.any() and old.bend is not None):
+            result["q_old"] = told(lambda r: old.by_both(by_start[:, r], by_gap[:, r]))
         return result
 
     def by(self, parameter: Parameter) -> tuple[np.ndarray, np.ndarray]:
@@ -194,20 +197,22 @@ class ContactRows:
         place = self.at.end_places[point : point + 1]
         return np.array([self.closer(parameter, place)[0] for parameter in parameters])
 
-    def spread(self, forces: np.ndarray) -> Any:
-        """Forces at the candidates as forces on the solid, (size, ...)."""
+    def spread(self) -> Any:
+        """Minus the operator from forces at the candidates to those on the solid, (size, k d)."""
+        forced = self.at.forces
+        if forced is self.new.place and not isinstance(forced, np.ndarray):
+            return Pushed(self.new.at(self.points, self._d).place)
         places = (self.points[:, None] * self._d + np.arange(self._d)).ravel()
-        spreading = self.at.forces[places].T
-        return spreading @ (forces if isinstance(spreading, np.ndarray) else sp.csr_matrix(forces))
+        return -self.at.forces[places].T
 
     @staticmethod
     def key(name: str, number: int) -> str:
         """What a derivative by q, v, ... of a solid of the contact is called."""
         return name if not number else f"{name} of the master"
 
-    def spreads(self, forces: np.ndarray) -> Iterator[tuple[Motion, Any]]:
+    def spreads(self) -> Iterator[tuple[Motion, Any]]:
         """The same, solid by solid."""
-        yield self.motion, self.spread(forces)
+        yield self.motion, self.spread()
 
     def bent(self) -> Iterator[tuple[Motion, str, Any]]:
         """Derivatives of J' f at fixed forces on each solid, by what J depends on."""

@@ -66,6 +66,15 @@ class Direct:
         """MUMPS' error, negative; it must not be asked to solve after one."""
         return self._solver.getPC().getFactorMatrix().getMumpsInfog(1) if self._by_mumps else 0
 
+    @property
+    def entries(self) -> int:
+        """Numbers that the factors hold, once they are made."""
+        factors = self._solver.getPC().getFactorMatrix()
+        if not self._by_mumps:
+            return int(factors.getInfo()["nz_used"])
+        size = int(factors.getMumpsInfog(9))
+        return size if size >= 0 else -1_000_000 * size  # as MUMPS tells large ones
+
     def solve(self, right: PETSc.Vec, left: PETSc.Vec) -> bool:
         """Whether there is a solution."""
         if not self.factor():
@@ -131,6 +140,11 @@ class Factorisation:
     def refactor(self) -> None:
         """The matrix has new values; it is factored when it is next needed."""
         self._solver.refactor()
+
+    @property
+    def bytes(self) -> int:
+        """That the factors hold, once they are made."""
+        return 8 * self._solver.entries
 
     @property
     def matrix(self) -> PETSc.Mat:

@@ -22,6 +22,7 @@ from fenicsx_contact import (
     axis_mesh,
 )
 from fenicsx_contact.base import compat
+from fenicsx_contact.rods import VonKarmanBeam
 from fenicsx_contact.rods.drive import AxialForce
 from fenicsx_contact.theory.theta import Step
 
@@ -346,7 +347,14 @@ GOOD = Section(1.0, 1.0)
         (lambda: BeamSolid(AXIS, GOOD, masses=[(0.1, 1.0)]), "no node"),
         (lambda: BeamSolid(AXIS, GOOD, masses=[(0.0, -1.0)]), "masses = -1.0"),
         (lambda: BeamSolid(AXIS, GOOD, law="fall"), "law = 'fall'"),
-        (lambda: BeamSolid(AXIS, Section(1, 1, axial=1), law=Driven()), "inextensible"),
+        (lambda: BeamSolid(AXIS, GOOD, supports=[CLAMP], law=Driven()), "inextensible"),
+        (lambda: BeamSolid(AXIS, Section(1, 1, axial=1), law=Driven(at=2.1)), "at = 2.1"),
+        (
+            lambda: BeamSolid(AXIS, Section(1, 1, axial=1), supports=[CLAMP], law=Driven(at=0.0)),
+            "support holds",
+        ),
+        (lambda: VonKarmanBeam(AXIS, GOOD), "axial stiffness that is infinite"),
+        (lambda: Fall(stop=1.0, stop_at=-1.0), "stop_at = -1.0"),
         (lambda: BeamSolid(AXIS, GOOD, displacement=lambda s: s), "displacement"),
         (lambda: Section(-1.0, 1.0), "mass = -1.0"),
         (lambda: Section(1.0, 0.0), "bending = 0.0"),

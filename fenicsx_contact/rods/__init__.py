@@ -9,6 +9,7 @@ from .guide import Guide
 from .pieces import AnyCurve, Bow, Card, Curve, Sine, Straight, Tube
 from .settle import lay_in, settle
 from .tube import RodInTube
+from .von_karman import VonKarmanBeam
 
 __all__ = [
     "AnyCurve",
@@ -24,6 +25,7 @@ __all__ = [
     "Sine",
     "Straight",
     "Tube",
+    "VonKarmanBeam",
     "lay_in",
     "settle",
     "time_at",

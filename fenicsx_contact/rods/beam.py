@@ -11,15 +11,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
 from ..base import checks
-from ..base.compat import cell_geometry
 from ..solids.base import Solid
 from ..theory.theta import Step
+from .axial_motion import AxialMotion
 from .axis import AxisMesh
-from .drive import AxialLaw, AxialMotion
+from .drive import AxialLaw, Place
 from .matrices import BeamMatrices
 from .sections import Lateral, Section, Support, values_of
 from .trace import BeamTrace
@@ -53,6 +54,7 @@ class BeamSolid(Solid):
     """
 
     linear = True
+    _pushed: np.ndarray | float  # by the contacts
 
     def __init__(
         self,
@@ -79,30 +81,24 @@ class BeamSolid(Solid):
         self.unknowns = unknowns = BeamUnknowns(axis, k)
         self.split, self._along = unknowns.split, unknowns.along
         self._masses, self._stiffness = unknowns.masses, unknowns.stiffness
-        held = len(unknowns.mean) > 1 or not k.free_axial.all()
+        held = len(unknowns.mean) == 1 and not k.free_axial.all()
         g = np.zeros(self.dim) if gravity is None else checks.vector("gravity", gravity, self.dim)
         self.gravity = -float(g @ axis.direction)  # along the travel
-        self.axial = AxialMotion(unknowns.mean, self.mass, self.gravity, held)
+        self.axial = AxialMotion(self._share, self.mass, self.gravity, held)
         self.weight, self.lateral_load = unknowns.weight(g), lateral_load
         if lateral_load is not None:
             values_of("lateral_load", lateral_load, k.s, unknowns.planes)
         self.displacement, self.velocity = np.zeros((2, len(self.weight)))
         if displacement is not None:
-            w = values_of("displacement", displacement, k.s, unknowns.planes)
-            turned = slope and values_of("slope", slope, k.s, unknowns.planes)
-            self._set_deflection(w, turned)
+            unknowns.bend(self.displacement, displacement, slope)
         self.predictions = 0  # counts them, for those who follow
         self.law = law
         self._begin()
 
-    def _set_deflection(self, w: np.ndarray, slope: np.ndarray | None) -> None:
-        self.split(self.displacement)[0][:] = self.matrices.bent(w, slope)
-
     def deflect(self, deflection: np.ndarray) -> None:
         """Give the beam another deflection, (nodes, d - 1) in m in the order of s, at rest."""
         self.displacement = self.displacement.copy()
-        w = np.asarray(deflection).T
-        self._set_deflection(values_of("deflection", lambda s: w, self.matrices.s, len(w)), None)
+        self.unknowns.bend(self.displacement, lambda s: np.asarray(deflection).T)
         self.rest()
 
     @property
@@ -115,9 +111,17 @@ class BeamSolid(Solid):
         self._seen: Step | None = None
         self.axial.follow(law)
         if law is not None and law.prescribed is not None:  # the drive has no inertia
-            self.velocity = self.velocity.copy()
-            self.split(self.velocity)[1][:] = -law.prescribed
+            along = self.unknowns.carried(self.axial.holding)
+            self.velocity = np.append(self.split(self.velocity)[0], -law.prescribed * along)
             self._begin()
+
+    def driven(self, values: np.ndarray) -> np.ndarray:
+        """The unknowns of the system in which laws act."""
+        return self.split(values)[1]
+
+    def _share(self, place: Place) -> np.ndarray:
+        """What each of them bears of a force along the axis."""
+        return self.unknowns.share(place)
 
     @property
     def rod(self) -> BeamSolid:
@@ -143,9 +147,13 @@ class BeamSolid(Solid):
         self.trial_displacement, self.trial_velocity = self.displacement, self.velocity
         self.memory, self._linear = None, False
         self._seen = None  # the step that was predicted last
-        self._internal = self._stiffness @ self.displacement
+        self._internal = self.internal_force(self.displacement)
         self._momentum = self._masses * self.velocity
         self.predictions += 1
+
+    def internal_force(self, displacement: np.ndarray) -> np.ndarray:
+        """That of a displacement, (n,) in N."""
+        return self._stiffness @ displacement
 
     def predict(self, step: Step) -> None:
         if self._seen == step and self.trial_velocity is self.velocity:
@@ -169,39 +177,29 @@ class BeamSolid(Solid):
             if drift.any():
                 load -= after * (self._stiffness @ drift)
             if self.lateral_load is not None:
-                load += self._flow()
+                self._flow = self.unknowns.flow(self.lateral_load, self.displacement)
+                load += self._flow
         bending, along = self.split(load)
-        self.axial_flexibility = self.axial.drive(step, self.travel, self.speed, axial, along)
-        self.free_velocity = np.concatenate(
-            [(bending @ self.flexibility).ravel(), self.axial_flexibility @ along]
-        )
-        if self.axial.prescribed is not None:
-            self.split(self.free_velocity)[1][:] = -self.axial.prescribed
+        start = self.driven(self.displacement), self.driven(self.velocity)
+        self.axial_flexibility, given = self.axial.drive(step, *start, axial, along)
+        given += self.axial_flexibility @ along
+        self.free_velocity = np.concatenate([(bending @ self.flexibility).ravel(), given])
 
     def _loads(self, step: Step) -> np.ndarray:
         """The weight, and what the scheme carries along; laws and flow are not carried."""
         return step.load_weight * self.weight + step.carried(self.memory)
 
-    def _flow(self) -> np.ndarray:
-        """The lateral load of the flow on the nodes, where they are now."""
-        assert self.lateral_load is not None
-        k, self._flow_force = self.matrices, np.zeros_like(self.weight)
-        bending, along = self.split(self._flow_force)[0], self.split(self.displacement)[1]
-        load = values_of("lateral_load", self.lateral_load, k.s + along, len(bending))
-        bending[:, ::2] = load * k.lengths
-        return self._flow_force
-
-    def bear(self, bending: np.ndarray, axial: np.ndarray, along: float) -> None:
+    def bear(self, bending: np.ndarray, axial: np.ndarray, along: np.ndarray) -> None:
         """Take up forces on the axis.
 
         Args:
             bending, axial: the velocities that they make, (d - 1, 2m) and of the axial unknowns.
-            along: their sum in the direction of the axis, N.
+            along: what the axial unknowns bear of them, N.
         """
         lateral, axially = self.split(self._gain)
         lateral += bending
         axially += axial
-        self._pushed += along
+        self._pushed = self._pushed + along
 
     def correct(self, step: Step) -> None:
         self.go(self.free_velocity + self._gain, step)
@@ -225,17 +223,20 @@ class BeamSolid(Solid):
     def works(self, step: Step) -> tuple[float, float, float, float]:
         mean = self.mean_velocity(step)
         self._trial_momentum = self._masses * self.trial_velocity
-        self._trial_internal = self._stiffness @ self.trial_displacement
-        internal = step.linear_mean(self._internal, self._trial_internal)
-        self._acting = self._loads(step) - internal
-        momentum = float(mean @ (self._trial_momentum - self._momentum))
+        self._trial_internal = self.internal_force(self.trial_displacement)
+        self._acting = self._loads(step) - self._mean_internal(step)
+        change = self._trial_momentum - self._momentum
+        flows = self.lateral_load is not None and step.dt
+        others = {"flow": step.dt * float(mean @ self._flow)} if flows else {}
+        lacking = self.driven(change / step.span - step.loaded * self._acting) - self._pushed
+        v = self.driven(self.velocity), self.driven(self.trial_velocity)
+        against, works = self.axial.works(step, *v, lacking, others)
         loads = step.dt * float(mean @ self._acting)
-        others = {}
-        if self.lateral_load is not None and step.dt:
-            others["flow"] = step.dt * float(mean @ self._flow_force)
-        after = self._along(self.trial_velocity)
-        against, works = self.axial.works(step, self.speed, after, self._pushed, others)
-        return momentum + against, loads + works, 0.0, 0.0
+        return float(mean @ change) + against, loads + works, 0.0, 0.0
+
+    def _mean_internal(self, step: Step) -> np.ndarray:
+        """Of the internal forces of the step, as the scheme takes them."""
+        return step.linear_mean(self._internal, self._trial_internal)
 
     def accept(self, step: Step) -> None:
         self.memory = step.remember(self.velocity, self.trial_velocity, self._acting, self.memory)
@@ -246,16 +247,22 @@ class BeamSolid(Solid):
         self.axial.accept(before, (self.travel, self.speed))
 
     def trace(self, points: np.ndarray) -> BeamTrace:
-        return BeamTrace(self, self.axis.along(points))
+        return self.sight(self.axis.along(points))
+
+    def sight(self, places: np.ndarray, *stations: Any) -> BeamTrace:
+        """A trace from places s [m] and from stations."""
+        return BeamTrace(self, places, *stations)
 
     def energies(self) -> tuple[float, float, float]:
-        """Kinetic energy (with the water that moves along), strain energy, and the potential of
-        the weight plus all that was ``taken``, J."""
+        """Kinetic (with the water that moves along), strain, and of the weight plus ``taken``, J."""
         kinetic = 0.5 * float(self.velocity @ self._momentum)
         kinetic += self.axial.added_energy(self.travel, self.speed)
-        strain = 0.5 * float(self.displacement @ self._internal)
         weight = -float(self.weight @ self.displacement)
-        return kinetic, strain, sum(self.axial.taken.values()) + weight
+        return kinetic, self.strain_energy(), sum(self.axial.taken.values()) + weight
+
+    def strain_energy(self) -> float:
+        """Of the state, J."""
+        return 0.5 * float(self.displacement @ self._internal)
 
     def lateral_energy(self) -> float:
         """Kinetic and strain energy of bending, J."""
@@ -289,9 +296,5 @@ class BeamSolid(Solid):
         return {"displacement": at_mesh(self.displacement), "velocity": at_mesh(self.velocity)}
 
     def describe(self) -> str:
-        kind = "inextensible" if len(self.unknowns.mean) == 1 else "extensible"
-        return (
-            f"beam, {kind}, {len(cell_geometry(self.axis.mesh))} cells, mass {self.mass:.9g}, "
-            f"stiffness {self._stiffness.diagonal().sum():.9g}, gravity {self.gravity:.9g}, "
-            f"{self.law!r}, {len(self.weight)} unknowns"
-        )
+        given = f"gravity {self.gravity:.9g}, {self.law!r}"
+        return f"{self.unknowns.describe()}, {given}, {len(self.weight)} unknowns"

@@ -239,7 +239,7 @@ class GuideContact(Contact):
         s = rod.axis.along(self.surface.points)
         within = rod.axis.stretch(self.facets)
         stand = s[self.stations]
-        self.trace = self.solid.around(BeamTrace(rod, s, self.stations, lambda: stand, within))
+        self.trace = self.solid.around(rod.sight(s, self.stations, lambda: stand, within))
         return GuideCoupling(self, self.trace, self._turn)
 
     def predict(self, step: Step, closing: bool = True) -> None:

@@ -191,9 +191,7 @@ def _passage(
         return contact.normal_force()
 
     def stop() -> float:
-        if rod.law is None:
-            return 0.0
-        forces = rod.law.forces(rod.travel, rod.speed, rod.mass, rod.gravity, dt)
+        forces = rod.axial.forces(rod.driven(rod.displacement), rod.driven(rod.velocity), dt)
         return 0.0 - sum(force.value for force in forces if force.name == "stop")
 
     history = scene.run(

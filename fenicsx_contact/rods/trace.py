@@ -37,7 +37,7 @@ class Slender(Protocol):
     axial_flexibility: np.ndarray
 
     def split(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]: ...
-    def bear(self, bending: np.ndarray, axial: np.ndarray, along: float) -> None: ...
+    def bear(self, bending: np.ndarray, axial: np.ndarray, along: np.ndarray) -> None: ...
 
 
 @dataclass
@@ -269,10 +269,12 @@ class BeamTrace(Trace):
     def spread(self, force: np.ndarray) -> None:
         if not force.any():
             return
-        local = force.reshape(len(self._acting.s), -1) @ self._axes.T
+        acting, axial = self._acting, self._solid.axial_flexibility
+        local = force.reshape(len(acting.s), -1) @ self._axes.T
         along = local[:, -1]
+        borne = (along[:, None] * acting.u).ravel()
         self._solid.bear(
             local[:, :-1].T @ self._columns,
             along @ self._axial_columns,
-            float(along @ self._acting.u.sum(axis=1)),
+            np.bincount(acting.ends.ravel(), borne, len(axial)),
         )

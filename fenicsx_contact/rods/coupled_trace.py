@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A beam seen from points of its axis, where bending and axial motion are one system."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from ..solids.base import Trace
+from ..theory.theta import Step
+from .trace import BeamTrace, Slender
+
+
+class Coupled(Slender, Protocol):
+    """What such a trace needs of a beam; see
+    :class:`~fenicsx_contact.rods.von_karman.VonKarmanBeam`.
+
+    Attributes:
+        inverse: of the tangent of the step, (n, n).
+    """
+
+    inverse: np.ndarray
+
+    def push(self, force: np.ndarray) -> None: ...
+
+
+class CoupledTrace(BeamTrace):
+    """A trace whose operator J stands in one matrix with all unknowns of the beam."""
+
+    _solid: Coupled
+
+    def linearise(self, step: Step) -> None:
+        """J, and the columns A^-1 J' of all components, (n d, unknowns)."""
+        solid = self._solid
+        if self._acting is self._now and self._linear is solid.free_velocity:
+            return
+        self._acting, self._linear = self._now, solid.free_velocity
+        acting = self._acting
+        bending, along = solid.split(solid.velocity)
+        n, d = len(acting.s), len(self._axes)
+        local = np.zeros((n, d, bending.size + along.size))
+        at = np.arange(n)[:, None]
+        for i in range(d - 1):
+            local[at, i, i * bending.shape[1] + acting.dofs] = acting.w
+        local[at, d - 1, bending.size + acting.ends] = acting.u
+        self._rows = np.einsum("nkj,kd->ndj", local, self._axes).reshape(n * d, -1)
+        self._columns = self._rows @ solid.inverse
+
+    def compliance(self, mine: np.ndarray, other: Trace, theirs: np.ndarray) -> np.ndarray:
+        assert isinstance(other, CoupledTrace)
+        return self._columns[mine] @ other._rows[theirs].T
+
+    def mobility(self) -> np.ndarray:
+        return np.einsum("ij,ij->i", self._columns, self._rows)
+
+    def spread(self, force: np.ndarray) -> None:
+        if force.any():
+            self._solid.push(force @ self._rows)

@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Beams that their own axial force bends, against exact solutions: columns that a drive pushes,
+strings that it pulls, chains, stops that are struck, rods that buckle in tubes."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import rates
+
+from fenicsx_contact import (
+    BeamSolid,
+    Driven,
+    Fall,
+    Scene,
+    Section,
+    Support,
+    ThetaScheme,
+    axis_mesh,
+)
+from fenicsx_contact.rods import Guide, GuideContact, Tube, VonKarmanBeam
+from fenicsx_contact.theory.theta import Step
+
+EI, EA, L, MASS = 70.0, 1e6, 2.0, 1.0
+FAST, STATIC = math.inf, ThetaScheme(1.0, forces="end")
+PIN, CLAMP = {"lateral": FAST}, {"lateral": FAST, "rotational": FAST}
+
+
+def rod(cells=20, dim=2, axial=EA, bending=EI, kind=VonKarmanBeam, **others):
+    up = [0.0] * (dim - 1) + [1.0]
+    axis = axis_mesh([0.0] * dim, up, all=(L, cells))
+    return kind(axis, Section(MASS, bending, axial=axial), **others)
+
+
+def axial(beam):
+    return beam.split(beam.displacement)[1]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "length", "dim"),
+    [
+        (PIN, PIN, 1.0, 2),
+        (PIN, PIN, 1.0, 3),
+        (CLAMP, CLAMP, 0.5, 2),
+        (CLAMP, PIN, 0.699155660, 2),
+        (CLAMP, {}, 2.0, 2),
+    ],
+    ids=["pinned", "in space", "clamped", "propped", "free"],
+)
+def test_a_pushed_column_bears_eulers_load(low, high, length, dim):
+    """The force of the drive that pushes it comes to rest there, whatever the way: pi² EI/(KL)²,
+    and the column bows by what its ends have come nearer: e = N/EA + mean w'^2/2."""
+    euler, errors = math.pi**2 * EI / (length * L) ** 2, []
+    for cells in (8, 16):
+        end = [Support(L, **high)] if high else []
+        push = 4 * euler * L / EA
+        beam = rod(
+            cells,
+            dim,
+            supports=[Support(0.0, axial=FAST, **low), *end],
+            law=Driven(push),
+            lateral_load=lambda s: np.full((dim - 1, len(s)), 1e-9 * euler / L),
+        )
+        # it is pushed at once, then left to swing to rest
+        first = Scene([beam], [], STATIC).run(1.0, 2e-2)
+        beam.law = Driven(0.0)
+        swings = Scene([beam], [], STATIC).run(2.0, 2e-2)
+        last = Scene([beam], [], STATIC).run(4e3, 1e3)
+        force = beam.axial.drive_force
+        np.testing.assert_allclose(beam.axial_force(), -force, rtol=1e-6)
+        bending = beam.split(beam.displacement)[0][:, ::2]
+        slope = np.diff(bending) * cells / L
+        assert 0.5 * (slope**2).sum() / cells == pytest.approx((push - force * L / EA) / L, 1e-6)
+        assert last.finished
+        for history in (first, swings):  # steps are solved to 1e-8
+            assert history.finished
+            assert np.abs(history["balance"]).max() < 1e-7 * history["strain"].max()
+        errors.append(abs(force / euler - 1))
+    assert errors[-1] < 0.015 and rates(errors)[0] == pytest.approx(2, abs=0.15)
+
+
+def test_steps_are_cut_where_a_column_buckles():
+    """Straight on is a solution of a long step, too, but no one that it moves to."""
+    pins = [Support(0.0, axial=FAST, **PIN), Support(L, **PIN)]
+    euler = math.pi**2 * EI / L**2
+    law, aside = Driven(1.3 * euler * L / EA / 1e6), {"lateral_load": lambda s: 1e-6 + 0 * s[None]}
+    beam = rod(supports=pins, law=law, **aside)
+    history = Scene([beam], [], STATIC).run(1e6, 1e4)
+    assert history.finished and len(history.time) > 102
+    assert beam.axial.drive_force == pytest.approx(euler, rel=0.01)
+    assert np.abs(beam.split(beam.displacement)[0][0, ::2]).max() > 5e-3
+
+
+@pytest.mark.parametrize("share", [1.0, -0.5])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_drive_tunes_a_rod(share, dim):
+    """Pulled by a share of Euler's load: omega² = (1 + share) (pi/L)⁴ EI/m, at second order."""
+    pull, errors = share * math.pi**2 * EI / L**2, []
+    for cells in (8, 16):
+        pins = [Support(0.0, axial=FAST, **PIN), Support(L, **PIN)]
+        beam = rod(cells, dim, supports=pins, law=Driven(-pull * L / EA))
+        Scene([beam], [], STATIC).run(1.0, 0.02)
+        beam.law = Driven(0.0)
+        assert -beam.axial.drive_force == pytest.approx(pull, rel=1e-9)
+        s, bent = beam.matrices.s, beam.displacement.copy()
+        beam.split(bent)[0][0, ::2] = 1e-6 * np.sin(math.pi * s / L)
+        beam.split(bent)[0][0, 1::2] = 1e-6 * math.pi / L * np.cos(math.pi * s / L)
+        beam.displacement = bent
+        beam.rest()
+        period = 2 * math.pi / ((math.pi / L) ** 2 * math.sqrt((1 + share) * EI / MASS))
+        middle = {"w": lambda beam=beam, i=cells: beam.split(beam.displacement)[0][0, i]}
+        history = Scene([beam], []).run(0.3 * period, period / 400, probes=middle)
+        quarter = np.interp(0.0, -history["w"], history.time)
+        errors.append(abs(4 * quarter / period - 1))
+    assert errors[-1] < 2e-3 and rates(errors)[0] == pytest.approx(2, abs=0.15)
+
+
+def test_a_hanging_chain_swings_as_bessel_has_it():
+    """Its weight is its tension; omega = j0/2 sqrt(g/L), j0 = 2.404826, at second order."""
+    errors, step = [], Step(1.0, STATIC)
+    for cells in (10, 20):
+        axis = axis_mesh((0, 0), (0, -1), all=(L, cells))
+        nail = [Support(0.0, lateral=FAST, axial=FAST)]
+        section = Section(MASS, 1e-6, axial=EA)
+        chain = VonKarmanBeam(axis, section, supports=nail, gravity=(0, -9.81))
+        assert Scene([chain], [], STATIC).run(30.0, 10.0).finished
+        middle = (chain.matrices.s[1:] + chain.matrices.s[:-1]) / 2
+        np.testing.assert_allclose(chain.axial_force(), MASS * 9.81 * (L - middle), rtol=1e-9)
+        # pulled aside and let go: an eighth of a period in steps of 1/800, by its lowest mode
+        chain.predict(step)
+        stiff = chain._tangent(step)[2 : 2 * cells + 2, 2 : 2 * cells + 2]
+        w, psi = slice(0, None, 2), slice(1, None, 2)
+        stiff = stiff[w, w] - stiff[w, psi] @ np.linalg.solve(stiff[psi, psi], stiff[psi, w])
+        root = 1 / np.sqrt(chain.matrices.bending_mass[2::2])
+        omega = math.sqrt(np.linalg.eigvalsh(root[:, None] * stiff * root)[0])
+        errors.append(abs(omega / (2.404825558 / 2 * math.sqrt(9.81 / L)) - 1))
+    assert errors[-1] < 1e-3 and rates(errors)[0] == pytest.approx(2, abs=0.2)
+
+
+@pytest.mark.parametrize("kind", [VonKarmanBeam, BeamSolid])
+def test_a_stop_sends_a_wave_up_the_rod(kind):
+    """N = EA v/c (1 - exp(-k c t/EA)) behind its front, k the stop's, t since it has passed."""
+    v, k, errors = 0.1, 1e7, []
+    c = math.sqrt(2 * EA / MASS)
+    for cells in (30, 60):
+        stop = Fall(stop=0.0, stop_stiffness=k)
+        beam = rod(cells, axial=2 * EA, kind=kind, law=stop, gravity=(0, -1e-9))
+        start = beam.velocity.copy()
+        beam.split(start)[1][:] = -v
+        beam.velocity = start
+        beam._begin()
+
+        def force(beam=beam, cells=cells):
+            return -2 * EA * np.diff(axial(beam))[cells // 2] * cells / L
+
+        dt = L / c / cells / 2
+        history = Scene([beam], [], allow_free=True).run(1.4 * L / c, dt, probes={"N": force})
+        behind = np.maximum(history.time - (L / 2 + L / cells / 2) / c, 0)
+        exact = 2 * EA * v / c * (1 - np.exp(-k * c * behind / (2 * EA)))
+        errors.append(np.sqrt(np.mean((history["N"] - exact) ** 2)) / (2 * EA * v / c))
+        assert np.abs(history["balance"]).max() < 1e-9 * history["kinetic"].max()
+    assert errors[-1] < 0.02 and rates(errors)[0] > 0.9
+
+
+# -- in tubes -----------------------------------------------------------------------------------
+
+
+def wound(turns, cells, phase):
+    """A rod in a tube of radius r that a drive compresses, bent to a helix of k² = F/(2EI), or
+    nearly straight; its F, r and contact."""
+    stiff, k, r = 850.0, 3.0, 5e-3
+    length, F = 2 * math.pi * turns / k, 2 * stiff * k**2
+    axis = axis_mesh((0, 0, -length), (0, 0, 1), rod=(length, cells))
+    section = Section(mass=16.662, bending=stiff, axial=5.9e6)
+    beam = VonKarmanBeam(axis, section, supports=[Support(0.0, axial=FAST)])
+    beam.deflect(
+        phase * r * np.stack([np.cos(k * beam.matrices.s), np.sin(k * beam.matrices.s)], 1)
+    )
+    tube = Guide([Tube(-1, length + 1, r)], (0.0,) * 3)
+    return beam, F, GuideContact(beam, "rod", tube), r * F**2 / (4 * stiff)
+
+
+def pressure(beam, contact):
+    """In the middle third, N/m."""
+    at, s = beam.axis.along(contact.surface.points), beam.matrices.s
+    middle = (at > s[-1] / 3) & (at < 2 * s[-1] / 3)
+    middle[contact.stations] = False
+    pressed = -np.einsum("ij,ij->i", contact.force, contact.normal)[middle]
+    return pressed * (len(s) - 1) / s[-1]
+
+
+def test_a_helix_presses_as_a_drive_compresses_it():
+    """r F²/(4EI) per length (Lubinski, Althouse, Logan 1962), F being what the drive bears."""
+    errors = []
+    for cells in (60, 120):
+        beam, F, contact, exact = wound(4, cells, 1.0)
+        start = beam.displacement.copy()
+        h = beam.matrices.s[-1] / cells
+        slope = np.diff(beam.split(start)[0][:, ::2]) / h
+        strain = -F / 5.9e6 - 0.5 * (slope**2).sum(axis=0)
+        beam.split(start)[1][1:] = np.cumsum(strain) * h
+        beam.displacement = start
+        beam.rest()
+        beam.law = Driven(0.0)
+        list(Scene([beam], [contact], ThetaScheme(1.0)).step(1e-4))
+        assert beam.axial.drive_force == pytest.approx(F, rel=2e-4)
+        force = pressure(beam, contact)
+        assert np.ptp(force) < 1e-6 * force.mean()
+        errors.append(abs(force.mean() / exact - 1))
+    assert errors[1] < 0.01 and rates(errors) == pytest.approx([2], abs=0.1)
+
+
+@pytest.mark.long
+def test_a_drive_winds_a_straight_rod_into_a_helix():
+    """Pushed in its tube it buckles by itself, and comes to rest as a helix of k² = F/(2EI) with
+    r F²/(4EI) per length; F is what the drive finds."""
+    beam, F, contact, exact = wound(3, 72, 0.02)
+    length = beam.matrices.s[-1]
+    beam.law = Driven((F / 5.9e6 + 0.5 * (5e-3 * 3.0) ** 2) * length)
+    assert Scene([beam], [contact], STATIC).run(1.0, 1e-2).finished
+    beam.law = Driven(0.0)
+    assert Scene([beam], [contact], STATIC).run(0.2, 5e-3).finished
+    force = beam.axial.drive_force
+    x, y = beam.split(beam.displacement)[0][:, ::2]
+    turned = np.abs(np.diff(np.unwrap(np.arctan2(y, x)))) * 72 / length
+    assert turned[24:48] == pytest.approx(math.sqrt(force / 2 / 850.0), rel=0.05)
+    assert pressure(beam, contact).mean() == pytest.approx(exact * (force / F) ** 2, rel=0.02)

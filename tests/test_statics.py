@@ -180,6 +180,13 @@ def test_stack_of_ten(law, start):
     solved(stack(law=law, start=start), law)
 
 
+@pytest.mark.parametrize(("count", "start"), [(10, "touching"), (10, "open")])
+@pytest.mark.parametrize("law", LAWS)
+def test_stack_of_equal_blocks(law, count, start):
+    """All would fall alike, so that falling does not tell which of them meet."""
+    solved(stack(law=law, start=start, count=count, taper=0.0, n=(3, 2)), law)
+
+
 @pytest.mark.parametrize("start", START)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("friction", [0.0, 0.3])

@@ -153,7 +153,7 @@ class StepSolver:
     def _settle(self, step: Step, first: bool) -> Solution:
         frozen = self.system.freeze(step)
         if first and self._floating and isinstance(frozen, FrozenContact):
-            frozen.fall()
+            frozen.glue()
         try:
             return self._newton.solve(frozen)
         except NotConverged as failure:

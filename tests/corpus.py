@@ -145,7 +145,9 @@ def stack(
     height, E, gap = 0.3, 1e8, 0.3 * STARTS[start]
     blocks = [
         ElasticSolid(
-            moved(rectangle(n or (2 + i % 2, 1), (1.0 - taper * i, height)), 0.0, i * (height + gap)),
+            moved(
+                rectangle(n or (2 + i % 2, 1), (1.0 - taper * i, height)), 0.0, i * (height + gap)
+            ),
             youngs_modulus=E,
             poisson_ratio=0.3,
             density=1000.0,

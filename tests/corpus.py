@@ -132,12 +132,22 @@ def neo_hookean_on_slab(
     return Static(scene, {"c": force}, 6 * pressure * 0.6 / E + 2 * abs(gap), None, gap)
 
 
-def stack(*, count: int = 10, start: str = "touching", law: Any = "velocity") -> Static:
-    """Elastic blocks on each other on a floor, held by friction alone."""
+def stack(
+    *,
+    count: int = 10,
+    start: str = "touching",
+    law: Any = "velocity",
+    taper: float = 0.02,
+    n: Sequence[int] | None = None,
+) -> Static:
+    """Elastic blocks on each other on a floor, held by friction alone, each narrower than the one
+    below by ``taper``; of ``n`` cells each, or of 2 and 3 by turns."""
     height, E, gap = 0.3, 1e8, 0.3 * STARTS[start]
     blocks = [
         ElasticSolid(
-            moved(rectangle((2 + i % 2, 1), (1.0 - 0.02 * i, height)), 0.0, i * (height + gap)),
+            moved(
+                rectangle(n or (2 + i % 2, 1), (1.0 - taper * i, height)), 0.0, i * (height + gap)
+            ),
             youngs_modulus=E,
             poisson_ratio=0.3,
             density=1000.0,
@@ -150,7 +160,7 @@ def stack(*, count: int = 10, start: str = "touching", law: Any = "velocity") ->
     for i in reversed(range(count)):
         master = (blocks[i - 1], "top") if i else HalfSpace((0, -gap), (0, 1))
         contacts.append(Contact(blocks[i], "base", master, law, friction=0.3, name=f"c{i}"))
-        weight += 1000.0 * G * height * (1.0 - 0.02 * i)
+        weight += 1000.0 * G * height * (1.0 - taper * i)
         forces[f"c{i}"] = [0.0, weight]
     scene = Scene(blocks, contacts, QuasiStatic())
     reach = 3 * 1000 * G * (count * height) ** 2 / E + 2 * count * abs(gap)

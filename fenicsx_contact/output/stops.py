@@ -35,6 +35,13 @@ class Stop(NamedTuple):
 STOPS = {
     "unsolved": [
         Stop(
+            "no equilibrium",
+            "no equilibrium: contacts cannot hold ... against ...",
+            "in statics: the loads on the body, which no support holds against this motion, are "
+            "outside of all that its contacts can bear: it slides, tips over or is pulled off",
+            "less load, more friction or a support; with inertia (`ThetaScheme(1.0)`) it moves",
+        ),
+        Stop(
             "row stalls",
             "a ... row stalls at a scaled residual of ...",
             "a row of a contact: which, and with which points, follows",

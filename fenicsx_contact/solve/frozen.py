@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Protocol
 
 import numpy as np
@@ -26,14 +27,13 @@ class LinearSystem(Protocol):
     places: Numbering
     comm: MPI.Comm
     frozen: bool
-    falling: bool
     held: bool
     force: np.ndarray
     rows: list[np.ndarray]
 
     @property
     def size(self) -> int: ...
-    def assemble(self, falling: bool = False) -> None: ...
+    def assemble(self) -> None: ...
     def iterate(self, step: Step) -> bool: ...
 
 
@@ -60,19 +60,18 @@ class FrozenContact(Statuses):
         self._convex = True
         self._see()
 
-    def fall(self) -> None:
-        """Move the solids as if nothing touched them: which way what is to be held would go says
-        where contacts bear, and whether they hold it along the surface."""
-        system = self._system
+    def glue(self) -> None:
+        """Begin with the solids as if all that may touch were glued: what is then pulled opens,
+        and what is dragged by more than friction bears slips. Where nothing else holds them that is
+        the only start that knows of all contacts at once, those between solids that would fall
+        alike among them. Springs have no multipliers to say so; they bear where they are."""
         for part in self.parts:
-            n = len(part.active_places)
-            part.move(np.concatenate([np.zeros(n), -part.active_values()[n:]]))
-        for solid in system.solids:
-            solid.drop_forces()
-        system.assemble(falling=True)
-        system.falling = True
+            n, m = len(part.active_places), len(part.equations.candidates)
+            values = np.zeros(part.multipliers)
+            values[:m] = -part.scales()[0][n:][:m] / sqrt(np.finfo(float).eps)  # whatever gaps say
+            part.move(np.concatenate([np.zeros(n), values - part.active_values()[n:]]))
+        self._see()
         self.iterate()
-        system.falling = False
 
     def iterate(self, enough: float = 0.0) -> bool:
         """One Newton step, with multipliers held as far as the function falls; False where the

@@ -10,6 +10,8 @@ nothing of what will. So do rounds that follow corrections which gain no more (t
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from ..base.checks import StepFailed
@@ -19,6 +21,7 @@ from ..contact.trial import candidate_force, nonlinearity
 from ..solids import DeformableSolid
 from ..theory.theta import Step
 from .condensed import Condensed
+from .equilibrium import unbearable
 from .frozen import FrozenContact
 from .krylov import Krylov
 from .monolithic import Monolithic
@@ -152,11 +155,13 @@ class StepSolver:
         return speed
 
     def _settle(self, step: Step, first: bool) -> Solution:
-        frozen = self.system.freeze(step)
+        frozen, hopeless = self.system.freeze(step), None
+        if self._floating:
+            hopeless = partial(unbearable, self._floating, self._all.contacts, step)
         if first and self._floating and isinstance(frozen, FrozenContact):
-            frozen.fall()
+            frozen.glue()
         try:
-            return self._newton.solve(frozen)
+            return self._newton.solve(frozen, hopeless)
         except NotConverged as failure:
             raise StepFailed(str(failure)) from None
 

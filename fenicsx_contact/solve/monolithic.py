@@ -34,7 +34,7 @@ class Monolithic(ABC):
     Attributes:
         near, patient: as of :class:`~fenicsx_contact.solve.condensed.Condensed`.
         frozen: whether solids and geometry stay as they were linearised.
-        falling: whether the contacts are left out, and held: whether the multipliers stay.
+        held: whether the multipliers stay.
         rows: scaled residuals of the multipliers, contact by contact.
     """
 
@@ -51,7 +51,6 @@ class Monolithic(ABC):
         self._kept: dict[tuple[int, str], tuple] = {}
         self._solid_rows = SolidRows(self.solids, self.places, self.comm)
         self._floating = np.zeros(self.places.size)
-        self.falling = False
         self._hyperstatic = any(solid.shiftable for solid in self.solids)
         self._yielding = Yielding()
         self.restart()
@@ -71,9 +70,8 @@ class Monolithic(ABC):
         self._errors = errors
         return float(np.max(errors)), self.force
 
-    def assemble(self, falling: bool = False) -> None:
-        """Rows of the multipliers, and the forces of the contacts, which are spread; none if the
-        solids fall."""
+    def assemble(self) -> None:
+        """Rows of the multipliers, and the forces of the contacts, which are spread."""
         everything = self.assembly.parts[-1].stop if self.assembly.parts else 0
         self.force = np.zeros(everything)
         self.rows = []
@@ -81,9 +79,7 @@ class Monolithic(ABC):
             residual, active = part.active_residual(), part.active_places
             self.force[places.start + active] = -residual[: len(active)]
             self.rows.append(residual[len(active) :] * part.scales()[1][len(active) :])
-        if falling:
-            self.force[:] = 0.0
-        if falling or self.held:
+        if self.held:
             self.rows = [np.zeros(len(rows)) for rows in self.rows]
         self.assembly.spread(self.force)
 
@@ -143,8 +139,6 @@ class Monolithic(ABC):
         """What the contacts add to the matrix, scaled, (size, size), on every process; if
         ``frozen`` without the derivatives of the geometry."""
         block, last = sp.csr_matrix((self.size, self.size)), self.places.size
-        if self.falling:
-            return block
         for contact, part in enumerate(self.parts):
             n, (columns, rows) = len(part.active_places), part.scales()
             columns[:n] = rows[:n] = 1.0
@@ -176,8 +170,7 @@ class Monolithic(ABC):
     def _compliance(self) -> sp.csr_matrix:
         """The compliance that makes the multipliers unique, where they are not."""
         n, m = self.places.size, self.size - self.places.size
-        fixed = self.falling or self.held
-        diagonal = np.repeat([0.0, -1.0 if fixed else -self._softness], [n, m])
+        diagonal = np.repeat([0.0, -1.0 if self.held else -self._softness], [n, m])
         if self._floating.any():
             stiff = np.abs(self._diagonal()).max()
             diagonal[:n] = FREE * stiff * self._floating

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -62,11 +63,12 @@ class Newton:
         checks.keep(self, "tolerance", above=0, at_most=1e-2)
         checks.whole_number("max_iterations", self.max_iterations, at_least=1)
 
-    def solve(self, system: ContactProblem) -> Solution:
+    def solve(self, system: ContactProblem, hopeless: Callable[[], str] | None = None) -> Solution:
         """Solve the surface problem of a step; the surfaces then hold the solution.
 
         Args:
             system: the surface problem, begun.
+            hopeless: why it has no solution, or nothing; asked where Newton's method finds none.
 
         Raises:
             NotConverged: with the reason.
@@ -76,6 +78,8 @@ class Newton:
         iterations, rough = self._iterate(system)
         if system.worst <= rough:
             return Solution(system.force(), iterations, system.worst)
+        if hopeless and (reason := hopeless()):
+            raise NotConverged(reason)
         remark = system.flips()
         steps = method_of_multipliers(system, self.tolerance)
         remark += f"; method of multipliers took over, {steps} steps"

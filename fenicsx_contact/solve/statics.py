@@ -32,7 +32,7 @@ def refuse_free(solids: Sequence[Any], contacts: Sequence[Contact]) -> None:
                 f"solids: {solid.name!r} is rigid, and a quasi-static scene has no inertia that "
                 "could move it; use a ThetaScheme, an obstacle or a stiff elastic solid"
             )
-    motions = {id(solid): _Motions(solid) for solid in solids}
+    motions = {id(solid): Motions(solid) for solid in solids}
     k = len(next(iter(motions.values())).names)
     place = {key: slice(i * k, (i + 1) * k) for i, key in enumerate(motions)}
     gram = np.zeros((k * len(solids), k * len(solids)))
@@ -59,7 +59,7 @@ def refuse_free(solids: Sequence[Any], contacts: Sequence[Contact]) -> None:
 
 def stands(solid: Any) -> bool:
     """Whether the supports of a deformable solid leave it no rigid motion."""
-    values = np.linalg.eigvalsh(_Motions(solid).held())
+    values = np.linalg.eigvalsh(Motions(solid).held())
     return bool(values[0] > FREE * values[-1])
 
 
@@ -67,7 +67,7 @@ def free_motion(solids: Sequence[Any], step: Step) -> str:
     """Which of these solids has left its place in the trial state, and by which rigid motion, as
     the end of a sentence; nothing if none has."""
     for solid in solids:
-        motions = _Motions(solid)
+        motions = Motions(solid)
         rows = motions(solid.vectors.places).reshape(-1, len(motions.names))
         comm, way = solid.comm, solid.trial_displacement - solid.displacement
         gram, right = comm.allreduce(rows.T @ rows), comm.allreduce(rows.T @ way)
@@ -78,7 +78,7 @@ def free_motion(solids: Sequence[Any], step: Step) -> str:
     return ""
 
 
-class _Motions:
+class Motions:
     """The rigid motions of a solid: unit velocities, and rotations that give such at its ends."""
 
     def __init__(self, solid: Any) -> None:

@@ -33,6 +33,7 @@ class Formulation(Protocol):
         points: coordinates (k, d) of the points that it acts on, None for all nodes.
         gap_share: which gap the form reads: 0 that of the start of the step, 1 that of its end as
             it depends on w.
+        pushes: of one that has it, and True: its normal forces only push.
 
     Optional is ``closed(predicted_gap, tolerance)``: Su, (n,) of bool, where it is decided before
     the step, from the gaps (n,) [m] at the end of an explicit prediction, equal up to a tolerance
@@ -81,6 +82,7 @@ class Velocity:
 
     drift_correction: float = 0.0
     name: ClassVar[str] = "velocity"
+    pushes: ClassVar[bool] = True
     multipliers: ClassVar[bool] = True
     percussive: ClassVar[bool] = True
     at_points: ClassVar[bool] = False
@@ -148,6 +150,7 @@ class Gap:
     """
 
     name: ClassVar[str] = "gap"
+    pushes: ClassVar[bool] = True
     multipliers: ClassVar[bool] = True
     percussive: ClassVar[bool] = False
     at_points: ClassVar[bool] = False

@@ -49,6 +49,11 @@ class Coulomb:
     def __post_init__(self) -> None:
         object.__setattr__(self, "mu", parameter("friction", self.mu))
 
+    @property
+    def slope(self) -> float | None:
+        """The tangent of the angle of the cone that no force leaves, if it is one number."""
+        return None if varies(self.mu) else float(self.mu)
+
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """mu times the pressure."""
         return k.field("friction", self.mu) * pressure

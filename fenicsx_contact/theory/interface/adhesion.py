@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import ufl
 
@@ -38,6 +38,7 @@ class Adhesive:
 
     stress: Parameter
     law: Any = "velocity"
+    pushes: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         keep_parameter(self, "stress")

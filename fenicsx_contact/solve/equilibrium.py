@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Why contacts cannot bear what loads a solid that nothing else holds: where a step without inertia
+has no solution, in words that its user can act on, and at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy.optimize import nnls
+
+from ..contact.contact import Contact
+from ..theory.theta import Step
+from .statics import FREE, Motions
+
+#: Cost: sides of the pyramid that holds a cone of friction in space: what it cannot bear, no cone
+#: can; what lies between is found out the long way.
+SIDES = 16
+
+
+def unbearable(solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -> str:
+    """Why no forces of the contacts, whatever the deformation, balance the loads on these solids,
+    as they are linearised; nothing if some do.
+
+    A force is in the cone of friction of its point; where that is not known, in any direction along
+    the surface, or in any at all. In equilibrium the sum of all works on no rigid motion that the
+    supports allow; if it must, then what is left at least tells a motion that begins (Farkas).
+    """
+    shares = {id(solid): _free_shares(solid) for solid in solids}
+    load = np.concatenate([_loads(solid, shares[id(solid)], step) for solid in solids])
+    columns = [np.empty((len(load), 0))]
+    for contact in contacts:
+        points, directions = contact.equations.candidates, _cone(contact)
+        rates = [_rates(contact, solid, shares, step)[points] for solid in solids]
+        across = np.einsum("ndk,njd->njk", np.concatenate(rates, axis=2), directions[points])
+        columns.append(across.reshape(-1, len(load)).T)
+    size = np.abs(load).max(initial=0.0)
+    if not size or not np.isfinite(size):
+        return ""
+    forces = np.concatenate(columns, axis=1)
+    left = load / size
+    if forces.shape[1]:
+        left = left + forces @ nnls(forces, -left)[0]
+    if np.abs(left).max() <= FREE:
+        return ""
+    starts = np.cumsum([0, *(shares[id(solid)].shape[1] for solid in solids)])
+    ways = [shares[id(s)] @ left[a:b] for s, a, b in zip(solids, starts, starts[1:])]
+    which = int(np.argmax([np.abs(way).max(initial=0.0) for way in ways]))
+    amounts, d = np.abs(ways[which]), solids[which].dim
+    turns = amounts[d:].max() > FREE * amounts.max()  # what slides or is pulled off does not
+    motion = Motions(solids[which]).names[int(amounts[turns * d :].argmax()) + turns * d]
+    return f"no equilibrium: contacts cannot hold {solids[which].name!r} against {motion}"
+
+
+def _free_shares(solid: Any) -> np.ndarray:
+    """The rigid motions that strain the solid and its supports by nothing, (motions, free ones);
+    of what is not linear translations only, for turns work on its stresses."""
+    motions = Motions(solid)
+    k = len(motions.names) if solid.linear else solid.dim
+    values, vectors = np.linalg.eigh(motions.held()[:k, :k])
+    free = vectors[:, values <= FREE * max(values[-1], 1.0)]
+    return np.concatenate([free, np.zeros((len(motions.names) - k, free.shape[1]))])
+
+
+def _loads(solid: Any, shares: np.ndarray, step: Step) -> np.ndarray:
+    """The loads on a solid along its free motions, N, from the balance as it was linearised."""
+    trial, motions = solid.trial_velocity.copy(), Motions(solid)
+    solid.go(solid.velocity, step)
+    solid.drop_forces()
+    rows = motions(solid.vectors.places).reshape(solid.owned, -1) @ shares
+    load = np.array(solid.comm.allreduce(-rows.T @ solid.linear_residual()))
+    solid.go(trial, step)
+    return load
+
+
+def _rates(contact: Contact, solid: Any, shares: dict[int, np.ndarray], step: Step) -> np.ndarray:
+    """Jumps of a contact by the free motions of a solid, (n, d, free ones)."""
+    motions = Motions(solid)(solid.vectors.places).reshape(solid.owned, -1) @ shares[id(solid)]
+    rates = np.zeros((*contact.normal.shape, motions.shape[1]))
+    if any(other is solid for other in contact.solids):
+        means = {id(other): np.zeros_like(other.velocity) for other in contact.solids}
+        for k, motion in enumerate(motions.T):
+            rates[:, :, k] = contact.coupling.mean_jump({**means, id(solid): motion}, step)
+    return rates
+
+
+def _cone(contact: Contact) -> np.ndarray:
+    """Directions of forces on the slave at each point, whose sums with weights >= 0 are at least
+    all that it may bear, (n, directions, d)."""
+    normal, d = contact.normal, contact.solid.dim
+    law, pushes = contact.friction_law, getattr(contact.formulation, "pushes", False)
+    push = -normal[:, None, :]
+    if d == 2:
+        along = push[:, :, ::-1] * np.array([1.0, -1.0])
+        ring = np.concatenate([along, -along], axis=1)
+    else:
+        first = np.cross(normal, np.eye(3)[np.abs(normal).argmin(axis=1)])
+        first /= np.linalg.norm(first, axis=1)[:, None]
+        axes = np.stack([first, np.cross(normal, first)], axis=1)
+        angles = 2 * np.pi / SIDES * np.arange(SIDES)
+        turns = np.stack([np.cos(angles), np.sin(angles)], axis=1) / np.cos(np.pi / SIDES)
+        ring = np.einsum("ij,njd->nid", turns, axes)
+    if not law:
+        return push if pushes else np.concatenate([push, -push], axis=1)
+    slope = getattr(law, "slope", None)
+    if pushes and slope is not None:
+        return push + slope * ring
+    return np.concatenate([push, ring] if pushes else [push, -push, ring], axis=1)

@@ -280,6 +280,53 @@ def test_a_wall_does_not_meet_its_own_far_side(law):
     np.testing.assert_allclose(solid.displacement, other.displacement, rtol=0, atol=1e-4 * size)
 
 
+def hook(whole):
+    """A clamp of two arms and a tooth of 2 cm under the upper one, 1 cm above the lower one; its
+    boundary has one name, or tooth and arm have theirs."""
+    cells, points = [], {}
+
+    def corner(i, j):
+        return points.setdefault((0.02 * i, 0.01 * j), len(points))
+
+    for i in range(10):
+        for j in range(5):
+            if i < 2 or j in (0, 1, 4) or (j == 3 and i == 8):
+                cells.append([corner(i + a, j + b) for b in (0, 1) for a in (0, 1)])
+    mesh = compat.create_mesh(
+        MPI.COMM_SELF, np.array(cells), np.array(list(points)), "quadrilateral"
+    )
+    tooth = {
+        "tooth": lambda x: np.isclose(x[1], 0.03) & (x[0] > 0.15),
+        "arm": lambda x: np.isclose(x[1], 0.02) & (x[0] > 0.03),
+    }
+    sides = {"tooth": lambda x: x[0] > 1e-9} if whole else tooth
+    return name_facets(mesh, {**sides, "end": lambda x: np.isclose(x[0], 0)})
+
+
+def bitten(whole, law):
+    """The clamp is closed and pressed; its history."""
+    pull = lambda x, t: (0 * x[0], -2e5 * t * (x[1] > 0.035) * (x[0] > 0.05))  # noqa: E731
+    body = HyperelasticSolid(
+        hook(whole), energy=neo_hookean(1e6, 0.3), density=1.0, fixed=["end"], body_force=pull
+    )
+    contact = Contact(body, "tooth", (body, "tooth" if whole else "arm"), law, 0.3, name="c")
+    scene = Scene([body], [contact], QuasiStatic(), geometry="newton")
+    history = scene.run(1.0, 0.05, progress=False)
+    assert history.finished, history.reason
+    assert abs(history["c.force_y"][-1]) > 10 and history["c.penetration"].max() < 1e-3
+    return history
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+@pytest.mark.parametrize(
+    "whole", [False, pytest.param(True, marks=pytest.mark.open)], ids=["named", "whole"]
+)
+def test_a_tooth_with_sharp_edges_bites(whole, law):
+    """Where a sharp edge of a surface comes to that very surface sides beside it see it, too: parts
+    that meet are to be named."""
+    bitten(whole, law)
+
+
 def test_what_folds_far_away_touches_nothing_yet():
     """A flat strip faces itself nowhere; that is no reason to refuse it."""
     mesh = mesh_from_gmsh("block.geo", width=1.0, height=0.01, n_width=10, n_height=1)

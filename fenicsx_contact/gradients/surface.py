@@ -60,7 +60,7 @@ class ContactRows:
         self._refuse(contact)
         self.contact, self.motion = contact, motion
         self.motions: Sequence[Motion] = [motion]
-        self._by_start = ByField(contact, contact.equations.fields.start_jump_n)
+        self._by_start: list[ByField] = []  # made when a law first reads it, for copies, too
         self._d = contact.surface.dim
         self._more = contact.equations.fields.components - self._d  # multipliers of a point
 
@@ -107,7 +107,11 @@ class ContactRows:
         self._force, tangents = -e.residual()[e.active_jumps], e.tangents
         self._blocks = tangents.blocks(frozen=True).copy()
         self._parameters = tangents.parameters().copy()
-        self._start = self._by_start()
+        self._start = np.zeros(self._blocks.shape[:2])
+        if self.reads_start.any():
+            if not self._by_start:
+                self._by_start.append(ByField(self.contact, e.fields.start_jump_n))
+            self._start = self._by_start[0]()
 
     def _normals(self, start: np.ndarray) -> None:
         """What the obstacle is at the start and the end, and how that depends on the places."""

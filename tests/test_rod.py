@@ -400,6 +400,19 @@ def test_the_force_of_the_end_stop():
     assert short.stop_impact()[0] < 0.5 * exact and short.rod.travel >= way
 
 
+@pytest.mark.parametrize("lean", [0.2, 1.0])
+def test_a_stuck_rod_says_where_and_by_what(lean):
+    """In a tube that leans by less than the angle of friction; one that slides says nothing."""
+    drop = in_tube(np.pi / 2 - lean, 1.0).fall(0.1, 1e-2)
+    weight = 2.0 * 9.81
+    if np.tan(lean) > 1.0:
+        assert drop.stuck() == "" and drop.rod.travel > 1e-3
+        return
+    assert abs(drop.rod.travel) < 1e-12 and abs(drop.rod.speed) < 1e-12
+    borne = f"friction {weight * np.sin(lean):.4g} N of its weight"
+    assert "'rod' is stuck at the travel" in drop.stuck() and borne in drop.stuck()
+
+
 def test_a_drop_of_something_else():
     guide = Guide([Tube(-1.0, 2.0, 1e-3)])
     with pytest.raises(InputError, match="rod = 3: must be a function"):

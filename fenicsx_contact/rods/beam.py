@@ -254,7 +254,7 @@ class BeamSolid(Solid):
         return BeamTrace(self, places, *stations)
 
     def energies(self) -> tuple[float, float, float]:
-        """Kinetic (with the water that moves along), strain, and of the weight plus ``taken``, J."""
+        """Kinetic (with the water that moves along), strain, and of weight plus ``taken``, J."""
         kinetic = 0.5 * float(self.velocity @ self._momentum)
         kinetic += self.axial.added_energy(self.travel, self.speed)
         weight = -float(self.weight @ self.displacement)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import checks
+from ..base.constants import SAME
 from ..output.history import History
 from ..scene import Scene
 from ..theory.formulations import Formulation
@@ -67,6 +68,29 @@ class Passage:
         )
         against = -np.sign(speed)
         return travel, against * (wall + rubbing), against * rubbing
+
+    def stuck(self) -> str:
+        """Where the rod sticks in its guide, and what holds it; "" if it slides, or stands on its
+        stop: a rod does not move while a point of it sticks, none at its bound."""
+        contact, rod = self.contact, self.rod
+        pressed = np.einsum("ij,ij->i", contact.force, contact.normal)
+        rubbing = np.linalg.norm(contact.force - pressed[:, None] * contact.normal, axis=1)
+        holding = np.flatnonzero((contact.status == 1) & (rubbing > SAME * abs(pressed)))
+        if not len(holding) or self.history["stop"][-1]:
+            return ""
+        depth = contact.obstacle.depth(contact.trace.positions())
+        first = holding[np.argsort(-rubbing[holding])][:3]
+        worst = ", ".join(
+            f"at the depth {depth[i]:.4g} m {rubbing[i]:.4g} N of friction under "
+            f"{abs(pressed[i]):.4g} N"
+            for i in first
+        )
+        wall, friction = contact.axial_force()
+        return (
+            f"{rod.name!r} is stuck at the travel {rod.travel:.6g} m, its speed {rod.speed:.2g} "
+            f"m/s: walls bear {-wall:.4g} N and friction {-friction:.4g} N of its weight, at "
+            f"{len(holding)} places that do not slip; most {worst}"
+        )
 
     def stop_impact(self) -> tuple[float, float]:
         """The largest force of the end stop, N, and when, s; 0 N where it was not met."""

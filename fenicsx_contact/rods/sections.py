@@ -36,7 +36,7 @@ class Section:
         axial: E A, N; infinite (default) makes the axis inextensible.
         rotary: rho I, kg m.
         tension: axial force that it carries, N, compression negative: it stiffens bending by
-            1/2 int tension w'^2 ds. It is given: what the run adds to it is not.
+            1/2 int tension w'^2 ds. It is given; what the run adds bends a VonKarmanBeam only.
         lateral_added_mass: of the fluid that it moves along when it moves sideways, kg/m.
         recess: how far its surface stands back from the one that the clearances of guides are
             for, m, < 0: out; read at the nodes, and linear between them.

@@ -11,7 +11,7 @@ With linear fields both parts of the strain are constant in a cell: nothing lock
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cached_property
 from itertools import product
 from typing import Any
@@ -23,19 +23,16 @@ from ..base import checks
 from ..base.constants import ROUND_OFF
 from ..base.vectors import largest
 from ..theory.theta import Step
-from .axis import AxisMesh
 from .beam import BeamSolid
 from .coupled_trace import CoupledTrace
 from .drive import Place
-from .sections import Section
 
 
 class VonKarmanBeam(BeamSolid):
     """A beam whose axial force, as the run finds it, acts on its bending.
 
-    Args:
-        axis, sections, others: as for :class:`~fenicsx_contact.rods.beam.BeamSolid`; the sections
-            must stretch (``axial``). A :class:`~fenicsx_contact.rods.drive.Driven` holds one node.
+    Its arguments are those of :class:`~fenicsx_contact.rods.beam.BeamSolid`; its sections must
+    stretch (``axial``). A :class:`~fenicsx_contact.rods.drive.Driven` holds one node of it.
 
     Attributes:
         inverse: of the tangent of the step, (n, n) in m/(N s).
@@ -47,11 +44,6 @@ class VonKarmanBeam(BeamSolid):
     linear = False
     _about: np.ndarray  # the velocity that was linearised about
     _taken: tuple[np.ndarray, np.ndarray]  # a displacement, the mean internal force up to there
-
-    def __init__(
-        self, axis: AxisMesh, sections: Section | Mapping[str, Section], **others: Any
-    ) -> None:
-        super().__init__(axis, sections, **others)
 
     def _share(self, place: Place) -> np.ndarray:
         return np.concatenate([np.zeros(self.unknowns.bending), super()._share(place)])

@@ -257,6 +257,10 @@ def test_energy(energy):
     refused(lambda: hyperelastic(energy=energy), "energy", repr(energy))
 
 
+def test_an_energy_that_resists_no_strain():
+    refused(lambda: hyperelastic(energy=lambda F: 1e6 * ufl.tr(F)), "energy", "linear in F")
+
+
 @pytest.mark.parametrize("number", [NAN, np.inf])
 def test_numbers_in_ufl_that_are_none(number):
     """The compiler of C would refuse them in its own words."""

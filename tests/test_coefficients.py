@@ -207,6 +207,19 @@ def test_each_kind_of_load_gives_the_same(where):
             )
 
 
+def test_a_pressure_along_the_normals_of_the_facets():
+    """As it is written in UFL, steady and in time; facets alone have normals."""
+    n = ufl.FacetNormal(MESH.mesh)
+    first = loaded(ThetaScheme(), tractions={"right": (-2e4, 0.0)})
+    for load in (-2e4 * n, lambda x: -2e4 * n, lambda x, t: -2e4 * (1 + 0 * t) * n):
+        same = loaded(ThetaScheme(), tractions={"right": load})
+        np.testing.assert_allclose(same, first, rtol=0, atol=1e-13 * np.abs(first).max())
+    with pytest.raises(InputError, match="normals of facets"):
+        elastic(body_force=-2e4 * n)
+    with pytest.raises(InputError, match="normals of facets"):
+        elastic(youngs_modulus=1e9 * n[0] ** 2)
+
+
 def test_a_load_that_varies_along_the_solid():
     """Its resultant and its moment, in each way of writing it."""
     for load in (

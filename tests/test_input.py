@@ -257,6 +257,10 @@ def test_energy(energy):
     refused(lambda: hyperelastic(energy=energy), "energy", repr(energy))
 
 
+def test_an_energy_that_resists_no_strain():
+    refused(lambda: hyperelastic(energy=lambda F: 1e6 * ufl.tr(F)), "energy", "linear in F")
+
+
 @pytest.mark.parametrize("number", [NAN, np.inf])
 def test_numbers_in_ufl_that_are_none(number):
     """The compiler of C would refuse them in its own words."""
@@ -664,3 +668,15 @@ def test_beams():
     refused(lambda: beam(sections=Section(lambda s: NAN * s, 1.0)), "mass")
     constant = dolfinx.fem.Constant(axis.mesh, 2.0)
     assert beam(sections=Section(constant, 1.0)).mass == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("kind", [ElasticSolid, HyperelasticSolid])
+def test_a_misspelt_argument_is_named_with_what_may_be_meant(kind):
+    """By the class that was asked, also of arguments that it hands on."""
+    material = {"youngs_modulus": 1.0, "poisson_ratio": 0.3}
+    if kind is HyperelasticSolid:
+        material = {"energy": neo_hookean(1.0, 0.3)}
+    with pytest.raises(InputError, match=rf"densty: {kind.__name__} .* mean 'density'"):
+        kind(rectangle(), densty=1.0, **material)
+    with pytest.raises(InputError, match=rf"q: {kind.__name__} has no .* it has mesh, .*gravity"):
+        kind(rectangle(), density=1.0, q=1.0, **material)

@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Signatures that hide nothing: where a class hands ``**others`` on to the class that it extends,
-``help`` and the reference show these arguments, and what they are, in their place."""
+``help`` and the reference show these arguments, and what they are, in their place; and what is none
+of them is refused by the class that was asked, with what may be meant."""
 
 from __future__ import annotations
 
 import inspect
 import re
-from typing import TypeVar
+from difflib import get_close_matches
+from functools import wraps
+from typing import Any, TypeVar
+
+from .checks import InputError
 
 C = TypeVar("C", bound=type)
 # one argument of a docstring: its line and those that are set in deeper
@@ -20,6 +25,18 @@ def whole(cls: C) -> C:
     known = {p.name for p in own}
     theirs = inspect.signature(base).parameters.values()
     further = [p for p in theirs if p.kind == p.KEYWORD_ONLY and p.name not in known]
+    allowed, made = [p.name for p in (*own, *further)], cls.__init__  # type: ignore[misc]
+
+    @wraps(made)
+    def begin_checked(self: Any, *args: Any, **keywords: Any) -> None:
+        for name in keywords:
+            if name not in allowed:
+                near = " or ".join(map(repr, get_close_matches(name, allowed, 2)))
+                hint = f"; did you mean {near}?" if near else f"; it has {', '.join(allowed)}"
+                raise InputError(f"{name}: {cls.__name__} has no such argument{hint}")
+        made(self, *args, **keywords)
+
+    cls.__init__ = begin_checked  # type: ignore[misc]
     cls.__signature__ = inspect.Signature([*own, *further])  # type: ignore[attr-defined]
     begin, said, rest = _arguments(cls)
     _, inherited, _ = _arguments(base)

@@ -19,6 +19,7 @@ from typing import Any, Protocol
 import numpy as np
 import ufl
 from dolfinx import fem
+from ufl.algorithms.analysis import extract_type
 
 from ..base import checks, compat
 from ..base.checks import is_function
@@ -93,7 +94,9 @@ class Sampled:
             self._values.reshape(len(self._values), -1)[:, i] = checks.floats(component)
 
 
-def field(what: str, value: Any, mesh: NamedMesh, shape: tuple[int, ...] = ()) -> Field:
+def field(
+    what: str, value: Any, mesh: NamedMesh, shape: tuple[int, ...] = (), on_facets: bool = False
+) -> Field:
     """An expression of UFL or a function of x, or of x and t, as a field.
 
     Args:
@@ -101,11 +104,14 @@ def field(what: str, value: Any, mesh: NamedMesh, shape: tuple[int, ...] = ()) -
         value: the expression or function.
         mesh: on which it lives.
         shape: of its values.
+        on_facets: it is asked there, and may use their normals.
 
     Raises:
         InputError: values of another shape, complex or not finite, of another mesh.
     """
     domain, d = mesh.mesh, int(np.prod(shape))
+    normal = ufl.FacetNormal(domain)
+    any_normal = {normal: ufl.as_vector([1.0] * mesh.dim)} if on_facets else {}
     time = fem.Constant(domain, 0.0)
     size = f"{d} components" if shape else "a number"
     allowed = f"must give {size}, finite and real, on the mesh of the solid"
@@ -133,7 +139,7 @@ def field(what: str, value: Any, mesh: NamedMesh, shape: tuple[int, ...] = ()) -
     problem = "; ".join(problems) if len(problems) == len(ways) else ""
     problem = max(domain.comm.allgather(problem))
     if not problem:
-        values = sampled(made.expression, mesh)
+        values = sampled(ufl.replace(made.expression, any_normal), mesh)
         finite = isinstance(values, np.ndarray) and np.abs(values).max(initial=0) <= checks.LARGEST
         problem = values if isinstance(values, str) else "" if finite else "not finite everywhere"
     if problem := max(domain.comm.allgather(problem)):
@@ -180,6 +186,8 @@ def _strange(expression: Any, mesh: NamedMesh) -> str:
         return "it lives on another mesh"
     if ufl.algorithms.extract_arguments(expression):
         return "it holds test or trial functions"
+    if extract_type(expression, ufl.classes.GeometricFacetQuantity):
+        return "it holds normals of facets, or what else belongs to them alone"
     if problem := wrong_number(expression):
         return problem
     parts = [c.x.array for c in ufl.algorithms.extract_coefficients(expression)]

@@ -9,6 +9,7 @@ from typing import Any
 
 import ufl
 
+from ..base import checks
 from .coefficients import Scalar, number
 
 #: A stored energy density [J/m³] as a UFL function of the deformation gradient, (3, 3).
@@ -76,3 +77,17 @@ def ciarlet(youngs_modulus: Scalar, poisson_ratio: Scalar) -> Energy:
         return mu / 2 * (ufl.tr(F.T * F) - 3 - 2 * ufl.ln(J)) + volumetric
 
     return energy
+
+
+def tangent(energy: Any, residual: ufl.Form, u: Any, du: Any) -> ufl.Form:
+    """The derivative of the internal forces of an energy by the displacement.
+
+    Raises:
+        InputError: there is none, in whatever placement: the energy is linear in F.
+    """
+    derivative = ufl.derivative(residual, u, du)
+    if ufl.algorithms.expand_derivatives(derivative).empty():
+        raise checks.InputError(
+            f"energy = {energy!r}: is linear in F, so that nothing resists a strain; it must not be"
+        )
+    return derivative

@@ -26,7 +26,7 @@ from ..theory.theta import Step
 from .coefficients import refuse_strange
 from .damping import StiffnessDamper
 from .deformable import DeformableSolid
-from .energies import Energy, deformation
+from .energies import Energy, deformation, tangent
 from .factor import Factorisation
 from .strain_way import StrainWay
 from .viscous import ViscousStress
@@ -71,7 +71,7 @@ class HyperelasticSolid(DeformableSolid):
         self._potential_form = compiled(potential)
         self._force_form = compiled(residual)
         self._weight = fem.Constant(mesh.mesh, 1.0)
-        self._tangent_form = compiled(self._weight * ufl.derivative(residual, u, du))
+        self._tangent_form = compiled(self._weight * tangent(energy, residual, u, du))
         # force and energy are kept with the displacement that they belong to, that very array
         self._last = np.empty(0), np.empty(0)
         self._stored = np.empty(0), 0.0

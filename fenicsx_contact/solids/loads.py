@@ -17,9 +17,9 @@ from ..base.compiling import compiled
 from .coefficients import Field, arguments, field, is_field
 from .vector_space import VectorSpace
 
-#: d numbers, a Constant, a Function, an expression in UFL, or a function of t, of x, of x and t;
-#: of one argument that is of x whose argument is called x. Fields that do not depend on t are read
-#: once.
+#: d numbers, a Constant, a Function, an expression in UFL (of tractions with ``FacetNormal``, too),
+#: or a function of t, of x, of x and t; of one argument that is of x whose argument is called x.
+#: Fields that do not depend on t are read once.
 Load = Any
 
 
@@ -108,7 +108,7 @@ class Loads:
         if not max(vectors.comm.allgather(bool(units.any()))):
             raise checks.InputError(f"{what}: none of these facets is on the boundary of the mesh")
         if _varies_in_space(what, value):
-            given = field(what, value, vectors.mesh, (d,))
+            given = field(what, value, vectors.mesh, (d,), measure.integral_type() != "cell")
             of = compiled(self._breadth * ufl.dot(given.expression, test) * measure)
             self._parts.append(_InSpace(what, given, of, vectors))
         else:

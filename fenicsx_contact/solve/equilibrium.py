@@ -16,7 +16,7 @@ from .statics import FREE, Motions
 
 #: Cost: sides of the pyramid that holds a cone of friction in space: what it cannot bear, no cone
 #: can; what lies between is found out the long way.
-SIDES = 16
+SIDES = 64
 
 
 def unbearable(solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -> str:

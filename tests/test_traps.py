@@ -274,3 +274,28 @@ def test_what_is_not_a_number_has_not_converged():
 
     with pytest.raises(NotConverged, match="no finite solution"):
         Newton().solve(Endless())
+
+
+def test_augmentation_where_a_contact_has_no_candidates():
+    """One block stands, the other has nothing near: it has no rows to be scaled."""
+    blocks, contacts = [], []
+    for height in (0.0, 1.0):
+        block = RigidSolid(rectangle(), mass=10.0, gravity=(0, -9.81), name=f"over {height}")
+        floor = HalfSpace((0, -height), (0, 1))
+        blocks.append(block)
+        contacts.append(
+            Contact(
+                block,
+                "base",
+                floor,
+                "gap",
+                0.3,
+                name=f"under {height}",
+                normal_augmentation=0.5,
+                tangential_augmentation=2.0,
+            )
+        )
+    history = Scene(blocks, contacts, ThetaScheme(1.0)).run(0.01, 1e-3)
+    assert history.finished
+    assert history["under 0.0.force_y"][-1] == pytest.approx(98.1, rel=1e-9)
+    assert not history["under 1.0.force_y"].any()

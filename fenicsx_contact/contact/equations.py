@@ -158,9 +158,9 @@ class SurfaceEquations(SurfaceUnknowns):
         multiplier is (open points, friction that slips) it is divided by rho."""
         if self._tresca or self._natural:
             return scaled
-        m, d = len(self.candidates), self._surface.dim
+        m, kinds = len(self.candidates), self.fields.components - self._surface.dim
         status, result = self.statuses()[self.candidates], scaled.copy()
-        rows = result[len(result) - m * (self.fields.components - d) :].reshape(-1, m)
+        rows = result[len(result) - m * kinds :].reshape(kinds, m)
         rows[:1, status == 0] *= self._augmentation[0]
         rows[1:, status != 1] *= self._augmentation[1]
         return result

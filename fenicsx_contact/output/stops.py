@@ -42,6 +42,13 @@ STOPS = {
             "less load, more friction or a support; with inertia (`ThetaScheme(1.0)`) it moves",
         ),
         Stop(
+            "buckles",
+            "... buckles faster than steps of ... s can tell: shorter ones can",
+            "a rod whose axial force bends it is pressed by more than it bears straight: from "
+            "where it is more than one motion solves a step so long",
+            "shorter steps; they are cut by themselves, but not without end",
+        ),
+        Stop(
             "row stalls",
             "a ... row stalls at a scaled residual of ...",
             "a row of a contact: which, and with which points, follows",

@@ -155,13 +155,13 @@ class StepSolver:
         return speed
 
     def _settle(self, step: Step, first: bool) -> Solution:
-        frozen, hopeless = self.system.freeze(step), None
+        frozen, known = self.system.freeze(step), {}
         if self._floating:
-            hopeless = partial(unbearable, self._floating, self._all.contacts, step)
+            known["hopeless"] = partial(unbearable, self._floating, self._all.contacts, step)
         if first and self._floating and isinstance(frozen, FrozenContact):
             frozen.glue()
         try:
-            return self._newton.solve(frozen, hopeless)
+            return self._newton.solve(frozen, **known)
         except NotConverged as failure:
             raise StepFailed(str(failure)) from None
 

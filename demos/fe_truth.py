@@ -282,7 +282,7 @@ if __name__ == "__main__":
 # **Figure** `fe_truth.png`: errors against run times; each point is a mesh, the same for all.
 #
 # On an obstacle GetFEM's nodal brick *is* our discretisation: the errors agree to the digits shown,
-# and what differs is the time. On small meshes it is ours that is longer, some 0.1 s in which
+# and what differs is the time. On small meshes it is ours that is longer, some 0.05 s in which
 # Python puts the forms together. Its integrated multipliers oscillate where contact ends. Between
 # two surfaces that do not match its Gauss points leave an error of first order; our overlaps and
 # Kratos' leave none. On a plane meshed as finely as the half cylinder Kratos comes to 2 to

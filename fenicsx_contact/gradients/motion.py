@@ -78,7 +78,8 @@ class Motion(ABC):
         return None
 
     def seen(self, operator: Any) -> Kinematics:
-        """Points seen by an operator that stays the same."""
+        """Points seen by an operator that stays the same, as those of a solid that moves linearly;
+        others are not asked for it."""
         raise NotImplementedError(f"{self.solid.name!r} does not move linearly")
 
     def increment(self, step: Step) -> np.ndarray:

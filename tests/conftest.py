@@ -1,19 +1,24 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Settings for the whole suite, made before numpy is imported."""
 
+import json
 import os
+import tempfile
 from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # the same sums in the same order, and faster
 os.environ.setdefault("MPLBACKEND", "Agg")
 os.environ.setdefault("PYVISTA_OFF_SCREEN", "true")
-if worker := os.environ.get("PYTEST_XDIST_WORKER"):  # who waits 10 s for another's form gives up
-    forms = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"))
-    forms = forms / "fenicsx_contact_tests" / worker
-    os.environ["XDG_CACHE_HOME"] = str(forms)
-    for source in forms.glob("fenics/*.c"):  # a run killed while it compiled: nobody will end it
-        if not source.with_suffix(".c.cached").exists():
-            source.unlink()
+
+#: Seconds for which a worker waits for a form that another compiles; dolfinx's own ten are too few
+#: on a busy machine.
+PATIENCE = 300
+_settings = tempfile.TemporaryDirectory(prefix="fenicsx_contact-")
+for name in ("dolfinx_jit_parameters.json", "dolfinx_jit_options.json"):  # before 0.6, since
+    path = Path(_settings.name, "dolfinx", name)
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(json.dumps({"timeout": PATIENCE}))
+os.environ["XDG_CONFIG_HOME"] = _settings.name
 
 import pytest
 

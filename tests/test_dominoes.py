@@ -105,6 +105,7 @@ def fallen(facets, face_is_slave):
     return np.array([solid.rotation for solid in solids])
 
 
+@pytest.mark.second
 def test_a_corner_that_slides_on_a_face():
     """Its facets do not count; where the face is the slave, they do, with the same limit. (Along
     the normals of the corner's own facets it fell elsewhere, by 2 and 25 %, with any of them.)"""

@@ -160,6 +160,7 @@ def test_the_oracle_pressed_and_dragged():
     assert worst.max() < 1e-9
 
 
+@pytest.mark.second
 def test_the_demo(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     summary = demo.main(quick=True)

@@ -256,13 +256,15 @@ SCENES = {
     "pressed": (pressed, PRESSED, 0.06, 2e-3, ()),
     "in space": (in_space, IN_SPACE, 0.03, 2e-3, AT_REST),
 }
+#: Those that the second tier takes.
+SLOW = {"tilted": pytest.mark.second, "pressed": pytest.mark.second}
 SOLVED_AGAIN = {"thrown": 0, "sliding": 0, "tilted": 1, "pressed": 1, "in space": 1}
 
 
 @pytest.mark.parametrize(
     ("name", "scene"),
     [
-        *((name, {}) for name in SCENES),
+        *(pytest.param(name, {}, marks=SLOW.get(name, ())) for name in SCENES),
         *(pytest.param(name, {"geometry": "newton"}, marks=LONG) for name in SCENES),
         pytest.param("sliding", BY_GAP, marks=LONG),
         pytest.param("tilted", BY_GAP, marks=LONG),
@@ -287,6 +289,7 @@ def test_a_plateau(name, scene):
         assert max(rounds, default=0) >= SOLVED_AGAIN[name]
 
 
+@pytest.mark.second
 def test_steps_that_are_solved_again_twice(monkeypatch):
     """As all were before corners stood on faces: the chain of rounds is differentiated, too."""
     monkeypatch.setattr(MortarJump, "stand", lambda *_: False)
@@ -305,7 +308,7 @@ def test_steps_that_are_solved_again_twice(monkeypatch):
 # -- adjoints, kinks, refusals --
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=SLOW.get(name, ())) for name in SCENES])
 def test_adjoints_are_tangents(name):
     build, by, until, dt, rest = SCENES[name]
     found = []

@@ -144,7 +144,9 @@ def killed(process):
     assert process.returncode == -signal.SIGKILL, error
 
 
-@pytest.mark.parametrize("way", ["before", "between", "torn"])
+@pytest.mark.parametrize(
+    "way", [*(pytest.param(way, marks=pytest.mark.second) for way in ("before", "between")), "torn"]
+)
 @pytest.mark.parametrize("name", RUNS)
 def test_killed_run_is_read_and_resumed_to_the_same_bits(name, way, tmp_path):
     """Killed between checkpoints, between the rows and their checkpoint, in the midst of rows."""

@@ -36,10 +36,13 @@ def to_reach(question):
 
 #: What takes more than a few seconds, or compiles forms of its own.
 LONG = ("05", "06", "10", "11", "13", "14", "15", "16", "17", "18")
+SECOND = ("01", "02", "03", "04")
 
 
 def marked(lesson):
-    marks = [pytest.mark.long] if lesson.stem[:2] in LONG else []
+    number = lesson.stem[:2]
+    marks = [pytest.mark.long] if number in LONG else []
+    marks += [pytest.mark.second] if number in SECOND else []
     return pytest.param(lesson, marks=marks, id=lesson.stem)
 
 

@@ -219,8 +219,8 @@ def elastic_pair_in_space():
         sliding_box,
         two_contacts,
         elastic_pair,
-        soft_pair,
-        elastic_pair_in_space,
+        pytest.param(soft_pair, marks=pytest.mark.second),
+        pytest.param(elastic_pair_in_space, marks=pytest.mark.second),
     ],
 )
 def test_runs_are_the_same(make, monkeypatch):

@@ -111,6 +111,7 @@ def test_straight_drop_is_of_second_order():
     assert np.log2(errors[0] / errors[1]) > 1.7
 
 
+@pytest.mark.second
 def test_states_of_fdnl100():
     """Three published states, to which the water law was fitted: its own fit, 1.5 %."""
     h = demo.drop(replace(STRAIGHT, drive_friction=100.0), dt=1e-3).history
@@ -156,6 +157,7 @@ def test_end_stop_bounces_the_rod():
 # -- with contact -------------------------------------------------------------------------------
 
 
+@pytest.mark.second
 def test_formulations_agree(smooth, kinked):
     """Velocity and gap within 0.05 %, also with a kinked inlet."""
     for drop, case in ((smooth, SMOOTH), (kinked, KINKED)):
@@ -285,6 +287,7 @@ def test_a_jammed_rod_says_so():
     assert abs(drop.rod.travel) < 1e-4 and abs(drop.rod.speed) < 1e-9
 
 
+@pytest.mark.second
 def test_a_flow_pushes_the_rod_against_the_wall():
     """A lateral load of 20 N/m below the inlet: the walls bear it, whatever the rod does."""
     rod, guide = demo.rod(STRAIGHT), demo.guide(STRAIGHT)

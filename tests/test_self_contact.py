@@ -102,11 +102,11 @@ def squashed(mesh, solver="monolithic", friction=0.0, mirror=False, steps=30):
     return body, contacts, history
 
 
+@pytest.mark.parametrize("solver", ["condensed", "monolithic", "iterative"])
 @pytest.mark.parametrize(
-    "solver",
-    ["condensed", "monolithic", pytest.param("iterative", marks=pytest.mark.second)],
+    "friction",
+    [pytest.param(0.0, marks=pytest.mark.long), pytest.param(0.3, marks=pytest.mark.second)],
 )
-@pytest.mark.parametrize("friction", [pytest.param(0.0, marks=pytest.mark.long), 0.3])
 def test_a_squashed_ring_touches_itself(solver, friction):
     """Every solver comes to the same; what is alike does not slip, and friction changes little. Its
     last folds are cut into steps by chance, and with friction another way ends elsewhere."""
@@ -130,6 +130,7 @@ def plain(friction):
     return squashed(ring(), friction=friction)
 
 
+@pytest.mark.second
 def test_as_it_would_touch_a_plane_between_its_halves():
     """The mortar means of one half make it differ by the square of the size of the elements."""
     errors = []
@@ -142,6 +143,7 @@ def test_as_it_would_touch_a_plane_between_its_halves():
     assert np.abs(body.displacement - other.displacement).max() < 0.01 * R
 
 
+@pytest.mark.second
 def test_in_space_it_is_the_same():
     (flat, _, plane), (deep, _, space) = squashed(ring()), squashed(ring(layers=1))
     assert space["above.force_z"][-1] == pytest.approx(0.1 * plane["above.force_y"][-1], rel=1e-6)
@@ -195,7 +197,12 @@ def clapping(sides, law, locate=False):
 
 
 @pytest.mark.parametrize(
-    ("law", "locate"), [("velocity", False), ("velocity", True), ("gap", False)]
+    ("law", "locate"),
+    [
+        ("velocity", False),
+        pytest.param("velocity", True, marks=pytest.mark.second),
+        ("gap", False),
+    ],
 )
 def test_the_arms_of_a_fork_clap(law, locate):
     """Linear, condensed: what the arms do to each other goes through the one matrix of the solid.
@@ -229,6 +236,7 @@ def test_one_surface_before_itself(solver, layers):
     )
 
 
+@pytest.mark.second
 def test_cells_of_second_degree():
     """Half before half, and one surface before itself, of round cells."""
     _, _, named = squashed(ring(degree=2))
@@ -248,14 +256,8 @@ def test_cells_of_second_degree_as_before_a_plane():
     assert errors[0] < 0.2 and errors[1] < errors[0] / 3
 
 
-@pytest.mark.parametrize(
-    "solver",
-    [
-        pytest.param("condensed", marks=pytest.mark.second),
-        "monolithic",
-        pytest.param("iterative", marks=pytest.mark.second),
-    ],
-)
+@pytest.mark.second
+@pytest.mark.parametrize("solver", ["condensed", "monolithic", "iterative"])
 def test_one_surface_with_friction(solver):
     """Steps are cut where halves that fold stick and slip; then it is what the halves do."""
     _, _, named = squashed(ring(80), friction=0.3)
@@ -265,7 +267,7 @@ def test_one_surface_with_friction(solver):
     assert found["inner.penetration"].max() < 1e-9
 
 
-@pytest.mark.parametrize("law", ["velocity", "gap"])
+@pytest.mark.parametrize("law", ["velocity", pytest.param("gap", marks=pytest.mark.second)])
 def test_a_wall_does_not_meet_its_own_far_side(law):
     """Both sides of both arms are one surface, of facets five times as long as an arm is thick: the
     sides of the slit meet, the two of an arm do not."""

@@ -205,6 +205,7 @@ def ball_on_block(shape):
     return -contact.multiplier, hertz.pressure(radii), contact.surface.area
 
 
+@pytest.mark.second
 def test_hertz_by_a_ball_in_four_ways(tmp_path):
     """By formula, in UFL, turned and as an STL of 400 points, smooth: the same to round-off."""
     file = tmp_path / "ball.stl"

@@ -503,6 +503,7 @@ def test_finite_vibration_keeps_momentum_and_energy(energy):
     np.testing.assert_allclose(rates(errors), 2, atol=0.25)
 
 
+@pytest.mark.second
 def test_finite_vibration_converges_at_second_order():
     ends = [
         swinging(ENERGIES["neo_hookean"], steps)[0].displacement for steps in (100, 200, 400, 800)

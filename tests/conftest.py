@@ -6,6 +6,8 @@ import os
 import tempfile
 from pathlib import Path
 
+import pytest
+
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # the same sums in the same order, and faster
 os.environ.setdefault("MPLBACKEND", "Agg")
 os.environ.setdefault("PYVISTA_OFF_SCREEN", "true")
@@ -19,8 +21,6 @@ for name in ("dolfinx_jit_parameters.json", "dolfinx_jit_options.json"):  # befo
     path.parent.mkdir(exist_ok=True)
     path.write_text(json.dumps({"timeout": PATIENCE}))
 os.environ["XDG_CONFIG_HOME"] = _settings.name
-
-import pytest
 
 #: Files of the first tier: the laws, the house, one test of each trap, exact impacts.
 QUICK = (

@@ -32,6 +32,10 @@
 #   - \int_{\Gamma_c}\frac{\lambda - S g_n}{\rho_n}\lambda^*
 #   - \int_{\Gamma_c}\frac{\tau - P_b(g_t)}{\rho_t}\cdot\tau^* = 0 .$$
 #
+# with $g_t = \tau + \rho_t (w_t + s a)$: a slip that began with $w_t^- = a\,\theta/(1-\theta)$ may
+# turn round as fast, $s \in [0, 1]$, before friction turns, which so never works
+# ((3') in `theory/laws.py`; for $\theta = 1$ there is no $a$).
+#
 # Three laws differ in one expression, the *approach* in place of $w_n$ in $g_n$: that of the paper
 # (`printed`), that of displacements (`gap`), and the package's (`velocity`), by which a point may
 # approach as fast as it would arrive by the end of the step. The latter is struck, in a step of no
@@ -57,6 +61,7 @@ from fenicsx_contact.theory.laws import (
     bounded,
     contact_status,
     indicator,
+    turning,
 )
 from fenicsx_contact.theory.theta import ThetaScheme
 
@@ -175,7 +180,8 @@ class Block:
             contact += rho * (1 - S) * ufl.dot(Lam, Lam_) * dc
         else:
             b = mu * S * ufl.max_value(-lam, 0.0)
-            P = bounded(b, tau + rho * w_t)
+            g_t, back = tau + rho * w_t, k["back"] * T * v_old
+            P = bounded(b, g_t + rho * turning(g_t, rho, back) * back)
             contact += ufl.dot(P, T * v_) * dc - ufl.dot(tau - P, tau_) / rho * dc
 
         form = momentum + k["loaded"] * (inner - load) + contact  # (7)

@@ -165,8 +165,9 @@ class Block:
         elif law == "gap":
             approach = (d_n + ufl.dot(way, n)) / (k["dt"] * theta)
         else:
-            limit = ufl.max_value(-d_n / k["ahead"], -k["back"] * w_n_old)
-            approach = w_n - ufl.max_value(limit, 0.0)
+            arrives = ufl.max_value(-d_n, 0.0) / k["ahead"]
+            late = arrives - k["back"] * ufl.max_value(w_n_old - arrives, 0.0)
+            approach = w_n - ufl.max_value(ufl.max_value(late, -k["back"] * w_n_old), 0.0)
         g_n = augmented_multiplier(lam, rho, approach)
         S = contact_status(Su, g_n)
         contact = -S * g_n * ufl.dot(v_, n) * dc - (lam - S * g_n) / rho * lam_ * dc

@@ -32,6 +32,10 @@
 #   - \int_{\Gamma_c}\frac{\lambda - S g_n}{\rho_n}\lambda^*
 #   - \int_{\Gamma_c}\frac{\tau - P_b(g_t)}{\rho_t}\cdot\tau^* = 0 .$$
 #
+# with $g_t = \tau + \rho_t (w_t + s a)$: a slip that began with $w_t^- = a\,\theta/(1-\theta)$ may
+# turn round as fast, $s \in [0, 1]$, before friction turns, which so never works
+# ((3') in `theory/laws.py`; for $\theta = 1$ there is no $a$).
+#
 # Three laws differ in one expression, the *approach* in place of $w_n$ in $g_n$: that of the paper
 # (`printed`), that of displacements (`gap`), and the package's (`velocity`), by which a point may
 # approach as fast as it would arrive by the end of the step. The latter is struck, in a step of no
@@ -57,6 +61,7 @@ from fenicsx_contact.theory.laws import (
     bounded,
     contact_status,
     indicator,
+    turning,
 )
 from fenicsx_contact.theory.theta import ThetaScheme
 
@@ -160,8 +165,9 @@ class Block:
         elif law == "gap":
             approach = (d_n + ufl.dot(way, n)) / (k["dt"] * theta)
         else:
-            limit = ufl.max_value(-d_n / k["ahead"], -k["back"] * w_n_old)
-            approach = w_n - ufl.max_value(limit, 0.0)
+            arrives = ufl.max_value(-d_n, 0.0) / k["ahead"]
+            late = arrives - k["back"] * ufl.max_value(w_n_old - arrives, 0.0)
+            approach = w_n - ufl.max_value(ufl.max_value(late, -k["back"] * w_n_old), 0.0)
         g_n = augmented_multiplier(lam, rho, approach)
         S = contact_status(Su, g_n)
         contact = -S * g_n * ufl.dot(v_, n) * dc - (lam - S * g_n) / rho * lam_ * dc
@@ -175,7 +181,8 @@ class Block:
             contact += rho * (1 - S) * ufl.dot(Lam, Lam_) * dc
         else:
             b = mu * S * ufl.max_value(-lam, 0.0)
-            P = bounded(b, tau + rho * w_t)
+            g_t, back = tau + rho * w_t, k["back"] * T * v_old
+            P = bounded(b, g_t + rho * turning(g_t, rho, back) * back)
             contact += ufl.dot(P, T * v_) * dc - ufl.dot(tau - P, tau_) / rho * dc
 
         form = momentum + k["loaded"] * (inner - load) + contact  # (7)

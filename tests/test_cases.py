@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 from scenes import (
@@ -330,6 +332,30 @@ def test_block_thrown_down_a_slope_comes_to_rest_and_stays(kind):
     check_energies(history, 1e-8)
 
 
+@pytest.mark.parametrize(("law", "theta"), [("velocity", 0.5), ("gap", 0.5), ("velocity", 0.8)])
+def test_friction_that_sticks_gives_nothing(law, theta):
+    """An elastic block on a slope, let go, and thrown up it, in steps of 1 to 100 of its shortest
+    periods; by theta = 1/2 none is cut."""
+    shortest, steps = 0.0117, 8  # s
+    for friction, speed, periods in product([0.3, 3, 10], [0, -0.5], [1, 4, 25, 100]):
+        solid = ElasticSolid(
+            rectangle((3, 3)),
+            youngs_modulus=1e6,
+            poisson_ratio=0.3,
+            density=1000.0,
+            gravity=(0.5 * G, -0.8 * G),
+            velocity=lambda x, speed=speed: np.stack([speed + 0 * x[0], 0 * x[1]]),
+        )
+        contact = Contact(solid, "base", FLOOR, law, friction=friction, name="c")
+        scene = Scene([solid], [contact], ThetaScheme(theta))
+        history = finished(scene, steps * periods * shortest, periods * shortest)
+        size, total = energy_size(history), total_energy(history)
+        assert (total - np.minimum.accumulate(total)).max() <= 1e-9 * size
+        if theta == 0.5:  # else the scheme takes what friction gives by the mean of both ends
+            assert np.count_nonzero(history["dt"]) == steps, history.remarks
+            assert np.diff(history["friction"]).max() <= 1e-7 * size
+
+
 # -- a friction oscillator --
 
 
@@ -370,8 +396,8 @@ def test_friction_oscillator():
         assert history["friction"][-1] == pytest.approx(-lost, rel=1e-6)
         # stopped, it is still pulled back in the step that brings it to rest
         check_energies(history, 1e-7, slack=0.5 * (0.5 * history["dt"][1]) * history["dt"][1] / 2)
-    assert errors[-1] < 0.005
-    assert rates(errors).min() > 0.9, errors
+    # where in a step the last slip ends is chance, but never worth more than its square
+    assert (np.array(errors) < 0.001 * np.array([1, 1 / 4, 1 / 16])).all(), errors
 
 
 # -- bars --

@@ -164,6 +164,35 @@ def test_a_block_that_stops_on_a_slope():
     np.testing.assert_allclose(by, exact, rtol=1e-11)
 
 
+def up_the_slope(scene):
+    return Start(solid_of(scene), velocity=lambda x: np.stack([-1 + 0 * x[0], 0 * x[0]]))
+
+
+@pytest.mark.parametrize("kind", ["velocity", "gap"])
+def test_slip_that_turns_round(kind):
+    """An elastic block thrown up a slope in long steps: friction that would push is let go."""
+
+    def build(mu=2.0, speed=0.5, E=1e6):
+        solid = ElasticSolid(
+            rectangle((3, 2), (1.0, 0.7)),
+            youngs_modulus=E,
+            poisson_ratio=0.3,
+            density=1000.0,
+            gravity=(0.5 * G, -0.8 * G),
+            velocity=lambda x: np.stack([-speed + 0.1 * x[1], 0 * x[0]]),
+        )
+        contact = Contact(solid, "base", FLOOR, kind, friction=mu, name="c")
+        return Scene([solid], [contact])
+
+    parameters = {
+        "mu": (2.0, friction),
+        "E": (1e6, lambda scene: Modulus(solid_of(scene))),
+        "speed": (0.5, up_the_slope),
+    }
+    result = check(build, parameters, 0.24, 0.02)
+    assert result.history["c.slipping"].max() > 0
+
+
 def bar(speed=0.4, E=900.0, gap=0.0, cells=20, formulation="velocity", theta=0.5, **scene):
     """A bar of unit length thrown at a wall."""
     solid = ElasticSolid(

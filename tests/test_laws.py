@@ -283,6 +283,40 @@ def test_power_of_contact_is_never_positive():
     np.testing.assert_allclose(pushed, -2.0 * area)
 
 
+@pytest.mark.parametrize("dim", [2, 3])
+def test_friction_does_no_work_on_the_mean_slip(dim):
+    """Whatever the slip at the start: what solves (4') with a given w is against theta w_t + (1 -
+    theta) w_t^-, and is Coulomb's where the slip does not turn round."""
+    eq, rng = equations(dim, VELOCITY, Coulomb(MU)), np.random.default_rng(5)
+    n, k, d = eq.fields.surface.size, eq.fields, dim - 1
+    k.start_jump_n.x.array[:] = 0.0
+    tangents, turned, rho = tangents_of(eq), 0, 1e9
+    k.rho_t.x.array[:] = rho  # with which the row's own fixed point is soon reached
+    for _ in range(40):
+        theta = rng.uniform(0.5, 1)
+        rate = (1 - theta) / theta
+        before, slip = rng.normal(size=(2, d, n))
+        # at -a, between it and 0, at 0, anywhere
+        slip[:, 0], slip[:, 1], slip[:, 2] = -rate * before[:, 0], -0.4 * rate * before[:, 1], 0
+        k.start_slip.x.array[:] = np.einsum("dn,dni->ni", before, tangents).ravel()
+        eq.set_rates(0.1, 0.2, rate, 0.2)
+        tau = rng.normal(size=(d, n))
+        for _ in range(20):
+            eq.values = values_of(eq, np.zeros(n), slip, np.full(n, -1.0), tau)
+            row = rho * eq.residual()[eq.tractions :].reshape(d, n) / eq.weight
+            tau = tau + row
+        assert np.abs(row).max() < 1e-6
+        mean = theta * slip + (1 - theta) * before
+        assert (np.linalg.norm(tau, axis=0) <= MU * (1 + 1e-12)).all()
+        assert ((tau * mean).sum(axis=0) >= -1e-6).all()
+        on = (slip * before).sum(axis=0) > 0
+        along = slip / np.maximum(np.linalg.norm(slip, axis=0), 1e-300)
+        np.testing.assert_allclose(tau[:, on], (MU * along)[:, on], atol=1e-6)
+        turned += (~on).sum()
+        np.testing.assert_allclose((tau * before).sum(axis=0)[1], 0, atol=1e-6)
+    assert turned > 50
+
+
 @pytest.mark.parametrize("name", [n for n in FORMULATIONS if n != "discrete"])
 def test_limit_is_that_of_the_form(name):
     """What a law says in numpy of the speeds that it allows is what its form does."""

@@ -159,18 +159,9 @@ EXTREMES = {
 }
 
 
-OPEN = [
-    ("sliding_rigid", {"friction": 0.3, "speed": 1e3, "gravity": 1e-6}),  # 2.4e-15 of the way deep
-]
-
-
 @pytest.mark.parametrize(
     ("name", "setting"),
-    [
-        pytest.param(name, each, marks=[pytest.mark.open] if (name, each) in OPEN else [])
-        for name, those in EXTREMES.items()
-        for each in those
-    ],
+    [(name, each) for name, those in EXTREMES.items() for each in those],
 )
 def test_problems_at_the_ends_of_their_axes(name, setting):
     verdict = judge(partial(getattr(problems, name), **setting))

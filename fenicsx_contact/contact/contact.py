@@ -214,8 +214,9 @@ class Contact(SurfaceResults):
         self._start_gap = np.where((gap < 0) & (gap >= -closed), 0.0, gap)
         start = dot(self.jump, self.normal)  # as the operators of this step see it
         self.start_jump_n = np.where(np.abs(start) <= self.resolution, 0.0, start)
-        e, self._told = self.equations, step
+        self._told, e = step, self.equations
         e.gap[:], e.start_jump_n[:] = self._start_gap, self.start_jump_n
+        e.fields.set_start_slip(self.jump, self.normal, self.resolution)
         self.candidates.renew()
 
     def _set_normal(self, normal: np.ndarray) -> None:
@@ -248,8 +249,7 @@ class Contact(SurfaceResults):
         status = self.trial_status
         if status.max() > 1:
             along = self.trial_jump - dot(self.trial_jump, self.normal)[:, None] * self.normal
-            still = dot(along, along) <= resolution**2
-            status = np.where(still, np.minimum(status, 1.0), status)
+            status = np.where(dot(along, along) <= resolution**2, np.minimum(status, 1.0), status)
         hardly = self.units(step)[0] * self.equations.weight * resolution
         return np.where(np.abs(dot(self.force, self.normal)) <= hardly, 0.0, status)
 

@@ -31,7 +31,6 @@ class Teller(Protocol):
     traces: list[Trace]
     jump: np.ndarray
     normal: np.ndarray
-    resolution: float
 
     @property
     def coupling(self) -> Any: ...
@@ -40,15 +39,6 @@ class Teller(Protocol):
 
 #: What a field or constant is to be in a step.
 Feed = Callable[[Teller, Step], Any]
-
-
-def start_slip(contact: Teller, step: Step) -> np.ndarray:
-    """Velocities along the surface at the start of the step, flat, m/s; those that the last step
-    did not resolve are none."""
-    jump, normal = contact.jump, contact.normal
-    along = jump - (jump * normal).sum(axis=1)[:, None] * normal
-    slips = np.linalg.norm(along, axis=1) > contact.resolution
-    return np.asarray(np.where(slips[:, None], along, 0.0).ravel())
 
 
 def places(contact: Teller, step: Step) -> np.ndarray:
@@ -77,6 +67,7 @@ class LawFields:
 
     dt: Any
     jump_t: Any
+    start_slip: Any
     tangential: Callable[[Any], Any]
 
     def __init__(self, surface: Any) -> None:
@@ -136,14 +127,10 @@ class LawFields:
         place.x.array[:] = self.surface.points.ravel()
         return self._function(places, place)
 
-    @cached_property
-    def _start_slip(self) -> Any:
-        return self._function(start_slip, self.surface.vector())
-
     @property
     def start_jump_t(self) -> Any:
         """w_t at the start of the step, m/s; exactly 0 where it sticks."""
-        return self.tangential(self._start_slip)
+        return self.tangential(self.start_slip)
 
     @cached_property
     def slip_speed(self) -> Any:

@@ -22,7 +22,7 @@ from mpi4py import MPI
 from ..base import compat
 from ..base.cells import degree_of
 from ..base.glued import glued_space
-from ..base.vectors import cross
+from ..base.vectors import cross, dot
 from ..theory.friction import FrictionBound
 from .law_fields import LawFields
 
@@ -178,7 +178,7 @@ class SurfaceFields(LawFields):
 
         self.normal = surface.vector()
         self.gap, self.closed = surface.scalar(), surface.scalar()
-        self.start_jump_n = surface.scalar()
+        self.start_jump_n, self.start_slip = surface.scalar(), surface.vector()
         self.rho_n, self.rho_t = surface.scalar(), surface.scalar()
         for rho in (self.rho_n, self.rho_t):
             rho.x.array[:] = 1.0
@@ -242,6 +242,14 @@ class SurfaceFields(LawFields):
         """What the points weigh, as shares of their areas."""
         assert self._weight is not None, "made for weights that are the areas"
         self._weight.x.array[:] = weight
+
+    def set_start_slip(self, jump: np.ndarray, normal: np.ndarray, resolved: float) -> None:
+        """Tell friction the jumps (n, d) [m/s] at the start of the step; slips that are not above
+        what is resolved are none."""
+        if self.friction is not None:
+            along = jump - dot(jump, normal)[:, None] * normal
+            slips = dot(along, along)[:, None] > resolved**2
+            self.start_slip.x.array[:] = np.where(slips, jump, 0.0).ravel()
 
     def set_normal(self, normal: np.ndarray) -> None:
         """Set the normals (n, d); a first tangent, where friction needs one, stays as it was."""

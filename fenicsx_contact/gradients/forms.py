@@ -17,10 +17,11 @@ from ..contact.contact import Contact
 
 
 class _Along:
-    def __init__(self, contact: Contact, form: Any, field: Any) -> None:
+    def __init__(self, contact: Contact, form: Any, field: Any, one: Any = None) -> None:
         fields = contact.equations.fields
-        one = fields.surface.scalar()
-        one.x.array[:] = 1.0
+        if one is None:
+            one = fields.surface.scalar()
+            one.x.array[:] = 1.0
         derivative = ufl.algorithms.expand_derivatives(ufl.derivative(form, field, one))
         # what a law does not read has no form
         self._assemble = None if derivative.empty() else compat.VectorAssembler(derivative)
@@ -39,6 +40,22 @@ class ByField(_Along):
 
     def __init__(self, contact: Contact, field: Any) -> None:
         super().__init__(contact, contact.equations.tangents.form, field)
+
+
+class ByVector:
+    """By a vector field, (n, unknowns of a point, d)."""
+
+    def __init__(self, contact: Contact, field: Any) -> None:
+        self._d, self._one = contact.surface.dim, contact.surface.vector()
+        form = contact.equations.tangents.form
+        self._along = _Along(contact, form, field, self._one)
+
+    def __call__(self) -> np.ndarray:
+        result, one = [], self._one.x.array.reshape(-1, self._d)
+        for axis in range(self._d):
+            one[:] = np.arange(self._d) == axis
+            result.append(self._along())
+        return np.stack(result, axis=2)
 
 
 class ByConstant(_Along):

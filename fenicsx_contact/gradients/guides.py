@@ -84,7 +84,7 @@ class GuideRows(ContactRows):
         by_normal = G[:, :, 1:] + start * self.start_jump[p][:, None]
         return (
             T[:, :, :d] - rate * n,
-            start * n,
+            start * n + self._slip[p],
             by_normal - rate * self.jump[p][:, None],
             gap * self._reads_gap[p][:, None, None],
             end,

@@ -129,7 +129,8 @@ class PairRows(ContactRows):
         J, moving = self._J[places], self._turning[places]
         by_gap, turned = (sp.csr_matrix(each) for each in (self.rates.gap, self.rates.normal))
 
-        starts = bool(before.any() or start.any())
+        by_start = start * n + self._slip[p]
+        starts = bool(before.any() or by_start.any())
         if starts:  # the gaps and jumps that there were
             rates = self.before()
             J_then = sp.csr_matrix(self.then.operator)[places]
@@ -146,7 +147,7 @@ class PairRows(ContactRows):
                 yield from zip(self.keys("v", "q", i), nodes.new.by(velocities, places_))
             if not starts:
                 return
-            then = diagonal(start[:, rows] * n)
+            then = diagonal(by_start[:, rows])
             by_places = then @ turned_then + diagonal(before[:, rows]) @ gap_then
             both = zip(self.nodes, self.sides(then @ J_then), self.sides(by_places))
             for i, (nodes, velocities, places_) in enumerate(both):

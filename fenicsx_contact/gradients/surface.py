@@ -26,7 +26,7 @@ from ..solids import MonolithicTrace
 from ..theory.formulations import Gap, Velocity
 from ..theory.friction import Coulomb, Tresca
 from ..theory.theta import Step
-from .forms import ByField
+from .forms import ByField, ByVector
 from .kinematics import square
 from .motion import Motion
 from .parameters import Parameter
@@ -61,6 +61,7 @@ class ContactRows:
         self.contact, self.motion = contact, motion
         self.motions: Sequence[Motion] = [motion]
         self._by_start: list[ByField] = []  # made when a law first reads it, for copies, too
+        self._by_slip: list[ByVector] = []
         self._d = contact.surface.dim
         self._more = contact.equations.fields.components - self._d  # multipliers of a point
 
@@ -112,6 +113,12 @@ class ContactRows:
             if not self._by_start:
                 self._by_start.append(ByField(self.contact, e.fields.start_jump_n))
             self._start = self._by_start[0]()
+        self._slip = np.zeros((*self._start.shape, self._d))
+        slips = e.fields.start_slip.x.array.reshape(-1, self._d).any(axis=1)
+        if self.step.limit_rate and slips.any():
+            if not self._by_slip:
+                self._by_slip.append(ByVector(self.contact, e.fields.start_slip))
+            self._slip = self._by_slip[0]() * slips[:, None, None]
 
     def _normals(self, start: np.ndarray) -> None:
         """What the obstacle is at the start and the end, and how that depends on the places."""
@@ -151,7 +158,7 @@ class ContactRows:
         slope, old_slope = self.slope[p][:, None, :], self.old_slope[p][:, None, :]
         by_place = share * gap * slope - rate * gap * (w @ C) + G[:, :, 1:] @ C
         by_place = by_place + start * (self.start_jump[p][:, None, :] @ C)
-        by_start = start * n
+        by_start = start * n + self._slip[p]
         by_gap = gap * self._reads_gap[p][:, None, None] * old_slope
         result = {"m": (square(T[:, d:, d:]), -square(T[:, :d, d:]))}
 

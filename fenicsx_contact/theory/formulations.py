@@ -64,15 +64,18 @@ class Formulation(Protocol):
 class Velocity:
     """VELOCITY: contact at the level of velocities, every point a candidate.
 
-    A point may approach as fast as it would arrive by the end of the step, and fall back as fast as
-    it left:
+    A point may approach as fast as it would arrive by the end of the step, less what it is too fast
+    at the start, and fall back as fast as it left:
 
-        w_n <= max(-d_n/dt, -(1 - theta)/theta w_n^-, 0),   lam <= 0,   complementary,
+        w_n <= max(c - r max(w_n^- - c, 0), -r w_n^-, 0),   lam <= 0,   complementary,
+        c = max(-d_n, 0)/dt,   r = (1 - theta)/theta,
 
-    in place of Su in (1)-(2). What bears then never moves outwards in the step, ``dt (theta w_n +
-    (1 - theta) w_n^-) >= 0``, so that a contact does no positive work, and a closed point keeps to
-    the printed ``w_n <= 0``. A point that starts faster than that is struck: an impact, which is
-    solved as a percussion for all points at once, ``M (v+ - v-) = J' P`` with ``w_n <= -d_n/dt``.
+    in place of Su in (1)-(2): what starts with c at most may end with c, and what is slowed down
+    arrives where it should, not beyond. What bears then never moves outwards in the step,
+    ``dt (theta w_n + (1 - theta) w_n^-) >= 0``, so that a contact does no positive work, and a
+    closed point keeps to the printed ``w_n <= 0``. A point that starts faster than c is struck: an
+    impact, which is solved as a percussion for all points at once, ``M (v+ - v-) = J' P`` with
+    ``w_n <= c``.
 
     Args:
         drift_correction: kappa in [0, 1]; where d_n > 0, ``w_n <= -kappa (d_n/dt + (1 - theta)
@@ -102,7 +105,9 @@ class Velocity:
         return self._most(k, ufl.max_value, lambda back, else_: ufl.conditional(deep, back, else_))
 
     def _most(self, k: Any, larger: Callable, where_deep: Callable) -> Any:
-        limit = larger(larger(-k.gap, 0.0) / k.horizon, -k.limit_rate * k.start_jump_n)
+        c = larger(-k.gap, 0.0) / k.horizon
+        slowed = c - k.limit_rate * larger(k.start_jump_n - c, 0.0)
+        limit = larger(larger(slowed, 0.0), -k.limit_rate * k.start_jump_n)
         if not self.drift_correction:
             return limit
         leaving = k.limit_rate / (1 + k.limit_rate) * larger(-k.start_jump_n, 0.0)

@@ -24,6 +24,20 @@ times the printed ``Lam = P(Lam + rho_t w_t)``, its free number chosen as ``rho_
 printed row has no equation for Lam where the pressure vanishes; (4') says tau = 0 there. ``Lam =
 tau / b`` is an output. Another law of friction is another b.
 
+(3) reads the slip at the end of a step, whose work is done by the mean ``theta w_t + (1 - theta)
+w_t^-``: friction that stops a slip at once and then holds the other way would push. As a point may
+fall back as fast as it left, so may a slip that began with w_t^- turn round as fast, and friction
+is against what goes beyond:
+
+    (3')  w_t + s a = a' r,  a' <= 0, on the cone, 0 inside,    a = (1 - theta)/theta w_t^-,
+          s in [0, 1]:  s = 0 where -r . a > 0,  s = 1 where -r . a < 0
+
+-r is a subgradient of mu |lam| times the distance of w_t from the way between 0 and -a: convex in
+w_t, and 0 at -a, so that ``r . (w_t + a) <= 0``, no work of any step. What goes on, ends or rests
+has s = 0 and (3), and so has all with theta = 1. The row is (4') of ``g + rho s a``, g = tau + rho
+w_t, where -s a is what of that way is nearest to g / rho: of the two projections, on the ball and
+on the half-space where friction is against a, as far as s reaches.
+
 Nothing here knows a mesh. The printed (1) has ``w_n < 0``, which forbids a persistent contact, the
 printed (3) a plus sign, and (5)-(6) lack ``Su``, which (7) has.
 """
@@ -78,9 +92,19 @@ def bounded(b: Expr, g: Expr) -> Expr:
     return ufl.conditional(ufl.lt(size, b**2), 1.0, b / ufl.sqrt(safe)) * g
 
 
-def slipping(b: Expr, g: Expr) -> Expr:
-    """1 where g has left the ball of radius b (slip), else 0 (stick)."""
-    return ufl.conditional(ufl.gt(ufl.dot(g, g), b**2), 1.0, 0.0)
+def turning(g: Expr, rho: Expr, a: Expr) -> Expr:
+    """s of (3'), in [0, 1]: how far a slip turns round, of the way to -a; protected like
+    :func:`bounded`."""
+    size = ufl.dot(a, a)
+    share = -ufl.dot(g, a) / (rho * ufl.conditional(ufl.gt(size, 0), size, 1.0))
+    return ufl.min_value(ufl.max_value(share, 0.0), 1.0)
+
+
+def slipping(b: Expr, g: Expr, s: Expr = 0.0) -> Expr:
+    """1 where the traction is told (slip), else 0 (stick): g has left the ball of radius b, or a
+    slip is on its way between 0 and -a (3')."""
+    turns = ufl.conditional(ufl.gt(ufl.as_ufl(s * (1 - s)), 0), 1.0, 0.0)
+    return ufl.conditional(ufl.gt(ufl.dot(g, g), b**2), 1.0, turns)
 
 
 def magnitude(v: Expr) -> Expr:

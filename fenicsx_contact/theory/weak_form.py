@@ -9,7 +9,14 @@ from typing import Any, Protocol
 import ufl
 
 from .friction import FrictionBound
-from .laws import Expr, augmented_multiplier, bounded, contact_status, slipping
+from .laws import (
+    Expr,
+    augmented_multiplier,
+    bounded,
+    contact_status,
+    slipping,
+    turning,
+)
 
 
 class ContactFields(Protocol):
@@ -21,7 +28,8 @@ class ContactFields(Protocol):
         traction: tau, d - 1 components, Pa (N), an unknown; None without friction or multipliers.
         normal, gap: n and d_n [m, positive: penetration], coefficients; ``x``: reference
             coordinates, m.
-        start_jump_n: w_n at the start of the step, m/s; ``limit_rate``: (1 - theta)/theta.
+        start_jump_n, start_jump_t: w_n and w_t at the start of the step, m/s, 0 where they were not
+            resolved; ``limit_rate``: (1 - theta)/theta.
         closed: Su of a law that is decided before the step, 0 or 1.
         rho_n, rho_t: augmentation, Pa s/m, coefficients.
         gap_rate: derivative of the end position by the end velocity, s; ``dt``: the step, s;
@@ -34,7 +42,7 @@ class ContactFields(Protocol):
 
         t, elapsed: that time [s], and how long it is after the start of the step [s];
         place: where the points are [m];
-        slip_speed: |w_t| [m/s]; ``start_jump_t``: w_t at the start of the step;
+        slip_speed: |w_t| [m/s];
         touched: 1 where a point touches as time begins to pass, else 0;
         loaded: 1 where time passes, 0 in an impact;
         field(name, value): a parameter (:data:`~fenicsx_contact.theory.parameter.Parameter`);
@@ -117,11 +125,13 @@ def weak_form(k: ContactFields, approach: Expr, Su: Expr = 1.0) -> tuple[ufl.For
         return form, S
 
     tau = k.traction
-    g_t = tau + k.rho_t * k.jump_t
+    g_t, back = tau + k.rho_t * k.jump_t, k.limit_rate * k.start_jump_t
+    s = turning(g_t, k.rho_t, back)
+    g_t += k.rho_t * s * back
     pressure = k.frozen * k.known_pressure - (1 - k.frozen) * g_n
     b = k.friction.bound(k, S * pressure, S)
     P = bounded(b, g_t)
 
     form += k.integral(ufl.dot(P, k.test_jump_t))
     form += -k.integral(ufl.dot(tau - P, k.test_traction) / k.rho_t)
-    return form, S + S * slipping(b, g_t)
+    return form, S + S * slipping(b, g_t, s)

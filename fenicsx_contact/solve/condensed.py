@@ -86,10 +86,11 @@ class Condensed:
         size = largest(force)
         return float(np.abs(force - before).max() / size) if size > self._all.noise() else 0.0
 
-    def iterate(self, step: Step) -> bool:
-        """Solve, and move the solids; False if the system is singular."""
+    def iterate(self, step: Step, kept: bool = False) -> bool:
+        """Solve, and move the solids; False if the system is singular. With the factors of the last
+        tangent if ``kept``."""
         surfaces = self.surfaces
-        if surfaces.size and not surfaces.iterate():
+        if surfaces.size and not surfaces.iterate(kept=kept):
             return False
         self.carry(step, surfaces.linear_force())
         return True

@@ -181,20 +181,21 @@ class StepSolver:
 
     def _full(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         settled, halved, last, turns = 0, 0, np.inf, Turns(bool(self._floating))
-        remarks: list[str] = []
-        errors = self.errors
+        plain = kept = False  # whether the last correction was, and by an older tangent
+        errors, remarks = self.errors, list[str]()
         for iteration in range(self._newton.max_iterations + 1):
             for solid in self._all.solids:
                 solid.linearise(step)
             clock("solids")
             near = self.system.near
-            self._see(step, exact=near == np.inf)
+            self._see(step, exact=near == np.inf, kept=plain)
             self._all.set_scale(step, scale_of(self._speed(step)))
             clock("pairing")
             error, force = self.system.begin(step)
             errors.append(error)
             clock("newton")
-            stalled = iteration > 1 and errors[-2] <= error <= ROUGH * self._newton.tolerance
+            fell = kept or iteration < 2 or error < errors[-2]
+            stalled = not fell and error <= ROUGH * self._newton.tolerance
             if iteration and (error <= self._newton.tolerance or stalled):
                 self.reached = error
                 return force, iteration + settled, 1, remarks
@@ -203,7 +204,13 @@ class StepSolver:
             if error > WORSE * max(last, 1.0) and halved < HALVINGS:
                 halved += 1
                 self._halve(step)
+                plain = kept = False
                 continue
+            # a tangent is kept if two more corrections as good as the last one are enough
+            kept = plain and error**3 <= last**2 * self._newton.tolerance
+            if plain and not kept:
+                self._see(step, exact=True)
+                self.system.freeze(step)
             last, halved = error, 0
             if error <= near < np.inf:
                 self._see(step, exact=True)
@@ -215,16 +222,18 @@ class StepSolver:
                 remarks += solution.remarks
                 for contact in self._all.contacts:
                     contact.follow()
+                plain = kept = False
                 continue
-            self._advance(step, clock)
+            self._advance(step, clock, kept)
+            plain = isinstance(self.system, Condensed)
         moved = free_motion(self._floating, step)
         raise StepFailed(f"{self.system.stall()} after {len(errors) - 1} Newton iterations{moved}")
 
-    def _see(self, step: Step, exact: bool) -> None:
+    def _see(self, step: Step, exact: bool, kept: bool = False) -> None:
         """Take up the geometry of the contacts; ``exact`` with its derivatives, which between
-        solids take longest."""
+        solids take longest: ``kept``, those of last time."""
         for contact in self._all.contacts:
-            contact.linearise(step, exact=exact or len(contact.solids) == 1)
+            contact.linearise(step, exact or len(contact.solids) == 1, kept)
 
     def _speed(self, step: Step) -> float:
         """The largest speed at the contacts, m/s, or one that inertia knew as the step began, or
@@ -261,13 +270,14 @@ class StepSolver:
             self._start = step, max(self._fastest("velocity"), deforming)
         return self._start[1]
 
-    def _advance(self, step: Step, clock: Clock) -> None:
-        """One correction, shortened where it would invert an element."""
+    def _advance(self, step: Step, clock: Clock, kept: bool) -> None:
+        """One correction, shortened where it would invert an element; by the last tangent if
+        ``kept``."""
         self._before = [
             [solid.trial_velocity.copy() for solid in self._all.solids],
             [contact.equations.values for contact in self._all.contacts],
         ]
-        if not self.system.iterate(step):
+        if not self.system.iterate(step, kept):
             raise StepFailed("the linearised problem is singular: is a body without support?")
         clock("linear solve")
         for _ in range(HALVINGS):

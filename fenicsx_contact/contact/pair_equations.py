@@ -159,6 +159,7 @@ class PairedEquations:
         """Their tangent; if ``frozen`` without the derivatives of the geometry."""
         d = self._d
         tangents, seen, J, turning = self.point_rows(frozen)
+        assert J is not None
         c, u, r = tangents.shape
         r -= u - d  # what a point reads
         forces = J.T @ by_point(tangents[:, :d, :r], seen)

@@ -129,10 +129,12 @@ class DeformableTrace(MonolithicTrace):
         """Compute those of these columns of A^-1 J' that are not known."""
         if not self._columns.size:
             self._columns = np.empty(self._spreading.shape)
-        missing = columns[~self._known[columns]]
-        if len(missing):
-            solve = self._solid.factorisation.solve_many
-            self._columns[:, missing] = solve(self._spreading[:, missing])
+        known = self._known[columns]
+        if known.all():
+            return
+        missing = columns[~known]
+        solve = self._solid.factorisation.solve_many
+        self._columns[:, missing] = solve(self._spreading[:, missing])
         self._known[columns] = True
 
     def positions(self) -> np.ndarray:
@@ -162,9 +164,9 @@ class DeformableTrace(MonolithicTrace):
 
     def compliance(self, mine: np.ndarray, other: Trace, theirs: np.ndarray) -> np.ndarray:
         assert isinstance(other, DeformableTrace)
-        of_mine, of_theirs, part = self._asked.get(id(other), (None, None, None))
-        if part is not None and np.array_equal(mine, of_mine) and np.array_equal(theirs, of_theirs):
-            return part
+        asked = self._asked.get(id(other))
+        if asked and all(map(np.array_equal, asked[:2], (mine, theirs))):
+            return asked[2]
         shape = self._spreading.shape[1], other._spreading.shape[1]
         matrix, known = self._compliance.setdefault(
             id(other), (np.zeros(shape), np.zeros(shape[1], dtype=bool))

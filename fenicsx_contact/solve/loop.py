@@ -75,7 +75,7 @@ class StepSolver:
         self._floating = floating
         self._comm = problem.solids[0].mesh.mesh.comm
         self._bodies = [s for s in problem.solids if isinstance(s, DeformableSolid)]
-        self._start: tuple[Step | None, float] = None, 0.0
+        self._start: tuple[Step | None, float, float] = None, 0.0, 0.0
         self.errors: list[float] = []
         self.reached = self._pushed = 0.0
         self.system = SYSTEMS[solver](problem)
@@ -239,13 +239,12 @@ class StepSolver:
         """The largest speed at the contacts, m/s, or one that inertia knew as the step began, or
         that which their forces resolve, or else, at the start of a drive, anywhere in the solids; 0
         where nothing moves yet."""
-        contacts = self._all.contacts
-        speed = self._fastest("trial_velocity")
+        speed, (brought, pushed) = self._fastest("trial_velocity"), self._brought(step)
         if step.scheme.inertia:
-            speed = max(speed, self._brought(step))
-        pushed = max((c.push(c.force, step) for c in contacts), default=0.0)
-        if step.scheme.inertia and not pushed:  # a first step
-            pushed = max((c.push(candidate_force(c), step) for c in contacts), default=0.0)
+            speed = max(speed, brought)
+            if not pushed:  # a first step
+                each = (c.push(candidate_force(c), step) for c in self._all.contacts)
+                pushed = max(each, default=0.0)
         loaded = max((solid.load_speed() for solid in self._floating), default=0.0)
         if speed or pushed or loaded:
             return max(speed, SLOW * pushed, loaded)
@@ -253,12 +252,12 @@ class StepSolver:
         return max(map(max, self._comm.allgather([0.0, *inside])))
 
     def _fastest(self, which: str) -> float:
-        speeds = [contact.coupling.speeds(which) for contact in self._all.contacts]
-        return max((largest(v) for v in speeds), default=0.0)
+        return max((largest(c.coupling.speeds(which)) for c in self._all.contacts), default=0.0)
 
-    def _brought(self, step: Step) -> float:
+    def _brought(self, step: Step) -> tuple[float, float]:
         """The largest speed at the contacts at the start of the step, m/s, which an impact stops,
-        or difference of velocities within a solid, which after an impact is yet to arrive there."""
+        or difference of velocities within a solid, which after an impact is yet to arrive there;
+        and the one that the forces of the last step stand for."""
         if step is not self._start[0]:
             bounds = np.full((2, len(self._bodies), 3), -np.inf)
             for i, body in enumerate(self._bodies):
@@ -266,9 +265,10 @@ class StepSolver:
                     v = sign * body.velocity.reshape(-1, body.dim)
                     bound[i, : body.dim] = v.max(axis=0, initial=-np.inf)
             high, low = np.max(self._comm.allgather(bounds), axis=0)
-            deforming = float((high + low).max(initial=0.0))
-            self._start = step, max(self._fastest("velocity"), deforming)
-        return self._start[1]
+            brought = max(self._fastest("velocity"), float((high + low).max(initial=0.0)))
+            pushed = max((c.push(c.force, step) for c in self._all.contacts), default=0.0)
+            self._start = step, brought, pushed
+        return self._start[1:]
 
     def _advance(self, step: Step, clock: Clock, kept: bool) -> None:
         """One correction, shortened where it would invert an element; by the last tangent if

@@ -79,6 +79,11 @@ class Condensed:
             self.surfaces.remember()
         return max(errors, default=0.0), force
 
+    def renew(self, step: Step) -> None:
+        """Take up the derivatives of the geometry, which have been seen since `begin`."""
+        if self.freeze(step).size:
+            self.surfaces.error(slow=0.0)
+
     def _changed(self, force: np.ndarray) -> float:
         """By how much the last correction changed the forces, over the largest. Where a fine mesh
         of a stiff solid meets a soft one, small errors of gaps hide large ones of forces."""

@@ -208,9 +208,9 @@ class StepSolver:
                 continue
             # a tangent is kept if two more corrections as good as the last one are enough
             kept = plain and error**3 <= last**2 * self._newton.tolerance
-            if plain and not kept:
+            if plain and not kept and isinstance(self.system, Condensed):
                 self._see(step, exact=True)
-                self.system.freeze(step)
+                self.system.renew(step)
             last, halved = error, 0
             if error <= near < np.inf:
                 self._see(step, exact=True)

@@ -16,6 +16,10 @@
 # see each other through a pairing that moves.
 #
 # The two blocks take their steps in turn; the ratio is that of the medians.
+#
+# Rigid bodies in space have no such ratio, for a step in flight costs next to nothing: for them the
+# step itself is given, of a cube that slides, of cubes upon each other, and of dominoes of which
+# the first one falls.
 
 # %%
 import sys
@@ -25,6 +29,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from problems.rigid_bodies import box, cube
 
 import fenicsx_contact
 from fenicsx_contact import (
@@ -32,6 +37,7 @@ from fenicsx_contact import (
     ElasticSolid,
     HalfSpace,
     HyperelasticSolid,
+    RigidSolid,
     Scene,
     mesh_from_gmsh,
     neo_hookean,
@@ -104,6 +110,56 @@ def scenes(kind: str, dim: int, points: int, slide: float, pair: bool) -> list[S
     return result
 
 
+# %% [markdown]
+# ## Rigid bodies
+#
+# Cubes of 0.1 m; dominoes of 10 mm x 20 mm x 50 mm, 30 mm apart.
+
+
+# %%
+def rigid(what: str, bodies: int) -> Scene:
+    """A cube that slides, cubes upon each other, or a row of dominoes; dense as above."""
+    gravity, floor = (0.0, 0.0, -G), HalfSpace([0.0] * 3, [0.0, 0.0, 1.0])
+    if what == "cube":
+        one = cube({"side": 0.1, "density": DENSITY}, gravity, velocity=(1.0, 0.0, 0.0))
+        return Scene([one], [Contact(one, "base", floor, friction=FRICTION, name="floor")])
+    solids: list[RigidSolid] = []
+    contacts: list[Contact] = []
+    for i in range(bodies):
+        below: Any = floor
+        if what == "stack":
+            mesh, start = box((0.1, 0.1, 0.1), (0.0, 0.0, 0.1 * i)), {}
+            below = (solids[-1], "top") if solids else floor
+        else:
+            mesh = box((0.01, 0.02, 0.05), (0.03 * i, 0.0, 0.0))
+            start = {} if i else {"rotation": (0.0, 0.25, 0.0), "about": (0.01, 0.0, 0.0)}
+        body = RigidSolid(mesh, density=DENSITY, gravity=gravity, name=f"{what} {i}", **start)
+        contacts.append(Contact(body, "base", below, friction=0.5, name=f"base {i}"))
+        if what == "dominoes":
+            contacts.append(Contact(body, "right", floor, friction=0.5, name=f"edge {i}"))
+        if what == "dominoes" and solids:
+            pair = (solids[-1], "right", (body, "left"))
+            contacts.append(Contact(*pair, friction=0.2, name=f"face {i}"))
+        solids.append(body)
+    return Scene(solids, contacts)
+
+
+def measure_rigid(steps: int, what: str, bodies: int, first: int) -> dict[str, Any]:
+    """The median of the time of a step of 1 ms, after so many that are not counted."""
+    scene, times = rigid(what, bodies), []
+    scene.run(first * 1e-3, 1e-3, progress=False)
+    for _ in range(steps):
+        start = perf_counter()
+        list(scene.step(1e-3))
+        times.append(perf_counter() - start)
+    return {"what": what, "bodies": bodies, "step_s": median(times)}
+
+
+# %% [markdown]
+# ## Steps in turn
+
+
+# %%
 def measure(steps: int, **scene: Any) -> dict[str, Any]:
     """Medians of the time of a step, in turn with contact and without."""
     both = scenes(**scene)
@@ -172,6 +228,14 @@ def table(measured: list[dict[str, Any]]) -> str:
     return "\n".join(rows)
 
 
+def rigid_table(measured: list[dict[str, Any]]) -> str:
+    """Those of rigid bodies as Markdown."""
+    rows = ["| rigid bodies in space | how many | step |", "|---|---|---|"]
+    for found in measured:
+        rows.append(f"| {found['what']} | {found['bodies']} | {1e3 * found['step_s']:.2f} ms |")
+    return "\n".join(rows)
+
+
 def main(quick: bool = False) -> dict[str, Any]:
     """Everything; returns the summary that is also written."""
     steps = 5 if quick else 15
@@ -179,9 +243,16 @@ def main(quick: bool = False) -> dict[str, Any]:
     for case in cases(quick):
         measured.append(measure(steps, **case))
         print(table(measured[-1:]).splitlines()[-1], flush=True)
-    summary = {"cases": measured}
+    bodies = 2 if quick else 5
+    firsts = {"cube": 20, "stack": 20, "dominoes": 20 if quick else 140}  # when the second is hit
+    stiff = [
+        measure_rigid(steps, what, 1 if what == "cube" else bodies, first)
+        for what, first in firsts.items()
+    ]
+    print(rigid_table(stiff))
+    summary = {"cases": measured, "rigid": stiff}
     write_summary(RESULTS, summary)
-    write_table(RESULTS, table(measured), quick)
+    write_table(RESULTS, table(measured) + "\n\n" + rigid_table(stiff), quick)
     spans = []
     for kind in ("linear", "hyperelastic"):
         ratios = [found["ratio"] for found in measured if found["kind"] == kind]

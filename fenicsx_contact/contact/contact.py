@@ -180,9 +180,9 @@ class Contact(SurfaceResults):
         at = (self.gap > self.tolerance) | ((self.gap >= -self.tolerance) & stays)
         return self.chosen & ((self.status > 0) | at)
 
-    def linearise(self, step: Step, exact: bool = False) -> None:
+    def linearise(self, step: Step, exact: bool = False, kept: bool = False) -> None:
         """Take up the trial states of the solids: operators, normals and gaps; if ``exact`` with
-        the derivatives of all these."""
+        the derivatives of all these, between solids those of last time if ``kept``."""
         for trace in self.traces:
             trace.linearise(step)
         k, share = self.equations.fields, self.formulation.gap_share
@@ -204,7 +204,7 @@ class Contact(SurfaceResults):
             self.equations.refresh()
         self.equations.set_rates(share * step.gap_rate, step.span, step.limit_rate, step.horizon)
         self._springs.linearise(step, self.gap, self.jump)
-        self.coupling.linearise(step, exact, share)
+        self.coupling.linearise(step, exact, share, kept)
 
     def _tell(self, step: Step) -> None:
         """Tell the equations how the step starts."""

@@ -90,7 +90,7 @@ class Coupling(ABC):
         """Forces on the slave at its nodes, (n, d) in N, from those on the traces' points, flat."""
 
     @abstractmethod
-    def linearise(self, step: Step, exact: bool, share: float) -> None:
+    def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
         """Take up the geometry where it is; see :class:`PairedEquations`."""
 
     @property

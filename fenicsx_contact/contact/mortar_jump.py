@@ -161,9 +161,9 @@ class MortarJump(Coupling):
             rows[active] = -self.equations.residual()[active]
         return rows.reshape(-1, self._shape[1])
 
-    def linearise(self, step: Step, exact: bool, share: float) -> None:
+    def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
         velocities = self.velocities("trial_velocity")
-        self._part.linearise(velocities, exact, self._share * step.gap_rate, share)
+        self._part.linearise(velocities, exact, self._share * step.gap_rate, share, kept)
 
     def accept(self) -> None:
         super().accept()

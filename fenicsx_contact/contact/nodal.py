@@ -130,7 +130,7 @@ class NodalJump(Coupling):
     def force(self, force: np.ndarray) -> np.ndarray:
         return force.reshape(self._shape)
 
-    def linearise(self, step: Step, exact: bool, share: float) -> None:
+    def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
         e = self.equations
         if self.driven:
             e.carried[:] = self._end.ravel()

@@ -19,6 +19,7 @@ from .mortar.matrices import (
     block,
     by_point,
     gather,
+    nonzero,
     stack,
     used_columns,
 )
@@ -45,13 +46,22 @@ class PairedEquations:
         self.active_places = np.empty(0, dtype=np.int64)
         self.revision = 0
         self._rates: Rates | None = None
+        self._rows: PointRows | None = None  # the last ones, with derivatives of the geometry
+        self._keeps, self._of = False, equations.candidates
 
     @property
     def places(self) -> int:
         """Number of velocities: components of all nodes of both sides."""
         return self.pairing.total * self._d
 
-    def linearise(self, velocities: np.ndarray, exact: bool, gap_rate: float, share: float) -> None:
+    def linearise(
+        self,
+        velocities: np.ndarray,
+        exact: bool,
+        gap_rate: float,
+        share: float,
+        kept: bool = False,
+    ) -> None:
         """Take up the pairing where it is now.
 
         Args:
@@ -59,13 +69,23 @@ class PairedEquations:
             exact: with the derivatives of the geometry.
             gap_rate: derivative of the places by the velocities, s.
             share: of the end of the step in the gap that the law reads.
+            kept: whether the last tangent with these derivatives may stand for the present one,
+                as long as the same points see the same nodes.
         """
         e, d, n = self.equations, self._d, self.pairing.n
         self.velocities = velocities.copy()
         self.revision += 1
         self._operator = self.pairing.operator
         J = self._operator[e.active_jumps]
-        self._rates, self._gap_rate = None, gap_rate
+        self._keeps = kept and self._rows is not None and self._of is e.candidates
+        if self._keeps:
+            mine = J[:, self.active_places]
+            if nonzero(mine) == nonzero(J):
+                self._J = mine
+                self._set_jumps()
+                return
+        self._keeps, self._of = False, e.candidates
+        self._rates, self._rows, self._gap_rate = None, None, gap_rate
         seen = [J]
         if exact and len(e.candidates):
             self._rates = rates = Rates(self.pairing)
@@ -120,6 +140,8 @@ class PairedEquations:
 
     def point_rows(self, frozen: bool = False) -> PointRows:
         """Their tangent point by point; if ``frozen`` without the derivatives of the geometry."""
+        if self._keeps and self._rows is not None and not frozen:
+            return self._rows
         e, mine, d = self.equations, self.active_places, self._d
         tangents, rates = e.point_rows().tangents, self._rates
         if rates is None or frozen:
@@ -130,12 +152,14 @@ class PairedEquations:
         areas = np.array_equal(e.weight, self.pairing.area)  # or they are points
         turning = self._gap_rate * rates.spread(at_nodes, areas)[mine][:, mine]
         read = np.concatenate([tangents[:, :, :d], by, tangents[:, :, d:]], axis=2)
-        return PointRows(read, self._seen, self._J, turning)
+        self._rows = PointRows(read, self._seen, self._J, turning)
+        return self._rows
 
     def _tangent(self, frozen: bool = False) -> Matrix:
         """Their tangent; if ``frozen`` without the derivatives of the geometry."""
-        d, J = self._d, self._J
-        tangents, seen, _, turning = self.point_rows(frozen)
+        d = self._d
+        tangents, seen, J, turning = self.point_rows(frozen)
+        assert J is not None
         c, u, r = tangents.shape
         r -= u - d  # what a point reads
         forces = J.T @ by_point(tangents[:, :d, :r], seen)

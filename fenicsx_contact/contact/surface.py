@@ -270,7 +270,14 @@ class SurfaceFields(LawFields):
     def keep_frame(self) -> None:
         """The frames as they are now are those from which the next step starts."""
         if self._tangent is not None:
-            self.set_tangent(self.frame()[1][0])
+            self.set_tangent(self._first(self.normal.x.array.reshape(-1, 3)))
+
+    def _first(self, normal: np.ndarray) -> np.ndarray:
+        """The first tangents (n, 3) at these normals."""
+        assert self._tangent is not None
+        first = self._tangent.x.array.reshape(-1, 3)
+        first = first - np.einsum("ij,ij->i", first, normal)[:, None] * normal
+        return np.asarray(first / np.linalg.norm(first, axis=1)[:, None])
 
     @property
     def tangent(self) -> np.ndarray:
@@ -287,7 +294,5 @@ class SurfaceFields(LawFields):
             return normal, np.stack([-normal[:, 1], normal[:, 0]], axis=1)[None]
         if self._tangent is None:
             return normal, np.zeros((0, *normal.shape))
-        first = self._tangent.x.array.reshape(-1, 3)
-        first = first - np.einsum("ij,ij->i", first, normal)[:, None] * normal
-        first /= np.linalg.norm(first, axis=1)[:, None]
+        first = self._first(normal)
         return normal, np.stack([first, cross(normal, first)])

@@ -93,6 +93,9 @@ class DeformableTrace(MonolithicTrace):
         self._spreading = seen(rows[free], columns[free], owned).T.tocsr()
         self._operator = seen(rows, columns, owned)
         self._held = (self._operator - self._spreading.T).tocsr()
+        # points that are nodes see components: where one process has them no product is needed
+        self._picked = _picked(self._operator) if self._comm.size == 1 else None
+        self._pushed = _picked(self._spreading.T.tocsr())
         # the same in the numbers of all unknowns, on every process; held ones do not answer
         parts = self._comm.allgather((rows[free], vectors.first + columns[free]))
         row, column = (np.concatenate(each) for each in zip(*parts))
@@ -104,6 +107,7 @@ class DeformableTrace(MonolithicTrace):
         self._columns = np.empty((0, 0))
         self._free = np.empty(0), np.empty(0)  # a load, and velocities under it
         self._compliance: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        self._asked: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}  # parts of it
 
     def _sum(self, values: np.ndarray) -> np.ndarray:
         return self._comm.allreduce(values) if self._comm.size > 1 else values
@@ -119,22 +123,27 @@ class DeformableTrace(MonolithicTrace):
             self._linearisation = self._solid.linearisation
             self._known[:] = False
             self._compliance.clear()
+            self._asked.clear()
 
     def _solve_for(self, columns: np.ndarray) -> None:
         """Compute those of these columns of A^-1 J' that are not known."""
         if not self._columns.size:
             self._columns = np.empty(self._spreading.shape)
-        missing = columns[~self._known[columns]]
-        if len(missing):
-            solve = self._solid.factorisation.solve_many
-            self._columns[:, missing] = solve(self._spreading[:, missing])
+        known = self._known[columns]
+        if known.all():
+            return
+        missing = columns[~known]
+        solve = self._solid.factorisation.solve_many
+        self._columns[:, missing] = solve(self._spreading[:, missing])
         self._known[columns] = True
 
     def positions(self) -> np.ndarray:
-        moved = self._sum(self._operator @ self._solid.trial_displacement)
+        moved = self.jump(self._solid.trial_displacement)
         return self.reference + moved.reshape(self.reference.shape)
 
     def jump(self, velocity: np.ndarray) -> np.ndarray:
+        if self._picked is not None:
+            return velocity[self._picked]
         return self._sum(self._operator @ velocity)
 
     def mean_jump(self, velocity: np.ndarray) -> np.ndarray:
@@ -155,6 +164,9 @@ class DeformableTrace(MonolithicTrace):
 
     def compliance(self, mine: np.ndarray, other: Trace, theirs: np.ndarray) -> np.ndarray:
         assert isinstance(other, DeformableTrace)
+        asked = self._asked.get(id(other))
+        if asked and all(map(np.array_equal, asked[:2], (mine, theirs))):
+            return asked[2]
         shape = self._spreading.shape[1], other._spreading.shape[1]
         matrix, known = self._compliance.setdefault(
             id(other), (np.zeros(shape), np.zeros(shape[1], dtype=bool))
@@ -165,7 +177,9 @@ class DeformableTrace(MonolithicTrace):
             matrix[:, new] = self._sum(self._spreading.T @ other._columns[:, new])
             known[new] = True
         everything = len(mine) == shape[0] and len(theirs) == shape[1]
-        return matrix if everything else matrix[np.ix_(mine, theirs)]
+        part = matrix if everything else matrix[np.ix_(mine, theirs)]
+        self._asked[id(other)] = mine, theirs, part
+        return part
 
     def mobility(self) -> np.ndarray:
         size = self._spreading.shape[1]
@@ -198,4 +212,17 @@ class DeformableTrace(MonolithicTrace):
         return self._whole
 
     def spread(self, force: np.ndarray) -> None:
-        self._solid.push(self._spreading @ force)
+        if self._pushed is None:
+            self._solid.push(self._spreading @ force)
+            return
+        pushed = np.zeros(self._spreading.shape[0])
+        pushed[self._pushed] = force
+        self._solid.push(pushed)
+
+
+def _picked(matrix: scipy.sparse.csr_matrix) -> np.ndarray | None:
+    """The components that a matrix picks from vectors, each once; None if it does more or less."""
+    alone = np.array_equal(matrix.indptr, np.arange(matrix.shape[0] + 1))
+    if not alone or (matrix.data != 1).any() or len(set(matrix.indices)) < len(matrix.indices):
+        return None
+    return matrix.indices.astype(np.int64)

@@ -79,6 +79,11 @@ class Condensed:
             self.surfaces.remember()
         return max(errors, default=0.0), force
 
+    def renew(self, step: Step) -> None:
+        """Take up the derivatives of the geometry, which have been seen since `begin`."""
+        if self.freeze(step).size:
+            self.surfaces.error(slow=0.0)
+
     def _changed(self, force: np.ndarray) -> float:
         """By how much the last correction changed the forces, over the largest. Where a fine mesh
         of a stiff solid meets a soft one, small errors of gaps hide large ones of forces."""
@@ -86,10 +91,11 @@ class Condensed:
         size = largest(force)
         return float(np.abs(force - before).max() / size) if size > self._all.noise() else 0.0
 
-    def iterate(self, step: Step) -> bool:
-        """Solve, and move the solids; False if the system is singular."""
+    def iterate(self, step: Step, kept: bool = False) -> bool:
+        """Solve, and move the solids; False if the system is singular. With the factors of the last
+        tangent if ``kept``."""
         surfaces = self.surfaces
-        if surfaces.size and not surfaces.iterate():
+        if surfaces.size and not surfaces.iterate(kept=kept):
             return False
         self.carry(step, surfaces.linear_force())
         return True

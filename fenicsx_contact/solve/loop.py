@@ -75,7 +75,7 @@ class StepSolver:
         self._floating = floating
         self._comm = problem.solids[0].mesh.mesh.comm
         self._bodies = [s for s in problem.solids if isinstance(s, DeformableSolid)]
-        self._start: tuple[Step | None, float] = None, 0.0
+        self._start: tuple[Step | None, float, float] = None, 0.0, 0.0
         self.errors: list[float] = []
         self.reached = self._pushed = 0.0
         self.system = SYSTEMS[solver](problem)
@@ -181,20 +181,21 @@ class StepSolver:
 
     def _full(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         settled, halved, last, turns = 0, 0, np.inf, Turns(bool(self._floating))
-        remarks: list[str] = []
-        errors = self.errors
+        plain = kept = False  # whether the last correction was, and by an older tangent
+        errors, remarks = self.errors, list[str]()
         for iteration in range(self._newton.max_iterations + 1):
             for solid in self._all.solids:
                 solid.linearise(step)
             clock("solids")
             near = self.system.near
-            self._see(step, exact=near == np.inf)
+            self._see(step, exact=near == np.inf, kept=plain)
             self._all.set_scale(step, scale_of(self._speed(step)))
             clock("pairing")
             error, force = self.system.begin(step)
             errors.append(error)
             clock("newton")
-            stalled = iteration > 1 and errors[-2] <= error <= ROUGH * self._newton.tolerance
+            fell = kept or iteration < 2 or error < errors[-2]
+            stalled = not fell and error <= ROUGH * self._newton.tolerance
             if iteration and (error <= self._newton.tolerance or stalled):
                 self.reached = error
                 return force, iteration + settled, 1, remarks
@@ -203,7 +204,13 @@ class StepSolver:
             if error > WORSE * max(last, 1.0) and halved < HALVINGS:
                 halved += 1
                 self._halve(step)
+                plain = kept = False
                 continue
+            # a tangent is kept if two more corrections as good as the last one are enough
+            kept = plain and error**3 <= last**2 * self._newton.tolerance
+            if plain and not kept and isinstance(self.system, Condensed):
+                self._see(step, exact=True)
+                self.system.renew(step)
             last, halved = error, 0
             if error <= near < np.inf:
                 self._see(step, exact=True)
@@ -215,28 +222,29 @@ class StepSolver:
                 remarks += solution.remarks
                 for contact in self._all.contacts:
                     contact.follow()
+                plain = kept = False
                 continue
-            self._advance(step, clock)
+            self._advance(step, clock, kept)
+            plain = isinstance(self.system, Condensed)
         moved = free_motion(self._floating, step)
         raise StepFailed(f"{self.system.stall()} after {len(errors) - 1} Newton iterations{moved}")
 
-    def _see(self, step: Step, exact: bool) -> None:
+    def _see(self, step: Step, exact: bool, kept: bool = False) -> None:
         """Take up the geometry of the contacts; ``exact`` with its derivatives, which between
-        solids take longest."""
+        solids take longest: ``kept``, those of last time."""
         for contact in self._all.contacts:
-            contact.linearise(step, exact=exact or len(contact.solids) == 1)
+            contact.linearise(step, exact or len(contact.solids) == 1, kept)
 
     def _speed(self, step: Step) -> float:
         """The largest speed at the contacts, m/s, or one that inertia knew as the step began, or
         that which their forces resolve, or else, at the start of a drive, anywhere in the solids; 0
         where nothing moves yet."""
-        contacts = self._all.contacts
-        speed = self._fastest("trial_velocity")
+        speed, (brought, pushed) = self._fastest("trial_velocity"), self._brought(step)
         if step.scheme.inertia:
-            speed = max(speed, self._brought(step))
-        pushed = max((c.push(c.force, step) for c in contacts), default=0.0)
-        if step.scheme.inertia and not pushed:  # a first step
-            pushed = max((c.push(candidate_force(c), step) for c in contacts), default=0.0)
+            speed = max(speed, brought)
+            if not pushed:  # a first step
+                each = (c.push(candidate_force(c), step) for c in self._all.contacts)
+                pushed = max(each, default=0.0)
         loaded = max((solid.load_speed() for solid in self._floating), default=0.0)
         if speed or pushed or loaded:
             return max(speed, SLOW * pushed, loaded)
@@ -244,12 +252,12 @@ class StepSolver:
         return max(map(max, self._comm.allgather([0.0, *inside])))
 
     def _fastest(self, which: str) -> float:
-        speeds = [contact.coupling.speeds(which) for contact in self._all.contacts]
-        return max((largest(v) for v in speeds), default=0.0)
+        return max((largest(c.coupling.speeds(which)) for c in self._all.contacts), default=0.0)
 
-    def _brought(self, step: Step) -> float:
+    def _brought(self, step: Step) -> tuple[float, float]:
         """The largest speed at the contacts at the start of the step, m/s, which an impact stops,
-        or difference of velocities within a solid, which after an impact is yet to arrive there."""
+        or difference of velocities within a solid, which after an impact is yet to arrive there;
+        and the one that the forces of the last step stand for."""
         if step is not self._start[0]:
             bounds = np.full((2, len(self._bodies), 3), -np.inf)
             for i, body in enumerate(self._bodies):
@@ -257,17 +265,19 @@ class StepSolver:
                     v = sign * body.velocity.reshape(-1, body.dim)
                     bound[i, : body.dim] = v.max(axis=0, initial=-np.inf)
             high, low = np.max(self._comm.allgather(bounds), axis=0)
-            deforming = float((high + low).max(initial=0.0))
-            self._start = step, max(self._fastest("velocity"), deforming)
-        return self._start[1]
+            brought = max(self._fastest("velocity"), float((high + low).max(initial=0.0)))
+            pushed = max((c.push(c.force, step) for c in self._all.contacts), default=0.0)
+            self._start = step, brought, pushed
+        return self._start[1:]
 
-    def _advance(self, step: Step, clock: Clock) -> None:
-        """One correction, shortened where it would invert an element."""
+    def _advance(self, step: Step, clock: Clock, kept: bool) -> None:
+        """One correction, shortened where it would invert an element; by the last tangent if
+        ``kept``."""
         self._before = [
             [solid.trial_velocity.copy() for solid in self._all.solids],
             [contact.equations.values for contact in self._all.contacts],
         ]
-        if not self.system.iterate(step):
+        if not self.system.iterate(step, kept):
             raise StepFailed("the linearised problem is singular: is a body without support?")
         clock("linear solve")
         for _ in range(HALVINGS):

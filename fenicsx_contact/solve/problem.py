@@ -16,6 +16,8 @@ from ..solids import Solid, Trace
 from ..theory.theta import Step
 from .surface_problem import SurfaceSystem
 
+_Made = tuple[np.ndarray, list[tuple[slice, slice, np.ndarray]], np.ndarray]
+
 #: Forces below this share of those that stop the speeds of a step within it are noise.
 NOISE = 1e-11
 
@@ -39,6 +41,8 @@ class Assembly:
             id(s): [c for c in self.contacts if any(s is each for each in c.solids)]
             for s in self.solids
         }
+        # active points, the blocks of their W, and W
+        self._made: _Made = np.empty(0), [], np.empty((0, 0))
         self.slices = _slices(trace.jump(s.velocity).size for s, trace in self.sides)
 
     def surface_system(self) -> SurfaceSystem:
@@ -69,16 +73,24 @@ class Assembly:
         if len(self.sides) == 1:
             _, trace = self.sides[0]
             return trace.compliance(active, trace, active)
-        W = np.zeros((len(active), len(active)))
         bounds = np.searchsorted(active, [part.start for part in self.slices] + [np.inf])
         ours = [
             (solid, trace, slice(a, b), active[a:b] - part.start)
             for (solid, trace), part, a, b in zip(self.sides, self.slices, bounds[:-1], bounds[1:])
         ]
-        for solid, trace, rows, mine in ours:
-            for other_solid, other, columns, theirs in ours:
-                if other_solid is solid and len(mine) and len(theirs):
-                    W[rows, columns] = trace.compliance(mine, other, theirs)
+        blocks = [
+            (rows, columns, trace.compliance(mine, other, theirs))
+            for solid, trace, rows, mine in ours
+            for other_solid, other, columns, theirs in ours
+            if other_solid is solid and len(mine) and len(theirs)
+        ]
+        of, made, W = self._made
+        same = len(made) == len(blocks) and all(a[2] is b[2] for a, b in zip(made, blocks))
+        if not (same and np.array_equal(of, active)):
+            W = np.zeros((len(active), len(active)))
+            for rows, columns, block in blocks:
+                W[rows, columns] = block
+            self._made = active, blocks, W
         return W
 
     def spread(self, force: np.ndarray) -> None:

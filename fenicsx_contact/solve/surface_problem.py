@@ -21,6 +21,7 @@ from scipy.linalg import lapack
 from ..base.vectors import largest
 from ..contact.part import Part
 from .by_points import ByPoints, Place
+from .factored import Factored
 from .statuses import Statuses
 from .yielding import COMPLIANCE, FIRM, Yielding
 
@@ -57,6 +58,7 @@ class SurfaceSystem(Statuses):
         self._firm = COMPLIANCE if hyperstatic else FIRM
         self._compliance, self._centre = self._firm, np.empty(0)
         self._yielding = Yielding()
+        self._tangent: Factored | None = None
 
     def arrange(self) -> np.ndarray:
         """Take up which points are active; their velocities' indices among all."""
@@ -139,18 +141,19 @@ class SurfaceSystem(Statuses):
 
     def forget(self) -> None:
         super().forget()
+        self._tangent = None
         self._by_points.forget()
 
     def begin_again(self) -> bool:
         """It would not help: with the solids condensed no function falls."""
         return False
 
-    def iterate(self, enough: float = 0.0) -> bool:
+    def iterate(self, enough: float = 0.0, kept: bool = False) -> bool:
         """One Newton step; False where the tangent is singular. A first one of a hyperstatic
         contact that makes the error worse is taken back, and another made if it was more than
-        ``enough``."""
+        ``enough``. If ``kept`` the tangent is the last one, as the parts have it."""
         if not self._hyperstatic or self._centre.size:
-            return self._iterate()
+            return self._iterate(kept)
         first, before = self._yielding.first, self.worst
         self._yielding.next(before)
         self._compliance = self._yielding.compliance
@@ -164,9 +167,9 @@ class SurfaceSystem(Statuses):
         self.update()
         return before <= enough or self.iterate()
 
-    def _iterate(self) -> bool:
+    def _iterate(self, kept: bool = False) -> bool:
         points = self._many and not self._centre.size
-        return self._iterate_points() if points else self._iterate_all()
+        return self._iterate_points() if points else self._iterate_all(kept)
 
     def _iterate_points(self) -> bool:
         """By the forces of the points alone."""
@@ -182,8 +185,22 @@ class SurfaceSystem(Statuses):
         self.update()
         return True
 
-    def _iterate_all(self) -> bool:
+    def _iterate_all(self, kept: bool) -> bool:
         """By all unknowns together."""
+        tangent, nw = self._tangent, len(self.active)
+        if not (kept and tangent and tangent.of(self.active, self.size)):
+            self._tangent = tangent = self._factored()
+        if tangent is None:
+            return False
+        step = tangent.solve(self.residual, self._rows)
+        self._linear_force = tangent.stiffness @ step - self.assembled[:nw]
+        for part, place in self.placed:
+            part.move(-step[place])
+        self.update()
+        return True
+
+    def _factored(self) -> Factored | None:
+        """The tangent of all unknowns; None where it is singular."""
         nw = len(self.active)
         if len(self.placed) == 1:
             A = self.placed[0].part.active_tangent().copy()  # which is used again
@@ -200,23 +217,14 @@ class SurfaceSystem(Statuses):
         regular = A.copy()
         # high pressures weigh in the rows of friction, and again in the forces of their unknowns
         weight = np.maximum(1.0, np.abs(A[nw:, :nw]).max(axis=1, initial=0.0))
-        if self._centre.size:
-            A.flat[nw * (self.size + 1) :: self.size + 1] -= self._compliance
-            regular = A.copy()
-        else:
-            regular.flat[nw * (self.size + 1) :: self.size + 1] -= self._compliance * weight**2
+        softer = self._compliance * (1.0 if self._centre.size else weight**2)
+        regular.flat[nw * (self.size + 1) :: self.size + 1] -= softer
         factors, pivots, singular = lapack.dgetrf(regular)
         if singular:
-            return False
-        step, _ = lapack.dgetrs(factors, pivots, self.residual)
-        if not self._centre.size:
-            step += lapack.dgetrs(factors, pivots, self.residual - A @ step)[0]
-        step *= self._columns
-        self._linear_force = stiffness @ step - self.assembled[:nw]
-        for part, place in self.placed:
-            part.move(-step[place])
-        self.update()
-        return True
+            return None
+        matrix = None if self._centre.size else A
+        scales = self._rows, self._columns
+        return Factored(stiffness, matrix, factors, pivots, *scales, self.active)
 
     def error(self, slow: float = SLOW) -> float:
         """The largest error that the residual of any row stands for; speeds are resolved down to

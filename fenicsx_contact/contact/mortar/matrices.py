@@ -65,6 +65,13 @@ def used_columns(matrices: Sequence[Matrix]) -> np.ndarray:
     return np.unique(np.concatenate([m.indices for m in matrices])).astype(np.int64)
 
 
+def nonzero(matrix: Matrix) -> int:
+    """How many entries are not zero."""
+    return int(
+        np.count_nonzero(matrix) if isinstance(matrix, np.ndarray) else matrix.count_nonzero()
+    )
+
+
 def square(matrix: Matrix) -> Matrix:
     """The squares of the entries."""
     return matrix**2 if isinstance(matrix, np.ndarray) else matrix.power(2)

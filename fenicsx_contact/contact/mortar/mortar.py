@@ -37,6 +37,7 @@ from .pieces import Brink, Pieces
 from .search import FACETS
 from .shares import Shares
 from .side import Side
+from .small import extremes, inverted
 from .stance import Stance
 
 #: A node with less than this share of its area paired has no partner.
@@ -188,10 +189,10 @@ class Pairing:
         mass = add_up(products.reshape(-1, k * k), pieces.facet, m).reshape(m, k, k)
         lumped = mass.sum(axis=2)
         scale = np.where(lumped > 0, lumped, 1.0) ** -0.5
-        eigenvalues = np.linalg.eigvalsh(mass * scale[:, :, None] * scale[:, None, :])
-        good = ILL * eigenvalues[:, 0] > eigenvalues[:, -1]
+        lowest, highest = extremes(mass * scale[:, :, None] * scale[:, None, :])
+        good = ILL * lowest > highest
         self.inverse_mass = np.zeros_like(mass)
-        self.inverse_mass[good] = np.linalg.inv(mass[good])
+        self.inverse_mass[good] = inverted(mass[good])
         self.dual = self.inverse_mass * lumped[:, None]  # psi = phi @ dual
         self.dual[~good] = np.eye(k)
         return phi @ self.dual[pieces.facet]

@@ -9,12 +9,13 @@ its surface is continuous, so alpha is.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from ...base.vectors import cross, largest
 from .itself import Admits
-from .search import Near, Spheres, candidates, first_of_each
+from .search import BULGE, MARGIN, Near, Spheres, candidates, first_of_each
 from .side import Side
 
 #: Overlap of facets, in local coordinates: rays through an edge must not pass between two facets.
@@ -42,6 +43,7 @@ class Partners:
     def __init__(self, side: Side, other: Side, admits: Admits) -> None:
         self._side, self._other, self._admits = side, other, admits
         self._near = Near()
+        self._seen: _Seen | None = None
 
     def meet(
         self,
@@ -60,9 +62,7 @@ class Partners:
             places: present places of the nodes of both sides, (N, d).
         """
         side, nodes = self._other, places[1]
-        bundles = Spheres.around(places[0][self._side.cells])
-        facets = Spheres.around(nodes[side.cells])
-        ray, facet = candidates(x, n, origin, reach, bundles, facets, self._near)
+        ray, facet = self._candidates(x, n, origin, reach, places)
         direction = n[ray]
         xi, alpha, inverse, tangents = intersect(x[ray], direction, side, nodes, facet)
         normal = side.normal(tangents, facet)
@@ -74,6 +74,55 @@ class Partners:
         order = good[np.lexsort((facet[good], np.abs(alpha[good]), ray[good]))]
         best = order[first_of_each(ray[order])]
         return Hits(ray[best], facet[best], xi[best], alpha[best], inverse[best])
+
+    def _candidates(
+        self,
+        x: np.ndarray,
+        n: np.ndarray,
+        origin: np.ndarray,
+        reach: np.ndarray,
+        places: tuple[np.ndarray, np.ndarray],
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Pairs (ray, facet) that may meet, found with some margin, and kept while that lasts."""
+        seen, nodes = self._seen, places[1]
+        if seen and np.array_equal(origin, seen.origin) and seen.serves(x, n, reach, nodes):
+            return seen.pairs
+        bundles = Spheres.around(places[0][self._side.cells])
+        facets = Spheres.around(nodes[self._other.cells])
+        if not self._other.straight:  # which are met by iterations that end for all together
+            return candidates(x, n, origin, reach, bundles, facets, self._near)
+        margin = MARGIN * float(bundles.radii.sum() / len(bundles.radii))
+        arm = 2 * float(reach.max() + facets.radii.max())
+        wide = bundles.wider(margin), facets.wider(margin)
+        pairs = candidates(x, n, origin, reach + margin, *wide, self._near)
+        self._seen = _Seen(x, n, origin, reach + margin, nodes, arm, margin, pairs)
+        return pairs
+
+
+class _Seen(NamedTuple):
+    """What some rays may meet, as long as no distance of theirs changes by more than a margin."""
+
+    x: np.ndarray
+    n: np.ndarray
+    origin: np.ndarray
+    reach: np.ndarray
+    nodes: np.ndarray
+    arm: float  # of what turns them
+    margin: float
+    pairs: tuple[np.ndarray, np.ndarray]
+
+    def serves(self, x: np.ndarray, n: np.ndarray, reach: np.ndarray, nodes: np.ndarray) -> bool:
+        """Whether these rays, as many from the same facets, meet nothing else."""
+        if (reach > self.reach).any():
+            return False
+        # a sphere grows by twice what its nodes move, and its middle goes as far as they do
+        moved = farthest(x, self.x) + (1 + 2 * BULGE) * farthest(nodes, self.nodes)
+        return moved + self.arm * farthest(n, self.n) <= self.margin
+
+
+def farthest(ones: np.ndarray, others: np.ndarray) -> float:
+    """The largest distance between these places, (n, d)."""
+    return float(np.sqrt(((ones - others) ** 2).sum(axis=1).max(initial=0.0)))
 
 
 def intersect(

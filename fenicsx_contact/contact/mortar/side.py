@@ -48,6 +48,7 @@ class Side:
         nodes: reference coordinates of the nodes of the trace, (N, d); the first n are ``points``.
         cells: nodes of each facet, (m, k), in basix's order.
         corners: corners of each facet, (m, corners).
+        middle_slopes: derivatives of the shape functions at the middle, (d - 1, k).
         sizes, size: about the diameters of the facets, (m,), and the largest, m.
         straight: whether the facets are and stay so, with constant slopes.
         sign: +1 where the parametrisation of a facet makes its normal point outwards, else -1.
@@ -74,6 +75,7 @@ class Side:
             at = _tabulate(shape, 0, self.element.points)[0] @ places
             self.nodes, self.cells = _number(points, at)
         self.midpoint = self._midpoint(cell)
+        self.middle_slopes = self.shape(self.midpoint[None])[1][:, 0]
         self.sizes = self._diameters(points)
         self.size = float(self.sizes.max())
         _, nearest = cKDTree(inside[:, 0]).query(points[cells].mean(axis=1))
@@ -92,6 +94,7 @@ class Side:
         flat = copy(self)
         flat.degree, flat.element, flat.cells = 1, self._linear, self.corners
         flat.straight = self.cell != "quadrilateral"
+        flat.middle_slopes = flat.shape(flat.midpoint[None])[1][:, 0]
         return flat
 
     @staticmethod
@@ -125,11 +128,6 @@ class Side:
         """Covariant tangents at points of the facets, (d - 1, q, d), from the places of the nodes
         and the derivatives of the shape functions."""
         return np.einsum("tqk,qkj->tqj", slopes, nodes[self.cells[facets]])
-
-    @property
-    def middle_slopes(self) -> np.ndarray:
-        """Derivatives of the shape functions at the middle, (d - 1, k)."""
-        return self.shape(self.midpoint[None])[1][:, 0]
 
     def middle_tangents(self, nodes: np.ndarray) -> np.ndarray:
         """Those at the middles of all facets, (d - 1, m, d)."""
@@ -166,6 +164,8 @@ def _tabulate(element: basix.finite_element.FiniteElement, order: int, xi: np.nd
     """Derivatives up to an order at points (q, d - 1), (derivatives, q, k); basix of Debian 12
     aborts if there are no points, as where two solids are far apart."""
     q = len(xi)
+    if element.dim == 2:  # linear on a line, asked for most often
+        return np.stack([np.hstack([1 - xi, xi]), np.tile([-1.0, 1.0], (q, 1))])[: order + 1]
     return element.tabulate(order, xi if q else np.zeros((1, xi.shape[1])))[:, :q, :, 0]
 
 

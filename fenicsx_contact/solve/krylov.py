@@ -40,6 +40,10 @@ from .through_springs import ThroughSprings, nodal_inverse
 
 #: Share of the residual at which a linear solve ends, and how many iterations it may take.
 TOLERANCE, MAX_ITERATIONS = 1e-6, 300
+#: Cost: share at which one ends while the equations are far from linear. As soon as less than that
+#: is wrong their relative error is the share, by which Newton's method stays quadratic (R.S. Dembo,
+#: S.C. Eisenstat & T. Steihaug, SIAM J. Numer. Anal. 19, 400-408, 1982).
+EARLY = 1e-3
 #: Cost: relative error up to which derivatives of the geometry are used.
 NEAR = 0.1
 #: Cost: a hierarchy serves on for changed solids while it takes no more iterations than this.
@@ -190,7 +194,8 @@ class Krylov(Monolithic):
         solver.setGMRESRestart(100)
         solver.setPCSide(PETSc.PC.Side.RIGHT)
         solver.setInitialGuessNonzero(True)
-        solver.setTolerances(rtol=TOLERANCE, max_it=most)
+        early = 0.0 if self.frozen else min(EARLY, max(self._errors))
+        solver.setTolerances(rtol=max(TOLERANCE, early), max_it=most)
         solver.getPC().setType("python")
         solver.getPC().setPythonContext(through)
         solver.setOperators(A)

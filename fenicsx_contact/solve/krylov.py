@@ -40,9 +40,8 @@ from .through_springs import ThroughSprings, nodal_inverse
 
 #: Share of the residual at which a linear solve ends, and how many iterations it may take.
 TOLERANCE, MAX_ITERATIONS = 1e-6, 300
-#: Cost: share at which one ends while the equations are far from linear. As soon as less than that
-#: is wrong their relative error is the share, by which Newton's method stays quadratic (R.S. Dembo,
-#: S.C. Eisenstat & T. Steihaug, SIAM J. Numer. Anal. 19, 400-408, 1982).
+#: Cost: share at which one ends while Newton's method does not come near (cf. R.S. Dembo, S.C.
+#: Eisenstat & T. Steihaug, SIAM J. Numer. Anal. 19, 400-408, 1982).
 EARLY = 1e-3
 #: Cost: relative error up to which derivatives of the geometry are used.
 NEAR = 0.1
@@ -78,6 +77,10 @@ class Krylov(Monolithic):
         self._multigrid: Multigrid | None = None
         self._held: SolidMatrix | None = None
         self._made_of: list[int] = []
+
+    def restart(self) -> None:
+        super().restart()
+        self._before = 0.0  # the error before the last correction
 
     def _change(self) -> tuple[list[np.ndarray], np.ndarray]:
         clock, surface = Clock(self.times), self._surface
@@ -121,6 +124,7 @@ class Krylov(Monolithic):
             more_count, done = self._krylov(A, b, x, through, MAX_ITERATIONS)
             count += more_count
         self.counts.append(count)
+        self._before = max(self._errors)
         local = x.array_r.copy()
         through.free()
         for thing in (A, x, b):
@@ -194,8 +198,8 @@ class Krylov(Monolithic):
         solver.setGMRESRestart(100)
         solver.setPCSide(PETSc.PC.Side.RIGHT)
         solver.setInitialGuessNonzero(True)
-        early = 0.0 if self.frozen else min(EARLY, max(self._errors))
-        solver.setTolerances(rtol=max(TOLERANCE, early), max_it=most)
+        early = min(self._before, max(self._errors)) > self.near and not self.frozen
+        solver.setTolerances(rtol=EARLY if early else TOLERANCE, max_it=most)
         solver.getPC().setType("python")
         solver.getPC().setPythonContext(through)
         solver.setOperators(A)

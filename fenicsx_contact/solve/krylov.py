@@ -27,6 +27,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from ..base.checks import StepFailed
+from ..base.processes import together
 from ..base.vectors import largest
 from ..solids import DeformableSolid
 from .monolithic import Monolithic
@@ -94,7 +95,8 @@ class Krylov(Monolithic):
         block = frozen if far else surface.share(frozen=False, held=self.held) + more
         # the rows of the multipliers times S^-1, as the forces for which these stand: norms add
         # them to those of the solids
-        inverse, force = nodal_inverse(ym, seen, mm, diagonal, surface.points), self._size(ym)
+        inverse = together(self.comm, lambda: nodal_inverse(ym, seen, mm, diagonal, surface.points))
+        force = self._size(ym)
         solve = sp.diags(force) @ inverse
         block = sp.bmat([[block[:t, :t], ym], [solve @ block[t:, :t], solve @ mm]], format="csr")
         own = surface.own(block)

@@ -10,6 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
+from ..base.checks import StepFailed
 from .multigrid import Multigrid
 
 
@@ -75,6 +76,9 @@ def nodal_inverse(
         diagonal: D, (t,).
         points: of each contact how many points and how many multipliers there are; these stand
             component by component.
+
+    Raises:
+        StepFailed: a force between two sides would move none of them.
     """
     push, inner = (ym.T @ sp.diags(1 / diagonal)).tocsr(), mm.tocoo()
     empty, first = np.empty(0, dtype=np.int64), 0
@@ -94,7 +98,10 @@ def nodal_inverse(
             mine = my[part]
             for b, each in enumerate(theirs):
                 S[a, b] -= np.asarray(mine.multiply(each).sum(axis=1)).ravel()
-        data = np.linalg.inv(np.moveaxis(S, 2, 0)).ravel()
+        try:
+            data = np.linalg.inv(np.moveaxis(S, 2, 0)).ravel()
+        except np.linalg.LinAlgError:
+            raise StepFailed("a point of a contact can move on neither side") from None
         at = first + np.arange(m).reshape(k, count).T  # (count, k)
         row, column = np.broadcast_arrays(at[:, :, None], at[:, None, :])
         blocks.append((data, row.ravel(), column.ravel()))

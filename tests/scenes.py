@@ -275,6 +275,11 @@ def iterated_boxes() -> Scene:
     return pressed_boxes(solver="iterative")
 
 
+def iterated_cube() -> Scene:
+    """Before a table, nothing factored."""
+    return pressed_cube(solver="iterative")
+
+
 def pressed_cube(n: int = 4, **scene: Any) -> Scene:
     """A linear elastic cube, pressed on a table by its top; its rounded base touches in part."""
     mesh = box((n, n, n), (1.0, 1.0, 1.0), "tetrahedron")

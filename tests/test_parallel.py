@@ -48,7 +48,9 @@ RUNS = {  # few steps: processes beside other tests take long over each
     "pressed_blocks": (4.0, 1.0),
     "pressed_boxes": (3.0, 1.0),
     "iterated_boxes": (3.0, 1.0),
+    "iterated_cube": (2.0, 1.0),
 }
+LATER = "iterated_cube"  # in a later tier
 SPREAD = [name for name in RUNS if name not in ("rigid_box", "rocking_block", "elastic_cell")]
 
 
@@ -75,10 +77,11 @@ def finish(process: subprocess.Popen, directory: Path) -> History:
 @pytest.mark.parametrize(
     ("name", "processes"),
     [
-        *((name, 2) for name in RUNS),
+        *((name, 2) for name in RUNS if name != LATER),
         ("light_footed_block", 3),
         ("two_blocks", 4),
         pytest.param("iterated_boxes", 3, marks=pytest.mark.second),
+        *(pytest.param(LATER, n, marks=pytest.mark.second) for n in (2, 3)),
         pytest.param("pressed_boxes", 4, marks=pytest.mark.second),
     ],
 )

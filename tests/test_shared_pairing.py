@@ -34,6 +34,18 @@ def same(mine, theirs):
     assert len(set(comm.allgather(mine.tobytes()))) == 1  # they go on with the same digits
 
 
+def add_up(pair, mine, theirs):
+    same(pair.shared.whole(mine), theirs)
+
+
+def own(pair, mine, theirs):
+    # each process has the rows of its nodes, and no other ones
+    add_up(pair, mine, theirs)
+    mine = mine if isinstance(mine, np.ndarray) else mine.toarray()
+    here = pair.shared.node_here.repeat(len(mine) // pair.n)
+    assert not mine[~here].any()
+
+
 for cell, degree, over, stands, dense in (
     ("triangle", 1, False, False, True),
     ("triangle", 1, True, True, False),
@@ -57,19 +69,23 @@ for cell, degree, over, stands, dense in (
         if stands:
             pair.stand(how)
         pair.update(places, 0.5)
-    if slave.dim == 3:  # every facet is one process's
-        every = np.concatenate(comm.allgather(shared.shared.facets))
-        assert sorted(every) == list(range(len(slave.cells)))
+    # every facet and every node is one process's
+    every = np.concatenate(comm.allgather(shared.shared.facets))
+    assert sorted(every) == list(range(len(slave.cells)))
+    assert (sum(comm.allgather(shared.shared.node_here.astype(int))) == 1).all()
     f = rng.standard_normal((alone.n, slave.dim))
     assert np.array_equal(shared.paired, alone.paired) and alone.paired.any()
-    for name in ("area", "gap", "normal", "operator", "means", "rises"):
+    for name in ("area", "gap", "normal"):
         same(getattr(shared, name), getattr(alone, name))
+    for name in ("operator", "means", "rises"):
+        own(shared, getattr(shared, name), getattr(alone, name))
+    same(shared.jumps(v), alone.jumps(v))
     rates, exact = Rates(shared), Rates(alone)
-    same(rates.gap, exact.gap)
-    same(rates.normal, exact.normal)
-    same(rates.jump(v), exact.jump(v))
+    own(shared, rates.gap, exact.gap)
+    own(shared, rates.normal, exact.normal)
+    own(shared, rates.jump(v), exact.jump(v))
     for areas in (False, True):
-        same(rates.spread(f, areas), exact.spread(f, areas))
+        add_up(shared, rates.spread(f, areas), exact.spread(f, areas))
 
 # what fails on one process fails on all
 clip = overlaps.clip

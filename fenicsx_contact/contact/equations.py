@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
+from mpi4py import MPI
 
 from ..base import compat
 from ..base.expressions import finite_form
@@ -16,6 +17,7 @@ from ..base.vectors import largest
 from ..theory.formulations import Formulation
 from ..theory.friction import FrictionBound
 from .memory import at_points
+from .mortar.matrices import placed
 from .surface import Surface, SurfaceFields
 from .tangent import PointRows, SurfaceTangent
 from .unknowns import SurfaceUnknowns
@@ -227,6 +229,20 @@ class SurfaceEquations(SurfaceUnknowns):
         dense = self.tangents.dense()
         return dense if self._block is None else dense[self._block]
 
+    def own(self, comm: MPI.Comm) -> np.ndarray:
+        """Numbers of the candidates that are this process's share."""
+        return np.array_split(np.arange(len(self.candidates)), comm.size)[comm.rank]
+
+    def share(self, own: np.ndarray, frozen: bool = False) -> sp.csr_matrix:
+        """What these candidates add to the tangent, in the active jumps and their multipliers."""
+        places = np.arange(self.active_jumps.size).reshape(len(self.candidates), -1)[own].ravel()
+        multipliers = own_multipliers(own, len(self.candidates), self.multipliers)
+        active = self.active[np.concatenate([places, self.active_jumps.size + multipliers])]
+        n = self.active_jumps.size
+        onto = np.concatenate([places, n + np.arange(len(multipliers))])
+        tangent = self.tangents.sparse(frozen)[active][:, active]
+        return placed(tangent, onto, onto, (n + len(multipliers),) * 2)
+
     def point_rows(self) -> PointRows:
         """The same, the candidates one by one."""
         return PointRows(self.tangents.blocks()[self.candidates])
@@ -264,3 +280,8 @@ class SurfaceEquations(SurfaceUnknowns):
         if not len(self.candidates):
             return np.zeros(self._surface.size)
         return at_points(self._surface, self._status) * self._closed
+
+
+def own_multipliers(own: np.ndarray, candidates: int, multipliers: int) -> np.ndarray:
+    """Numbers of the multipliers of some candidates among those of all, component by component."""
+    return np.arange(multipliers).reshape(-1, max(candidates, 1))[:, own].ravel()

@@ -153,7 +153,7 @@ class MortarJump(Coupling):
         return self.pairing.normal
 
     def to_jump(self, velocities: np.ndarray) -> np.ndarray:
-        return (self.pairing.operator @ velocities.ravel()).reshape(self._n, -1)
+        return self.pairing.jumps(velocities).reshape(self._n, -1)
 
     def force(self, force: np.ndarray) -> np.ndarray:
         rows, active = np.zeros(self.equations.jumps), self.equations.active_jumps
@@ -172,7 +172,7 @@ class MortarJump(Coupling):
     def arrived(self, jump: np.ndarray) -> np.ndarray:
         if self._ending is self.pairing:
             return jump
-        return (self._there().operator @ self.velocities("velocity")).reshape(self._n, -1)
+        return self._there().jumps(self.velocities("velocity")).reshape(self._n, -1)
 
     def state(self) -> dict[str, np.ndarray]:
         return asdict(self.pairing.stance)
@@ -189,14 +189,15 @@ class MortarJump(Coupling):
         for trace in self.traces:
             size = len(trace.positions()) * d
             J = self.pairing.operator[rows][:, start : start + size]
-            J = J if isinstance(J, np.ndarray) else J.toarray()
+            J = self.pairing.shared.sum(J if isinstance(J, np.ndarray) else J.toarray())
             result.append(J @ trace.rows(np.arange(size)))
             start += size
         return result
 
     def mobility(self) -> np.ndarray:
         mobility = np.concatenate([trace.mobility() for trace in self.traces])
-        return (square(self.pairing.operator) @ mobility.ravel()).reshape(self._n, -1)
+        mobility = square(self.pairing.operator) @ mobility.ravel()
+        return self.pairing.shared.sum(mobility).reshape(self._n, -1)
 
     def describe(self) -> str:
         many = len(self.pairing.master.cells)

@@ -3,15 +3,17 @@
 
 The weak form (7) sees them through jumps ``w = J y``, gaps and normals at the slave's nodes. With
 the geometry frozen J alone enters the tangent; Newton's method for the whole problem needs besides
-how J, gaps and normals turn with the nodes.
+how J, gaps and normals turn with the nodes. Each process has the rows of J of its points and their
+part of the tangent.
 """
 
 from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
+from mpi4py import MPI
 
-from .equations import SurfaceEquations
+from .equations import SurfaceEquations, own_multipliers
 from .mortar import Pairing
 from .mortar.matrices import (
     Matrix,
@@ -20,8 +22,8 @@ from .mortar.matrices import (
     by_point,
     gather,
     nonzero,
+    placed,
     stack,
-    used_columns,
 )
 from .mortar.rates import Rates
 from .tangent import PointRows
@@ -43,10 +45,11 @@ class PairedEquations:
         self.equations, self.pairing = equations, pairing
         self._d, self._dense = equations.fields.surface.dim, pairing.dense
         self.velocities = np.zeros(self.places)
-        self.active_places = np.empty(0, dtype=np.int64)
+        self.active_places = self._own = np.empty(0, dtype=np.int64)
         self.revision = 0
         self._rates: Rates | None = None
-        self._rows: PointRows | None = None  # the last ones, with derivatives of the geometry
+        #: The last ones with derivatives of the geometry, and of which candidates.
+        self._rows: tuple[np.ndarray, PointRows] | None = None
         self._keeps, self._of = False, equations.candidates
 
     @property
@@ -75,12 +78,15 @@ class PairedEquations:
         e, d, n = self.equations, self._d, self.pairing.n
         self.velocities = velocities.copy()
         self.revision += 1
-        self._operator = self.pairing.operator
-        J = self._operator[e.active_jumps]
+        pair, here = self.pairing, self.pairing.shared.node_here
+        self._own = np.flatnonzero(here[e.candidates])
+        points = e.candidates[self._own]
+        jumps = (points[:, None] * d + np.arange(d)).ravel()
+        J = pair.operator[jumps]
         self._keeps = kept and self._rows is not None and self._of is e.candidates
         if self._keeps:
             mine = J[:, self.active_places]
-            if nonzero(mine) == nonzero(J):
+            if not pair.shared.anywhere(nonzero(mine) != nonzero(J)):
                 self._J = mine
                 self._set_jumps()
                 return
@@ -88,26 +94,26 @@ class PairedEquations:
         self._rates, self._rows, self._gap_rate = None, None, gap_rate
         seen = [J]
         if exact and len(e.candidates):
-            self._rates = rates = Rates(self.pairing)
-            full = self._operator + gap_rate * rates.jump(velocities.reshape(-1, d))
+            self._rates = rates = Rates(pair)
+            full = pair.operator + gap_rate * rates.jump(velocities.reshape(-1, d))
             turn = gap_rate * rates.normal
             normal = e.fields.normal.x.array.reshape(n, d)
-            jump = (self._operator @ velocities).reshape(n, d)
+            jump = (pair.operator @ velocities).reshape(n, d)
             gap = share * gap_rate * (rates.gap - along(normal, full) - along(jump, turn))
-            seen += [full[e.active_jumps], gap[e.candidates], turn[e.active_jumps]]
-        self.active_places = mine = used_columns(seen)
+            seen += [full[jumps], gap[points], turn[jumps]]
+        self.active_places = mine = pair.shared.columns(seen)
         self._J = J[:, mine]
         if self._rates:
             # point by point what its equations read: jumps, gap and normal
-            jumps = np.arange(len(e.active_jumps)).reshape(-1, d)
-            gaps = jumps.size + np.arange(len(jumps))[:, None]
-            order = np.concatenate([jumps, gaps, jumps.size + len(jumps) + jumps], axis=1)
+            order = np.arange(len(jumps)).reshape(-1, d)
+            gaps = len(jumps) + np.arange(len(points))[:, None]
+            order = np.concatenate([order, gaps, len(jumps) + len(points) + order], axis=1)
             self._seen = stack([each[:, mine] for each in seen[1:]])[order.ravel()]
         self._set_jumps()
 
     def _set_jumps(self) -> None:
         values = self.equations.values
-        values[: self.equations.jumps] = self._operator @ self.velocities
+        values[: self.equations.jumps] = self.pairing.jumps(self.velocities)
         self.equations.values = values
 
     # -- as a part of a system ------------------------------------------------------------------
@@ -133,32 +139,50 @@ class PairedEquations:
 
     def active_residual(self) -> np.ndarray:
         """Their rows: forces J' F_w, then those of the multipliers."""
-        e = self.equations
-        residual = e.active_residual()
-        forces = self._J.T @ residual[: len(e.active_jumps)]
-        return np.concatenate([forces, residual[len(e.active_jumps) :]])
+        e, d = self.equations, self._d
+        residual, n = e.active_residual(), len(e.active_jumps)
+        forces = self._J.T @ residual[:n].reshape(-1, d)[self._own].ravel()
+        return np.concatenate([self.pairing.shared.sum(forces), residual[n:]])
 
-    def point_rows(self, frozen: bool = False) -> PointRows:
-        """Their tangent point by point; if ``frozen`` without the derivatives of the geometry."""
+    def own(self, comm: MPI.Comm) -> np.ndarray:
+        """Numbers of the candidates whose rows this process has."""
+        return self._own
+
+    def point_rows(self) -> PointRows:
+        """Their tangent point by point."""
+        e, d = self.equations, self._d
+        rows, turning = self._point_rows(np.arange(len(e.candidates)), False), None
+        if rows.turning is not None:
+            turning = self.pairing.shared.whole(rows.turning)
+        read = rows.tangents.shape[2] - (rows.tangents.shape[1] - d)
+        reads, spreads = self._of_all(rows.reads, read), self._of_all(rows.spreads, d)
+        return PointRows(rows.tangents, reads, spreads, turning)
+
+    def _point_rows(self, asked: np.ndarray, frozen: bool) -> PointRows:
+        """The same, tangents of those asked for; of matrices this process's share."""
         if self._keeps and self._rows is not None and not frozen:
-            return self._rows
-        e, mine, d = self.equations, self.active_places, self._d
-        tangents, rates = e.point_rows().tangents, self._rates
+            of, rows = self._rows
+            if np.array_equal(of, asked):
+                return rows
+        e, d, rates = self.equations, self._d, self._rates
+        tangents = e.tangents.blocks()[e.candidates[asked]]
         if rates is None or frozen:
             return PointRows(tangents, self._J, self._J)
-        by = e.tangents.parameters()[e.candidates]
+        by = e.tangents.parameters()[e.candidates[asked]]
         at_nodes = np.zeros((self.pairing.n, d))
         at_nodes[e.candidates] = e.active_residual()[: len(e.active_jumps)].reshape(-1, d)
         areas = np.array_equal(e.weight, self.pairing.area)  # or they are points
+        mine = self.active_places
         turning = self._gap_rate * rates.spread(at_nodes, areas)[mine][:, mine]
         read = np.concatenate([tangents[:, :, :d], by, tangents[:, :, d:]], axis=2)
-        self._rows = PointRows(read, self._seen, self._J, turning)
-        return self._rows
+        self._rows = asked, PointRows(read, self._seen, self._J, turning)
+        return self._rows[1]
 
     def _tangent(self, frozen: bool = False) -> Matrix:
-        """Their tangent; if ``frozen`` without the derivatives of the geometry."""
+        """This process's share of their tangent, in the active velocities and the multipliers of
+        its points; if ``frozen`` without the derivatives of the geometry."""
         d = self._d
-        tangents, seen, J, turning = self.point_rows(frozen)
+        tangents, seen, J, turning = self._point_rows(self._own, frozen)
         assert J is not None
         c, u, r = tangents.shape
         r -= u - d  # what a point reads
@@ -173,14 +197,32 @@ class PairedEquations:
         corner = gather(inner, own[:, :, None], own[:, None], (own.size, own.size), self._dense)
         return block([[forces, columns], [rows, corner]])
 
+    def share(self, own: np.ndarray, frozen: bool = False) -> sp.csr_matrix:
+        """What the candidates of this process add to the tangent, in the active velocities and
+        their multipliers."""
+        return sp.csr_matrix(self._tangent(frozen))
+
     def sparse_tangent(self, frozen: bool = False) -> sp.csr_matrix:
         """Their tangent, sparse; if ``frozen`` without the derivatives of the geometry."""
-        return sp.csr_matrix(self._tangent(frozen))
+        return sp.csr_matrix(self._everything(self._tangent(frozen)))
 
     def active_tangent(self) -> np.ndarray:
         """Their tangent, dense."""
-        tangent = self._tangent()
+        tangent = self._everything(self._tangent())
         return tangent if self._dense else tangent.toarray()
+
+    def _everything(self, share: Matrix) -> Matrix:
+        """The tangent of which this is this process's share."""
+        e, n = self.equations, len(self.active_places)
+        mine = n + own_multipliers(self._own, len(e.candidates), e.multipliers)
+        place = np.concatenate([np.arange(n), mine])
+        return self.pairing.shared.whole(placed(share, place, place, (n + e.multipliers,) * 2))
+
+    def _of_all(self, rows: Matrix, each: int) -> Matrix:
+        """Rows of all candidates, so many of each, from those of this process's."""
+        place = (self._own[:, None] * each + np.arange(each)).ravel()
+        shape = len(self.equations.candidates) * each, rows.shape[1]
+        return self.pairing.shared.whole(placed(rows, place, np.arange(shape[1]), shape))
 
     def move(self, step: np.ndarray) -> None:
         """Add to the active unknowns."""
@@ -207,4 +249,5 @@ class PairedEquations:
 
     def jump_operator(self) -> np.ndarray:
         """Jumps of the candidates from the active velocities."""
-        return self._J if self._dense else self._J.toarray()
+        J = self._of_all(self._J, self._d)
+        return J if self._dense else J.toarray()

@@ -10,6 +10,7 @@ import scipy.sparse
 
 from ..base import checks
 from ..base.constants import SAME
+from ..base.shared_rows import sum_of
 from ..theory.theta import Step
 from .base import MonolithicTrace, Trace
 from .factor import Factorisation
@@ -110,7 +111,7 @@ class DeformableTrace(MonolithicTrace):
         self._asked: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}  # parts of it
 
     def _sum(self, values: np.ndarray) -> np.ndarray:
-        return self._comm.allreduce(values) if self._comm.size > 1 else values
+        return sum_of(self._comm, values)
 
     def follow(self) -> None:
         """Nothing to do: the operator is constant."""

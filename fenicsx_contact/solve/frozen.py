@@ -111,10 +111,11 @@ class FrozenContact(Statuses):
         for solid, a, b in zip(system.solids, old, way):
             solid.go(a + share * b, self._step)
         self._see()
-        total, mine = np.zeros(system.places.size), system.places.mine
+        mine, total = system.places.mine, 0.0
         for own, solid, b in zip(system.places.own, system.solids, way):
-            total[own] = b[solid.owned_range(system.comm)] * solid.linear_residual()
-        return float(system.comm.allreduce(total[mine].sum()))
+            here = (own >= mine.start) & (own < mine.stop)  # of rigid ones every process has all
+            total += float((b * solid.linear_residual())[here].sum())
+        return float(system.comm.allreduce(total))
 
     def _see(self) -> None:
         """Take up the velocities that the solids have now, by the operators as they are."""

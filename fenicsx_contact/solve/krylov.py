@@ -12,6 +12,9 @@ is the paper's augmentation, put to use: P differs from the system only in the c
 contact, W + W_ii in place of W, and no mesh changes by how much; nor does the multigrid take more
 cycles on finer meshes, for its levels know the solids apart (the idea is that of the
 augmented-Lagrangian preconditioner of Benzi and Olshanskii, SIAM J. Sci. Comput. 28, 2006).
+
+Each process has what is of its unknowns and of its contact points, whose multipliers stand behind
+the former.
 """
 
 from __future__ import annotations
@@ -24,22 +27,27 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from ..base.checks import StepFailed
+from ..base.processes import together
+from ..base.vectors import largest
 from ..solids import DeformableSolid
 from .monolithic import Monolithic
 from .multigrid import Multigrid, rigid_modes
 from .problem import Assembly, Clock
 from .solid_matrix import SolidMatrix
 from .solid_rows import petsc_matrix
+from .statics import FREE
+from .surface_rows import SurfaceRows
+from .through_springs import ThroughSprings, nodal_inverse
 
 #: Share of the residual at which a linear solve ends, and how many iterations it may take.
 TOLERANCE, MAX_ITERATIONS = 1e-6, 300
+#: Cost: share at which one ends while Newton's method does not come near (cf. R.S. Dembo, S.C.
+#: Eisenstat & T. Steihaug, SIAM J. Numer. Anal. 19, 400-408, 1982).
+EARLY = 1e-3
 #: Cost: relative error up to which derivatives of the geometry are used.
 NEAR = 0.1
 #: Cost: a hierarchy serves on for changed solids while it takes no more iterations than this.
 PATIENCE = 40
-
-#: C_ym, S^-1 C_my and what the rows of the multipliers are divided by.
-Blocks = tuple[sp.csr_matrix, sp.csr_matrix, sp.dia_matrix]
 
 
 class Krylov(Monolithic):
@@ -59,69 +67,99 @@ class Krylov(Monolithic):
         super().__init__(assembly)
         solids = [s for s in self.solids if isinstance(s, DeformableSolid)]
         self._modes = np.vstack([rigid_modes(s) for s in solids])
+        start = self.places.mine.start
         given = [own[s.fixed_unknowns] for s, own in zip(solids, self.places.own)]
-        self._given = np.concatenate(given) - self.places.mine.start
-        # unknowns at the surfaces, which contacts touch: all, this process's, and these from 0
-        touched = np.zeros(self.places.size, dtype=bool)
-        for k, trace in (each for traces in self._traces for each in traces):
-            touched[self.places.numbers[k][trace.seeing().indices]] = True
-        self._touched, here = np.flatnonzero(touched), self.places.mine
-        self._at = np.flatnonzero(touched[here])
-        self._mine = here.start + self._at
+        self._given = np.concatenate(given) - start
+        sizes = np.cumsum([0, *map(len, self.places.own)])
+        self._each = [slice(*ends) for ends in zip(sizes[:-1], sizes[1:])]
+        self._surface = SurfaceRows(self.parts, self._traces, self.places, self.comm)
         self.counts: deque[int] = deque(maxlen=100)
         self.times: dict[str, float] = {}
         self._multigrid: Multigrid | None = None
         self._held: SolidMatrix | None = None
         self._made_of: list[int] = []
 
-    def _solve(self) -> np.ndarray:
-        clock, n = Clock(self.times), self.places.size
-        frozen = self._contact_block(frozen=True) + self._compliance()
-        yy, ym, seen, mm = frozen[:n, :n], frozen[:n, n:], frozen[n:, :n], frozen[n:, n:]
+    def restart(self) -> None:
+        super().restart()
+        self._before = 0.0  # the error before the last correction
+
+    def _change(self) -> tuple[list[np.ndarray], np.ndarray]:
+        clock, surface = Clock(self.times), self._surface
+        surface.renew()
+        t, more, diagonal = len(surface.touched), self._compliance(), self._diagonal
+        frozen = surface.share(frozen=True, held=self.held) + more
+        yy, ym, seen, mm = frozen[:t, :t], frozen[:t, t:], frozen[t:, :t], frozen[t:, t:]
         # far from the solution some points are paired with what they will not meet, and derivatives
         # of that push where they should pull
         far = self.frozen or max(self._errors) > self.near
-        block = frozen if far else self._contact_block() + self._compliance()
+        block = frozen if far else surface.share(frozen=False, held=self.held) + more
         # the rows of the multipliers times S^-1, as the forces for which these stand: norms add
         # them to those of the solids
-        inverse, force = self._nodal_inverse(ym, seen, mm), _column_size(ym)
+        inverse = together(self.comm, lambda: nodal_inverse(ym, seen, mm, diagonal, surface.points))
+        force = self._size(ym)
         solve = sp.diags(force) @ inverse
-        block = sp.bmat([[block[:n, :n], ym], [solve @ block[n:, :n], solve @ mm]], format="csr")
-        residual = self.residual()
-        residual[n:] = solve @ residual[n:]
-        blocks = ym, inverse @ seen, sp.diags(1 / force)
-        springs = (yy - ym @ inverse @ seen).tocsr()
+        block = sp.bmat([[block[:t, :t], ym], [solve @ block[t:, :t], solve @ mm]], format="csr")
+        own = surface.own(block)
+        springs = surface.own_touched((yy - ym @ inverse @ seen).tocsr())
+        rows = np.concatenate([*self.rows, np.empty(0)])[surface.multipliers]
+        residual = np.concatenate([*self._residuals(), solve @ rows])
         clock("surface")
         stale = self._renew(springs)
         clock("multigrid")
-        A = self._system(block)
+        n, m = self.places.mine.stop - self.places.mine.start, len(force)
+        at = np.concatenate([surface.at, np.arange(n, n + m)])
+        A = self._solids.plus(petsc_matrix(own, self.comm), at)
         x, b = A.createVecs()
-        b.setArray(residual[self._rows_here])
-        count, done = self._krylov(A, b, x, blocks, PATIENCE if stale else MAX_ITERATIONS)
+        b.setArray(residual)
+        assert self._multigrid is not None
+        through = ThroughSprings(
+            self._multigrid,
+            (n, surface.at),
+            petsc_matrix(surface.push(own), self.comm, columns=m),
+            petsc_matrix((inverse @ seen).tocsr(), self.comm, columns=len(surface.at)),
+            1 / force,
+        )
+        count, done = self._krylov(A, b, x, through, PATIENCE if stale else MAX_ITERATIONS)
         if stale and not done:
             self._renew(springs, anew=True)
-            more, done = self._krylov(A, b, x, blocks, MAX_ITERATIONS)
-            count += more
+            through.multigrid = self._multigrid
+            more_count, done = self._krylov(A, b, x, through, MAX_ITERATIONS)
+            count += more_count
         self.counts.append(count)
-        clock("GMRES")
+        self._before = max(self._errors)
         local = x.array_r.copy()
+        through.free()
         for thing in (A, x, b):
             thing.destroy()
+        clock("GMRES")
         if not done:
             raise StepFailed(
                 f"GMRES does not end within {MAX_ITERATIONS} iterations; solver = 'monolithic' "
                 "needs none"
             )
         local[self._given] = 0.0  # to more digits than the tolerance leaves them
-        return self._solid_rows.everywhere(local)
+        return [local[each] for each in self._each], surface.everywhere(local[n:])
 
-    def _system(self, block: sp.csr_matrix) -> PETSc.Mat:
-        """The solids with what the contacts add to them and their multipliers."""
-        multipliers = np.arange(self.places.size, self.size)
-        here = multipliers[: self._rows_here.stop - self.places.mine.stop]
-        rows = np.concatenate([self._mine, here])
-        own = block[rows][:, np.concatenate([self._touched, multipliers])]
-        return self._solids.plus(petsc_matrix(own, self.comm), rows - self.places.mine.start)
+    def _residuals(self) -> list[np.ndarray]:
+        """Those of the solids, of this process's unknowns."""
+        return [s.linear_residual() if self.frozen else s.residual() for s in self.solids]
+
+    def _compliance(self) -> sp.csr_matrix:
+        surface, t = self._surface, len(self._surface.touched)
+        diagonal = np.zeros(t + len(surface.multipliers))
+        diagonal[t:] = -1.0 if self.held else -self._softness
+        if self._weakly.any():
+            stiff = self.comm.allreduce(largest(self._solids.diagonal()), op=MPI.MAX)
+            diagonal[surface.here] = FREE * stiff * self._weakly[surface.solid[surface.here]]
+        return sp.diags(diagonal, format="csr")
+
+    def _size(self, matrix: sp.csr_matrix) -> np.ndarray:
+        """The largest entry of each column; of empty ones the largest of all, or 1."""
+        size = np.zeros(matrix.shape[1])
+        entries = matrix.tocoo()
+        np.maximum.at(size, entries.col, np.abs(entries.data))
+        most = self.comm.allreduce(size.max(initial=0.0), op=MPI.MAX)
+        return np.where(size > 0, size, most or 1.0)
 
     def _renew(self, springs: sp.csr_matrix, anew: bool = False) -> bool:
         """Set up the multigrid of P, the solids with these springs; whether its coarser levels are
@@ -130,10 +168,11 @@ class Krylov(Monolithic):
             if self._multigrid is not None:
                 self._multigrid.destroy()
             solids, block = self._solids.matrix, self.solids[0].dim
-            self._multigrid = Multigrid(solids, self._modes, block, self._mine)
+            first, surface = self.places.mine.start, self._surface
+            self._multigrid = Multigrid(solids, self._modes, block, first + surface.at)
             self._made_of = self._solids.of
-        own = petsc_matrix(springs[self._mine][:, self._touched], self.comm)
-        self._multigrid.stiffen(self._solids.plus(own, self._at), own)
+        own = petsc_matrix(springs, self.comm)
+        self._multigrid.stiffen(self._solids.plus(own, self._surface.at), own)
         return self._made_of != self._solids.of
 
     @property
@@ -146,90 +185,28 @@ class Krylov(Monolithic):
             self._held = SolidMatrix(self._solid_rows, self.comm)
         return self._held
 
+    @property
     def _diagonal(self) -> np.ndarray:
-        return self._solid_rows.everywhere(self._solids.diagonal())
+        """That of the solids at the unknowns that contacts touch."""
+        return self._surface.touched_everywhere(self._solids.diagonal())
 
     def _krylov(
-        self, A: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, blocks: Blocks, most: int
+        self, A: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, through: ThroughSprings, most: int
     ) -> tuple[int, bool]:
         """Go on from x; how many iterations it took, at most so many, and whether that is it."""
-        assert self._multigrid is not None
         solver = PETSc.KSP().create(self.comm)
         solver.setOptionsPrefix("iterative_")
         solver.setType("gmres")
         solver.setGMRESRestart(100)
         solver.setPCSide(PETSc.PC.Side.RIGHT)
         solver.setInitialGuessNonzero(True)
-        solver.setTolerances(rtol=TOLERANCE, max_it=most)
+        early = min(self._before, max(self._errors)) > self.near and not self.frozen
+        solver.setTolerances(rtol=EARLY if early else TOLERANCE, max_it=most)
         solver.getPC().setType("python")
-        solver.getPC().setPythonContext(
-            _ThroughSprings(self._multigrid, self.places.mine, blocks, self.comm)
-        )
+        solver.getPC().setPythonContext(through)
         solver.setOperators(A)
         solver.setFromOptions()
         solver.solve(b, x)
         result = solver.getIterationNumber(), solver.getConvergedReason() > 0
         solver.destroy()
         return result
-
-    def _nodal_inverse(
-        self, ym: sp.csr_matrix, my: sp.csr_matrix, mm: sp.csr_matrix
-    ) -> sp.csr_matrix:
-        """S^-1: the multipliers of each node by what is left of their rows."""
-        springs = my @ sp.diags(1 / self._diagonal()) @ ym
-        S = (mm - springs).tocsr()
-        empty = np.empty(0, dtype=np.int64)
-        blocks, first = [(np.empty(0), empty, empty)], 0
-        for part in self.parts:
-            nodes, m = len(part.equations.candidates), part.multipliers
-            if not m:
-                continue
-            k = m // nodes
-            at = first + np.arange(m).reshape(k, nodes).T  # (nodes, k)
-            row, column = np.broadcast_arrays(at[:, :, None], at[:, None, :])
-            dense = np.asarray(S[row.ravel(), column.ravel()]).reshape(nodes, k, k)
-            data = np.linalg.inv(dense).ravel()
-            blocks.append((data, row.ravel(), column.ravel()))
-            first += m
-        data, row, column = (np.concatenate(part) for part in zip(*blocks))
-        return sp.csr_matrix((data, (row, column)), mm.shape)
-
-
-class _ThroughSprings:
-    """The preconditioner: the system with springs in the contact, eliminated to the solids."""
-
-    def __init__(
-        self,
-        multigrid: Multigrid,
-        mine: slice,
-        blocks: Blocks,
-        comm: MPI.Comm,
-    ) -> None:
-        push, seen, multipliers = blocks
-        self._n = n = mine.stop - mine.start
-        m = seen.shape[0] if comm.rank == comm.size - 1 else 0
-        self._push = petsc_matrix((push @ multipliers).tocsr()[mine], comm, columns=m)
-        self._seen = petsc_matrix(seen.tocsr()[:m], comm, columns=n)
-        self._multipliers = multipliers.diagonal()[:m]
-        self._multigrid = multigrid
-        self._v, self._r = self._seen.createVecRight(), self._push.createVecLeft()
-        self._f, self._g = self._push.createVecRight(), self._seen.createVecLeft()
-
-    def apply(self, pc: PETSc.PC, x: PETSc.Vec, y: PETSc.Vec) -> None:
-        """y = P^-1 x."""
-        both = x.array_r
-        self._f.setArray(both[self._n :])
-        self._push.mult(self._f, self._r)
-        self._r.setArray(both[: self._n] - self._r.array_r)
-        self._multigrid.apply(self._r, self._v)
-        self._seen.mult(self._v, self._g)
-        multipliers = self._multipliers * self._f.array_r - self._g.array_r
-        y.setArray(np.concatenate([self._v.array_r, multipliers]))
-
-
-def _column_size(matrix: sp.csr_matrix) -> np.ndarray:
-    """The largest entry of each column; of empty ones the largest of all, or 1."""
-    size = np.zeros(matrix.shape[1])
-    entries = matrix.tocoo()
-    np.maximum.at(size, entries.col, np.abs(entries.data))
-    return np.where(size > 0, size, size.max(initial=0.0) or 1.0)

@@ -17,6 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.sparse as sp
 
+from ..base.processes import any_of
 from ..base.vectors import largest
 from ..solids import MonolithicSolid
 from ..theory.theta import Step
@@ -50,7 +51,7 @@ class Monolithic(ABC):
         self._traces = [numbered_traces(c, self.solids) for c in assembly.contacts]
         self._kept: dict[tuple[int, str], tuple] = {}
         self._solid_rows = SolidRows(self.solids, self.places, self.comm)
-        self._floating = np.zeros(self.places.size)
+        self._weakly = np.zeros(len(self.solids), dtype=bool)  # held by weak springs
         self._hyperstatic = any(solid.shiftable for solid in self.solids)
         self._yielding = Yielding()
         self.restart()
@@ -88,31 +89,29 @@ class Monolithic(ABC):
         if self._hyperstatic and not self.held:
             self._yielding.next(max(largest(rows) for rows in self.rows))
             self._softness = self._yielding.compliance
-        change = self._solve()
-        if not np.isfinite(change).all():
+        changes, multipliers = self._change()
+        finite = all(np.isfinite(each).all() for each in (*changes, multipliers))
+        if any_of(self.comm, not finite)[0]:
             return False
-        for solid, own in zip(self.solids, self.places.own):
-            solid.go(solid.trial_velocity - change[own], step)
-        last = self.places.size
+        for solid, change in zip(self.solids, changes):
+            solid.go(solid.trial_velocity - change, step)
+        last = 0
         for part in self.parts:
             n, m = len(part.active_places), part.multipliers
-            multipliers = change[last : last + m] * part.scales()[0][n:]
-            part.move(np.concatenate([np.zeros(n), -multipliers]))
+            scaled = multipliers[last : last + m] * part.scales()[0][n:]
+            part.move(np.concatenate([np.zeros(n), -scaled]))
             last += m
         return True
 
     @abstractmethod
-    def _solve(self) -> np.ndarray:
-        """The whole solution, scaled, on every process; NaN where there is none."""
+    def _change(self) -> tuple[list[np.ndarray], np.ndarray]:
+        """The solution: of each solid's velocities those that this process holds, and, scaled, all
+        multipliers; NaN where there is none."""
 
     def hold(self, floating: Sequence[MonolithicSolid]) -> None:
         """Let weak springs hold these solids, in the matrix, not in the residual: so it is regular
         while nothing else holds them."""
-        for solid, own in zip(self.solids, self.places.own):
-            if any(solid is each for each in floating):
-                self._floating[own] = 1.0
-        if self.comm.size > 1:
-            self._floating = self.comm.allreduce(self._floating)
+        self._weakly = np.array([any(s is each for each in floating) for s in self.solids])
 
     def freeze(self, step: Step) -> FrozenContact:
         """The contact problem with solids and geometry linearised as they are."""
@@ -171,14 +170,11 @@ class Monolithic(ABC):
         """The compliance that makes the multipliers unique, where they are not."""
         n, m = self.places.size, self.size - self.places.size
         diagonal = np.repeat([0.0, -1.0 if self.held else -self._softness], [n, m])
-        if self._floating.any():
-            stiff = np.abs(self._diagonal()).max()
-            diagonal[:n] = FREE * stiff * self._floating
+        if self._weakly.any():
+            stiff = np.abs(self._solid_rows.diagonal()).max()
+            for solid in np.flatnonzero(self._weakly):
+                diagonal[self.places.all_of(solid)] = FREE * stiff
         return sp.diags(diagonal, format="csr")
-
-    def _diagonal(self) -> np.ndarray:
-        """That of the solids' matrices, on every process."""
-        return self._solid_rows.diagonal()
 
     @property
     def _rows_here(self) -> slice:

@@ -18,26 +18,36 @@ class Numbering:
 
     Attributes:
         size: of the system.
+        starts: the first row of each process, and the size.
         mine: this process's rows.
-        numbers: for each solid the number of each of its unknowns.
         own: for each solid the numbers of those that this process owns.
     """
 
     def __init__(self, solids: Sequence[MonolithicSolid], comm: MPI.Comm) -> None:
         counts = np.array([solid.layout(comm) for solid in solids])  # (solids, ranks)
-        start = np.concatenate([[0], np.cumsum(counts.sum(axis=0))])
+        self.starts = start = np.concatenate([[0], np.cumsum(counts.sum(axis=0))])
         self.size = int(start[-1])
         self.mine = slice(int(start[comm.rank]), int(start[comm.rank + 1]))
-        self.numbers: list[np.ndarray] = []
-        for k, count in enumerate(counts):
-            first = start[:-1] + counts[:k].sum(axis=0)
-            blocks = [np.arange(a, a + n) for a, n in zip(first, count)]
-            self.numbers.append(np.concatenate(blocks))
-        self.own = [n[s.owned_range(comm)] for s, n in zip(solids, self.numbers)]
+        # of each solid, for each process: how many unknowns it and those before it have, and what
+        # is added to the number of an unknown in the solid
+        self._ends = counts.cumsum(axis=1)
+        before = counts.cumsum(axis=0) - counts
+        self._shifts = start[:-1] + before - (self._ends - counts)
+        ranges = [solid.owned_range(comm) for solid in solids]
+        self.own = [self.number(k, np.arange(r.start, r.stop)) for k, r in enumerate(ranges)]
+
+    def number(self, k: int, unknowns: np.ndarray) -> np.ndarray:
+        """Numbers of some unknowns of solid k."""
+        process = np.searchsorted(self._ends[k], unknowns, side="right")
+        return np.asarray(unknowns + self._shifts[k][process])
+
+    def all_of(self, k: int) -> np.ndarray:
+        """Numbers of all unknowns of solid k."""
+        return self.number(k, np.arange(self._ends[k][-1]))
 
     def renumber(self, operator: sp.csr_matrix, k: int) -> sp.csr_matrix:
         """An operator on the unknowns of solid k as one on those of the system."""
-        indices = self.numbers[k][operator.indices]
+        indices = self.number(k, operator.indices)
         return sp.csr_matrix(
             (operator.data, indices, operator.indptr), (operator.shape[0], self.size)
         )

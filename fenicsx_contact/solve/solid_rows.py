@@ -47,10 +47,10 @@ class SolidRows:
         """Values, columns and row pointers of the solids below each other, as their rows stand on
         each process; numbers ascend with those of each solid, and so do columns."""
         values, columns, counts = [], [], []
-        for solid, numbers in zip(self._solids, self._places.numbers):
+        for k, solid in enumerate(self._solids):
             indptr, indices, data = solid.matrix_rows(self._comm)
             values.append(data)
-            columns.append(numbers.astype(np.int32)[indices])
+            columns.append(self._places.number(k, indices).astype(np.int32))
             counts.append(np.diff(indptr))
         indptr = np.concatenate([[0], *counts]).cumsum(dtype=np.int64)
         return np.concatenate(values), np.concatenate(columns), indptr

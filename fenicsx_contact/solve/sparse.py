@@ -42,7 +42,12 @@ class Sparse(Monolithic):
             self._system.destroy()
         self._system = None
 
+    def _change(self) -> tuple[list[np.ndarray], np.ndarray]:
+        change = self._solve()
+        return [change[own] for own in self.places.own], change[self.places.size :]
+
     def _solve(self) -> np.ndarray:
+        """The whole solution, scaled, on every process; NaN where there is none."""
         contacts = (self._contact_block(self.frozen) + self._compliance())[self._rows_here]
         here = self._system is not None and self._system.holds(contacts)
         old = bool(self.comm.allreduce(here, op=MPI.MIN)) if self.comm.size > 1 else here
@@ -96,7 +101,7 @@ class Sparse(Monolithic):
             mine, n = self.places.mine, self.places.size
             surface = np.zeros(n, dtype=bool)
             for k, trace in self._traces[contact]:
-                surface[self.places.numbers[k][trace.seeing().indices]] = True
+                surface[self.places.number(k, trace.seeing().indices)] = True
             rows = self._solid_rows().tocoo()
             both = surface[mine.start + rows.row] & surface[rows.col]
             found = self.comm.allgather((mine.start + rows.row[both], rows.col[both]))

@@ -58,6 +58,19 @@ def block(matrices: Sequence[Sequence[Matrix]]) -> Matrix:
     return sp.bmat(matrices, format="csr")
 
 
+def placed(matrix: Matrix, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]) -> Matrix:
+    """The matrix of this shape that has these rows and columns, whose numbers ascend, and no other
+    entries."""
+    if matrix.shape == shape:
+        return matrix
+    if isinstance(matrix, np.ndarray):
+        result = np.zeros(shape)
+        result[np.ix_(rows, columns)] = matrix
+        return result
+    entries = matrix.tocoo()
+    return sp.csr_matrix((entries.data, (rows[entries.row], columns[entries.col])), shape)
+
+
 def used_columns(matrices: Sequence[Matrix]) -> np.ndarray:
     """Columns that have an entry in any of them, sorted."""
     if isinstance(matrices[0], np.ndarray):

@@ -56,14 +56,15 @@ class Pairing:
         comm: the processes that share the work, each with all of both sides.
 
     Attributes:
-        operator: J, (n d, N d).
-        means, rises: J of one component without regard to normals, (n, N), and n_i . J, (n, N d).
+        operator: J, (n d, N d), of which each process has the rows of its nodes.
+        means, rises: J of one component without regard to normals, (n, N), and n_i . J, (n, N d),
+            likewise.
         dense: whether it and its derivatives are small enough for dense matrices.
         gap: weighted d_n, positive: penetration, (n,) in m; -reach where there is no partner.
         normal, length: n_i, outward at the slave's corners, (n, d), and |m_i|, (n,).
         area: paired share of the surface of each node, (n,).
         paired: nodes that have a partner.
-        shared: which facets this process pairs.
+        shared: which facets this process pairs, and whose nodes' rows it has.
         pieces, brink: what is integrated, and where it ends with the master, on these.
         dual, inverse_mass: of each of these, psi = phi @ dual, (m, corners, corners).
         shares: psi_i w / a_i at the points, (p, g, corners), and share: 1 / a_i, (n,).
@@ -139,7 +140,7 @@ class Pairing:
         pieces, self.brink = self.shared.together(
             lambda: self._common.meet((xs, xm), reach, self.stance)
         )
-        self.pieces = pieces
+        self.pieces = pieces = pieces.only(self.shared.facet_here[pieces.facet])
         corners = self.slave.corners[pieces.facet]
         self.nodes = self.nodes_of(pieces)
 
@@ -159,7 +160,7 @@ class Pairing:
         rows, columns = self.slave.corners[pieces.facet][:, :, None], self.nodes[:, None]
         means = np.swapaxes(self.shares, 1, 2) @ pieces.both  # (p, corners, k)
         own = gather(means, rows, columns, (self.n, self.total), self.dense)
-        self.means: Matrix = self.shared.add(own)
+        self.means: Matrix = self.shared.rows(own)
         own = gather(
             means[..., None] * (pieces.unit / self.length[rows])[:, :, None],
             rows[..., None],
@@ -167,9 +168,13 @@ class Pairing:
             (self.n, self.total * d),
             self.dense,
         )
-        self.rises: Matrix = self.shared.add(own)
+        self.rises: Matrix = self.shared.rows(own)
         each = by_component(self.means, d)
         self.operator: Matrix = each + self.at_normals(self.rises - along(self.normal, each))
+
+    def jumps(self, velocities: np.ndarray) -> np.ndarray:
+        """J v of all nodes, flat."""
+        return self.shared.sum(self.operator @ velocities.ravel())
 
     def at_normals(self, matrix: Matrix) -> Matrix:
         """Rows (n,) as components along the normals, (n d,)."""

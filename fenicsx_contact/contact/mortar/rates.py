@@ -8,6 +8,9 @@ slave's before the master's.
 
 The jumps are  J v = w + n (r - n . w),  w: the means of the velocities without regard to normals,
 r: what rises along those of the facets; the transpose spreads  J' f = W' (f - n f_n) + R' f_n.
+
+Each process has the rows of its nodes, and of what is spread its share, that of its facets and
+nodes.
 """
 
 from __future__ import annotations
@@ -57,7 +60,7 @@ class Rates:
                 np.broadcast_to(each.unit, (*each.distance.shape, pair.slave.dim)) for each in sides
             )
             mean = mean + self._cover.means(inside, edge, pair.normal * lengths)
-        gap, mean = pair.shared.add(gap), pair.shared.add(mean)
+        gap, mean = pair.shared.rows(gap), pair.shared.rows(mean)
         n = pair.normal
         self._stretch = along(n, mean)  # of |m_i|
         self.gap = self._per_length(gap, pair.gap)
@@ -77,7 +80,8 @@ class Rates:
     def jump(self, velocity: np.ndarray) -> Matrix:
         """Derivative of the nodal jumps J v at fixed velocities (N, d), sparse (n d, N d)."""
         pair, n = self._pair, self._pair.normal
-        mean, rise = pair.means @ velocity, pair.rises @ velocity.ravel()
+        total = pair.shared.sum
+        mean, rise = total(pair.means @ velocity), total(pair.rises @ velocity.ravel())
         means, rises = self._seen(velocity, mean, rise)
         more = (rise - dot(n, mean))[:, None, None] * np.eye(n.shape[1])
         more -= n[:, :, None] * mean[:, None]
@@ -107,12 +111,12 @@ class Rates:
             means = means + self._cover.means(inside, edge, mean)
             up, at = ((v * x.unit).sum(axis=2)[..., None] for v, x in zip((inside, edge), sides))
             rises = rises + self._cover.means(up, at, (rise * pair.length)[:, None])
-        means, rises = pair.shared.add(means), pair.shared.add(rises)
+        means, rises = pair.shared.rows(means), pair.shared.rows(rises)
         return means, self._per_length(rises, rise)
 
     def spread(self, force: np.ndarray, areas: bool = False) -> Matrix:
         """Derivative of J' f at fixed nodal forces f (n, d), sparse (N d, N d); or of those that
-        grow with the ``areas`` of the nodes."""
+        grow with the ``areas`` of the nodes. Of several processes the shares add up to it."""
         pair, d, n = self._pair, self._pair.slave.dim, self._pair.normal
         pieces, motion, shape = pair.pieces, self._motion, (pair.total * d,) * 2
         normal = dot(force, n)
@@ -133,14 +137,13 @@ class Rates:
         spread = gather(acting, rows[:, :, None], columns[:, None], shape, pair.dense)
         if self._cover:
             spread = spread + self._cover.forces(tangential, pressed)
-        spread = pair.shared.add(spread)
         more = normal[:, None, None] * np.eye(d) + n[:, :, None] * force[:, None]
         spread = spread - by_component(pair.means, d).T @ by_point(more, self.normal)
         more = along(force, self.normal) - by_point(pressed[:, None, None], self._stretch)
         spread = spread + pair.rises.T @ more
         if self._cover and not areas:
             pressure = (pair.share[:, None] * force)[:, :, None]
-            grown = pair.shared.add(self._cover.areas())
+            grown = pair.shared.rows(self._cover.areas())
             spread = spread - pair.operator.T @ by_point(pressure, grown)
         return spread
 

@@ -1,23 +1,23 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Several processes pair a surface: each its share of the slave's facets.
+"""Several processes pair a surface: each its share of the slave's facets, and of its nodes.
 
 Every process knows where both surfaces are, seeks partners of its facets alone, and integrates
-there. Only sums over the facets travel, those at the nodes and those in matrices; they are added in
-the same order on every process, so that all go on with the same digits.
+there. What is known at nodes is summed up for all, in the same order on every process, so that all
+go on with the same digits; of matrices each process has the rows of its nodes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, TypeVar
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 import numpy as np
-import scipy.sparse as sp
 from mpi4py import MPI
 from scipy.spatial import cKDTree
 
 from ...base.processes import any_of, together
-from .matrices import Matrix
+from ...base.shared_rows import own_rows, sum_of, whole
+from .matrices import Matrix, used_columns
 from .side import Side
 
 T = TypeVar("T")
@@ -27,26 +27,30 @@ PATCH = 64
 
 
 class Shares:
-    """This process's facets, and sums over all.
+    """This process's facets and nodes, and sums over all.
 
     Args:
-        side: the slave; lines are not shared out, and everybody has all of them.
+        side: the slave.
         comm: the processes.
 
     Attributes:
         facets: this process's, ascending.
+        facet_here, node_here: whether each facet, and each node at a corner, is this process's.
     """
 
     def __init__(self, side: Side, comm: MPI.Comm) -> None:
-        alone = side.dim == 2 or comm.size == 1
-        self._comm: Any = MPI.COMM_SELF if alone else comm
+        self._comm = comm
         m = len(side.cells)
-        self.facets = np.arange(m)
-        if not alone:  # patches of the surface, dealt out one after the other
-            middles = side.nodes[side.corners].mean(axis=1)
-            patches = np.arange(m) // max(1, min(PATCH, m // comm.size))
-            order = cKDTree(middles, leafsize=PATCH).indices
-            self.facets = np.sort(order[patches % comm.size == comm.rank])
+        # patches of the surface, dealt out one after the other
+        middles = side.nodes[side.corners].mean(axis=1)
+        patches = np.arange(m) // max(1, min(PATCH, m // comm.size))
+        process = np.empty(m, dtype=np.int64)
+        process[cKDTree(middles, leafsize=PATCH).indices] = patches % comm.size
+        self.facet_here = process == comm.rank
+        self.facets = np.flatnonzero(self.facet_here)
+        self._owner = np.zeros(int(side.corners.max()) + 1, dtype=np.int64)
+        self._owner[side.corners] = process[:, None]
+        self.node_here = self._owner == comm.rank
 
     def together(self, action: Callable[[], T]) -> T:
         """What an action returns; a step that fails on one process fails on all."""
@@ -58,36 +62,19 @@ class Shares:
 
     def sum(self, values: np.ndarray) -> np.ndarray:
         """The sum of arrays of one shape."""
-        if self._comm.size == 1:
-            return values
-        total = np.empty(values.shape)
-        self._comm.Reduce(np.ascontiguousarray(values, dtype=float), total)  # counts of nothing
-        self._comm.Bcast(total)
-        return total
+        return sum_of(self._comm, values)
 
-    def add(self, matrix: Matrix) -> Matrix:
-        """The sum of matrices of one shape."""
-        if self._comm.size == 1:
-            return matrix
-        if isinstance(matrix, np.ndarray):
-            return self.sum(matrix)
-        counts = self._comm.allgather(matrix.nnz)
-        parts = [
-            _everywhere(self._comm, each, sizes)
-            for each, sizes in (
-                (matrix.data, counts),
-                (matrix.indices.astype(np.int32), counts),
-                (matrix.indptr.astype(np.int64), [matrix.shape[0] + 1] * len(counts)),
-            )
-        ]
-        total = sp.csr_matrix(matrix.shape)
-        for part in zip(*parts):
-            total = total + sp.csr_matrix(part, matrix.shape)
-        return total
+    def rows(self, share: Matrix) -> Matrix:
+        """Of a matrix whose share each process has the rows of this process's nodes, which may
+        have several each; the others are empty."""
+        return own_rows(self._comm, share, self._owner.repeat(share.shape[0] // len(self._owner)))
 
+    def columns(self, matrices: Sequence[Matrix]) -> np.ndarray:
+        """Columns that have an entry in any of these matrices on any process, ascending."""
+        used = np.zeros(matrices[0].shape[1])
+        used[used_columns(matrices)] = 1.0
+        return np.flatnonzero(self.sum(used))
 
-def _everywhere(comm: MPI.Comm, array: np.ndarray, counts: list[int]) -> list[np.ndarray]:
-    """The arrays of all processes, which are so long."""
-    every = np.empty(sum(counts), dtype=array.dtype)
-    comm.Allgatherv(np.ascontiguousarray(array), (every, counts))
-    return np.split(every, np.cumsum(counts)[:-1])
+    def whole(self, share: Matrix) -> Matrix:
+        """The matrix whose share each process has."""
+        return whole(self._comm, share)

@@ -92,10 +92,18 @@ class NamedMesh:
             raise checks.InputError(f"facets = {name!r}: no facet of the mesh bears this name")
         return facets
 
-    def boundary(self, name: str, degree: int = 1) -> tuple[np.ndarray, np.ndarray, str]:
-        """The named facets, whole on every process and in the same order on any number of them, as
-        they bound a field of a degree: curved ones as they are for one of their own degree, for
-        one of first degree the straight facets between all their nodes.
+    def skin(self) -> np.ndarray:
+        """Facets that belong to one cell only, by local numbers, those of other processes too."""
+        fdim = self.dim - 1
+        self.mesh.topology.create_connectivity(fdim, self.dim)
+        everywhere = lambda x: np.ones(x.shape[1], dtype=bool)  # noqa: E731
+        return dolfinx.mesh.locate_entities_boundary(self.mesh, fdim, everywhere)
+
+    def boundary(self, name: str | None, degree: int = 1) -> tuple[np.ndarray, np.ndarray, str]:
+        """The named facets, or all that bound the mesh, whole on every process and in the same
+        order on any number of them, as they bound a field of a degree: curved ones as they are
+        for one of their own degree, for one of first degree the straight facets between all their
+        nodes.
 
         Returns:
             Points (n, d), cells (m, k), corners first, and the name of the cell.
@@ -122,10 +130,10 @@ class NamedMesh:
     def _facet(self) -> str:
         return cells.FACET[compat.cell_name(self.mesh)]
 
-    def _owned_facets(self, name: str, degree: int) -> tuple[np.ndarray, np.ndarray]:
+    def _owned_facets(self, name: str | None, degree: int) -> tuple[np.ndarray, np.ndarray]:
         """Nodes of the named facets that this process owns, (m, k), and of the cells behind."""
         owned = self.mesh.topology.index_map(self.dim - 1).size_local
-        facets = self.facets(name)
+        facets = self.skin() if name is None else self.facets(name)
         nodes, behind = cells.facet_nodes(self.mesh, facets[facets < owned], self.degree)
         if degree < self.degree:
             pieces = np.array(cells.PIECES[self._facet])

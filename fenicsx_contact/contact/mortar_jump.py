@@ -15,6 +15,7 @@ from ..solids import Solid
 from ..theory.theta import Step
 from .clearance import Clearance, apart_at
 from .equations import SurfaceEquations
+from .inside import deepest
 from .jump import Coupling
 from .mortar import Pairing, Side
 from .mortar.matrices import square
@@ -148,6 +149,22 @@ class MortarJump(Coupling):
         through = np.zeros(self._n, dtype=bool)
         through[into[:, 0]] = through[pair.slave.corners[out[:, 1]]] = True
         return np.where(through & alone, np.inf, end)
+
+    def swallowed(self, most: float) -> str:
+        if self.solids[0] is self.solids[1]:
+            return ""
+        pair, last = self.pairing, len(self.pairing.slave.nodes)
+        seen = np.zeros(pair.total, dtype=bool)
+        seen[: self._n] = pair.paired
+        seen[last:] = (abs(pair.means[:, last:]) > 0).sum(axis=0) > 0
+        # of what faces something gaps tell, but not what lies between
+        size = max(most, pair.slave.size, pair.master.size)
+        limits = np.where(seen, size, most)
+        for one, other, mine in ((0, 1, slice(last)), (1, 0, slice(last, None))):
+            depth = deepest(self._start[mine], self.solids[other], limits[mine])
+            if depth:
+                return f"{self.solids[one].name!r} {depth:.4g} inside {self.solids[other].name!r}"
+        return ""
 
     def normals(self) -> np.ndarray:
         return self.pairing.normal

@@ -24,7 +24,7 @@ SIMPLICES = {
 def deepest(points: np.ndarray, solid: Solid, limits: np.ndarray) -> float:
     """How far below the boundary of a solid the deepest is of the points (n, d) that lie farther
     inside than their limits (n,), in m; 0 if none does."""
-    nodes, cells, cell = solid.mesh.boundary(None)
+    nodes, cells, cell = solid.mesh.skin()
     cells = cells[:, : NODES[cell][0]][:, SIMPLICES[cell]].reshape(-1, points.shape[1])
     places = solid.trace(nodes).positions()
     low, high = places.min(axis=0), places.max(axis=0)

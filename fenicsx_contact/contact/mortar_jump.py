@@ -18,6 +18,7 @@ from .equations import SurfaceEquations
 from .inside import deepest
 from .jump import Coupling
 from .mortar import Pairing, Side
+from .mortar.facing import faces_anywhere
 from .mortar.matrices import square
 from .mortar.passing import passed
 from .mortar.stance import Stance
@@ -62,11 +63,16 @@ class MortarJump(Coupling):
         self._shape = (self.pairing.total, sides[0].dim)
         self._n = self.pairing.n
         self._start = self._end = self._places()
-        self.faces = self._find()
+        self.faces = self._find() or faces_anywhere(*sides, *self._split())
         self.follow()
 
     def _places(self) -> np.ndarray:
         return np.concatenate([trace.positions() for trace in self.traces])
+
+    def _split(self) -> tuple[np.ndarray, np.ndarray]:
+        """Places of the slave's nodes and of the master's at the start."""
+        last = len(self.pairing.slave.nodes)
+        return self._start[:last], self._start[last:]
 
     def _find(self) -> bool:
         """Whether the sides face each other anywhere, near or, at last, far apart."""
@@ -89,7 +95,7 @@ class MortarJump(Coupling):
         stance = self._standing.find(self._start, way, bears)
         if stance.same(self.pairing.stance):
             return False
-        self._end, was = self._start, self.pairing.stance
+        self._end, self._way, was = self._start, way, self.pairing.stance
         self._stand(was)  # a step that failed has led it elsewhere
         before = self._depths()
         self._stand(stance)

@@ -22,7 +22,7 @@ from fenicsx_contact import (
     Scene,
     name_facets,
 )
-from fenicsx_contact.contact.inside import within
+from fenicsx_contact.contact.inside import deepest, within
 
 SKIN = {"skin": lambda x: x[0] < np.inf}
 CELLS = ["triangle", "quadrilateral", "tetrahedron", "hexahedron"]
@@ -155,3 +155,51 @@ def test_on_two_processes():
     with mpirun(TWO.format(tests=str(Path(__file__).parent)), 2) as process:
         output, _ = process.communicate(timeout=HANGS)
     assert output.count("refused") == 2, output
+
+
+def test_bodies_beside_each_other_that_are_thrown_aslant():
+    """Nowhere does a facet lie before another, along its normal; yet they meet."""
+    small = solid("rigid", cube("triangle", 2, 0.1, 0.8, 0.75), "small", velocity=(-1.0, -1.0))
+    large = solid("rigid", cube("triangle", 6, 1.0, 0, 0), "large")
+    history = scene(small, large, "gap").run(0.4, 0.02)
+    assert history.finished and history["c.bearing"].max() > 0
+    assert history["c.penetration"].max() < 1e-9
+    assert small.velocity[1] > -0.1 or small.velocity[0] > -0.1
+
+
+def test_a_long_step_that_fails_says_nothing_of_a_short_one():
+    """What is sought a long way off is not, in a shorter step, what is near."""
+    by = {"velocity": lambda x: np.outer([-200.0, 0.0, -700.0], np.ones(x.shape[1]))}
+    small = solid("elastic", cube("tetrahedron", 2, 0.05, 0.1, 0, 0.9), "small", **by)
+    large = solid("rigid", cube("tetrahedron", 4, 1.0, 0, 0, 0), "large")
+    history = scene(small, large, "lagrange").run(1e-4, 1e-4)
+    assert history.finished, history.reason
+
+
+@pytest.mark.second
+@pytest.mark.parametrize("d", [2, 3])
+@pytest.mark.parametrize("seed", range(10))
+def test_no_fast_body_ends_inside_in_silence(seed, d):
+    """Thrown by chance at what it crosses in a step or two: it is struck, or passes
+    by, or the run stops with its reason. What is left inside by a law of velocities is remarked."""
+    generator = np.random.default_rng(seed)
+    cell = CELLS[2 * (d - 2) + seed % 2]
+    kinds = ["rigid", "elastic"][seed % 2], ["rigid", "elastic"][seed // 2 % 2]
+    way = np.append(generator.uniform(-0.7, 0.7, d - 1), -1.0)
+    way /= np.linalg.norm(way)
+    size, step = 10 ** generator.uniform(-1.7, -0.5), generator.uniform(0.1, 2.0)
+    start = generator.uniform(-0.3, 0.3, d) - (0.8 + size + generator.uniform(0, step)) * way
+    velocity = 1e3 * step * way
+    thrown = {"velocity": tuple(velocity)}
+    if kinds[0] == "elastic":
+        thrown["velocity"] = lambda x: np.outer(velocity, np.ones(x.shape[1]))
+    small = solid(kinds[0], cube(cell, 2, size, *start), "small", **thrown)
+    large = solid(kinds[1], cube(cell, 4, 1.0, 0, 0, 0), "large")
+    pair = (large, small) if seed % 3 == 2 else (small, large)
+    history = scene(*pair, ["velocity", "gap", "lagrange"][seed % 3]).run(4e-3, 1e-3)
+    deep = 0.0
+    for one, other in ((small, large), (large, small)):
+        places = one.trace(one.mesh.skin()[0]).positions()
+        deep = max(deep, deepest(places, other, np.full(len(places), 0.01 * size)))
+    remarks = " ".join(text for _, text in history.remarks)
+    assert not deep or not history.finished or "inside its master" in remarks, (deep, history)

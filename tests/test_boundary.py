@@ -21,6 +21,7 @@ from fenicsx_contact import (
     Scene,
     name_facets,
 )
+from fenicsx_contact.base import compat
 
 ELASTIC = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}
 
@@ -60,6 +61,69 @@ def test_supports_that_agree_are_taken(free):
     """Where a direction is free, or round-off away from what another one says."""
     made = solid(prescribed={"left": [0.0, None], "top": free})
     assert Scene([made], [], QuasiStatic()).run(0.1, 0.1).finished
+
+
+SIDES = "left", "right", "base", "top"
+
+
+def stretched(mesh, kind):
+    """A linear motion in each of the ways in which it can be written; its size at a time t is t."""
+    x = ufl.SpatialCoordinate(mesh.mesh)
+    shape = np.array([[0.01, 0.003], [-0.002, 0.005]])
+    if kind == "function of x and t":
+        return lambda x, t: [t * sum(shape[i, j] * x[j] for j in range(2)) for i in range(2)]
+    if kind == "of numpy":
+        return lambda x, t: t * np.tensordot(shape, np.asarray(x)[:2], 1)
+    vector = ufl.as_vector([sum(shape[i, j] * x[j] for j in range(2)) for i in range(2)])
+    if kind == "expression":
+        return vector
+    function = fem.Function(compat.lagrange_space(mesh.mesh, 1, (2,)))
+    function.interpolate(lambda x: shape @ x[:2])
+    return function
+
+
+@pytest.mark.parametrize("kind", ["function of x and t", "of numpy", "expression", "Function"])
+@pytest.mark.parametrize("degree", [1, 2])
+def test_motions_that_differ_from_point_to_point(kind, degree):
+    """A linear motion of the whole boundary is that of the inside, too."""
+    mesh = rectangle((2, 3), cell="triangle")
+    motion = stretched(mesh, kind)
+    made = ElasticSolid(mesh, prescribed={side: motion for side in SIDES}, degree=degree, **ELASTIC)
+    assert Scene([made], [], QuasiStatic()).run(1.0, 0.5).finished
+    expected = made.vectors.places @ np.array([[0.01, 0.003], [-0.002, 0.005]]).T
+    np.testing.assert_allclose(made.displacement.reshape(-1, 2), expected, rtol=0, atol=1e-12)
+
+
+def test_a_motion_in_a_function_is_read_anew():
+    mesh = rectangle((2, 3))
+    size = fem.Constant(mesh.mesh, 0.0)
+    made = ElasticSolid(
+        mesh, prescribed={s: size * stretched(mesh, "expression") for s in SIDES}, **ELASTIC
+    )
+    scene = Scene([made], [], QuasiStatic())
+    scene.run(1.0, 1.0)
+    assert not made.displacement.any()
+    size.value = 1.0
+    scene.run(2.0, 1.0)
+    expected = made.vectors.places @ np.array([[0.01, 0.003], [-0.002, 0.005]]).T
+    np.testing.assert_allclose(made.displacement.reshape(-1, 2), expected, rtol=0, atol=1e-12)
+
+
+def test_motions_in_ufl_that_are_none():
+    x = ufl.SpatialCoordinate(rectangle().mesh)
+    mesh = rectangle((2, 3))
+    here = ufl.SpatialCoordinate(mesh.mesh)
+    for wrong in (
+        here[0],
+        x,
+        ufl.as_vector([here[0]] * 3),
+        ufl.grad(here),
+        ufl.ln(-1 - here[1]) * here,
+    ):
+        with pytest.raises(InputError, match=r"prescribed\['top'\].* must give 2 components"):
+            ElasticSolid(mesh, prescribed={"top": wrong}, **ELASTIC)
+    with pytest.raises(InputError, match="'top' contradicts"):
+        ElasticSolid(mesh, prescribed={"top": here}, fixed=["left"], **ELASTIC)
 
 
 def test_supports_start_with_the_speed_of_their_motion():

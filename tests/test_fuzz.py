@@ -4,6 +4,7 @@ an InputError that names the argument. A sample by default, many with -m long; a
 
 from __future__ import annotations
 
+from numbers import Real
 from typing import Any
 
 import dolfinx
@@ -12,8 +13,9 @@ import meshio
 import numpy as np
 import pytest
 from fuzz import SUBJECTS, numbers, sized
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, find, given, settings
 from hypothesis import strategies as st
+from hypothesis.errors import NoSuchExample
 from mpi4py import MPI
 from scenes import FLOOR, FLOOR_3D
 
@@ -102,6 +104,60 @@ def test_every_argument_with_every_wrong_value(name, tmp_path, monkeypatch):
             except InputError as refusal:
                 words = (argument, *subject.others.get(argument, ()))
                 assert any(w in str(refusal) for w in words), (argument, which, str(refusal))
+
+
+def first(strategy, kind):
+    """A right value of a kind that a strategy gives, or None."""
+    few = settings(max_examples=20, **ALWAYS)
+    try:
+        return find(strategy, kind, settings=few)
+    except NoSuchExample:
+        return None
+
+
+def is_number(value):
+    some = isinstance(value, (Real, np.ndarray)) and np.ndim(value) == 0
+    return some and not isinstance(value, bool)
+
+
+def is_vector(value):
+    return isinstance(value, tuple) and len(value) > 1 and all(map(is_number, value))
+
+
+def no_numbers(value):
+    """What holds a right number, or looks like it, and is none."""
+    return [
+        *([value], (value,), np.array([value]), np.array([[value]]), {value: value}),
+        *([value, value, value, value], f"{value}", f"{value}".encode(), complex(value), True),
+    ]
+
+
+def no_vectors(value):
+    """The same of a right vector."""
+    return [
+        *(value[:1], (*value, 1.0, 1.0), [value], tuple([each] for each in value)),
+        *(tuple(map(str, value)), tuple(map(complex, value)), (None, *value[1:])),
+        *((True, *value[1:]), str(value)),
+    ]
+
+
+@pytest.mark.parametrize("name", [name for name in SUBJECTS if name != "FrictionalSolution"])
+def test_what_only_holds_a_right_number_is_refused(name, tmp_path, monkeypatch):
+    """Lists of one, texts, complex numbers and truth values, wherever a number is right, and the
+    same of vectors, and others of wrong lengths: by name."""
+    monkeypatch.chdir(tmp_path)
+    subject, taken = SUBJECTS[name], []
+    for argument, strategy in subject.arguments.items():
+        words = (argument, *subject.others.get(argument, ()))
+        for kind, wrong in ((is_number, no_numbers), (is_vector, no_vectors)):
+            right = None if strategy.is_empty else first(strategy, kind)
+            for value in [] if right is None else wrong(right):
+                try:
+                    subject.make(**{argument: value})
+                    taken.append((argument, value))
+                except InputError as refusal:
+                    assert any(word in str(refusal) for word in words), (value, str(refusal))
+    assert not taken
 
 
 def test_every_public_constructor_is_called():

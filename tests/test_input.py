@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import dolfinx
@@ -680,3 +681,20 @@ def test_a_misspelt_argument_is_named_with_what_may_be_meant(kind):
         kind(rectangle(), densty=1.0, **material)
     with pytest.raises(InputError, match=rf"q: {kind.__name__} has no .* it has mesh, .*gravity"):
         kind(rectangle(), density=1.0, q=1.0, **material)
+
+
+FUNCTIONS = {
+    "phi": lambda f: LevelSet(lambda x, t: x[1] - f(x[0]), 2),
+    "phi of time": lambda f: LevelSet(lambda x, t: x[1] - f(t), 2),
+    "velocity": lambda f: LevelSet(lambda x, t: x[1], 2, velocity=lambda x, t: (f(t), 0.0)),
+    "friction": lambda f: contact(friction=lambda x: 1.0 + f(x[0])),
+    "energy": lambda f: hyperelastic(energy=lambda F: f(F[0, 0])),
+}
+
+
+@pytest.mark.parametrize("function", [math.sin, np.sin, float, lambda v: max(v, 0.0)])
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_functions_of_numbers_where_ufl_is_asked_for(name, function, capfd, caplog):
+    """Refused at once, in one message; UFL itself says nothing."""
+    refused(lambda: FUNCTIONS[name](function), name.split()[0], "UFL")
+    assert not caplog.records and not "".join(capfd.readouterr())

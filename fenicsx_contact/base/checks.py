@@ -46,12 +46,19 @@ def floats(value: Any) -> np.ndarray:
         TypeError, ValueError: it cannot be had.
     """
     array = np.asarray(plain(value))
-    if array.dtype.kind in "bSUcmM" or np.ma.is_masked(value):
+    if array.dtype.kind in "bSUcmM" or np.ma.is_masked(value) or _holds_truth(value):
         raise TypeError("no real numbers")
     try:
         return np.array(array, dtype=float)
     except Exception as problem:  # of a number of the user's, or an int that is too large
         raise TypeError(f"no real numbers: {problem}") from None
+
+
+def _holds_truth(value: Any) -> bool:
+    """Whether a truth value stands in lists, among numbers too, of which numpy makes 0 and 1."""
+    if isinstance(value, (list, tuple)):
+        return any(map(_holds_truth, value))
+    return isinstance(value, (bool, np.bool_))
 
 
 def number(
@@ -68,7 +75,10 @@ def number(
     allowed = "a finite number" + (" " + " and ".join(bounds) if bounds else "")
     value = value.item() if isinstance(value, np.generic) else value  # told as a plain number
     try:
-        result = float(floats(value))
+        array = floats(value)
+        if array.ndim:
+            raise TypeError("a list, be it of one number")
+        result = float(array)
     except (TypeError, ValueError):
         raise InputError(f"{name} = {value!r}: must be {allowed}") from None
     inside = (
@@ -89,7 +99,7 @@ def number(
 
 def keep(thing: Any, name: str, **limits: float | None) -> None:
     """Check a number that a frozen dataclass was given, see :func:`number`, and let it hold the
-    float in place of a Constant, a fraction, an array of one number."""
+    float in place of a Constant or a fraction."""
     object.__setattr__(thing, name, number(name, getattr(thing, name), **limits))
 
 

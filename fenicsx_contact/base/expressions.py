@@ -3,18 +3,41 @@
 
 from __future__ import annotations
 
+import logging
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import ufl
 from dolfinx import fem
 
 from .checks import InputError
+from .compiling import quiet
 
 
 def is_expression(value: Any) -> bool:
     """Whether it is written in UFL."""
     return isinstance(value, ufl.core.expr.Expr)
+
+
+@contextmanager
+def symbolic() -> Iterator[None]:
+    """Within it functions of the user's are called with arguments in UFL, of which nobody can make
+    a float: ``math.sin`` would end in a TypeError after some thousand warnings, or never."""
+    own = ufl.core.expr.Expr.__float__
+    ufl.core.expr.Expr.__float__ = _refuse_float
+    try:
+        with quiet(logging.ERROR):  # what UFL refuses it logs, too
+            yield
+    finally:
+        ufl.core.expr.Expr.__float__ = own
+
+
+def _refuse_float(value: Any) -> float:
+    if hasattr(value, "value"):  # of a Constant
+        return float(value.value)
+    raise TypeError("it asks UFL for a number, as math.sin does and ufl.sin does not")
 
 
 def is_coordinate(terminal: Any) -> bool:

@@ -100,8 +100,20 @@ class NamedMesh:
         Returns:
             Points (n, d), cells (m, k), corners first, and the name of the cell.
         """
+        return self._gathered(self.facets(name), degree)
+
+    def skin(self) -> tuple[np.ndarray, np.ndarray, str]:
+        """All facets that bound the mesh, whatever their names, likewise, straight."""
+        fdim = self.dim - 1
+        self.mesh.topology.create_connectivity(fdim, self.dim)
+        every = dolfinx.mesh.locate_entities_boundary(
+            self.mesh, fdim, lambda x: np.ones(x.shape[1], dtype=bool)
+        )
+        return self._gathered(every, 1)
+
+    def _gathered(self, facets: np.ndarray, degree: int) -> tuple[np.ndarray, np.ndarray, str]:
         mesh, comm = self.mesh, self.mesh.comm
-        nodes, _ = self._owned_facets(name, degree)
+        nodes, _ = self._owned_facets(facets, degree)
         ids = compat.given_nodes(mesh)[nodes.ravel()]
         x = mesh.geometry.x[nodes.ravel(), : self.dim]
         all_ids = np.concatenate(comm.allgather(np.asarray(ids)))
@@ -113,7 +125,7 @@ class NamedMesh:
     def behind(self, name: str, degree: int = 1) -> np.ndarray:
         """For each of these facets the mean of its corners and that of the cell behind it,
         (m, 2, d), whole on every process, in no particular order."""
-        nodes, behind = self._owned_facets(name, degree)
+        nodes, behind = self._owned_facets(self.facets(name), degree)
         x, corners = self.mesh.geometry.x[:, : self.dim], cells.NODES[self._facet][0]
         ends = x[nodes[:, :corners]].mean(axis=1), x[behind].mean(axis=1)
         return np.concatenate(self.mesh.comm.allgather(np.stack(ends, axis=1)))
@@ -122,10 +134,9 @@ class NamedMesh:
     def _facet(self) -> str:
         return cells.FACET[compat.cell_name(self.mesh)]
 
-    def _owned_facets(self, name: str, degree: int) -> tuple[np.ndarray, np.ndarray]:
-        """Nodes of the named facets that this process owns, (m, k), and of the cells behind."""
+    def _owned_facets(self, facets: np.ndarray, degree: int) -> tuple[np.ndarray, np.ndarray]:
+        """Nodes of those of the facets that this process owns, (m, k), and of the cells behind."""
         owned = self.mesh.topology.index_map(self.dim - 1).size_local
-        facets = self.facets(name)
         nodes, behind = cells.facet_nodes(self.mesh, facets[facets < owned], self.degree)
         if degree < self.degree:
             pieces = np.array(cells.PIECES[self._facet])

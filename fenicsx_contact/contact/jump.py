@@ -71,6 +71,11 @@ class Coupling(ABC):
                 f"clearance = {clearance!r}: is between two solids; move the obstacle instead"
             )
 
+    def swallowed(self, most: float) -> str:
+        """How far a solid lies inside another, unseen by what the points meet and by more than
+        ``most``, m; or nothing."""
+        return ""
+
     def deepest(self, asked: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         """The largest gap of the points that are ``asked``, (n,) of bool, on their ways from the
         start of the step to the followed state, as far as that can be told, from the gaps at both,

@@ -17,7 +17,7 @@ import numpy as np
 import ufl
 
 from ..base import checks, compat
-from ..base.expressions import is_coordinate, is_expression, terminals_off
+from ..base.expressions import is_coordinate, is_expression, symbolic, terminals_off
 from ..solids import Solid, Trace
 from ..theory.laws import magnitude
 from ..theory.scheme import Step
@@ -186,7 +186,8 @@ class LawFields:
     def _call(self, value: Callable[..., Any]) -> Any:
         """A function of place and time in UFL; there is no time on the surface if it has none."""
         timed = len(inspect.signature(value).parameters) > 1
-        given = value(self.place, self.t) if timed else value(self.place)
+        with symbolic():
+            given = value(self.place, self.t) if timed else value(self.place)
         if isinstance(given, Real) and not np.isfinite(float(given)):
             raise ValueError(f"it is {given}")  # no compiler takes it
         return ufl.as_ufl(given)

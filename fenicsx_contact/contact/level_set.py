@@ -11,7 +11,7 @@ import ufl
 from dolfinx import fem
 
 from ..base import checks
-from ..base.expressions import wrong_number
+from ..base.expressions import symbolic, wrong_number
 from ..base.point_cloud import PointCloud
 
 
@@ -146,11 +146,14 @@ def _constants(phi: Any) -> list[fem.Constant]:
 def _as_ufl(name: str, function: Any, x: Any, t: Any, shape: tuple[int, ...]) -> Any:
     """What a function of the user's says in UFL, or a refusal."""
     kind = f"a vector of {shape[0]} components" if shape else "a scalar"
-    problem = f"{name} = {function!r}: must be a function of (x, t) that gives {kind} in UFL"
+    problem = (
+        f"{name} = {function!r}: must be a function of (x, t) that gives {kind} in UFL (ufl.sin)"
+    )
     if not checks.is_function(function):
         raise checks.InputError(problem)
     try:
-        value = function(x, t)
+        with symbolic():
+            value = function(x, t)
         value = ufl.as_vector(value) if shape and not hasattr(value, "ufl_shape") else value
         value = ufl.as_ufl(value)
     except Exception as error:  # of the user's function, of UFL, of whatever kind

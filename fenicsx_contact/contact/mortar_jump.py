@@ -15,8 +15,10 @@ from ..solids import Solid
 from ..theory.theta import Step
 from .clearance import Clearance, apart_at
 from .equations import SurfaceEquations
+from .inside import deepest
 from .jump import Coupling
 from .mortar import Pairing, Side
+from .mortar.facing import faces_anywhere
 from .mortar.matrices import square
 from .mortar.passing import passed
 from .mortar.stance import Stance
@@ -61,11 +63,16 @@ class MortarJump(Coupling):
         self._shape = (self.pairing.total, sides[0].dim)
         self._n = self.pairing.n
         self._start = self._end = self._places()
-        self.faces = self._find()
+        self.faces = self._find() or faces_anywhere(*sides, *self._split())
         self.follow()
 
     def _places(self) -> np.ndarray:
         return np.concatenate([trace.positions() for trace in self.traces])
+
+    def _split(self) -> tuple[np.ndarray, np.ndarray]:
+        """Places of the slave's nodes and of the master's at the start."""
+        last = len(self.pairing.slave.nodes)
+        return self._start[:last], self._start[last:]
 
     def _find(self) -> bool:
         """Whether the sides face each other anywhere, near or, at last, far apart."""
@@ -88,7 +95,7 @@ class MortarJump(Coupling):
         stance = self._standing.find(self._start, way, bears)
         if stance.same(self.pairing.stance):
             return False
-        self._end, was = self._start, self.pairing.stance
+        self._end, self._way, was = self._start, way, self.pairing.stance
         self._stand(was)  # a step that failed has led it elsewhere
         before = self._depths()
         self._stand(stance)
@@ -148,6 +155,22 @@ class MortarJump(Coupling):
         through = np.zeros(self._n, dtype=bool)
         through[into[:, 0]] = through[pair.slave.corners[out[:, 1]]] = True
         return np.where(through & alone, np.inf, end)
+
+    def swallowed(self, most: float) -> str:
+        if self.solids[0] is self.solids[1]:
+            return ""
+        pair, last = self.pairing, len(self.pairing.slave.nodes)
+        seen = np.zeros(pair.total, dtype=bool)
+        seen[: self._n] = pair.paired
+        seen[last:] = (abs(pair.means[:, last:]) > 0).sum(axis=0) > 0
+        # of what faces something gaps tell, but not what lies between
+        size = max(most, pair.slave.size, pair.master.size)
+        limits = np.where(seen, size, most)
+        for one, other, mine in ((0, 1, slice(last)), (1, 0, slice(last, None))):
+            depth = deepest(self._start[mine], self.solids[other], limits[mine])
+            if depth:
+                return f"{self.solids[one].name!r} {depth:.4g} inside {self.solids[other].name!r}"
+        return ""
 
     def normals(self) -> np.ndarray:
         return self.pairing.normal

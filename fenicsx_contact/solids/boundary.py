@@ -12,12 +12,54 @@ from petsc4py import PETSc
 from ..base import checks
 from ..base.constants import BRIEF, SAME
 from ..base.expressions import is_expression
+from .coefficients import arguments, field, is_field
 from .locations import Location, nodes_at
 from .vector_space import VectorSpace
 
 #: Displacements of a location, one for each direction, None where it is free; or a function of time
-#: that gives them.
-Motion = Sequence[float | None] | Callable[[float], Sequence[float | None]]
+#: that gives them; or a vector in UFL (a Function, an expression), or a function of x and t, which
+#: tell those of each point in all directions.
+Motion = Sequence[float | None] | Callable[[float], Sequence[float | None]] | Any
+#: What a motion says of a time.
+Told = Callable[[float], list[float | np.ndarray | None]]
+
+
+def told(what: str, motion: Motion, vectors: VectorSpace, nodes: np.ndarray) -> Told:
+    """What a motion says of a time: for each direction the displacement of all nodes, of each of
+    the nodes (n,), or None.
+
+    Args:
+        what: the argument that gave it, for messages.
+        motion: as given.
+        vectors: the space of displacements.
+        nodes: of the location that this process owns.
+    """
+    d = vectors.dim
+
+    def alike(time: float) -> list[float | np.ndarray | None]:
+        which, given = what, motion
+        if checks.is_function(motion):
+            which += f"({time:g})"
+            given = checks.called(which, motion, time)
+        problem = f"{which} = {given!r}: must be {d} numbers, None for a free direction"
+        values: Any = checks.plain(given) if is_expression(given) else given
+        if isinstance(values, str) or not np.iterable(values) or len(list(values)) != d:
+            raise checks.InputError(problem)
+        return [None if v is None else checks.number(which, v) for v in values]
+
+    if not is_field(motion) and not (checks.is_function(motion) and len(arguments(motion)) == 2):
+        return alike
+    made = field(what, motion, vectors.mesh, (d,))
+    read = vectors.reader(made.expression)
+
+    def each(time: float) -> list[float | np.ndarray | None]:
+        made.at(time)
+        values = read()
+        if not min(vectors.comm.allgather(bool((np.abs(values) <= checks.LARGEST).all()))):
+            raise checks.InputError(f"{what}: is not finite everywhere at t = {time:g} s")
+        return list(values.reshape(-1, d)[nodes].T)
+
+    return each
 
 
 class Supports:
@@ -49,14 +91,18 @@ class Supports:
         self._vectors, self._comm, self._d = vectors, vectors.comm, vectors.dim
         single = isinstance(fixed, str)
         places: list[Any] = [fixed] if single else checks.listed("fixed", fixed, "names, or points")
-        given: list[tuple[Location, Motion, np.ndarray]] = []
-        for where in places:
-            given.append((where, [0.0] * self._d, nodes_at(vectors, where, "fixed")))
-        for where, motion in prescribed.items():
-            given.append((where, motion, nodes_at(vectors, where, "prescribed")))
+        every_motion: list[tuple[Any, Any, str]]
+        every_motion = [(where, [0.0] * self._d, "fixed") for where in places]
+        every_motion += [(where, motion, "prescribed") for where, motion in prescribed.items()]
+        given: list[tuple[Location, Told, np.ndarray]] = []
+        for where, motion, what in every_motion:
+            nodes = nodes_at(vectors, where, what)
+            given.append((where, told(f"{what}[{where!r}]", motion, vectors, nodes), nodes))
         if self._comm.allreduce(len(axis)):
-            given.append(("axis of revolution", [0.0, *[None] * (self._d - 1)], axis))
-        directions = [self._held(where, motion, 0.0) for where, motion, _ in given]
+            still = told("fixed", [0.0, *[None] * (self._d - 1)], vectors, axis)
+            given.append(("axis of revolution", still, axis))
+        at_start = [motion(0.0) for _, motion, _ in given]
+        directions = [[i for i, v in enumerate(values) if v is not None] for values in at_start]
         every = [
             (nodes[:, None] * self._d + held).astype(np.int64)
             for (_, _, nodes), held in zip(given, directions)
@@ -70,26 +116,10 @@ class Supports:
         ]
         there = [bool((self.unknowns % self._d == i).any()) for i in range(self._d)]
         self.directions = np.any(self._comm.allgather(there), axis=0)
-        self.moving = any(
-            checks.is_function(motion) or any(self._at(where, motion, 0.0)[i] for i in held)
-            for where, motion, held, _ in self._motions
-        )
+        moves = any(checks.is_function(m) or is_field(m) for m in prescribed.values())
+        moves |= any(v is not None and bool(np.any(v)) for values in at_start for v in values)
+        self.moving = any(self._comm.allgather(moves))
         self.values(0.0)  # refuse now what can be refused
-
-    def _at(self, where: Location, motion: Motion, time: float) -> list[float | None]:
-        what = f"prescribed[{where!r}]"
-        if checks.is_function(motion):
-            what += f"({time:g})"
-            motion = checks.called(what, motion, time)
-        values: Any = checks.plain(motion) if is_expression(motion) else motion
-        problem = f"{what} = {values!r}: must be {self._d} numbers, None for a free direction"
-        if isinstance(values, str) or not np.iterable(values) or len(list(values)) != self._d:
-            raise checks.InputError(problem)
-        return [None if v is None else checks.number(what, v) for v in values]
-
-    def _held(self, where: Location, motion: Motion, time: float) -> list[int]:
-        """The directions in which a motion holds its nodes."""
-        return [i for i, v in enumerate(self._at(where, motion, time)) if v is not None]
 
     def starting_speed(self, shortest: float) -> np.ndarray:
         """Velocities of the held unknowns at the start, m/s: a one-sided difference of second
@@ -113,8 +143,9 @@ class Supports:
         """
         result = np.full(len(self.unknowns), np.nan)
         by = np.full(len(self.unknowns), -1)
-        given = [self._at(where, motion, time) for where, motion, *_ in self._motions]
-        largest = max((abs(v) for values in given for v in values if v is not None), default=0.0)
+        given = [motion(time) for _, motion, *_ in self._motions]
+        sizes = [np.abs(v).max(initial=0.0) for values in given for v in values if v is not None]
+        largest = max(sizes, default=0.0)
         clash = ("", "")
         for k, ((where, _, directions, places), values) in enumerate(zip(self._motions, given)):
             if [i for i, v in enumerate(values) if v is not None] != directions:
@@ -122,7 +153,7 @@ class Supports:
                     f"prescribed[{where!r}]({time:g}) = {values!r}: the same directions must be "
                     "free at all times"
                 )
-            held = np.array([values[i] for i in directions], dtype=float)
+            held = np.array([values[i] for i in directions], dtype=float).T
             off = places[np.abs(result[places] - held) > SAME * largest]
             if len(off):
                 clash = repr(where), repr(self._motions[by[off[0]]][0])

@@ -24,7 +24,7 @@ from ufl.algorithms.analysis import extract_type
 from ..base import checks, compat
 from ..base.checks import is_function
 from ..base.compiling import quiet
-from ..base.expressions import terminals_off, wrong_number
+from ..base.expressions import symbolic, terminals_off, wrong_number
 from ..base.mesh import NamedMesh
 
 Expression = ufl.core.expr.Expr
@@ -119,7 +119,8 @@ def field(
 
     def written() -> Field:
         x = ufl.SpatialCoordinate(domain)
-        expression = value if is_field(value) else value(x, *([] if steady else [time]))
+        with symbolic():
+            expression = value if is_field(value) else value(x, *([] if steady else [time]))
         return Written(_in_ufl(expression, shape), time, steady)
 
     def interpolated() -> Field:
@@ -168,16 +169,20 @@ def sampled(expression: Any, mesh: NamedMesh) -> np.ndarray | str:
         return str(failure) or repr(failure)
 
 
-def refuse_strange(what: str, given: Any, value: Any, mesh: NamedMesh) -> None:
-    """Refuse what a function of an unknown field gives, if a form cannot hold it.
+def of_a_field(what: str, given: Callable[[Any], Any], unknown: Any, mesh: NamedMesh) -> Any:
+    """What a function gives of an unknown field, in UFL.
 
     Raises:
-        InputError: no scalar of UFL, one of another mesh, or with test or trial functions.
+        InputError: what a form cannot hold: no scalar of UFL, one of another mesh, or with test or
+            trial functions.
     """
+    with symbolic():
+        value = checks.called(f"{what}, in UFL", given, unknown)
     if getattr(value, "ufl_shape", None) != ():
         raise checks.InputError(f"{what} = {given!r}: must give a scalar in UFL")
     if problem := _strange(value, mesh):
         raise checks.InputError(f"{what} = {given!r}: {problem}")
+    return value
 
 
 def _strange(expression: Any, mesh: NamedMesh) -> str:

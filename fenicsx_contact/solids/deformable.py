@@ -50,7 +50,8 @@ class DeformableSolid(SystemRows, Stressed):
         fixed: what is held fast, by location: a name of facets or of a point, several names of
             facets in a tuple for the edge or corner that they share, or the coordinates of a node.
         prescribed: motions by location: displacements in m by direction, None where it is free (a
-            roller), or a function of time that gives them.
+            roller), or a function of time that gives them; in all directions a vector in UFL (a
+            Function, a Constant, an expression), or a function of x and t.
         springs: to the ground, by location: stiffness for all directions or for each, N/m³ of
             facets, N/m of each node elsewhere; their energy is strain energy.
         tractions: dead loads on named facets, Pa: d numbers, a Constant, Function, expression in

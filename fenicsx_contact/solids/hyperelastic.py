@@ -23,7 +23,7 @@ from ..base.constants import MADE, ROUND_OFF
 from ..base.mesh import NamedMesh
 from ..base.signatures import whole
 from ..theory.theta import Step
-from .coefficients import refuse_strange
+from .coefficients import of_a_field
 from .damping import StiffnessDamper
 from .deformable import DeformableSolid
 from .energies import Energy, deformation, tangent
@@ -62,8 +62,7 @@ class HyperelasticSolid(DeformableSolid):
         v, du = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
         F = deformation(self.gradient(u))
         self.volume = ufl.dx(mesh.mesh, degree=2 * self.degree + self.revolution)
-        density = checks.called("energy", energy, F)
-        refuse_strange("energy", energy, density, mesh)
+        density = of_a_field("energy", energy, F, mesh)
         potential = self.breadth * density * self.volume
         residual = ufl.derivative(potential, u, v)
         self.parameters += f", energy {potential.signature()[:8]}"

@@ -195,10 +195,7 @@ class VectorSpace:
 
         if is_expression(field):
             given = in_ufl(what, field, self.mesh, (self.dim,)).expression
-            nodes = compat.cell_dofs(self.space)[: compat.num_local_cells(self.mesh.mesh)]
-            scalars = compat.lagrange_space(self.mesh.mesh, self.degree)
-            at_nodes = compat.PointExpression(given, scalars)().reshape(-1, self.dim)
-            function.x.array.reshape(-1, self.dim)[nodes.ravel()] = at_nodes
+            function.x.array[: self.owned] = self.reader(given)()
         elif field is not None:
             if not checks.is_function(field):
                 raise checks.InputError(
@@ -211,6 +208,18 @@ class VectorSpace:
                 f"{what}: the initial field is not finite everywhere, or above {checks.LARGEST:g}"
             )
         return values
+
+    def reader(self, expression: Any) -> Callable[[], np.ndarray]:
+        """What gives the values, (owned,), of a vector in UFL as they are when it is called."""
+        nodes = compat.cell_dofs(self.space)[: compat.num_local_cells(self.mesh.mesh)].ravel()
+        scalars = compat.lagrange_space(self.mesh.mesh, self.degree)
+        compiled, values = compat.PointExpression(expression, scalars), fem.Function(self.space)
+
+        def read() -> np.ndarray:
+            values.x.array.reshape(-1, self.dim)[nodes] = compiled().reshape(-1, self.dim)
+            return values.x.array[: self.owned].copy()
+
+        return read
 
     def assign(self, function: Any, values: np.ndarray) -> None:
         """Give a function of the space the values of its owned unknowns."""

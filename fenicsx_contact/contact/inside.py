@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Points inside a solid, by all facets that bound it: those of a contact see each other only near
+surfaces, and what lies deeper looks as if it were apart."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..base.cells import NODES
+from ..solids import Solid
+from .mortar.search import Near, Spheres
+
+#: Cost: the direction in which points look for the facets around them, which no symmetry of a mesh
+#: is likely to have: what passes through an edge of two facets is not told from what misses both.
+LOOK = (1.0, 0.41421356, 0.73205081)
+#: The simplices of which a facet consists.
+SIMPLICES = {
+    "interval": [[0, 1]],
+    "triangle": [[0, 1, 2]],
+    "quadrilateral": [[0, 1, 3], [0, 3, 2]],
+}
+
+
+def deepest(points: np.ndarray, solid: Solid, limits: np.ndarray) -> float:
+    """How far below the boundary of a solid the deepest is of the points (n, d) that lie farther
+    inside than their limits (n,), in m; 0 if none does."""
+    nodes, cells, cell = solid.mesh.skin()
+    cells = cells[:, : NODES[cell][0]][:, SIMPLICES[cell]].reshape(-1, points.shape[1])
+    places = solid.trace(nodes).positions()
+    low, high = places.min(axis=0), places.max(axis=0)
+    near = ((points - low > limits[:, None]) & (high - points > limits[:, None])).all(axis=1)
+    asked = np.flatnonzero(near)
+    asked = asked[within(points[asked], places[cells])]
+    if not len(asked):
+        return 0.0
+    bound = np.array([np.linalg.norm(places - points[i], axis=1).min() for i in asked])
+    depth = 0.0
+    for k in np.argsort(-bound):  # no farther from the facets than from their corners
+        if bound[k] <= depth:
+            break
+        found = _distance(points[asked[k]], places[cells])
+        if found > limits[asked[k]]:
+            depth = max(depth, found)
+    return depth
+
+
+def within(points: np.ndarray, simplices: np.ndarray) -> np.ndarray:
+    """Whether points (n, d) lie within the closed surface of simplices (m, d, d), (n,) of bool: a
+    ray to one side meets it an odd number of times."""
+    if not len(points):
+        return np.zeros(0, dtype=bool)
+    d = points.shape[1]
+    frame = np.linalg.qr(np.column_stack([LOOK[:d], np.eye(d)[:, 1:]]))[0]
+    x, corners = points @ frame, simplices @ frame  # the rays run along the first coordinate
+    rays = Spheres(x[:, 1:], np.zeros(len(x)))
+    ray, facet = Near()(rays, Spheres.around(corners[..., 1:]))
+    arm = np.swapaxes(corners[facet] - x[ray][:, None], 1, 2)
+    along = arm[:, 0].copy()
+    arm[:, 0] = 1.0
+    volume = np.linalg.det(arm)
+    whole = volume != 0
+    shares = np.zeros(along.shape)
+    shares[whole] = np.linalg.inv(arm[whole])[:, :, 0]
+    hit = whole & (shares > 0).all(axis=1) & ((shares * along).sum(axis=1) > 0)
+    return np.bincount(ray[hit], minlength=len(x)) % 2 == 1
+
+
+def _distance(point: np.ndarray, simplices: np.ndarray) -> float:
+    """The distance of a point (d,) from the nearest of simplices (m, k, d) of at most d corners."""
+    arm = simplices - point
+    first, sides = arm[:, 0], arm[:, 1:] - arm[:, :1]
+    square = np.einsum("mkj,mlj->mkl", sides, sides)
+    turned = np.einsum("mkj,mj->mk", sides, -first)
+    shares = np.einsum("mkl,ml->mk", np.linalg.pinv(square), turned)
+    nearest = first + np.einsum("mk,mkj->mj", shares, sides)
+    over = (shares >= 0).all(axis=1) & (shares.sum(axis=1) <= 1)
+    best = np.linalg.norm(nearest[over], axis=1).min(initial=np.inf)
+    best = min(best, float(np.linalg.norm(arm, axis=2).min()))
+    if simplices.shape[1] < 3:
+        return float(best)
+    edges = np.concatenate([simplices[:, [0, 1]], simplices[:, [1, 2]], simplices[:, [2, 0]]])
+    return min(float(best), _distance(point, edges))

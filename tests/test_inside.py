@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A solid that starts inside another is refused, however far from the surfaces."""
+
+from __future__ import annotations
+
+import shutil
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+from corpus_meshes import ring_mesh
+from processes import HANGS, mpirun
+from scenes import box, rectangle
+from test_self_contact import round_ring
+
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    InputError,
+    RigidSolid,
+    Scene,
+    name_facets,
+)
+from fenicsx_contact.contact.inside import deepest, within
+
+SKIN = {"skin": lambda x: x[0] < np.inf}
+CELLS = ["triangle", "quadrilateral", "tetrahedron", "hexahedron"]
+
+
+def cube(cell, n, size, *middle):
+    """A square or a cube of some cells, all its facets of one name."""
+    d = 2 if cell in CELLS[:2] else 3
+    block = (rectangle if d == 2 else box)((n,) * d, (size,) * d, cell).mesh
+    low, high = block.geometry.x.min(axis=0), block.geometry.x.max(axis=0)
+    block.geometry.x[:, :d] += np.array(middle[:d]) - (low + high)[:d] / 2
+    return name_facets(block, SKIN)
+
+
+def solid(kind, mesh, name, **given):
+    if kind == "rigid":
+        return RigidSolid(mesh, density=1000.0, name=name, **given)
+    return ElasticSolid(
+        mesh, youngs_modulus=1e9, poisson_ratio=0.3, density=1000.0, name=name, **given
+    )
+
+
+def scene(slave, master, law="velocity", **given):
+    contact = Contact(slave, "skin", (master, "skin"), law, name="c", **given)
+    return Scene([slave, master], [contact])
+
+
+@pytest.mark.parametrize(
+    ("cell", "kind"), [(cell, kind) for cell, kind in product(CELLS, ["rigid", "elastic"])]
+)
+@pytest.mark.parametrize("turned", [False, True], ids=["slave", "master"])
+def test_a_body_inside_another(cell, kind, turned):
+    """It is refused by names and depth, whichever of the two is the slave; beside, it is not."""
+    middle = 0.03, 0.0, -0.01
+    small = solid(kind, cube(cell, 2, 0.02, *middle), "small")
+    large = solid("elastic" if kind == "rigid" else "rigid", cube(cell, 10, 1.0, 0, 0, 0), "large")
+    pair = (large, small) if turned else (small, large)
+    with pytest.raises(InputError, match=r"contacts: 'c' starts with 'small' 0\.48 inside 'large'"):
+        scene(*pair)
+    small = solid(kind, cube(cell, 2, 0.02, 0.511, 0, 0), "small")
+    assert scene(*((large, small) if turned else (small, large)))
+
+
+def test_a_body_that_is_moved_into_another():
+    """By a displacement, or by a rotation about another place; not where it was."""
+    shift = lambda x: np.outer([0.4, 0.0], np.ones(x.shape[1]))  # noqa: E731
+    mesh = cube("triangle", 8, 1.0, 0, 0)
+    large = solid("rigid", mesh, "large")
+    small = solid("elastic", cube("triangle", 2, 0.02, 0.4, 0), "small", displacement=shift)
+    assert scene(small, large)
+    back = solid(
+        "elastic", cube("triangle", 2, 0.02, 0.7, 0), "small", displacement=lambda x: -shift(x)
+    )
+    with pytest.raises(InputError, match=r"'small' 0\.21 inside 'large'"):
+        scene(back, large)
+    thin = rectangle((20, 2), (4.0, 0.2)).mesh
+    bar = name_facets(thin, SKIN)
+    small = solid("rigid", cube("triangle", 2, 0.02, 0, 1), "small")
+    assert scene(small, solid("rigid", bar, "bar"))
+    upright = solid("rigid", bar, "bar", rotation=np.pi / 2, about=(0.0, 0.1))
+    with pytest.raises(InputError, match=r"'small' 0\.1 inside 'bar'"):
+        scene(small, upright)
+
+
+def test_what_lies_in_a_hole_is_not_inside():
+    """But what lies in the wall around it is."""
+    ring = name_facets(ring_mesh(1.0, 0.5, 100).mesh, SKIN)
+    wall = solid("rigid", ring, "wall")
+    assert scene(solid("rigid", cube("triangle", 2, 0.02, 0.1, 0), "small"), wall)
+    with pytest.raises(InputError, match=r"'small' 0\.2.* inside 'wall'"):
+        scene(solid("rigid", cube("triangle", 2, 0.02, 0.75, 0), "small"), wall)
+
+
+@pytest.mark.parametrize("kind", ["rigid", "elastic"])
+def test_a_round_body(kind):
+    ring = name_facets(round_ring(24), SKIN)
+    given = {"degree": 2} if kind == "elastic" else {}
+    wall = solid(kind, ring, "wall", **given)
+    inside = solid("rigid", cube("triangle", 1, 0.002, 0.0, 0.96), "small")
+    with pytest.raises(InputError, match=r"'small' 0\.03.* inside 'wall'"):
+        scene(inside, wall)
+    assert scene(solid("rigid", cube("triangle", 1, 0.002, 0.0, 0.9), "small"), wall)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_within_a_ball(d):
+    """Points anywhere, and a closed surface: by their distance from its middle."""
+    generator = np.random.default_rng(d)
+    if d == 2:
+        angle = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+        corners = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        simplices = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
+    else:
+        from shapes import ball
+
+        mesh = ball(2000)
+        simplices = mesh.points[mesh.cells_dict["triangle"]]
+    x = generator.uniform(-1.1, 1.1, (4000, d))
+    r = np.linalg.norm(x, axis=1)
+    clear = (r < 0.97) | (r > 1.0)
+    np.testing.assert_array_equal(within(x[clear], simplices), r[clear] < 0.97)
+
+
+TWO = """
+import sys
+sys.path.insert(0, {tests!r})
+import numpy as np
+from mpi4py import MPI
+from processes import HANGS, mpirun
+from scenes import box
+from fenicsx_contact import Contact, ElasticSolid, InputError, NamedMesh, Scene, name_facets
+
+def solid(n, size, middle, name):
+    mesh = box((n,) * 3, (size,) * 3, "tetrahedron", MPI.COMM_WORLD).mesh
+    mesh.geometry.x[:] += np.array(middle) - (0, 0, size / 2)
+    mesh = name_facets(mesh, {{"skin": lambda x: x[0] < np.inf}})
+    return ElasticSolid(mesh, youngs_modulus=1e9, poisson_ratio=0.3, density=1e3, name=name)
+
+large, small = solid(10, 1.0, (0, 0, 0), "large"), solid(2, 0.02, (0.03, 0, 0), "small")
+try:
+    Scene([large, small], [Contact(small, "skin", (large, "skin"))])
+except InputError as error:
+    assert "'small' 0.48 inside 'large'" in str(error)
+    print("refused")
+"""
+
+
+@pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
+def test_on_two_processes():
+    with mpirun(TWO.format(tests=str(Path(__file__).parent)), 2) as process:
+        output, _ = process.communicate(timeout=HANGS)
+    assert output.count("refused") == 2, output
+
+
+def test_bodies_beside_each_other_that_are_thrown_aslant():
+    """Nowhere does a facet lie before another, along its normal; yet they meet."""
+    small = solid("rigid", cube("triangle", 2, 0.1, 0.8, 0.75), "small", velocity=(-1.0, -1.0))
+    large = solid("rigid", cube("triangle", 6, 1.0, 0, 0), "large")
+    history = scene(small, large, "gap").run(0.4, 0.02)
+    assert history.finished and history["c.bearing"].max() > 0
+    assert history["c.penetration"].max() < 1e-9
+    assert small.velocity[1] > -0.1 or small.velocity[0] > -0.1
+
+
+def test_a_long_step_that_fails_says_nothing_of_a_short_one():
+    """What is sought a long way off is not, in a shorter step, what is near."""
+    by = {"velocity": lambda x: np.outer([-200.0, 0.0, -700.0], np.ones(x.shape[1]))}
+    small = solid("elastic", cube("tetrahedron", 2, 0.05, 0.1, 0, 0.9), "small", **by)
+    large = solid("rigid", cube("tetrahedron", 4, 1.0, 0, 0, 0), "large")
+    history = scene(small, large, "lagrange").run(1e-4, 1e-4)
+    assert history.finished, history.reason
+
+
+@pytest.mark.second
+@pytest.mark.parametrize("d", [2, 3])
+@pytest.mark.parametrize("seed", range(10))
+def test_no_fast_body_ends_inside_in_silence(seed, d):
+    """Thrown by chance at what it crosses in a step or two: it is struck, or passes
+    by, or the run stops with its reason. What is left inside by a law of velocities is remarked."""
+    generator = np.random.default_rng(seed)
+    cell = CELLS[2 * (d - 2) + seed % 2]
+    kinds = ["rigid", "elastic"][seed % 2], ["rigid", "elastic"][seed // 2 % 2]
+    way = np.append(generator.uniform(-0.7, 0.7, d - 1), -1.0)
+    way /= np.linalg.norm(way)
+    size, step = 10 ** generator.uniform(-1.7, -0.5), generator.uniform(0.1, 2.0)
+    start = generator.uniform(-0.3, 0.3, d) - (0.8 + size + generator.uniform(0, step)) * way
+    velocity = 1e3 * step * way
+    thrown = {"velocity": tuple(velocity)}
+    if kinds[0] == "elastic":
+        thrown["velocity"] = lambda x: np.outer(velocity, np.ones(x.shape[1]))
+    small = solid(kinds[0], cube(cell, 2, size, *start), "small", **thrown)
+    large = solid(kinds[1], cube(cell, 4, 1.0, 0, 0, 0), "large")
+    pair = (large, small) if seed % 3 == 2 else (small, large)
+    history = scene(*pair, ["velocity", "gap", "lagrange"][seed % 3]).run(4e-3, 1e-3)
+    deep = 0.0
+    for one, other in ((small, large), (large, small)):
+        places = one.trace(one.mesh.skin()[0]).positions()
+        deep = max(deep, deepest(places, other, np.full(len(places), 0.01 * size)))
+    remarks = " ".join(text for _, text in history.remarks)
+    assert not deep or not history.finished or "inside its master" in remarks, (deep, history)

@@ -256,12 +256,19 @@ def squashed_ring(
     return Static(scene, forces, 2 * down + 4 * abs(gap), None, gap, until=4.0)
 
 
-def strap(*, friction: float = 0.3, start: str = "touching", law: Any = "velocity") -> Static:
+def strap(
+    *,
+    friction: float = 0.3,
+    start: str = "touching",
+    law: Any = "velocity",
+    thickness: float = 0.002,
+    arc: int = 48,
+    E: float = 1e9,
+) -> Static:
     """A strap lies a quarter round a fixed drum and straight on; its end on the drum is pulled
     down, the other drawn until all of it slips: the tensions have the ratio
-    ``exp(friction pi/2)`` (Euler 1769), but for the thickness over the radius."""
-    radius, thickness, E = 1.0, 0.002, 1e9
-    tension, arc, tail = 1e5 * thickness, 48, 10
+    ``exp(friction pi/2)`` (Euler 1769), but for the thickness over the radius and the stretch."""
+    radius, tail, tension = 1.0, 10, 1e5 * thickness
 
     def place(s, t):
         cell = s * (arc + tail)
@@ -277,7 +284,7 @@ def strap(*, friction: float = 0.3, start: str = "touching", law: Any = "velocit
         density=1.0,
         degree=2,  # it bends
         tractions={"pulled": (0.0, -tension / thickness)},
-        prescribed={"drawn": lambda t: (-1.5e-4 * radius * t, None)},
+        prescribed={"drawn": lambda t: (-1.5e5 / E * radius * t, None)},
         name="strap",
     )
     drum = radius * np.cos(np.pi / 4 / arc) - STARTS[start]  # the middles of the facets touch

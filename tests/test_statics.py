@@ -227,6 +227,22 @@ def test_strap_round_a_drum(law, start):
     assert drawn / pulled == pytest.approx(np.exp(0.3 * np.pi / 2), rel=0.005)
 
 
+@pytest.mark.second
+def test_a_thin_strap_that_hardly_stretches_is_eulers():
+    """Friction acts on its inside, tension in its middle: ``exp(mu beta R/(R + t/2))``; so it is
+    Euler's rope of first order in its thickness."""
+    off = []
+    for thickness in (0.008, 0.004):
+        case = strap(thickness=thickness, arc=24, E=1e10)
+        assert case.scene.run(4.0, 1.0).finished
+        drawn, pulled = case.scene.contacts[0].force.sum(axis=0)
+        turned = 0.3 * np.pi / 2
+        assert drawn / pulled == pytest.approx(np.exp(turned / (1 + thickness / 2)), rel=3e-4)
+        off.append(drawn / pulled / np.exp(turned) - 1)
+    assert abs(off[-1]) < 0.0015
+    assert off[1] - off[0] == pytest.approx(0.3 * np.pi / 4 * 0.004, rel=0.1)
+
+
 # -- what is to be refused --
 
 

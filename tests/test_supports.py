@@ -27,6 +27,7 @@ from fenicsx_contact import (
     QuasiStatic,
     Rayleigh,
     Scene,
+    ciarlet,
     mesh_from_gmsh,
     name_facets,
     name_points,
@@ -318,9 +319,64 @@ def test_planes_are_of_meshes_in_2d():
         hyper(box(), plane="axisymmetric")
 
 
-def test_plane_stress_is_of_linear_solids():
-    with pytest.raises(InputError, match=r"plane = 'stress'.*'strain', 'axisymmetric'"):
-        hyper(block(), plane="stress")
+def test_plane_stress_of_an_energy_that_does_not_know_its_stretch_across_is_refused():
+    with pytest.raises(InputError, match=r"plane = 'stress': energy.*neo_hookean, ciarlet"):
+        HyperelasticSolid(block(), energy=lambda F: ufl.inner(F, F), density=1.0, plane="stress")
+
+
+LAWS = [neo_hookean, ciarlet, st_venant_kirchhoff]
+
+
+@pytest.mark.second
+@pytest.mark.parametrize("law", LAWS)
+def test_hyperelastic_plane_stress_is_a_free_plate(law):
+    """A square drawn to 1.3 times its length between rollers is as narrow, as strained and as
+    stressed as a cube that is free across: uniform, so exact."""
+    x_is = {"left": lambda x: np.isclose(x[0], -0.25), "right": lambda x: np.isclose(x[0], 0.25)}
+    front = {"front": lambda x: np.isclose(x[1], -0.25), "base": lambda x: np.isclose(x[2], 0)}
+    cube = name_facets(box(size=(0.5, 0.5, 0.5)).mesh, x_is | front)
+    found = []
+    for mesh, more in ((rectangle((2, 2), (0.5, 0.5)), {"plane": "stress"}), (cube, {})):
+        others = (None,) * (mesh.dim - 1)
+        rollers = {"left": (0.0, *others), "right": (0.15, *others), "base": (*others, 0.0)}
+        if mesh.dim == 3:
+            rollers |= {"front": (None, 0.0, None)}
+        solid = HyperelasticSolid(mesh, energy=law(E, NU), density=1.0, prescribed=rollers, **more)
+        u, x = settled(solid)
+        thick = 1.0 if mesh.dim == 2 else 0.5
+        narrower = u[x[:, -1].argmax(), -1]
+        found.append([narrower, solid.reaction("right")[0] / thick, solid.energies()[1] / thick])
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-8)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.499])
+def test_the_stretch_across_leaves_no_stress_there(nu):
+    """All digits from a tenth of the area to ten times it."""
+    law, s = neo_hookean(1.0, nu), np.linspace(-np.log(10), np.log(10), 41)
+    lmbda, mu = nu / (1 + nu) / (1 - 2 * nu), 1 / 2 / (1 + nu)
+    for area in np.exp(s):
+        stretch = float(law.across(ufl.as_matrix([[area, 0.0], [0.0, 1.0]])))
+        left = mu * (stretch**2 - 1) + lmbda * np.log(area * stretch)
+        assert abs(left) < 1e-13 * (mu * stretch**2 + lmbda)
+
+
+@pytest.mark.parametrize("scheme", [None, EnergyMomentum()])
+def test_a_free_membrane_in_plane_stress_keeps_its_energy(scheme):
+    """It spins and breathes."""
+    solid = HyperelasticSolid(
+        rectangle((2, 2), (0.5, 0.5)),
+        energy=neo_hookean(E, NU),
+        density=RHO,
+        plane="stress",
+        displacement=lambda x: 0.1 * x[:2],
+        velocity=lambda x: np.stack([-x[1], x[0]]),
+    )
+    more = {} if scheme is None else {"scheme": scheme}
+    history = Scene([solid], [], allow_free=True, **more).run(0.02, 1e-3)
+    assert history.finished, history.reason
+    total = total_energy(history)
+    assert np.ptp(total) < 1e-5 * total[0]
+    assert "plane stress" in solid.describe()
 
 
 # -- axisymmetry --

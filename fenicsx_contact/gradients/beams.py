@@ -153,6 +153,8 @@ class Inner:
         rate: derivative of q by v, s.
     """
 
+    exact = True
+
     def __init__(self, rate: float) -> None:
         self._rate = rate
 
@@ -167,6 +169,13 @@ class Inner:
         """Its unknowns from a block of its rows, of which it begins with this one."""
         rows = dense(block)
         return np.concatenate([self._rate * rows, rows] if first else [rows, 0 * rows])
+
+    def left(self, values: np.ndarray, _: bool) -> np.ndarray:
+        """Nothing."""
+        return 0 * values
+
+    def renew(self) -> None:
+        """Nothing to do."""
 
 
 def _refuse(solid: BeamSolid) -> None:

@@ -10,10 +10,14 @@ each deformable solid a step and column, and a dense system of the contacts.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Protocol
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
+
+from ..base.constants import ROUND_OFF, SAME
+from .residuals import Ways, share
 
 
 class Blocks:
@@ -69,6 +73,16 @@ class Inner(Protocol):
     def columns(self, block: Any, first: int) -> np.ndarray:
         """Its unknowns from a block of its rows, of which it begins with this one."""
 
+    @property
+    def exact(self) -> bool:
+        """Whether these are solutions, or near them."""
+
+    def left(self, values: np.ndarray, transposed: bool) -> np.ndarray:
+        """What is left of the rows after unknowns were solved for."""
+
+    def renew(self) -> None:
+        """Be exact from now on."""
+
 
 class LinearStep:
     """A linearised step.
@@ -101,7 +115,12 @@ class LinearStep:
         before: tuple[LinearStep, np.ndarray] | None = None,
     ) -> None:
         self._minus, self._by, self.forces, self._inner = minus, by, forces, inner
-        self._before = before
+        self._before, self._plus, self._softness = before, plus, soft
+        self._condense()
+
+    def _condense(self) -> None:
+        """Eliminate the unknowns of inner solids, and factor what remains."""
+        plus, soft, inner = self._plus, self._softness, self._inner
         outer = np.ones(len(soft), dtype=bool)
         for at, _ in inner:
             outer[at] = False
@@ -179,6 +198,39 @@ class LinearStep:
             start = start.copy()
             start[passed] = before.tangent(start)[passed]
         right = -(self._minus.times(start) + self._by)
+        return self._exactly(self._forwards, right, False)
+
+    def _exactly(
+        self, solve: Callable[[np.ndarray], np.ndarray], right: np.ndarray, transposed: bool
+    ) -> np.ndarray:
+        """The solution where inner solids are exact; else what they leave is solved for in turn,
+        down to round-off (generalised conjugate residuals); where that does not get there, they are
+        renewed."""
+        result = solve(right)
+        near = [joint for joint in self._joints if not joint.solid.exact]
+        rest, ways, change = self._left(near, result, transposed), Ways(), 1.0
+        while near and rest.any():
+            way = solve(rest)
+            step, rest = ways.go(way, rest - self._left(near, way, transposed), rest)
+            before, change = change, max(share(step[j.last], result[j.last]) for j in near)
+            if not (falls := change < before) and not before < SAME:
+                for joint in near:
+                    joint.solid.renew()
+                self._condense()
+                return solve(right)
+            result += falls * step
+            if not falls or change**2 < ROUND_OFF * before:  # as the next one will be
+                break
+        return result
+
+    def _left(self, near: list[_Joint], values: np.ndarray, transposed: bool) -> np.ndarray:
+        """What is left of the rows after these unknowns were found, or the other way round."""
+        result = np.zeros_like(values)
+        for joint in near:
+            result[joint.at] = joint.solid.left(values[joint.at], transposed)
+        return result
+
+    def _forwards(self, right: np.ndarray) -> np.ndarray:
         result, outer = np.zeros_like(right), right[self._outer]
         for joint in self._joints:
             result[joint.at] = own = joint.solid.solve(right[joint.at], False)
@@ -196,16 +248,7 @@ class LinearStep:
         by all unknowns."""
         right = np.zeros((len(self._by), end.shape[1]))
         right[: len(end)] = end
-        left, outer = np.zeros_like(right), right[self._outer]
-        for joint in self._joints:
-            for column, moved in joint.out:
-                outer[column] -= moved.T @ right[joint.at]
-        left[self._outer] = outer = self._solve(outer, True)
-        for joint in self._joints:
-            own = right[joint.at]
-            for row, at, block in joint.into:
-                own[at] -= block.T @ outer[row]
-            left[joint.at] = joint.solid.solve(own, True)
+        left = self._exactly(self._backwards, right, True)
         start, by = -self._minus.transposed(left), -(self._by.T @ left)
         if self._before:
             before, passed = self._before
@@ -215,18 +258,33 @@ class LinearStep:
             start, by = start + earlier, by + more
         return start, by
 
+    def _backwards(self, right: np.ndarray) -> np.ndarray:
+        left, outer = np.zeros_like(right), right[self._outer]
+        for joint in self._joints:
+            for column, moved in joint.out:
+                outer[column] -= moved.T @ right[joint.at]
+        left[self._outer] = outer = self._solve(outer, True)
+        for joint in self._joints:
+            own = right[joint.at].copy()
+            for row, at, block in joint.into:
+                own[at] -= block.T @ outer[row]
+            left[joint.at] = joint.solid.solve(own, True)
+        return left
+
 
 class _Joint:
     """How an inner solid and the outer unknowns read each other.
 
     Attributes:
         at, solid: where its unknowns stand, and its solver.
+        last: where its velocities stand, or the multipliers of its balance.
         into: outer rows, own unknowns that they read, and by what.
         out: outer unknowns, and what they make of the own ones.
     """
 
     def __init__(self, at: slice, solid: Inner) -> None:
         self.at, self.solid = at, solid
+        self.last = slice((at.start + at.stop) // 2, at.stop)
         self.into: list[tuple[slice, slice, Any]] = []
         self.out: list[tuple[slice, np.ndarray]] = []
 

@@ -25,10 +25,42 @@ class Inner:
         stiffness: over what is not held.
         rate: derivative of q by v, s.
         held: unknowns.
+        matrix: that matrix, where the factor may be of one which is near it, of the same pattern.
+
+    Attributes:
+        factor: the factor.
     """
 
-    def __init__(self, factor: Factor, stiffness: Any, rate: float, held: np.ndarray) -> None:
-        self._factor, self._stiffness, self._rate, self._held = factor, stiffness, rate, held
+    def __init__(
+        self,
+        factor: Factor,
+        stiffness: sp.csr_matrix,
+        rate: float,
+        held: np.ndarray,
+        matrix: sp.csr_matrix | None = None,
+    ) -> None:
+        self.factor, self._stiffness, self._rate, self._held = factor, stiffness, rate, held
+        self._matrix = factor.matrix if matrix is None else matrix
+
+    @property
+    def exact(self) -> bool:
+        """Whether the factor is that of the matrix."""
+        return self._matrix is self.factor.matrix
+
+    def left(self, values: np.ndarray, transposed: bool) -> np.ndarray:
+        """What is left of its rows after :meth:`solve` gave these (q, v), (2 n, columns), or of its
+        columns after it gave these multipliers."""
+        n = len(values) // 2
+        near, matrix = self.factor.matrix, self._matrix
+        entries = near.data - matrix.data
+        rest = sp.csr_matrix((entries, matrix.indices, matrix.indptr), matrix.shape, copy=False)
+        result = np.zeros_like(values)
+        result[n:] = (rest.T if transposed else rest) @ values[n:]
+        return result
+
+    def renew(self) -> None:
+        """Factor the matrix itself."""
+        self.factor = self.factor.other(self._matrix)
 
     def solve(self, right: np.ndarray, transposed: bool) -> np.ndarray:
         """(q, v) from (r_q, r_v), (2 n, columns), or multipliers of the rows from columns."""
@@ -37,13 +69,13 @@ class Inner:
         K, rate = self._stiffness, self._rate
         load = last + rate * first if transposed else last - K @ first
         load[self._held] = 0.0  # nothing moves what is held
-        v = (self._factor.transposed if transposed else self._factor).solve(load)
+        v = (self.factor.transposed if transposed else self.factor).solve(load)
         return np.concatenate([first - K.T @ v if transposed else first + rate * v, v])
 
     def columns(self, block: Any, first: int) -> np.ndarray:
         """Its unknowns from a block of its rows, of which it begins with this one."""
         if isinstance(block, Pushed) and first:
-            return self._factor.pushed(block.points, self._rate)
+            return self.factor.pushed(block.points, self._rate)
         right = np.zeros((2 * len(self._stiffness.indptr) - 2, block.shape[1]))
         right[first : first + block.shape[0]] = dense(block)
         return self.solve(right, False)
@@ -58,39 +90,48 @@ class Factor:
         name: of the solid.
         symmetric: whether it is.
         held: unknowns that nothing moves.
+
+    Attributes:
+        matrix: the matrix.
     """
 
     def __init__(self, matrix: sp.csr_matrix, name: str, symmetric: bool, held: np.ndarray) -> None:
-        self._matrix, self._name, self._symmetric = matrix, name, symmetric
+        self.matrix, self._name, self._symmetric = matrix, name, symmetric
         self._held = held
         self._columns: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         self._last: tuple[Picked, np.ndarray] | None = None
 
     @cached_property
     def _factor(self) -> Factorisation:
-        parts = self._matrix.indptr, self._matrix.indices, self._matrix.data
-        made = PETSc.Mat().createAIJ(self._matrix.shape, csr=parts, comm=PETSc.COMM_SELF)
+        parts = self.matrix.indptr, self.matrix.indices, self.matrix.data
+        made = PETSc.Mat().createAIJ(self.matrix.shape, csr=parts, comm=PETSc.COMM_SELF)
         return Factorisation(made, f"{self._name}_gradients")
+
+    def other(self, matrix: sp.csr_matrix) -> Factor:
+        """That of another matrix of the solid."""
+        return Factor(matrix, self._name, self._symmetric, self._held)
 
     @cached_property
     def transposed(self) -> Factor:
         """That of the transpose."""
         if self._symmetric:
             return self
-        return Factor(self._matrix.T.tocsr(), self._name, False, self._held)
+        return self.other(self.matrix.T.tocsr())
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """For columns (n, k)."""
         result = np.zeros_like(right)
         asked = right.any(axis=0).nonzero()[0]
-        if len(asked):
+        if len(asked) == 1:
+            result[:, asked[0]] = self._factor.solve(right[:, asked[0]])
+        elif len(asked):
             result[:, asked] = self._factor.solve_many(sp.csc_matrix(right[:, asked]))
         return result
 
     def pushed(self, points: Picked, rate: float) -> np.ndarray:
         """What forces at the points of a contact make of (q, v) on the other side, (2 n, k c)."""
         if self._last is None or self._last[0] is not points:
-            n, key = len(self._matrix.indptr) - 1, id(points.whole)
+            n, key = len(self.matrix.indptr) - 1, id(points.whole)
             if key not in self._columns:
                 size = points.whole.shape[0]
                 self._columns[key] = np.empty((size, n)), np.zeros(size, dtype=bool)

@@ -104,7 +104,8 @@ class Material(OfSolid):
         self.solid: HyperelasticSolid = solid
         self._u = fem.Function(solid.space)
         number = _number(solid, checks.number("value", value))
-        density = energy(number)(deformation(solid.gradient(self._u)))
+        energy_of = solid.plane.energy(energy(number))
+        density = energy_of(deformation(solid.gradient(self._u)))
         potential = solid.breadth * density * solid.volume
         test = ufl.TestFunction(solid.space)
         force = ufl.derivative(potential, self._u, test)
@@ -112,7 +113,7 @@ class Material(OfSolid):
         self._viscous: ViscousStress | None = None
         if solid.damping.beta:
             beta = solid.damping.beta
-            self._viscous = ViscousStress(solid, energy(number), beta, solid.volume)
+            self._viscous = ViscousStress(solid, energy_of, beta, solid.volume)
             viscous = ufl.derivative(self._viscous.form, number, _one(number))
             self._viscous_form = compiled(viscous)
         swollen = 1e-3 * solid.vectors.places.ravel()  # a small strain tells materials apart

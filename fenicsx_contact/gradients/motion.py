@@ -14,14 +14,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import replace
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
 from ..base.constants import KEPT
-from ..solids import DeformableSolid, ElasticSolid
+from ..solids import DeformableSolid
 from ..theory.theta import Step, ThetaScheme
 from .blocks import Inner as OwnRows
 from .inner import Factor, Inner
@@ -88,11 +88,11 @@ class Motion(ABC):
 
 
 class DeformableMotion(Motion):
-    """An elastic or hyperelastic solid."""
+    """An elastic solid, whose matrices come again."""
 
     def __init__(self, solid: DeformableSolid) -> None:
         self.solid, self.size, self.held = solid, solid.owned, solid.fixed_unknowns
-        self._mass = _scipy(solid.inertia.matrix)
+        self._mass = scipy_of(solid.inertia.matrix)
         hold = np.zeros(self.size)
         hold[self.held] = 1.0
         self.one = sp.identity(self.size, format="csr")
@@ -101,10 +101,8 @@ class DeformableMotion(Motion):
         self._kept: dict[tuple[float, ...], tuple[Row, Row, Inner]] = {}
         self._seen: dict[int, Kinematics] = {}
         self._none = sp.csr_matrix(self._mass.shape)
-        self._linear, self._own = isinstance(solid, ElasticSolid), cast(Any, None)
-        self._viscous: Any = None  # of a linear solid
-        if self._linear:
-            self._stiffness = self._freeing @ _scipy(solid.last_stiffness)
+        self._viscous: Any = None
+        self._stiffness: Any = None
 
     def see(self, step: Step) -> None:
         solid = self.solid
@@ -126,9 +124,7 @@ class DeformableMotion(Motion):
         return self._balance._replace(dt=by_dt)
 
     def _rows(self, step: Step) -> tuple[Row, Row, Inner]:
-        """Kinematics, balance and the solver; of a linear solid they come again."""
-        if not self._linear:
-            return self._make_rows(step)
+        """Kinematics, balance and the solver."""
         key: tuple[float, ...] = (
             step.dt,
             step.loaded,
@@ -144,70 +140,37 @@ class DeformableMotion(Motion):
         return self._kept[key]
 
     def _make_rows(self, step: Step) -> tuple[Row, Row, Inner]:
+        before, after = step.scheme.linear_weights
         inertia = self._massive * step.inertia_rate
         old = new = self._none
         if step.loaded:
-            old, new = self._stiffnesses(step)
+            if self._stiffness is None:
+                self._stiffness = self._freeing @ scipy_of(self.solid.last_stiffness)
+            old, new = before * self._stiffness, after * self._stiffness
         early, late = -inertia, inertia
         if step.loaded and step.scheme.inertia and self.solid.dampers:
-            before, after = step.scheme.linear_weights
-            viscous, bent = self._dampers(step)
+            viscous = self._damping(step)
             early, late = early + before * viscous, late + after * viscous
-            old, new = old + (1 - step.force_share) * bent, new + step.force_share * bent
-        inner = self._make_inner(step, late, new)
+        matrix = sp.csr_matrix((late + step.gap_rate * new) @ self._freeing + self._holding)
+        factor = Factor(matrix, self.solid.name, True, self.held)
+        inner = Inner(factor, new, step.gap_rate, self.held)
         balance = Row(new, late + self._holding, old, early, np.empty(0))
         return super().kinematics(step), balance, inner
 
-    def _dampers(self, step: Step) -> tuple[Any, Any]:
-        """Derivatives of the damping forces by the velocity, and by the displacement at which they
-        are taken."""
-        if self._viscous is not None:
-            return self._viscous, self._none
-        solid, (start, end), share = self.solid, self._ends, step.force_share
-        place = share * end + (1 - share) * start
-        rate = step.rate(solid.velocity, solid.trial_velocity)
-        whole = replace(step, scheme=ThetaScheme(1.0))  # of which the velocity is that at the end
-        matrix = self._empty()
-        for damper in solid.dampers:
-            damper.add_to(matrix, whole, place, place)
-        viscous = self._freeing @ _scipy(matrix)
-        if self._linear:
-            self._viscous = viscous
-            return viscous, self._none
-        matrix = self._empty()
-        for damper in solid.dampers:
-            damper.add_bent(matrix, place, rate)
-        return viscous, self._freeing @ _scipy(matrix)
-
-    def _empty(self) -> PETSc.Mat:
-        """A matrix of the solid's pattern without values, always the same."""
-        if self._own is None:
-            self._own = self.solid.last_stiffness.duplicate()
-        self._own.zeroEntries()
-        return self._own
-
-    def _make_inner(self, step: Step, inertia: Any, stiffness: Any) -> Inner:
-        matrix = (inertia + step.gap_rate * stiffness) @ self._freeing + self._holding
-        symmetric = self._linear or not self.solid.dampers
-        factor = Factor(sp.csr_matrix(matrix), self.solid.name, symmetric, self.held)
-        return Inner(factor, stiffness, step.gap_rate, self.held)
+    def _damping(self, step: Step) -> Any:
+        """Derivative of the damping forces by the velocity."""
+        if self._viscous is None:
+            whole = replace(step, scheme=ThetaScheme(1.0))  # whose velocity is that at the end
+            matrix = self.solid.last_stiffness.duplicate()
+            matrix.zeroEntries()
+            for damper in self.solid.dampers:
+                damper.add_to(matrix, whole, *self._ends)
+            self._viscous = self._freeing @ scipy_of(matrix)
+            matrix.destroy()
+        return self._viscous
 
     def inner(self) -> Inner:
         return self._inner
-
-    def _stiffnesses(self, step: Step) -> tuple[Any, Any]:
-        """Derivatives of the mean internal force by the displacements at both ends."""
-        if self._linear:
-            before, after = step.scheme.linear_weights
-            return before * self._stiffness, after * self._stiffness
-        old = new = self._none
-        start, end = self._ends
-        for share, weight in step.scheme.force_points:
-            matrix = self._empty()
-            self.solid.add_stiffness(matrix, share * end + (1 - share) * start, weight)
-            stiffness = self._freeing @ _scipy(matrix)
-            old, new = old + (1 - share) * stiffness, new + share * stiffness
-        return old, new
 
     def by(self, parameter: Parameter, step: Step) -> np.ndarray:
         solid = self.solid
@@ -223,6 +186,7 @@ class DeformableMotion(Motion):
         return np.asarray(self._freeing @ rows)
 
 
-def _scipy(matrix: Any) -> sp.csr_matrix:
+def scipy_of(matrix: PETSc.Mat) -> sp.csr_matrix:
+    """A copy of it."""
     pointers, columns, values = matrix.getValuesCSR()
     return sp.csr_matrix((values, columns, pointers), matrix.getSize())

@@ -4,6 +4,8 @@ stays the same from step to step."""
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import scipy.sparse as sp
 
@@ -19,6 +21,11 @@ class Picked:
     def __init__(self, whole: sp.csr_matrix, rows: np.ndarray) -> None:
         self.whole, self.rows, self.matrix = whole, rows, whole[rows]
         self.transposed = self.matrix.T.tocsr()
+
+    @cached_property
+    def minus(self) -> sp.csr_matrix:
+        """The negative of them."""
+        return -self.matrix
 
 
 class Seen:
@@ -64,7 +71,11 @@ class Pushed:
     def __init__(self, points: Picked) -> None:
         self.points = points
         self.shape = points.transposed.shape
-        self.T = -points.matrix
+
+    @property
+    def T(self) -> sp.csr_matrix:
+        """Its transpose."""
+        return self.points.minus
 
     def __matmul__(self, values: np.ndarray) -> np.ndarray:
         return np.asarray(-(self.points.transposed @ values))

@@ -12,6 +12,7 @@ from ..rods.beam import BeamSolid
 from ..solids import ElasticSolid, HyperelasticSolid, RigidSolid, Solid
 from .beams import BeamMotion
 from .guides import GuideRows
+from .hyperelastic import HyperelasticMotion
 from .motion import DeformableMotion, Motion
 from .pairs import PairRows
 from .rigid import RigidMotion
@@ -52,7 +53,11 @@ def motion(solid: Solid, inertia: bool, moving_time: bool) -> Motion:
         )
     if moving_time and (solid.applied or solid.supports.moving):
         raise checks.InputError(f"gradients: {name} has motions in time and located impacts")
-    return DeformableMotion(solid)
+    return (
+        HyperelasticMotion(solid)
+        if isinstance(solid, HyperelasticSolid)
+        else DeformableMotion(solid)
+    )
 
 
 def rows_of(

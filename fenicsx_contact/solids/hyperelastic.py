@@ -28,6 +28,7 @@ from .damping import StiffnessDamper
 from .deformable import DeformableSolid
 from .energies import Energy, deformation, tangent
 from .factor import Factorisation
+from .planes import PLANES
 from .strain_way import StrainWay
 from .viscous import ViscousStress
 
@@ -37,18 +38,18 @@ RATE = 0.1
 
 @whole
 class HyperelasticSolid(DeformableSolid):
-    """A hyperelastic solid; in 2D in plane strain or of revolution.
+    """A hyperelastic solid; in 2D in plane strain, plane stress, or of revolution.
 
     Args:
         mesh: its shape.
         energy: stored energy density, for instance
             :func:`~fenicsx_contact.solids.energies.neo_hookean` (E, nu).
-        plane: in 2D ``"strain"`` or ``"axisymmetric"``: a whole solid, x is its radius.
+        plane: as of :class:`~.elastic.ElasticSolid`; ``"stress"`` of energies with ``across``.
         others: as for :class:`~fenicsx_contact.solids.deformable.DeformableSolid`.
     """
 
     linear = False
-    planes = ("strain", "axisymmetric")
+    planes = tuple(PLANES)
     distributed = (*DeformableSolid.distributed, "tangent.start", "tangent.end")
 
     def __init__(
@@ -57,12 +58,12 @@ class HyperelasticSolid(DeformableSolid):
         if not checks.is_function(energy):
             raise checks.InputError(f"energy = {energy!r}: must be a function of F, in UFL")
         super().__init__(mesh, name=name, **others)
-        self._energy = energy
+        self._energy, self._given = self.plane.energy(energy), energy
         self._field = u = fem.Function(self.space)
         v, du = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
         F = deformation(self.gradient(u))
         self.volume = ufl.dx(mesh.mesh, degree=2 * self.degree + self.revolution)
-        density = of_a_field("energy", energy, F, mesh)
+        density = of_a_field("energy", self._energy, F, mesh)
         potential = self.breadth * density * self.volume
         residual = ufl.derivative(potential, u, v)
         self.parameters += f", energy {potential.signature()[:8]}"
@@ -80,7 +81,7 @@ class HyperelasticSolid(DeformableSolid):
         self._noise = ROUND_OFF * abs(swollen)  # of the energy, the difference of such terms
         if self.damping.beta:
             beta = self.damping.beta
-            self.dampers.append(ViscousStress(self, energy, beta, self.volume))
+            self.dampers.append(ViscousStress(self, self._energy, beta, self.volume))
             for foundation in self.foundations:
                 self.dampers.append(StiffnessDamper(beta, foundation.matrix, foundation.times))
         self._factor: Factorisation | None = None
@@ -100,7 +101,7 @@ class HyperelasticSolid(DeformableSolid):
 
     def cauchy(self, displacement: Any) -> Any:
         F = ufl.variable(deformation(self.gradient(displacement)))
-        return ufl.diff(self._energy(F), F) * F.T / ufl.det(F)
+        return ufl.diff(self._energy(F), F) * F.T / ufl.det(self.plane.in_space(self._given, F))
 
     def _set(self, displacement: np.ndarray) -> None:
         self.vectors.assign(self._field, displacement)
@@ -276,8 +277,7 @@ class HyperelasticSolid(DeformableSolid):
         return self._strain
 
     def unsound(self, step: Step) -> str:
-        """The forces of a step are those of a few points of its way; more stored energy than
-        their work would come from nowhere."""
+        """The forces of a step are those of a few points of its way: no more may be stored."""
         if not step.loaded or not step.scheme.bounds_work:
             return ""
         end = self.trial_displacement
@@ -296,4 +296,4 @@ class HyperelasticSolid(DeformableSolid):
         return "" if worst > 0 else f"an element of solid {self.name!r} is inverted"
 
     def describe(self) -> str:
-        return f"hyperelastic, {self.parameters}, {self.unknowns} unknowns"
+        return f"hyperelastic, {self.plane.name}{self.parameters}, {self.unknowns} unknowns"

@@ -12,6 +12,7 @@ import ufl
 from ..base import checks
 from ..base.constants import SAME
 from ..base.vectors import largest
+from .energies import in_space
 from .vector_space import VectorSpace
 
 
@@ -40,6 +41,15 @@ class Whole:
         """Stress across the plane."""
         return lmbda * ufl.tr(strain)
 
+    def in_space(self, energy: Any, F: Any) -> Any:
+        """The deformation gradient of a solid with a stored energy, from that with 1 across the
+        mesh; both (3, 3)."""
+        return F
+
+    def energy(self, energy: Any) -> Any:
+        """The stored energy by that with 1 across the mesh."""
+        return energy
+
     def breadth(self, x: Any) -> Any:
         """How much of the solid a point of the mesh stands for: m across the plane, over 1 m."""
         return 1
@@ -50,7 +60,8 @@ class Whole:
 
 
 class PlaneStress(Whole):
-    """No stress across the plane: lambda is E nu/(1 - nu²)."""
+    """No stress across the plane: lambda is E nu/(1 - nu²); of a stored energy the stretch across
+    is eliminated."""
 
     name = "plane stress, "
 
@@ -59,6 +70,19 @@ class PlaneStress(Whole):
 
     def across(self, lmbda: Any, strain: Any) -> Any:
         return 0
+
+    def in_space(self, energy: Any, F: Any) -> Any:
+        return in_space(
+            ufl.as_matrix([[F[i, j] for j in range(2)] for i in range(2)]), energy.across(F)
+        )
+
+    def energy(self, energy: Any) -> Any:
+        if not hasattr(energy, "across"):
+            raise checks.InputError(
+                f"plane = 'stress': energy = {energy!r} does not tell its stretch across the "
+                "plane; neo_hookean, ciarlet and st_venant_kirchhoff do"
+            )
+        return lambda F: energy(self.in_space(energy, F))
 
 
 class Axisymmetric(Whole):

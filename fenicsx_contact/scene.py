@@ -51,9 +51,8 @@ class Scene:
     Raises:
         InputError: a solid or contact twice, a contact of an unknown solid, a solid without
             contact or support, a body that starts deep inside an obstacle or a solid, dimensions
-            that differ, theta = 0 with a law that needs the position at the end of the step,
-            theta < 1/2 without ``allow_growth``; without inertia, a rigid solid or one that nothing
-            holds.
+            that differ, theta = 0 with a law that needs the position at the end, theta < 1/2
+            without ``allow_growth``; without inertia, a rigid solid or one that nothing holds.
     """
 
     def __init__(
@@ -152,8 +151,7 @@ class Scene:
             if depth > most:
                 raise checks.InputError(
                     f"contacts: {contact.name!r} starts {depth:.4g} inside its master; at most "
-                    f"{self.deepest:g} of the surface's extent ({most:.4g}) is "
-                    "allowed"
+                    f"{self.deepest:g} of the surface's extent ({most:.4g}) is allowed"
                 )
             if within := contact.coupling.swallowed(most):
                 raise checks.InputError(

@@ -50,8 +50,8 @@ class Scene:
 
     Raises:
         InputError: a solid or contact twice, a contact of an unknown solid, a solid without
-            contact or support, a body that starts deep in an obstacle or a solid, dimensions that
-            differ, theta = 0 with a law that needs the position at the end of the step, theta < 1/2
+            contact or support, a body that starts deep inside an obstacle or a solid, dimensions
+            that differ, theta = 0 with a law that needs the position at the end, theta < 1/2
             without ``allow_growth``; without inertia, a rigid solid or one that nothing holds.
     """
 

@@ -167,19 +167,19 @@ def test_bodies_beside_each_other_that_are_thrown_aslant():
     assert small.velocity[1] > -0.1 or small.velocity[0] > -0.1
 
 
+@pytest.mark.second
 def test_a_long_step_that_fails_says_nothing_of_a_short_one():
     """What is sought a long way off is not, in a shorter step, what is near."""
-    by = {"velocity": lambda x: np.outer([-200.0, 0.0, -700.0], np.ones(x.shape[1]))}
-    small = solid("elastic", cube("tetrahedron", 2, 0.05, 0.1, 0, 0.9), "small", **by)
+    by = {"velocity": lambda x: np.outer([-110.3, -87.1, -782.1], np.ones(x.shape[1]))}
+    small = solid("elastic", cube("tetrahedron", 2, 0.0464, *(0.296, -0.062, 0.858)), "small", **by)
     large = solid("rigid", cube("tetrahedron", 4, 1.0, 0, 0, 0), "large")
-    history = scene(small, large, "lagrange").run(1e-4, 1e-4)
+    history = scene(small, large, "lagrange").run(2e-3, 1e-3)
     assert history.finished, history.reason
 
 
 @pytest.mark.second
-@pytest.mark.parametrize("d", [2, 3])
-@pytest.mark.parametrize("seed", range(10))
-def test_no_fast_body_ends_inside_in_silence(seed, d):
+@pytest.mark.parametrize(("d", "seed"), [*product([2], range(10)), *product([3], range(5))])
+def test_no_fast_body_ends_inside_in_silence(d, seed):
     """Thrown by chance at what it crosses in a step or two: it is struck, or passes
     by, or the run stops with its reason. What is left inside by a law of velocities is remarked."""
     generator = np.random.default_rng(seed)

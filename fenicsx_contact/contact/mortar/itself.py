@@ -2,9 +2,10 @@
 """Which facets of one surface may meet which others of it.
 
 Every two that face each other are asked once: the first of them, in an order that does not change,
-is the slave. The order runs along a direction of the undeformed body: what folds then meets as two
-surfaces that are named, one of them slave throughout, but where a fold lies across the direction.
-And what a ray meets on the far side of the body's own wall is no contact.
+is the slave. Sharp edges divide the surface into smooth parts, of which the smaller one is slave,
+as if they were named. Within a part the order runs along a direction of the undeformed body: what
+folds then meets as two surfaces that are named, one of them slave throughout, but where a fold lies
+across the direction. And what a ray meets on the far side of the body's own wall is no contact.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from .ridges import smooth_parts
 from .side import Side
 
 #: Says of facets (q,) whether they may meet others (q,) so far away along their normals, (q,) in m.
@@ -24,6 +26,8 @@ WALL = 0.5
 #: Cost: the direction of the order, which no symmetry of a mesh is likely to have: where a fold
 #: lies across it slave and master take turns, and Newton's method some more iterations.
 ALONG = (1.0, 0.618, 0.382)
+#: Cost: parts whose shares of the surface agree to so many digits are taken for equally large.
+DIGITS = 6
 
 
 class Itself:
@@ -40,8 +44,13 @@ class Itself:
         normals = side.normals(side.nodes, np.arange(m), slopes)
         self._normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         self._rank = np.empty(m, dtype=int)
-        way = self._middles @ ALONG[: side.dim]
-        self._rank[np.argsort(way, kind="stable")] = np.arange(m)
+        way, part = self._middles @ ALONG[: side.dim], smooth_parts(side)
+        first = np.full(part.max() + 1, np.inf)
+        np.minimum.at(first, part, way)
+        area = np.bincount(part, np.linalg.norm(normals, axis=1))
+        size = np.round(area / area.sum(), DIGITS)  # alike ones as their first facets lie
+        order = np.lexsort((way, part, first[part], size[part]))
+        self._rank[order] = np.arange(m)
 
     def __call__(self, facet: np.ndarray, other: np.ndarray, away: np.ndarray) -> np.ndarray:
         """Whether facets (q,) may meet others ``away`` [m] along their normals, (q,) of bool."""

@@ -15,39 +15,22 @@ import numpy as np
 from ...base.constants import SAME
 from .itself import Itself, any_other
 from .partners import EDGE, FACING, intersect, inverses
+from .ridges import SHARP, Ridges
 from .search import FACETS, Near, Spheres, first_of_each, in_tubes
-from .side import OUTLINE, Side, unit_and_length
+from .side import Side, unit_and_length
 from .stance import Stance
-
-#: A surface has a sharp corner where it ends, and where the cosine between the normals of two
-#: facets is below this (26 degrees): those of something round are almost parallel.
-SHARP = 0.9
 
 
 def edges(side: Side) -> np.ndarray:
     """Between which nodes the sharp edge of a side runs on which a corner of it lies, (n, 2), in
     the reference placement: a corner itself where such edges end, meet, or bend; -1 where there
     are none."""
-    m, cells, nodes = side.corners.shape[0], side.corners, side.nodes
-    ridges = cells[:, :, None]
-    if side.dim == 3:
-        outline = cells[:, OUTLINE[side.cell]]
-        ridges = np.sort(np.stack([outline, np.roll(outline, -1, axis=1)], axis=2), axis=2)
-    flat = ridges.reshape(-1, ridges.shape[2])
-    _, which, count = np.unique(flat, axis=0, return_inverse=True, return_counts=True)
-    of = np.argsort(which.ravel(), kind="stable")
-    facet = np.repeat(np.arange(m), ridges.shape[1])[of]
-    first = np.cumsum(count) - count
-    juts = count != 2
-    two = np.flatnonzero(~juts)
-    a, b = facet[first[two]], facet[first[two] + 1]
-    normal, _ = unit_and_length(side.flat.normal(side.flat.middle_tangents(nodes), np.arange(m)))
-    middle = nodes[cells].mean(axis=1)
-    behind = ((middle[b] - middle[a]) * normal[a]).sum(axis=1) < 0
-    juts[two] = behind & ((normal[a] * normal[b]).sum(axis=1) < SHARP)
-    ends = flat[of[first]][juts]
+    ridges, nodes = Ridges.of(side), side.nodes
+    juts = np.ones(len(ridges.ends), dtype=bool)
+    juts[ridges.inner] = ridges.juts
+    ends = ridges.ends[juts]
 
-    result = np.full((int(cells.max()) + 1, 2), -1)
+    result = np.full((int(side.corners.max()) + 1, 2), -1)
     result[ends.ravel()] = ends.ravel()[:, None]
     if side.dim == 3:  # those on two of them that are nearly parallel
         both = np.concatenate([ends, ends[:, ::-1]])

@@ -16,6 +16,7 @@ from scenes import box, check_energies, rates, rectangle, total_energy
 from scipy.optimize import brentq
 
 from fenicsx_contact import (
+    Compliance,
     Contact,
     ElasticSolid,
     EnergyMomentum,
@@ -471,6 +472,31 @@ def test_a_solid_of_revolution_rests_on_a_floor():
     assert history["c.force_y"][-1] == pytest.approx(solid.mass * 9.81, rel=1e-9)
     with pytest.raises(InputError, match="'elastic' is a solid of revolution and 'flat' is not"):
         Scene([solid, elastic(block(), fixed=["base"], name="flat")], [contact], QuasiStatic())
+
+
+@pytest.mark.parametrize("cell", CELLS)
+@pytest.mark.parametrize("degree", [1, 2])
+def test_pressures_of_a_solid_of_revolution_are_per_area(degree, cell):
+    """A cylinder pressed evenly on a floor bears evenly, from its axis outwards; and pressed on a
+    compliance it sinks by the pressure over its stiffness."""
+    p, k = 1e4, 1e8
+    floor = HalfSpace((0, 0), (0, 1))
+    for law, sunk in (("gap", 0.0), (Compliance(k), p / k)):
+        solid = elastic(
+            ring(3, cell, inner=0.0),
+            plane="axisymmetric",
+            degree=degree,
+            tractions={"top": (0.0, -p)},
+        )
+        contact = Contact(solid, "base", floor, law, name="c")
+        history = Scene([solid], [contact], QuasiStatic()).run(1.0, 1.0)
+        assert history.finished, history.reason
+        assert history["c.force_y"][-1] == pytest.approx(p * np.pi * OUTER**2, rel=1e-9)
+        bears = contact.surface.area > 1e-9 * contact.surface.area.max()
+        assert bears.sum() >= len(bears) - 1
+        np.testing.assert_allclose(contact.pressure[bears], p, rtol=1e-8)
+        base = solid.mesh.mesh.geometry.x[:, 1] == 0
+        np.testing.assert_allclose(solid.fields()["displacement"][base, 1], -sunk, atol=1e-11)
 
 
 def rubber(mesh, **others):

@@ -118,11 +118,12 @@ class Contact(SurfaceResults):
         return couple(self.solid, self.facets, self.equations, other, self.formulation)
 
     def _make_surface(self) -> Surface:
-        # with middles where they bear: before obstacles, in the plane
-        middles = self.solid.dim == 2 and not self._paired
+        middles = self.solid.dim == 2 and not self._paired  # bear before obstacles
         degree, twins = getattr(self.solid, "degree", 1), getattr(self.solid, "twins", None)
         facets = self.solid.mesh.boundary(self.facets, degree)
-        return Surface(*facets, degree if middles else 1, twins)
+        whole = self.solid.revolution and not self._paired
+        breadth = self.solid.plane.breadth if whole else None  # type: ignore[attr-defined]
+        return Surface(*facets, degree if middles else 1, twins, breadth)
 
     def _locate(self) -> None:
         """Gap (n,) and jump (n, d) at the start of a step."""

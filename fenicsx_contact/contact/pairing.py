@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import checks
+from ..base.constants import SAME
 from ..solids import DeformableSolid, Solid
 from ..solids.trace import DeformableTrace
 from ..theory.formulations import Formulation
@@ -71,8 +72,8 @@ def acting_points(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The points that the formulation acts on, and their weights in the integrals."""
     chosen = np.ones(surface.size, dtype=bool)
-    if not formulation.at_points:
-        return chosen, surface.area
+    if not formulation.at_points:  # ends on an axis of revolution may have no area
+        return surface.area > SAME * surface.area.max(initial=0.0), surface.area
     points = formulation.points
     if points is not None:
         problem = f"points = {points!r}: each must be a node of the facets {facets!r}"

@@ -37,6 +37,7 @@ class Surface:
         degree: of its fields; of second degree, on intervals only, middles of cells are nodes too.
         twins: of a solid that repeats itself: which of some sites (s, d) stands for each, (s,). All
             for which the same one stands are one node, which has the areas of them all.
+        breadth: of how much of the solid a place stands for, from its coordinates in UFL.
 
     Attributes:
         points: reference coordinates of the nodes, (n, d), in the order of all arrays here.
@@ -59,6 +60,7 @@ class Surface:
         cell: str,
         degree: int = 1,
         twins: Callable[[np.ndarray], np.ndarray] | None = None,
+        breadth: Callable[[Any], Any] | None = None,
     ) -> None:
         self.dim, self._degree = points.shape[1], degree
         shape = degree_of(cell, cells.shape[1])
@@ -69,11 +71,13 @@ class Surface:
         self.sites = every.tabulate_dof_coordinates()[:, : self.dim].copy()
         self.extent = float(np.ptp(self.sites, axis=0).max())
         self.dx = compat.nodal_measure(self.mesh, degree)
-        exact = [ufl.dx(self.mesh)] if degree < shape else []
-        site_areas = [
-            compat.VectorAssembler(ufl.TestFunction(every) * measure)().copy()
-            for measure in (self.dx, *exact)
-        ]
+        test, exact = ufl.TestFunction(every), ufl.dx(self.mesh)
+        shares = [test * self.dx]
+        if breadth:
+            shares.append(breadth(ufl.SpatialCoordinate(self.mesh)) * test * exact)
+        elif degree < shape:
+            shares.append(test * exact)
+        site_areas = [compat.VectorAssembler(each)().copy() for each in shares]
         self.site_area = site_areas[-1]
         self._twins = twins(self.sites) if twins else np.arange(len(self.sites))
         self.scalars = glued_space(every, self._twins)

@@ -37,6 +37,7 @@ class PairedEquations:
     Attributes:
         velocities: of the nodes of both sides, flat, m/s.
         active_places: those of them that the candidates see.
+        keeps: whether its tangent is the last one, from before the geometry was taken up.
     """
 
     def __init__(self, equations: SurfaceEquations, pairing: Pairing) -> None:
@@ -47,7 +48,7 @@ class PairedEquations:
         self.revision = 0
         self._rates: Rates | None = None
         self._rows: PointRows | None = None  # the last ones, with derivatives of the geometry
-        self._keeps, self._of = False, equations.candidates
+        self.keeps, self._of = False, equations.candidates
 
     @property
     def places(self) -> int:
@@ -77,14 +78,14 @@ class PairedEquations:
         self.revision += 1
         self._operator = self.pairing.operator
         J = self._operator[e.active_jumps]
-        self._keeps = kept and self._rows is not None and self._of is e.candidates
-        if self._keeps:
+        self.keeps = kept and self._rows is not None and self._of is e.candidates
+        if self.keeps:
             mine = J[:, self.active_places]
             if nonzero(mine) == nonzero(J):
                 self._J = mine
                 self._set_jumps()
                 return
-        self._keeps, self._of = False, e.candidates
+        self.keeps, self._of = False, e.candidates
         self._rates, self._rows, self._gap_rate = None, None, gap_rate
         seen = [J]
         if exact and len(e.candidates):
@@ -140,7 +141,7 @@ class PairedEquations:
 
     def point_rows(self, frozen: bool = False) -> PointRows:
         """Their tangent point by point; if ``frozen`` without the derivatives of the geometry."""
-        if self._keeps and self._rows is not None and not frozen:
+        if self.keeps and self._rows is not None and not frozen:
             return self._rows
         e, mine, d = self.equations, self.active_places, self._d
         tangents, rates = e.point_rows().tangents, self._rates

@@ -19,6 +19,7 @@ class Part(Protocol):
     """
 
     revision: int
+    keeps: bool
 
     @property
     def places(self) -> int: ...

@@ -41,6 +41,8 @@ class SurfaceEquations(SurfaceUnknowns):
             points are w and these.
     """
 
+    keeps = False
+
     def __init__(
         self,
         surface: Surface,

@@ -39,6 +39,7 @@ class PairedEquations:
     Attributes:
         velocities: of the nodes of both sides, flat, m/s.
         active_places: those of them that the candidates see.
+        keeps: whether its tangent is the last one, from before the geometry was taken up.
     """
 
     def __init__(self, equations: SurfaceEquations, pairing: Pairing) -> None:
@@ -50,7 +51,7 @@ class PairedEquations:
         self._rates: Rates | None = None
         #: The last ones with derivatives of the geometry, and of which candidates.
         self._rows: tuple[np.ndarray, PointRows] | None = None
-        self._keeps, self._of = False, equations.candidates
+        self.keeps, self._of = False, equations.candidates
 
     @property
     def places(self) -> int:
@@ -83,14 +84,14 @@ class PairedEquations:
         points = e.candidates[self._own]
         jumps = (points[:, None] * d + np.arange(d)).ravel()
         J = pair.operator[jumps]
-        self._keeps = kept and self._rows is not None and self._of is e.candidates
-        if self._keeps:
+        self.keeps = kept and self._rows is not None and self._of is e.candidates
+        if self.keeps:
             mine = J[:, self.active_places]
             if not pair.shared.anywhere(nonzero(mine) != nonzero(J)):
                 self._J = mine
                 self._set_jumps()
                 return
-        self._keeps, self._of = False, e.candidates
+        self.keeps, self._of = False, e.candidates
         self._rates, self._rows, self._gap_rate = None, None, gap_rate
         seen = [J]
         if exact and len(e.candidates):
@@ -160,7 +161,7 @@ class PairedEquations:
 
     def _point_rows(self, asked: np.ndarray, frozen: bool) -> PointRows:
         """The same, tangents of those asked for; of matrices this process's share."""
-        if self._keeps and self._rows is not None and not frozen:
+        if self.keeps and self._rows is not None and not frozen:
             of, rows = self._rows
             if np.array_equal(of, asked):
                 return rows

@@ -20,6 +20,7 @@ class Part(Protocol):
     """
 
     revision: int
+    keeps: bool
 
     @property
     def places(self) -> int: ...

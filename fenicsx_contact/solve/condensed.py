@@ -91,11 +91,10 @@ class Condensed:
         size = largest(force)
         return float(np.abs(force - before).max() / size) if size > self._all.noise() else 0.0
 
-    def iterate(self, step: Step, kept: bool = False) -> bool:
-        """Solve, and move the solids; False if the system is singular. With the factors of the last
-        tangent if ``kept``."""
+    def iterate(self, step: Step) -> bool:
+        """Solve, and move the solids; False if the system is singular."""
         surfaces = self.surfaces
-        if surfaces.size and not surfaces.iterate(kept=kept):
+        if surfaces.size and not surfaces.iterate():
             return False
         self.carry(step, surfaces.linear_force())
         return True

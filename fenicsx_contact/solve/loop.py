@@ -224,7 +224,7 @@ class StepSolver:
                     contact.follow()
                 plain = kept = False
                 continue
-            self._advance(step, clock, kept)
+            self._advance(step, clock)
             plain = isinstance(self.system, Condensed)
         moved = free_motion(self._floating, step)
         raise StepFailed(f"{self.system.stall()} after {len(errors) - 1} Newton iterations{moved}")
@@ -270,14 +270,13 @@ class StepSolver:
             self._start = step, brought, pushed
         return self._start[1:]
 
-    def _advance(self, step: Step, clock: Clock, kept: bool) -> None:
-        """One correction, shortened where it would invert an element; by the last tangent if
-        ``kept``."""
+    def _advance(self, step: Step, clock: Clock) -> None:
+        """One correction, shortened where it would invert an element."""
         self._before = [
             [solid.trial_velocity.copy() for solid in self._all.solids],
             [contact.equations.values for contact in self._all.contacts],
         ]
-        if not self.system.iterate(step, kept):
+        if not self.system.iterate(step):
             raise StepFailed("the linearised problem is singular: is a body without support?")
         clock("linear solve")
         for _ in range(HALVINGS):

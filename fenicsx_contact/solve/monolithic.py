@@ -84,7 +84,7 @@ class Monolithic(ABC):
             self.rows = [np.zeros(len(rows)) for rows in self.rows]
         self.assembly.spread(self.force)
 
-    def iterate(self, step: Step, kept: bool = False) -> bool:
+    def iterate(self, step: Step) -> bool:
         """Solve, and move the solids; False if the system is singular."""
         if self._hyperstatic and not self.held:
             self._yielding.next(max(largest(rows) for rows in self.rows))

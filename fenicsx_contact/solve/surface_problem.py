@@ -148,12 +148,12 @@ class SurfaceSystem(Statuses):
         """It would not help: with the solids condensed no function falls."""
         return False
 
-    def iterate(self, enough: float = 0.0, kept: bool = False) -> bool:
+    def iterate(self, enough: float = 0.0) -> bool:
         """One Newton step; False where the tangent is singular. A first one of a hyperstatic
         contact that makes the error worse is taken back, and another made if it was more than
-        ``enough``. If ``kept`` the tangent is the last one, as the parts have it."""
+        ``enough``."""
         if not self._hyperstatic or self._centre.size:
-            return self._iterate(kept)
+            return self._iterate()
         first, before = self._yielding.first, self.worst
         self._yielding.next(before)
         self._compliance = self._yielding.compliance
@@ -167,9 +167,9 @@ class SurfaceSystem(Statuses):
         self.update()
         return before <= enough or self.iterate()
 
-    def _iterate(self, kept: bool = False) -> bool:
+    def _iterate(self) -> bool:
         points = self._many and not self._centre.size
-        return self._iterate_points() if points else self._iterate_all(kept)
+        return self._iterate_points() if points else self._iterate_all()
 
     def _iterate_points(self) -> bool:
         """By the forces of the points alone."""
@@ -185,9 +185,11 @@ class SurfaceSystem(Statuses):
         self.update()
         return True
 
-    def _iterate_all(self, kept: bool) -> bool:
-        """By all unknowns together."""
+    def _iterate_all(self) -> bool:
+        """By all unknowns together; if two solids keep their tangent, so do the others."""
         tangent, nw = self._tangent, len(self.active)
+        pairs = [part for part in self.parts if part is not part.equations]
+        kept = bool(pairs) and all(part.keeps for part in pairs)
         if not (kept and tangent and tangent.of(self.active, self.size)):
             self._tangent = tangent = self._factored()
         if tangent is None:

@@ -196,7 +196,7 @@ def strike(dim, scheme, law="velocity"):
     return np.abs(momenta(fast) + momenta(slow) - before).max() / np.abs(before).max()
 
 
-@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("dim", [2, pytest.param(3, marks=pytest.mark.second)])
 def test_what_strikes_keeps_both_momenta(dim):
     """Solids act on each other in the midst of a step, along the normals of the facets."""
     assert strike(dim, EnergyMomentum()) < 1e-10

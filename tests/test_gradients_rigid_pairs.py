@@ -257,7 +257,7 @@ SCENES = {
     "in space": (in_space, IN_SPACE, 0.03, 2e-3, AT_REST),
 }
 #: Those that the second tier takes.
-SLOW = {"tilted": pytest.mark.second, "pressed": pytest.mark.second}
+SLOW = dict.fromkeys(("tilted", "pressed", "in space"), pytest.mark.second)
 SOLVED_AGAIN = {"thrown": 0, "sliding": 0, "tilted": 1, "pressed": 1, "in space": 1}
 
 

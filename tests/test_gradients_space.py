@@ -261,6 +261,7 @@ def ball(n=30, radius=0.1):
     return radius * np.stack([np.cos(turn) * flat, np.sin(turn) * flat, z], axis=1)
 
 
+@pytest.mark.second
 def test_a_ball_that_bounces():
     def build(**values):
         return dropped(ball(), **values, **LOCATED)

@@ -67,7 +67,7 @@ def same(found, expected, digits=1e-9):
 
 
 @pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("dim", [2, pytest.param(3, marks=pytest.mark.second)])
 def test_turned(name, dim):
     same(slide(name, dim, turn=0.4), slide(name, dim))
 

@@ -262,7 +262,8 @@ def test_no_contact_makes_energy_at_a_kink_at_theta_one_half(damped):
     h = over_a_kink(Velocity(), 0.5)
     assert (h["dt"] == 0).sum() > 5
     work = np.diff(h["impact"])
-    assert work.min() < 0 and work.max() < 1e-9 * -work.sum()
+    # what is slowed down to where it should arrive does none, to what the driven speed leaves
+    assert work.min() < 0 and work.max() < 1e-12 * h["kinetic"].max()
     assert abs(h["scheme"][-1]) < 1e-9 * h["lateral"].max()
     assert h["lateral"].max() == pytest.approx(damped["lateral"].max(), rel=0.05)
 

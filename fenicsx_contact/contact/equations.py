@@ -237,7 +237,9 @@ class SurfaceEquations(SurfaceUnknowns):
 
     def share(self, own: np.ndarray, frozen: bool = False) -> sp.csr_matrix:
         """What these candidates add to the tangent, in the active jumps and their multipliers."""
-        places = np.arange(self.active_jumps.size).reshape(len(self.candidates), -1)[own].ravel()
+        places = (
+            own[:, None] * self.fields.surface.dim + np.arange(self.fields.surface.dim)
+        ).ravel()
         multipliers = own_multipliers(own, len(self.candidates), self.multipliers)
         active = self.active[np.concatenate([places, self.active_jumps.size + multipliers])]
         n = self.active_jumps.size

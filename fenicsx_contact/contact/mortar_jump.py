@@ -163,6 +163,9 @@ class MortarJump(Coupling):
         seen = np.zeros(pair.total, dtype=bool)
         seen[: self._n] = pair.paired
         seen[last:] = (abs(pair.means[:, last:]) > 0).sum(axis=0) > 0
+        for side, first in ((pair.slave, 0), (pair.master, last)):  # middles as their corners
+            faces = seen[first + side.corners].any(axis=1)
+            seen[first + side.cells[faces, side.corners.shape[1] :]] = True
         # of what faces something gaps tell, but not what lies between
         size = max(most, pair.slave.size, pair.master.size)
         limits = np.where(seen, size, most)

@@ -187,8 +187,7 @@ class SurfaceFields(LawFields):
         for rho in (self.rho_n, self.rho_t):
             rho.x.array[:] = 1.0
         self.gap_rate, self.dt = surface.constant(1.0), surface.constant(1.0)
-        self.horizon = surface.constant(1.0)
-        self.limit_rate = surface.constant()
+        self.limit_rate, self.horizon = surface.constant(), surface.constant(1.0)
         if not multipliers:
             self.start_gap, self.elongation = surface.scalar(), surface.vector()
             self.mean_share, self.force_rate = surface.constant(), surface.constant(1.0)
@@ -248,8 +247,7 @@ class SurfaceFields(LawFields):
         self._weight.x.array[:] = weight
 
     def set_start_slip(self, jump: np.ndarray, normal: np.ndarray, resolved: float) -> None:
-        """Tell friction the jumps (n, d) [m/s] at the start of the step; slips that are not above
-        what is resolved are none."""
+        """Tell friction the jumps (n, d) [m/s] before the step; no slips below what is resolved."""
         if self.friction is not None:
             along = jump - dot(jump, normal)[:, None] * normal
             slips = dot(along, along)[:, None] > resolved**2

@@ -94,6 +94,12 @@ STOPS = {
             "hold it; `ThetaScheme` in place of `QuasiStatic`",
         ),
         Stop(
+            "held on both sides",
+            "a point of a contact can move on neither side",
+            "both nodes that face each other are held: no motion answers the contact there",
+            "facets that are held out of the contact",
+        ),
+        Stop(
             "solver stalls",
             "... stalls at a relative error of ...",
             "the system of a contact or the balance of a solid, by sparse solvers",

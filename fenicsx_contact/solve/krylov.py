@@ -126,7 +126,7 @@ class Krylov(Monolithic):
             more_count, done = self._krylov(A, b, x, through, MAX_ITERATIONS)
             count += more_count
         self.counts.append(count)
-        self._before = max(self._errors)
+        self._before = 0.0 if self.frozen else max(self._errors)
         local = x.array_r.copy()
         through.free()
         for thing in (A, x, b):
@@ -200,7 +200,7 @@ class Krylov(Monolithic):
         solver.setGMRESRestart(100)
         solver.setPCSide(PETSc.PC.Side.RIGHT)
         solver.setInitialGuessNonzero(True)
-        early = min(self._before, max(self._errors)) > self.near and not self.frozen
+        early = not self.frozen and min(self._before, max(self._errors)) > self.near
         solver.setTolerances(rtol=EARLY if early else TOLERANCE, max_it=most)
         solver.getPC().setType("python")
         solver.getPC().setPythonContext(through)

@@ -206,8 +206,8 @@ class StepSolver:
                 self._halve(step)
                 plain = kept = False
                 continue
-            # a tangent is kept if two more corrections as good as the last one are enough
-            kept = plain and error**3 <= last**2 * self._newton.tolerance
+            # a tangent is kept if one more correction as good as the last one is enough
+            kept = plain and error**2 <= last * self._newton.tolerance
             if plain and not kept and isinstance(self.system, Condensed):
                 self._see(step, exact=True)
                 self.system.renew(step)

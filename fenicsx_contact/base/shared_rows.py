@@ -20,7 +20,7 @@ def sum_of(comm: Any, values: np.ndarray) -> np.ndarray:
     if comm.size == 1:
         return values
     total = np.empty(values.shape)
-    comm.Reduce(np.ascontiguousarray(values, dtype=float), total)  # counts of nothing
+    comm.Reduce(np.ascontiguousarray(values, dtype=float), total)
     comm.Bcast(total)
     return total
 

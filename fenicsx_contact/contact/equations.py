@@ -237,12 +237,10 @@ class SurfaceEquations(SurfaceUnknowns):
 
     def share(self, own: np.ndarray, frozen: bool = False) -> sp.csr_matrix:
         """What these candidates add to the tangent, in the active jumps and their multipliers."""
-        places = (
-            own[:, None] * self.fields.surface.dim + np.arange(self.fields.surface.dim)
-        ).ravel()
+        d, n = self.fields.surface.dim, self.active_jumps.size
+        places = (own[:, None] * d + np.arange(d)).ravel()
         multipliers = own_multipliers(own, len(self.candidates), self.multipliers)
-        active = self.active[np.concatenate([places, self.active_jumps.size + multipliers])]
-        n = self.active_jumps.size
+        active = self.active[np.concatenate([places, n + multipliers])]
         onto = np.concatenate([places, n + np.arange(len(multipliers))])
         tangent = self.tangents.sparse(frozen)[active][:, active]
         return placed(tangent, onto, onto, (n + len(multipliers),) * 2)

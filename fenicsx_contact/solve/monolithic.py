@@ -5,8 +5,7 @@
     [ C_my T          C_mm    ] [dm] = - [ F_m      ]
 
 with r the solids' momentum balances, T their traces, and f, F, C the contacts' forces, rows and
-tangents. Rows are distributed as the solids are; the multipliers, which every process knows, belong
-to the last one.
+tangents. Rows are distributed as the solids are.
 """
 
 from __future__ import annotations
@@ -15,7 +14,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..base.processes import any_of
 from ..base.vectors import largest
@@ -25,7 +23,6 @@ from .frozen import FrozenContact
 from .numbering import Numbering, numbered_traces
 from .problem import Assembly
 from .solid_rows import SolidRows
-from .statics import FREE
 from .yielding import COMPLIANCE, Yielding
 
 
@@ -49,7 +46,6 @@ class Monolithic(ABC):
         self.parts = [contact.part for contact in assembly.contacts]
         self.places = Numbering(self.solids, self.comm)
         self._traces = [numbered_traces(c, self.solids) for c in assembly.contacts]
-        self._kept: dict[tuple[int, str], tuple] = {}
         self._solid_rows = SolidRows(self.solids, self.places, self.comm)
         self._weakly = np.zeros(len(self.solids), dtype=bool)  # held by weak springs
         self._hyperstatic = any(solid.shiftable for solid in self.solids)
@@ -125,62 +121,6 @@ class Monolithic(ABC):
     def size(self) -> int:
         """Number of unknowns and multipliers."""
         return self.places.size + sum(part.multipliers for part in self.parts)
-
-    def residual(self) -> np.ndarray:
-        """Scaled residual of all rows; of those of the solids only this process's."""
-        values = np.zeros(self.size)
-        for solid, own in zip(self.solids, self.places.own):
-            values[own] = solid.linear_residual() if self.frozen else solid.residual()
-        values[self.places.size :] = np.concatenate([*self.rows, np.empty(0)])
-        return values
-
-    def _contact_block(self, frozen: bool = False) -> sp.csr_matrix:
-        """What the contacts add to the matrix, scaled, (size, size), on every process; if
-        ``frozen`` without the derivatives of the geometry."""
-        block, last = sp.csr_matrix((self.size, self.size)), self.places.size
-        for contact, part in enumerate(self.parts):
-            n, (columns, rows) = len(part.active_places), part.scales()
-            columns[:n] = rows[:n] = 1.0
-            if self.held:
-                columns[n:] = rows[n:] = 0.0
-            tangent = part.sparse_tangent(frozen)
-            tangent.data *= np.repeat(rows, np.diff(tangent.indptr)) * columns[tangent.indices]
-            push, see = (self._onto(contact, which, last) for which in ("spreading", "seeing"))
-            block = block + push.T @ (tangent @ see)
-            last += part.multipliers
-        return block
-
-    def _onto(self, contact: int, which: str, last: int) -> sp.csr_matrix:
-        """From the unknowns of the system to the active ones of a contact, its multipliers, whose
-        numbers begin with ``last``, behind; by the operators of the traces of that name. Kept
-        while nothing changes."""
-        part, traces = self.parts[contact], self._traces[contact]
-        operators = [getattr(trace, which)() for _, trace in traces]
-        active, m = part.active_places, part.multipliers
-        key = (*map(id, operators), active.tobytes(), last, m, self.size)
-        if key != self._kept.get((contact, which), ((), None, None))[0]:
-            numbered = [self.places.renumber(each, k) for each, (k, _) in zip(operators, traces)]
-            velocities = sp.vstack(numbered, "csr")[active]
-            own = sp.csr_matrix((np.ones(m), (np.arange(m), last + np.arange(m))), (m, self.size))
-            velocities.resize(len(active), self.size)
-            self._kept[contact, which] = key, sp.vstack([velocities, own], "csr"), operators
-        return self._kept[contact, which][1]
-
-    def _compliance(self) -> sp.csr_matrix:
-        """The compliance that makes the multipliers unique, where they are not."""
-        n, m = self.places.size, self.size - self.places.size
-        diagonal = np.repeat([0.0, -1.0 if self.held else -self._softness], [n, m])
-        if self._weakly.any():
-            stiff = np.abs(self._solid_rows.diagonal()).max()
-            for solid in np.flatnonzero(self._weakly):
-                diagonal[self.places.all_of(solid)] = FREE * stiff
-        return sp.diags(diagonal, format="csr")
-
-    @property
-    def _rows_here(self) -> slice:
-        """This process's rows of the system."""
-        mine, final = self.places.mine, self.comm.rank == self.comm.size - 1
-        return slice(mine.start, self.size if final else mine.stop)
 
     def stall(self) -> str:
         """What stalls."""

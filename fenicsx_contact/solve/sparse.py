@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The linear system of the full Newton method, factored.
+"""The linear system of the full Newton method, factored. The multipliers, which every process
+knows, belong to the last one.
 
 Before a sparse matrix is factored its pattern is analysed, which may take longer than the rest.
 With partners and statuses the pattern changes, by little: so in the plane it is made with room for
@@ -17,9 +18,11 @@ from mpi4py import MPI
 
 from ..solids.factor import Direct
 from ..theory.theta import Step
+from .embedding import Embedding
 from .monolithic import Monolithic
 from .problem import Assembly
 from .solid_rows import petsc_matrix
+from .statics import FREE
 
 
 class Sparse(Monolithic):
@@ -27,6 +30,7 @@ class Sparse(Monolithic):
 
     def __init__(self, assembly: Assembly) -> None:
         super().__init__(assembly)
+        self._embedding = Embedding(self.parts, self._traces, self.places.renumber)
         self._step: Step | None = None
         self._system: _System | None = None
         self._adjacent: dict[int, sp.csr_matrix] = {}
@@ -48,7 +52,7 @@ class Sparse(Monolithic):
 
     def _solve(self) -> np.ndarray:
         """The whole solution, scaled, on every process; NaN where there is none."""
-        contacts = (self._contact_block(self.frozen) + self._compliance())[self._rows_here]
+        contacts = (self._contacts() + self._compliance())[self._rows_here]
         here = self._system is not None and self._system.holds(contacts)
         old = bool(self.comm.allreduce(here, op=MPI.MIN)) if self.comm.size > 1 else here
         if not old:
@@ -63,8 +67,43 @@ class Sparse(Monolithic):
         assert self._system is not None
         matrices = self._solid_rows(*contacts.shape), contacts
         return self._solid_rows.everywhere(
-            self._system.solve(matrices, self.residual()[self._rows_here])
+            self._system.solve(matrices, self._residual()[self._rows_here])
         )
+
+    def _residual(self) -> np.ndarray:
+        """Scaled residual of all rows; of those of the solids only this process's."""
+        values = np.zeros(self.size)
+        for solid, own in zip(self.solids, self.places.own):
+            values[own] = solid.linear_residual() if self.frozen else solid.residual()
+        values[self.places.size :] = np.concatenate([*self.rows, np.empty(0)])
+        return values
+
+    def _contacts(self) -> sp.csr_matrix:
+        """What the contacts add to the matrix, scaled, (size, size), on every process."""
+        block, last = sp.csr_matrix((self.size, self.size)), self.places.size
+        for contact, part in enumerate(self.parts):
+            n = len(part.active_places)
+            columns, rows = (each[n:] * (not self.held) for each in part.scales())
+            scaled = part.sparse_tangent(self.frozen), (columns, rows), last, self.size
+            block = block + self._embedding.tangent(contact, *scaled)
+            last += part.multipliers
+        return block
+
+    def _compliance(self) -> sp.csr_matrix:
+        """The compliance that makes the multipliers unique, where they are not."""
+        n, m = self.places.size, self.size - self.places.size
+        diagonal = np.repeat([0.0, -1.0 if self.held else -self._softness], [n, m])
+        if self._weakly.any():
+            stiff = np.abs(self._solid_rows.diagonal()).max()
+            for solid in np.flatnonzero(self._weakly):
+                diagonal[self.places.all_of(solid)] = FREE * stiff
+        return sp.diags(diagonal, format="csr")
+
+    @property
+    def _rows_here(self) -> slice:
+        """This process's rows of the system."""
+        mine, final = self.places.mine, self.comm.rank == self.comm.size - 1
+        return slice(mine.start, self.size if final else mine.stop)
 
     def _make(self, contacts: sp.csr_matrix) -> None:
         """A system with room for what the contacts add to the solids, and may add soon."""
@@ -83,7 +122,7 @@ class Sparse(Monolithic):
             points, m = len(part.equations.candidates), part.multipliers
             if not points:
                 continue
-            see = self._onto(contact, "seeing", last)
+            see = self._embedding.onto(contact, "seeing", m, last, self.size)
             see, J = see[: see.shape[0] - m, :n], part.jump_operator()
             if J is not None:
                 see = _pattern(sp.csr_matrix(J)) @ _pattern(see) @ self._neighbours(contact)

@@ -18,6 +18,7 @@ from ..base.shared_rows import own_rows, sum_of
 from ..contact.equations import own_multipliers
 from ..contact.part import Part
 from ..solids import MonolithicTrace
+from .embedding import Embedding
 from .numbering import Numbering
 
 
@@ -46,7 +47,7 @@ class SurfaceRows:
         places: Numbering,
         comm: MPI.Comm,
     ) -> None:
-        self._parts, self._traces, self._places, self._comm = parts, traces, places, comm
+        self._parts, self._places, self._comm = parts, places, comm
         seen = [
             (places.number(k, np.unique(trace.seeing().indices)), k)
             for each in traces
@@ -59,7 +60,7 @@ class SurfaceRows:
         self._starts = np.searchsorted(self.touched, places.starts)
         self.here = slice(*self._starts[comm.rank : comm.rank + 2])
         self.at = self.touched[self.here] - places.mine.start
-        self._kept: dict[tuple[int, str], tuple] = {}
+        self._embedding = Embedding(parts, traces, self._in_touched)
 
     def renew(self) -> None:
         """Take up which points may bear now."""
@@ -91,32 +92,12 @@ class SurfaceRows:
         last, size = len(self.touched), len(self.touched) + len(self.multipliers)
         block = sp.csr_matrix((size, size))
         for contact, (part, own, mine) in enumerate(zip(self._parts, self._own, self._mine)):
-            n, m = len(part.active_places), len(mine)
-            scales = (0.0 * each if held else each for each in part.scales())
-            columns, rows = (np.concatenate([np.ones(n), each[n + mine]]) for each in scales)
-            tangent = part.share(own, frozen)
-            tangent.data *= np.repeat(rows, np.diff(tangent.indptr)) * columns[tangent.indices]
-            push, see = (self._onto(contact, x, m, last, size) for x in ("spreading", "seeing"))
-            block = block + push.T @ (tangent @ see)
-            last += m
+            n = len(part.active_places)
+            columns, rows = (each[n + mine] * (not held) for each in part.scales())
+            scaled = part.share(own, frozen), (columns, rows), last, size
+            block = block + self._embedding.tangent(contact, *scaled)
+            last += len(mine)
         return block.tocsr()
-
-    def _onto(self, contact: int, which: str, m: int, last: int, size: int) -> sp.csr_matrix:
-        """From the numbers of the share to the active unknowns of a contact and m multipliers
-        behind, whose numbers begin with ``last``; by the operators of the traces of that name.
-        Kept while nothing changes."""
-        operators = [getattr(trace, which)() for _, trace in self._traces[contact]]
-        active = self._parts[contact].active_places
-        key = (*map(id, operators), active.tobytes(), last, m, size)
-        if key != self._kept.get((contact, which), ((), None, None))[0]:
-            numbered = [
-                self._in_touched(each, k) for each, (k, _) in zip(operators, self._traces[contact])
-            ]
-            velocities = sp.vstack(numbered, "csr")[active]
-            velocities.resize(len(active), size)
-            own = sp.csr_matrix((np.ones(m), (np.arange(m), last + np.arange(m))), (m, size))
-            self._kept[contact, which] = key, sp.vstack([velocities, own], "csr"), operators
-        return self._kept[contact, which][1]
 
     def _in_touched(self, operator: sp.csr_matrix, k: int) -> sp.csr_matrix:
         columns = np.searchsorted(self.touched, self._places.number(k, operator.indices))

@@ -14,7 +14,7 @@ import numpy as np
 
 from .clipping import gauss
 from .itself import Admits
-from .partners import Partners
+from .partners import Partners, Rays
 from .pieces import Pieces
 from .search import Near, Spheres
 from .side import TURN, Side, unit_and_length
@@ -64,7 +64,7 @@ class Lines:
         x = np.einsum("qk,qkj->qj", values, xs[slave.cells[points.facet]])
         unit, length = unit_and_length(slave.normals(xs, points.facet, slopes))
         look(unit, length, stance, self._sides, places, points.facet)
-        hits = self._partners.meet(x, unit, points.facet, reach, places)
+        hits = self._partners.meet(Rays(x, unit, points.facet, reach), places)
 
         on = hits.ray
         facet, values, slopes = points.facet[on], values[on][:, None], slopes[:, on]

@@ -37,6 +37,16 @@ class Hits:
     inverse: np.ndarray
 
 
+class Rays(NamedTuple):
+    """Rays from x (q, d) along the unit vectors n (q, d), to both sides, that come from the facets
+    ``origin`` (q,), ascending, at least one from each, and go as far as ``reach`` of these, m."""
+
+    x: np.ndarray
+    n: np.ndarray
+    origin: np.ndarray
+    reach: np.ndarray
+
+
 class Partners:
     """Shoots rays from the facets of one side to those of the other."""
 
@@ -45,79 +55,59 @@ class Partners:
         self._near = Near()
         self._seen: _Seen | None = None
 
-    def meet(
-        self,
-        x: np.ndarray,
-        n: np.ndarray,
-        origin: np.ndarray,
-        reach: np.ndarray,
-        places: tuple[np.ndarray, np.ndarray],
-    ) -> Hits:
-        """What the rays from x (q, d) along the unit vectors n (q, d), to both sides, meet first.
-
-        Args:
-            x, n: the rays.
-            origin: facet from which each comes, (q,), ascending; from each comes one at least.
-            reach: how far those of each facet go, m.
-            places: present places of the nodes of both sides, (N, d).
-        """
+    def meet(self, rays: Rays, places: tuple[np.ndarray, np.ndarray]) -> Hits:
+        """What the rays meet first; ``places``: present ones of the nodes of both sides, (N, d)."""
         side, nodes = self._other, places[1]
-        ray, facet = self._candidates(x, n, origin, reach, places)
-        direction = n[ray]
-        xi, alpha, inverse, tangents = intersect(x[ray], direction, side, nodes, facet)
+        ray, facet = self._candidates(rays, places)
+        direction, origin = rays.n[ray], rays.origin[ray]
+        xi, alpha, inverse, tangents = intersect(rays.x[ray], direction, side, nodes, facet)
         normal = side.normal(tangents, facet)
         size = np.sqrt((normal**2).sum(axis=1))
         facing = (normal * direction).sum(axis=1) < FACING * size
-        good = facing & side.holds(xi, EDGE) & (np.abs(alpha) <= reach[origin[ray]])
-        good &= self._admits(origin[ray], facet, alpha)
+        good = facing & side.holds(xi, EDGE) & (np.abs(alpha) <= rays.reach[origin])
+        good &= self._admits(origin, facet, alpha)
         good = np.flatnonzero(good)
         order = good[np.lexsort((facet[good], np.abs(alpha[good]), ray[good]))]
         best = order[first_of_each(ray[order])]
         return Hits(ray[best], facet[best], xi[best], alpha[best], inverse[best])
 
     def _candidates(
-        self,
-        x: np.ndarray,
-        n: np.ndarray,
-        origin: np.ndarray,
-        reach: np.ndarray,
-        places: tuple[np.ndarray, np.ndarray],
+        self, rays: Rays, places: tuple[np.ndarray, np.ndarray]
     ) -> tuple[np.ndarray, np.ndarray]:
         """Pairs (ray, facet) that may meet, found with some margin, and kept while that lasts."""
         seen, nodes = self._seen, places[1]
-        if seen and np.array_equal(origin, seen.origin) and seen.serves(x, n, reach, nodes):
+        if seen and seen.serves(rays, nodes):
             return seen.pairs
         bundles = Spheres.around(places[0][self._side.cells])
         facets = Spheres.around(nodes[self._other.cells])
         if not self._other.straight:  # which are met by iterations that end for all together
-            return candidates(x, n, origin, reach, bundles, facets, self._near)
+            return candidates(*rays, bundles, facets, self._near)
         margin = MARGIN * float(bundles.radii.sum() / len(bundles.radii))
-        arm = 2 * float(reach.max() + facets.radii.max())
+        arm = 2 * float(rays.reach.max() + facets.radii.max())
+        farther = rays._replace(reach=rays.reach + margin)
         wide = bundles.wider(margin), facets.wider(margin)
-        pairs = candidates(x, n, origin, reach + margin, *wide, self._near)
-        self._seen = _Seen(x, n, origin, reach + margin, nodes, arm, margin, pairs)
+        pairs = candidates(*farther, *wide, self._near)
+        self._seen = _Seen(farther, nodes, arm, margin, pairs)
         return pairs
 
 
 class _Seen(NamedTuple):
     """What some rays may meet, as long as no distance of theirs changes by more than a margin."""
 
-    x: np.ndarray
-    n: np.ndarray
-    origin: np.ndarray
-    reach: np.ndarray
+    rays: Rays
     nodes: np.ndarray
     arm: float  # of what turns them
     margin: float
     pairs: tuple[np.ndarray, np.ndarray]
 
-    def serves(self, x: np.ndarray, n: np.ndarray, reach: np.ndarray, nodes: np.ndarray) -> bool:
-        """Whether these rays, as many from the same facets, meet nothing else."""
-        if (reach > self.reach).any():
+    def serves(self, rays: Rays, nodes: np.ndarray) -> bool:
+        """Whether these rays are as many from the same facets, and meet nothing else."""
+        mine = self.rays
+        if not np.array_equal(rays.origin, mine.origin) or (rays.reach > mine.reach).any():
             return False
         # a sphere grows by twice what its nodes move, and its middle goes as far as they do
-        moved = farthest(x, self.x) + (1 + 2 * BULGE) * farthest(nodes, self.nodes)
-        return moved + self.arm * farthest(n, self.n) <= self.margin
+        moved = farthest(rays.x, mine.x) + (1 + 2 * BULGE) * farthest(nodes, self.nodes)
+        return moved + self.arm * farthest(rays.n, mine.n) <= self.margin
 
 
 def farthest(ones: np.ndarray, others: np.ndarray) -> float:

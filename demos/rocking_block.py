@@ -248,7 +248,9 @@ def draw_energy(histories: dict[str, dict[str, History]]) -> None:
 
     for label, runs in histories.items():
         exact = rocking(BLOCK, CASES[label].angle, impacts=IMPACTS)
-        fig, axes = plots.figure(2, 2, size=(9, 5.5))
+        shape = -(-len(runs) // 2), min(len(runs), 2)
+        fig, axes = plots.figure(*shape, size=(4.5 * shape[1], 2.75 * shape[0]))
+        axes = np.reshape(axes, shape)
         for ax, (name, history) in zip(np.ravel(axes), runs.items()):
             time, kinetic = plots.thinned(history.time * 1e3, history["kinetic"])
             ax.plot(time, kinetic, color=plots.COLOURS[name], lw=1, label=name.upper())
@@ -256,7 +258,7 @@ def draw_energy(histories: dict[str, dict[str, History]]) -> None:
             ax.legend(loc="upper right")
         for ax in axes[:, 0]:
             ax.set_ylabel("kinetic energy [J]")
-        for ax in axes[1]:
+        for ax in axes[-1]:
             ax.set_xlabel("time [ms]")
         fig.suptitle(f"Rocking block released at 0.01 {label}")
         plots.save(fig, RESULTS / f"kinetic_energy_{label}.png")

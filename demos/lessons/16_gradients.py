@@ -83,10 +83,10 @@ fig.savefig(RESULTS / "16_gradients.png", dpi=150)
 # %% [markdown]
 # *Figure.* Where the block rests over the height of its fall, and difference quotients of that.
 #
-# By uniform steps of this length the instant of the impact is rounded to a step. The result jumps
-# where the impact passes from one step to the next: between the jumps the derivative is that of
-# another problem, and at a jump it is nothing. An optimiser that trusts it is lost. Located, the
-# curve follows the exact one, and so do its differences. (What little is left is the end of
+# By uniform steps of this length the instant of the impact is rounded to a step. The result strays
+# as the impact nears the end of a step, where its derivative is that of another problem, and jumps
+# back as it passes into the next, where it has none. An optimiser that trusts it is lost. Located,
+# the curve follows the exact one, and so do its differences. (What little is left is the end of
 # sliding, which no one locates.)
 
 # %% [markdown]

@@ -12,15 +12,16 @@ answer = (more - less) / 0.04
 
 # %% [markdown]
 # **2.** By uniform steps the difference quotients of the figure are not 0.4. How far apart are the
-# largest and the smallest of them? Reach **1.5**.
+# largest and the smallest of them? Reach **0.97**.
 
 # %%
 answer = np.ptp(np.diff(uniform) / np.diff(heights))
 
 # %% [markdown]
 # **3.** Do shorter steps cure this? Take 5 ms, and the heights 0.090, 0.091, ... 0.100 m. How far
-# apart are the quotients now? Here they do: the law of velocities lets the mass arrive by the end
-# of a step, so what is left of the rounding is small. Do not count on it. Reach **0.006**.
+# apart are the quotients now? Here they do: the law of velocities slows the mass down so that it
+# arrives by the end of the step, and nothing is left of the rounding. Do not count on it. Reach
+# **0.000**.
 
 # %%
 near = np.linspace(0.09, 0.10, 11)

@@ -204,7 +204,7 @@ def test_friction_truth(tmp_path, monkeypatch, capsys):
     assert found["threshold"]["error"] < 1e-11 and found["against a wall"]["error"] < 1e-11
     # the step in which the cube stops, and turns within a step: of second order in it
     assert found["launched"]["error"] < 1e-5
-    _, finer = demo.spinning_disc(demo.NUMBERS | {"dt": 2e-3})
+    _, finer = demo.spinning_disc(demo.NUMBERS | {"disc_dt": 2e-3})
     finer = demo.judged("spinning disc", finer, demo.NUMBERS)["error"]
     assert 3.6 < found["spinning disc"]["error"] / finer < 4.4 and finer < 3e-4
     assert (demo.RESULTS / "friction_truth.png").stat().st_size > 5000

@@ -155,7 +155,7 @@ def scenes(n):
     low = np.full(len(ring), -n["disc_height"] / 2)
     radius = n["disc_radius"]
     points = np.stack([radius * np.cos(ring), radius * np.sin(ring), low], axis=1)
-    world = World(n, level, n["disc_mu"])
+    world = World(n | {"dt": n["disc_dt"]}, level, n["disc_mu"])
     world.plane([0, 0, 0])
     c = math.cos(2 * math.pi / n["disc_points"])
     own = radius**2 * (2 + c) / 6

@@ -37,9 +37,9 @@ def cube(n, height=None):
     <geom type="box" size="{half!r} {half!r} {half!r}"/></body>"""
 
 
-def settle(model, data, steps=300):
+def settle(model, data, until=0.3):
     """Let the soft contacts sink in; what then is counted starts from there."""
-    for _ in range(steps):
+    for _ in range(round(until / model.opt.timestep)):
         mujoco.mj_step(model, data)
     data.qvel[:] = 0
 
@@ -124,6 +124,7 @@ def scenes(n, stiff):
 
     disc = f"""<body pos="0 0 {n["disc_height"] / 2!r}"><freejoint/>
     <geom type="cylinder" size="{n["disc_radius"]!r} {n["disc_height"] / 2!r}"/></body>"""
+    n = n | {"dt": n["disc_dt"]}
     model = world(n, disc, level, n["disc_mu"], stiff)
     data = mujoco.MjData(model)
     settle(model, data)

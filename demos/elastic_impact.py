@@ -164,15 +164,19 @@ def strike(small: float, n: int, steps: int, other: bool = False) -> Struck:
 
 
 # %%
-def oblique(psi: float, small: float, n: int, steps: int) -> dict[str, float]:
+def oblique(psi: float, small: float, n: int, steps: int, coarse: float = 0.15) -> dict[str, float]:
     """A ball without spin strikes a rigid plane with friction.
 
     Args:
         psi: number of its tangential speed.
         small, n, steps: as of `strike`.
+        coarse: size of the cells far from the contact, m; the spin hangs on it where it is smallest
+            (psi = 1: 2.9 % off at 0.3, 1.7 % at 0.15).
     """
     modulus = effective_modulus(1.0, OBLIQUE_NU)
-    mesh = mesh_from_gmsh(MESHES / "half_ball.geo", h=small / n, half_width=1.2 * small, coarse=0.3)
+    mesh = mesh_from_gmsh(
+        MESHES / "half_ball.geo", h=small / n, half_width=1.2 * small, coarse=coarse
+    )
     size, _, second = moments(mesh)  # of half of it, about its centre, of which y is of no account
     mass, inertia = 2 * size, 2 * (second[0, 0] + second[2, 2])
     normal = HertzImpact.of_contact_radius(small, mass, modulus, 1.0)
@@ -266,7 +270,7 @@ def main(quick: bool = False) -> dict[str, Any]:
     pair = strike(0.02, 8 if quick else 12, 60 if quick else 200, other=True)
     table = [one.figures() for one in impacts]
     angles = [2.5] if quick else [0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0]
-    settings = (0.00625, 3, 24) if quick else (0.003, 4, 60)
+    settings = (0.00625, 3, 24, 0.3) if quick else (0.003, 4, 60)
     thrown = [oblique(psi, *settings) for psi in angles]
     summary = {"plane": table, "two spheres": pair.figures(), "oblique": thrown}
     write_summary(RESULTS, summary)

@@ -26,11 +26,12 @@
 # ## The discrete form
 #
 # The velocity law, $\theta = 1/2$, impacts located in the scene with a wall; 1 ms a step in all
-# codes, 0.1 ms for the disc: turning by $\Delta\phi$ in a step costs $\Delta\phi^2/8$ of its friction. MuJoCo's contact is soft: it is run as it comes, and as stiff as it goes, then with the
-# iterations against slip that its documentation recommends. Drake's is compliant, by its "lagged"
-# model, by which nothing lifts. Both settle for 0.3 s. Siconos takes Coulomb's law as it is, too;
-# here as a mass of two unknowns, which suffices for the first three scenes. Peers run in Pythons of
-# their own, named by `MUJOCO_PYTHON`, `DRAKE_PYTHON` and `SICONOS_PYTHON`.
+# codes, 0.1 ms for the disc: turning by $\phi$ in a step costs $\phi^2/8$ of its friction. MuJoCo's
+# contact is soft: it is run as it comes, and as stiff as it goes, then with the iterations against
+# slip that its documentation recommends. Drake's is compliant, by its "lagged" model, by which
+# nothing lifts. Both settle for 0.3 s. Siconos takes Coulomb's law as it is, too; here as a mass of
+# two unknowns, which suffices for the first three scenes. Peers run in Pythons of their own, named
+# by `MUJOCO_PYTHON`, `DRAKE_PYTHON` and `SICONOS_PYTHON`.
 
 # %%
 import json

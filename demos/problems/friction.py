@@ -126,7 +126,8 @@ def sliding_elastic(
         tangential_augmentation=tangential_augmentation,
     )
     way = speed * rest / 2
-    noise = 1.1e-16 * youngs_modulus * way * 4  # N: what the last digit of u strains a cell by
+    # N: a cell is strained by the difference of two u, each rounded in its last digit
+    noise = 2 * 1.1e-16 * youngs_modulus * way * 4
     shear = np.sqrt(youngs_modulus / (2 + 2 * poisson_ratio) / rho)
     return Problem(
         Scene([block], [contact], ThetaScheme(theta, forces)),

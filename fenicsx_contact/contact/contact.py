@@ -121,8 +121,8 @@ class Contact(SurfaceResults):
         middles = self.solid.dim == 2 and not self._paired  # bear before obstacles
         degree, twins = getattr(self.solid, "degree", 1), getattr(self.solid, "twins", None)
         facets = self.solid.mesh.boundary(self.facets, degree)
-        whole = self.solid.revolution and not self._paired
-        breadth = self.solid.plane.breadth if whole else None  # type: ignore[attr-defined]
+        plane = getattr(self.solid, "plane", None)
+        breadth = plane.breadth if plane and plane.revolution else None
         return Surface(*facets, degree if middles else 1, twins, breadth)
 
     def _locate(self) -> None:

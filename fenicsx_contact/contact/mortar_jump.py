@@ -248,4 +248,5 @@ def side_of(solid: Solid, facets: str, surface: Surface | None = None) -> Side:
     inside, places = solid.mesh.behind(facets, degree), points[cells]
     if surface is not None:
         points, cells, places = surface.sites, surface.cell_sites, surface.places
-    return Side(points, cells[:, : NODES[cell][0]], cell, inside, degree, places)
+    corners = cells[:, : NODES[cell][0]]
+    return Side(points, corners, cell, inside, degree, places, solid.revolution)

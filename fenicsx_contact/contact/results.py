@@ -17,8 +17,7 @@ from .surface import Surface
 class SurfaceResults:
     """Results of the last step at the nodes of a surface, mean in the step; of a percussion, which
     has no length, impulses. They are per area of the surface as it is undeformed; where the
-    formulation acts at points they are N, along the axis of a rod N/m; between two solids of
-    revolution 2 pi r times as much.
+    formulation acts at points they are N, along the axis of a rod N/m.
     """
 
     equations: SurfaceEquations

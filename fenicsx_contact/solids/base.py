@@ -88,8 +88,7 @@ class Solid(ABC):
         shiftable: rigid: can be put elsewhere without a velocity (`shift`, `mobility`).
         massless: some of its boundary has no mass, and so no velocity of its own.
         patient: an old linearisation may serve as long as corrections converge fast.
-        revolution: its mesh is half a section of it, x being the radius; what contacts of two such
-            integrate along a line of it stands for 2 pi x times as much.
+        revolution: its mesh is half a section of it, x being the radius.
         supported: something holds it even without contact.
         velocity, trial_velocity: at the start and at the end of the step.
         memory: what the scheme remembers of earlier steps, None before the first one.

@@ -69,6 +69,7 @@ class Lines:
         on = hits.ray
         facet, values, slopes = points.facet[on], values[on][:, None], slopes[:, on]
         weight = points.weight[on] * slave.reference_measure(facet, slopes)
+        weight *= slave.breadth(facet, values[:, 0])
         theirs, their_slopes = (each[..., None, :] for each in master.shape(hits.xi))
         pieces = Pieces(
             facet=facet, other=hits.facet, weight=weight[:, None], corner=corner[on][:, None],

@@ -7,8 +7,8 @@ shape functions phi_j (int psi_i phi_j = delta_ij a_i on each facet; Wohlmuth 20
     w_i = 1/a_i  int psi_i (v_slave - v_master o pi)        a_i = int phi_i,
 
 over the part of the surface that has a partner, which faces it along the normal of the facet or,
-where a sharp corner stands on the master, of that (standing.py); gaps likewise. With these nodal
-values the weak form (7) needs no change: integrated by them with weights a_i, it is the mortar
+where a sharp corner stands on the master, of that (standing.py); gaps likewise. Of solids of
+revolution all integrals are weighted by 2 pi r. With these nodal values the weak form (7) needs no change: integrated by them with weights a_i, it is the mortar
 form  int lam_h n . [[v*]]  with lam_h = sum lam_i psi_i. On a P1 slave lam_i a_i is the force on
 node i: signs are read node by node. (With phi_i in place of psi_i, lam_i oscillates at the edge of
 the contact, and Newton's method lets go of one node an iteration.) The normal at a node is the mean
@@ -90,8 +90,9 @@ class Pairing:
         self.stance = Stance.none(slave)
         self.places, self._way = np.empty((0, slave.dim)), np.nan
         self._rule = rule = whole(slave)
-        phi, self.rule_slopes = slave.linear_shape(rule.xi), slave.shape(rule.xi)[1]
+        phi, (values, self.rule_slopes) = slave.linear_shape(rule.xi), slave.shape(rule.xi)
         measure = slave.reference_measure(rule.facet, self.rule_slopes)
+        measure = measure * slave.breadth(rule.facet, values)
         self._whole = np.arange(len(slave.cells))
         phi = phi.reshape(len(slave.cells), -1, phi.shape[1])
         self.mean_weight = phi * rule.weight.reshape(*phi.shape[:2], 1)

@@ -43,6 +43,7 @@ class Side:
             (m, 2, d): they tell which way is out.
         degree: of the displacement, 1 or 2.
         places: of the nodes of each facet, (m, k, d), where these are curved.
+        revolution: whether a place at x stands for 2 pi x of the solid.
 
     Attributes:
         nodes: reference coordinates of the nodes of the trace, (N, d); the first n are ``points``.
@@ -62,8 +63,10 @@ class Side:
         inside: np.ndarray,
         degree: int = 1,
         places: np.ndarray | None = None,
+        revolution: bool = False,
     ) -> None:
         self.dim, self.cell, self.degree = points.shape[1], cell, degree
+        self._revolution = revolution
         self.straight = degree == 1 and cell != "quadrilateral"
         self.corners = cells
         self._linear, self.element = lagrange(cell, 1), lagrange(cell, degree)
@@ -123,6 +126,13 @@ class Side:
         if self.straight:
             return self._measures[facet]
         return np.linalg.norm(self.normals(self.nodes, facet, slopes), axis=1)
+
+    def breadth(self, facet: np.ndarray, values: np.ndarray) -> np.ndarray | float:
+        """Of how much of the solid these points of the facets stand for, m or 1, from the shape
+        functions there (q, k)."""
+        if not self._revolution:
+            return 1.0
+        return 2 * np.pi * (values * self.nodes[self.cells[facet], 0]).sum(axis=1)
 
     def tangents(self, nodes: np.ndarray, facets: np.ndarray, slopes: np.ndarray) -> np.ndarray:
         """Covariant tangents at points of the facets, (d - 1, q, d), from the places of the nodes

@@ -164,6 +164,50 @@ def test_a_smooth_surface_is_of_higher_order():
     assert errors[True][-1] < 0.03 * errors[False][-1]
 
 
+@pytest.mark.parametrize("size", [(3, 3, 3), (1, 2, 0.01)])
+def test_smooth_bricks_keep_their_edges(size):
+    """What is flat stays flat, inside and out, and beside a plate thinner than its faces."""
+    smooth, sharp = Triangulated(bricks(size), smooth=True), Box((0, 0, 0), size)
+    x = np.random.default_rng(0).uniform(-0.8, 0.8, (2000, 3)) * size
+    np.testing.assert_allclose(smooth.distance(x), sharp.distance(x), rtol=0, atol=1e-14)
+    outside = sharp.distance(x) > 0
+    x = x[outside]
+    np.testing.assert_allclose(smooth.normals(x), sharp.normals(x), rtol=0, atol=1e-12)
+    assert "12 edges sharp" in repr(smooth)
+
+
+def test_a_smooth_drum_has_sharp_rims():
+    """Round before its side, flat before its ends, and a polygon beyond its rims."""
+    n, high = 48, 0.4
+    x = np.concatenate([np.column_stack([around(n)[:-1], np.full(n, z)]) for z in (-high, 0, high)])
+    drum = Triangulated(triangulated_drum(x, n), smooth=True)
+    exact = Revolution(Box((0, 0), (2 * high, 2)), (0, 0, 0), UP)
+    assert f"{2 * n} edges sharp" in repr(drum)
+    p = np.random.default_rng(5).uniform(-1.4, 1.4, (4000, 3)) * [1, 1, 0.5]
+    off, above = np.hypot(p[:, 0], p[:, 1]) - 1, np.abs(p[:, 2]) - high
+    chord = 1 - np.cos(np.pi / n)
+    beyond = (off > -chord) & (above > 0)
+    between = (np.maximum(off, above) < 0) & (np.abs(off - above) < chord)
+    near = np.abs(exact.distance(p)) < 0.3
+    error = np.abs(drum.distance(p) - exact.distance(p))
+    assert error[near & ~beyond & ~between].max() < 1e-12
+    assert error[near].max() < 1.01 * chord
+
+
+def triangulated_drum(x, n):
+    """Rings of n points, (3 n, 3), clockwise as seen from above, and what closes them."""
+    k = np.arange(n)
+    after = (k + 1) % n
+    sides = [
+        np.stack(t, axis=1)
+        for low in (0, n)
+        for t in ((low + after, low + k, low + n + k), (low + n + after, low + after, low + n + k))
+    ]
+    fan = np.arange(1, n - 1)
+    ends = [np.stack([0 * fan, fan, fan + 1], 1), 2 * n + np.stack([0 * fan, fan + 1, fan], 1)]
+    return mesh_of(np.concatenate([*sides, *ends]), x)
+
+
 def test_a_hole_of_triangles():
     mesh = ball(100)
     mesh = meshio.Mesh(mesh.points, [("triangle", mesh.cells[0].data[:, ::-1])])
@@ -522,7 +566,7 @@ def mesh_of(cells, points=SHARP, kind="triangle"):
         (lambda: Triangulated(mesh_of([*CELLS, *CELLS])), ("one orientation",)),
         (lambda: Triangulated(mesh_of([*CELLS, [1, 1, 2]])), ("1 of its triangles", "no area")),
         (lambda: Triangulated(mesh_of(CELLS, SHARP * np.inf)), ("surface",)),
-        (lambda: Triangulated(folded(), smooth=True), ("smooth = True", "folded")),
+        (lambda: Triangulated(folded(100), smooth=True), ("smooth = True", "folded")),
     ],
 )
 def test_what_is_refused(make, words):
@@ -530,10 +574,10 @@ def test_what_is_refused(make, words):
         refused(make, *words)
 
 
-def folded():
+def folded(n):
     """A bipyramid whose upper tip leans out over its base."""
-    k = np.arange(6)
-    x = np.vstack([np.hstack([around(6)[:-1][::-1], np.zeros((6, 1))]), [[0, 0, -1], [2, 0, 0.3]]])
-    upper = np.stack([k, (k + 1) % 6, 0 * k + 7], axis=1)
-    lower = np.stack([(k + 1) % 6, k, 0 * k + 6], axis=1)
+    k = np.arange(n)
+    x = np.vstack([np.hstack([around(n)[:-1][::-1], np.zeros((n, 1))]), [[0, 0, -1], [2, 0, 0.3]]])
+    upper = np.stack([k, (k + 1) % n, 0 * k + n + 1], axis=1)
+    lower = np.stack([(k + 1) % n, k, 0 * k + n], axis=1)
     return mesh_of(np.vstack([upper, lower]), x)

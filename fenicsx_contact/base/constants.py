@@ -6,6 +6,9 @@
 SAME = 1e-9
 #: What is below this share of the terms that it is the difference of is round-off.
 ROUND_OFF = 1e-14
+#: A surface has a sharp corner where the cosine between the normals of two facets is below this (26
+#: degrees): those of something round are almost parallel.
+SHARP = 0.9
 #: The share of the energies that took part which may come from nowhere: by the few points at which
 #: a step takes the forces, in the books of a run.
 MADE = 1e-6

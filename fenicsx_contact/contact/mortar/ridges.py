@@ -8,11 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
+from ...base.constants import SHARP
 from .side import OUTLINE, Side, unit_and_length
-
-#: A surface has a sharp corner where it ends, and where the cosine between the normals of two
-#: facets is below this (26 degrees): those of something round are almost parallel.
-SHARP = 0.9
 
 
 @dataclass(frozen=True)

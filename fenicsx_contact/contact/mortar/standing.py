@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base.constants import SAME
+from ...base.constants import SAME, SHARP
 from .itself import Itself, any_other
 from .partners import EDGE, FACING, intersect, inverses
-from .ridges import SHARP, Ridges
+from .ridges import Ridges
 from .search import FACETS, Near, Spheres, first_of_each, in_tubes
 from .side import Side, unit_and_length
 from .stance import Stance

@@ -24,7 +24,6 @@ class Triangles:
         corners, edges: of each triangle, and from each corner to the next, (m, 3, 3) in m.
         normals: of the triangles, (m, 3), unit.
         beyond: the triangle beyond each of these edges, (m, 3).
-        ring: sparse, (m, m): its rows hold the triangles that share a corner with each.
 
     Raises:
         InputError: a triangle without area, an edge that is not shared by two triangles of one
@@ -45,16 +44,15 @@ class Triangles:
                 f"{x[flat[0]].mean(axis=0).tolist()}"
             )
         self.normals = area / size[:, None]
-        self.beyond = self._neighbours()
+        self._across = self._other_halves()
+        self.beyond = self._across // 3
         self._summed = self._angle_weighted()
         middles = x.mean(axis=1)
         self._reach = float(np.linalg.norm(x - middles[:, None], axis=2).max())
         self._corner_tree, self._tree = cKDTree(self.points), cKDTree(middles)
-        rows = np.repeat(np.arange(len(self.cells)), 3)
-        meets = sp.csr_matrix((np.ones(self.cells.size), (rows, self.cells.ravel())))
-        self.ring = (meets @ meets.T).tocsr()
 
-    def _neighbours(self) -> np.ndarray:
+    def _other_halves(self) -> np.ndarray:
+        """Of each edge the number 3 t + i of the same one as the i-th of the triangle t beyond."""
         many, ends = len(self.points), np.roll(self.cells, -1, axis=1)
         ahead, back = (self.cells * many + ends).ravel(), (ends * many + self.cells).ravel()
         order = np.argsort(ahead)
@@ -67,20 +65,27 @@ class Triangles:
                 f"that run along it in opposite directions; {len(alone)} edges are not, the first "
                 f"from {self.points[self.cells.ravel()[alone[0]]].tolist()}"
             )
-        return (order[at] // 3).reshape(-1, 3)
+        return order[at].reshape(-1, 3)
+
+    def fans(self, sharp: float) -> tuple[np.ndarray, np.ndarray]:
+        """The smooth fans of triangles about the points: the number of that at each corner of each
+        triangle, (m, 3), and which edges divide them, as the cosine between the normals beside them
+        is below ``sharp``, (m, 3)."""
+        bent = (self.normals[:, None] * self.normals[self.beyond]).sum(axis=2) < sharp
+        here, there = np.arange(self.cells.size).reshape(-1, 3), self._across
+        start, end = here, np.roll(here, -1, axis=1)
+        pairs = np.concatenate(
+            [[start[~bent], end.ravel()[there[~bent]]], [end[~bent], there[~bent]]], axis=1
+        )
+        joined = sp.csr_matrix((np.ones(pairs.shape[1]), pairs), shape=(here.size, here.size))
+        return sp.csgraph.connected_components(joined, directed=False)[1].reshape(-1, 3), bent
 
     def _angle_weighted(self) -> np.ndarray:
         """Sums at the points of the normals, weighted by their triangles' angles there, (v, 3)."""
         ahead, back = self.edges, -np.roll(self.edges, 1, axis=1)
         sine = np.linalg.norm(cross(ahead, back), axis=2)
         angle = np.arctan2(sine, (ahead * back).sum(axis=2))
-        return self.at_points(angle[:, :, None] * self.normals[:, None])
-
-    def at_points(self, shares: np.ndarray) -> np.ndarray:
-        """Sums at the points of what the triangles have at their corners, (m, 3, 3): (v, 3)."""
-        total = np.zeros_like(self.points)
-        np.add.at(total, self.cells, shares)
-        return total
+        return added_up(angle[:, :, None] * self.normals[:, None], self.cells)
 
     def at(self, cells: np.ndarray, shares: np.ndarray) -> np.ndarray:
         """Places in triangles, (n, 3), from shares of the corners, (n, 3)."""
@@ -122,6 +127,13 @@ class Triangles:
         corner = self._summed[self.cells[cells, shares.argmax(axis=1)]]
         summed = np.stack([own, own + self.normals[beyond], corner])[zero.sum(axis=1), rows]
         return summed / np.linalg.norm(summed, axis=1)[:, None]
+
+
+def added_up(shares: np.ndarray, number: np.ndarray) -> np.ndarray:
+    """Sums of what triangles have at their corners, (m, 3, 3), of those of one number, (v, 3)."""
+    total = np.zeros((number.max() + 1, shares.shape[2]))
+    np.add.at(total, number, shares)
+    return total
 
 
 def first_of_each(

@@ -8,12 +8,13 @@ from typing import Any, NamedTuple
 
 import meshio
 import numpy as np
+import scipy.sparse as sp
 
 from ...base import checks
-from ...base.constants import ROUND_OFF, SAME
+from ...base.constants import ROUND_OFF, SAME, SHARP
 from ...base.mesh_files import read_mesh
 from ...base.vectors import cross
-from .triangles import Triangles, first_of_each
+from .triangles import Triangles, added_up, first_of_each
 
 
 class _Beside(NamedTuple):
@@ -35,8 +36,10 @@ class Triangulated:
     which is exact for spheres and elsewhere of nearly third order in the size of the triangles;
     flat faces are of second. A point lies above the q from which the mean normal leads to it.
     Distance and normals are continuous across edges. Normals of points are N. Max's sums (J.
-    Graphics Tools 4(2), 1-6, 1999), exact for spheres too. What has edges is rounded by that;
-    inside, deeper than the surface is curved, flat faces take over.
+    Graphics Tools 4(2), 1-6, 1999), exact for spheres too. Where two faces meet at more than 26
+    degrees the edge stays sharp, and as straight as it is given: a point there has a normal on each
+    side. The nearest face tells the side; beyond such edges, and inside, deeper than the surface is
+    curved, flat faces take over.
 
     Args:
         surface: path of an STL file, or of any other that meshio reads, or a ``meshio.Mesh``, with
@@ -57,16 +60,21 @@ class Triangulated:
         self._extent = float(np.ptp(self._triangles.points, axis=0).max())
         self._last: tuple[np.ndarray, _Beside] | None = None
         if self.smooth:
-            self._normals = self._point_normals()
+            fans, bent = self._triangles.fans(SHARP)
+            self._sharp = int(bent.sum()) // 2
+            self._normals = self._point_normals(fans)
+            rows = np.repeat(np.arange(len(fans)), 3)
+            meets = sp.csr_matrix((np.ones(fans.size), (rows, fans.ravel())))
+            self._ring = (meets @ meets.T).tocsr()  # the triangles that share a fan with each
             self.curvature = self._curvature
 
-    def _point_normals(self) -> np.ndarray:
-        """Unit normals at the corners of the triangles, (m, 3, 3)."""
+    def _point_normals(self, fans: np.ndarray) -> np.ndarray:
+        """Unit normals at the corners of the triangles by their fans, (m, 3, 3)."""
         t = self._triangles
         square = (t.edges**2).sum(axis=2)
         area = cross(t.edges[:, 0], t.edges[:, 1])
         weight = 1 / (square * np.roll(square, 1, axis=1))  # of the two edges that meet there
-        total = t.at_points(weight[:, :, None] * area[:, None])[t.cells]
+        total = added_up(weight[:, :, None] * area[:, None], fans)[fans]
         folded = (np.einsum("mid,md->mi", total, t.normals) <= 0).any(axis=1)
         if folded.any():
             at = t.corners[folded][0].mean(axis=0).tolist()
@@ -100,7 +108,7 @@ class Triangulated:
 
     def _beside_curved(self, points: np.ndarray, cells: np.ndarray, flat: _Beside) -> _Beside:
         """By the face about the nearest one over which each point lies, if there is one."""
-        ring = self._triangles.ring[cells]
+        ring = self._ring[cells]
         owner = np.repeat(np.arange(len(points)), np.diff(ring.indptr))
         shares, height, slopes = self._above(points[owner], ring.indices)
         over, shares, height, slopes, cells = first_of_each(
@@ -162,7 +170,8 @@ class Triangulated:
         return self._beside(points).curvature
 
     def __repr__(self) -> str:
-        return f"Triangulated({len(self._triangles.cells)} triangles, smooth={self.smooth})"
+        sharp = f", {self._sharp} edges sharp" if self.smooth else ""
+        return f"Triangulated({len(self._triangles.cells)} triangles, smooth={self.smooth}{sharp})"
 
 
 def _read(surface: Any) -> tuple[np.ndarray, np.ndarray]:

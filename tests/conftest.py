@@ -15,11 +15,13 @@ os.environ.setdefault("PYVISTA_OFF_SCREEN", "true")
 #: Seconds for which a worker waits for a form that another compiles; dolfinx's own ten are too few
 #: on a busy machine.
 PATIENCE = 300
+#: A form of the suite is compiled once and used for a second: without optimisation.
+COMPILER = ["-O0", "-g0"]
 _settings = tempfile.TemporaryDirectory(prefix="fenicsx_contact-")
 for name in ("dolfinx_jit_parameters.json", "dolfinx_jit_options.json"):  # before 0.6, since
     path = Path(_settings.name, "dolfinx", name)
     path.parent.mkdir(exist_ok=True)
-    path.write_text(json.dumps({"timeout": PATIENCE}))
+    path.write_text(json.dumps({"timeout": PATIENCE, "cffi_extra_compile_args": COMPILER}))
 os.environ["XDG_CONFIG_HOME"] = _settings.name
 
 #: Files of the first tier: the laws, the house, one test of each trap, exact impacts.

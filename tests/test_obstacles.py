@@ -25,6 +25,7 @@ from fenicsx_contact import (
     Sphere,
     ThetaScheme,
 )
+from fenicsx_contact.contact.leaps import leap
 from fenicsx_contact.contact.wall import Wall
 
 
@@ -417,6 +418,46 @@ def test_a_sudden_start_is_a_blow():
     assert np.count_nonzero(history["dt"] == 0) == 2  # the first row, and the blow
     np.testing.assert_allclose(history["drive"][-1], 10.0, rtol=1e-9)
     np.testing.assert_allclose(history["impact"][-1], -5.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+@pytest.mark.parametrize("at", [0.0105, 0.01, 0.00999999])
+@pytest.mark.parametrize("drift", [0.0, 0.3])
+def test_a_floor_that_jumps_is_refused(at, law, drift):
+    """In the midst of a step, at its end and right before that, at rest or sliding: by theta < 1 it
+    would throw the block at 1 km/s; by theta = 1 it arrives within the step."""
+    ends = []
+    for theta in (0.5, 0.75, 1.0):
+        block = RigidSolid(rectangle((2, 1)), mass=10.0, gravity=(0, -G))
+        floor = Moved(FLOOR, lambda t: (drift * t, 1e-4 * (t > at)))
+        scene = Scene([block], [Contact(block, "base", floor, law)], ThetaScheme(theta))
+        ends.append(scene.run(0.02, 1e-3, progress=False))
+    for history in ends[:-1]:
+        assert history.time[-1] <= at + 1e-12
+        assert history["kinetic"].max() < 1e-9
+        assert f"jumps by 0.0001 m at t = {at:.9g} s" in history.reason
+        assert "obstacle jumps" in history.reason
+    assert ends[-1].finished
+
+
+@pytest.mark.parametrize("start", [0.0, 1e-17, 0.3, 1 / 3, 93 * 0.1, 1.0, 1 - 1e-13, 1 - 1e-9])
+def test_what_jumps_and_what_does_not(start):
+    """Starts, cusps and wiggles are continuous however near the end they are; jumps are found, of
+    what stands and of what goes."""
+
+    def found(motion):
+        width = 0.01
+        return leap(lambda t: np.array([motion(t)]), start - width, start + width / 3, 1e-14)
+
+    for power in (0.3, 0.5, 1, 2):
+        assert found(lambda t, power=power: 100 * max(0.0, t - start) ** power) is None
+    assert found(lambda t: 100 * max(0.0, t - np.nextafter(start + 0.01 / 3, 0))) is None
+    assert found(lambda t: np.sin(1e4 * t)) is None
+    assert found(lambda t: 0.0) is None and found(lambda t: 3.0 * t) is None
+    for pace in (0.0, 0.03):
+        jump = found(lambda t, pace=pace: pace * t + 1e-3 * (t > start))
+        assert jump.size == pytest.approx(1e-3, rel=1e-6)
+        assert jump.time == pytest.approx(start, abs=1e-15 + 1e-15 * start)
 
 
 def test_located_impacts_of_a_moving_wall():

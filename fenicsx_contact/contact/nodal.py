@@ -14,6 +14,7 @@ from ..solids.trace import DeformableTrace
 from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .jump import Coupling
+from .leaps import refuse_leaps
 from .wall import Obstacle, Wall
 
 
@@ -68,6 +69,8 @@ class NodalJump(Coupling):
         self._struck = (1 - late) * new + late * self._before
         self._start = self._before if step.dt else self._struck
         self._end = self._last_velocity(x)
+        if late < 1:
+            refuse_leaps(self.wall, x, self.normals(), new, step)
 
     def _last_velocity(self, x: np.ndarray) -> np.ndarray:
         """Velocities of the obstacle beside these places at the end of the begun step."""

@@ -143,7 +143,7 @@ class Moved:
         obstacle: any obstacle.
         motion: its displacement as a function of the time [s], d numbers in m. Velocities are
             differences of it over the times that a scheme asks for, so that tables and sudden
-            starts will do.
+            starts will do; jumps only by theta = 1.
 
     Raises:
         InputError: no obstacle, a motion that is none.

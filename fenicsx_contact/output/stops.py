@@ -189,6 +189,14 @@ STOPS = {
             "an own obstacle gave NaN or infinity there",
             "define its distance and normals everywhere near",
         ),
+        Stop(
+            "obstacle jumps",
+            "the obstacle ... jumps by ... m at t = ... s: no velocity follows that, and theta < 1 "
+            "asks for one",
+            "its motion is not continuous there: within no time it would throw what it meets "
+            "infinitely fast",
+            "a ramp over some steps; `ThetaScheme(1.0)`, by which it arrives within the step",
+        ),
     ],
     "error": [
         Stop(

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Whether what moves as it is told jumps: no velocity follows that."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import compress
+from typing import NamedTuple
+
+import numpy as np
+
+from ..base.checks import StepFailed
+from ..base.constants import BRIEF, ROUND_OFF
+from ..base.vectors import dot, largest
+from ..theory.theta import Step
+from .wall import Wall
+
+
+class Leap(NamedTuple):
+    """How far it jumps, m, and when, s."""
+
+    size: float
+    time: float
+
+
+def leap(
+    place: Callable[[float], np.ndarray], start: float, end: float, noise: float
+) -> Leap | None:
+    """The jump that is more than half of the way between two times, or None.
+
+    Of a motion that is continuous the half of its time in which it goes farther is halved until
+    less than half of the way is left; of one that jumps it never is, down to neighbouring numbers.
+
+    Args:
+        place: as a function of the time, (n,) in m.
+        start, end: times, s.
+        noise: what is shorter is round-off, m.
+    """
+    way = place(end) - place(start)
+    if not largest(way) > noise:
+        return None
+    at, first, last = int(np.abs(way).argmax()), start, end
+    size = whole = abs(way[at])
+    while (middle := 0.5 * (first + last)) not in (first, last):
+        here = place(middle)[at]
+        left, right = abs(here - place(first)[at]), abs(place(last)[at] - here)
+        first, last, size = (first, middle, left) if left > right else (middle, last, right)
+        if size <= 0.5 * whole:
+            return None
+    # what begins to move at the very end goes on
+    after = abs((place(last + (end - start)) - place(last))[at])
+    return Leap(float(size), last) if size > max(noise, after) else None
+
+
+def refuse_leaps(
+    wall: Wall, points: np.ndarray, normals: np.ndarray, first: np.ndarray, step: Step
+) -> None:
+    """Refuse an obstacle that jumps in a step or where its velocities at the ends are asked for.
+
+    Args:
+        points, normals: beside and along which it is looked at, (n, d) in m and 1.
+        first: its velocity at the start, (n, d) in m/s.
+
+    Raises:
+        StepFailed: it does.
+    """
+    start, end = step.coming.start, step.coming.end
+    brief, noise = BRIEF * (end - start), ROUND_OFF * largest(points)
+    intervals = [(start, start + brief), (end - brief, end), (start, end)]
+    velocities = [first, *(wall.velocity(points, *each) for each in intervals[1:])]
+    at_start, at_end, mean = (largest(dot(velocity, normals)) for velocity in velocities)
+    # a jump at an end makes that velocity many times the mean one, any other the mean one
+    doubtful = [at_start > 2 * mean, at_end > 2 * mean, mean > 2 * max(at_start, at_end)]
+
+    def place(time: float) -> np.ndarray:
+        return wall.distance(points, time)
+
+    for interval in compress(intervals, doubtful):
+        if found := leap(place, *interval, noise):
+            raise StepFailed(
+                f"the obstacle {wall.describe()} jumps by {found.size:.4g} m at t = "
+                f"{found.time:.9g} s: no velocity follows that, and theta < 1 asks for one"
+            )

@@ -50,11 +50,26 @@ def create_mesh(
     points = np.ascontiguousarray(points, dtype=np.float64)
     if not MODERN:
         element = ufl.VectorElement("Lagrange", ufl.Cell(cell, geometric_dimension=gdim), degree)
-        return dolfinx.mesh.create_mesh(comm, cells, points, ufl.Mesh(element))
+        mesh = dolfinx.mesh.create_mesh(comm, cells, points, ufl.Mesh(element))
+        settle_coordinates(mesh)
+        return mesh
     domain = ufl.Mesh(basix.ufl.element("Lagrange", cell, degree, shape=(gdim,)))
     if VERSION >= (0, 10):
         return dolfinx.mesh.create_mesh(comm, cells, domain, points)
     return dolfinx.mesh.create_mesh(comm, cells, points, domain)
+
+
+def settle_coordinates(mesh: Any) -> None:
+    """Name the mesh's coordinate element as the first compilation would: forms before and after
+    it, equal but for that name, are compiled once."""
+    if MODERN:
+        return
+    domain = mesh.ufl_domain()
+    element = domain.ufl_coordinate_element()
+    if element.sub_elements()[0].variant() is None:
+        kind, cell, degree = element.family(), element.cell(), element.degree()
+        scalar = ufl.FiniteElement(kind, cell, degree, variant="equispaced")
+        domain._ufl_coordinate_element = ufl.VectorElement(scalar)
 
 
 def cell_name(mesh: Any) -> str:

@@ -52,6 +52,7 @@ class NamedMesh:
                 f"mesh: has {nodes} nodes in each {cell}; allowed are {cells.ALLOWED}"
             )
         object.__setattr__(self, "degree", cells.degree_of(cell, nodes))
+        compat.settle_coordinates(self.mesh)
         if problem := max(comm.allgather(self._problem())):
             raise checks.InputError(f"mesh: {problem}")
 

@@ -13,16 +13,21 @@ from dolfinx import fem
 from scenes import rectangle
 
 from fenicsx_contact import (
+    Contact,
+    Discrete,
     ElasticSolid,
     GeneralisedAlpha,
+    HalfSpace,
     HyperelasticSolid,
     InputError,
     QuasiStatic,
     Scene,
     ThetaScheme,
+    ciarlet,
+    mesh_from_gmsh,
     neo_hookean,
 )
-from fenicsx_contact.base import compat
+from fenicsx_contact.base import compat, compiling
 
 MESH = rectangle((4, 2), (1.0, 0.4))
 X = ufl.SpatialCoordinate(MESH.mesh)
@@ -293,3 +298,30 @@ def test_a_load_that_turns_bad_is_refused_then():
 def test_no_load_is_no_load():
     solid = elastic()
     assert solid.applied is None and solid.foundations == [] and solid.dampers == []
+
+
+def test_other_numbers_compile_nothing():
+    """Nor do meshes from gmsh, of which elements and sides are named in another way, by 0.5.2."""
+
+    def dropped(mesh, k):
+        """A block of Ciarlet's law and an elastic one, all numbers but g multiplied."""
+        energy = ciarlet(k * 1e6, 0.3 * k)
+        solids = [
+            HyperelasticSolid(mesh, energy=energy, density=k * 1e3, springs={"base": k * 1e5}),
+            ElasticSolid(
+                mesh, youngs_modulus=k * 1e6, poisson_ratio=0.3 * k, density=k * 1e3, name="other"
+            ),
+        ]
+        floor = HalfSpace((0, -0.01 * k), (0, 1))
+        contacts = [
+            Contact(solid, "base", floor, Discrete(k * 1e7, k * 1e6), friction=0.3 * k)
+            for solid in solids
+        ]
+        assert Scene(solids, contacts).run(2e-3, 1e-3, progress=False).finished
+
+    dropped(rectangle((2, 2)), 1.0)
+    known = set(compiling._known)
+    dropped(rectangle((3, 2)), 0.7)
+    if not compat.MODERN:
+        dropped(mesh_from_gmsh("block.geo", n_width=2), 0.7)
+    assert set(compiling._known) == known

@@ -12,7 +12,7 @@ import ufl
 from dolfinx import fem, geometry
 from mpi4py import MPI
 
-from .compiling import compiled, compiler
+from .compiling import compiled, compiler, without_numbers
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 MODERN = VERSION >= (0, 8)  # elements come from basix.ufl, wrappers hold a _cpp_object
@@ -178,25 +178,6 @@ def nodal_measure(mesh: Any, degree: int = 1) -> ufl.Measure:
     return ufl.Measure("dx", domain=mesh, metadata=metadata)
 
 
-def nodal_facet_measures(mesh: Any, *parts: np.ndarray) -> list[ufl.Measure]:
-    """Integration by the values at the vertices over each of these parts of the boundary, disjoint
-    sets of facets (local numbers); measures of one form.
-
-    0.5.2 takes the rule "vertex" of the cell for that of the facet: triangles get it by name.
-    """
-    facets = np.concatenate(parts).astype(np.int32)
-    marks = np.repeat(np.arange(1, len(parts) + 1), [len(part) for part in parts]).astype(np.int32)
-    order = np.argsort(facets)
-    tags = dolfinx.mesh.meshtags(mesh, mesh.topology.dim - 1, facets[order], marks[order])
-    rule: dict[str, Any] = {"quadrature_rule": "GLL", "quadrature_degree": 1}
-    if cell_name(mesh) == "tetrahedron":
-        points = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-        rule |= {"quadrature_rule": "custom", "quadrature_points": points}
-        rule["quadrature_weights"] = np.full(3, 1 / 6)
-    ds = ufl.Measure("ds", mesh, subdomain_data=tags, metadata=rule)
-    return [ds(i + 1) for i in range(len(parts))]
-
-
 class _Assembler:
     """A form, compiled once, with what an assembly of it needs."""
 
@@ -257,7 +238,7 @@ class PointExpression:
         if not ufl.domain.extract_domains(ufl.algorithms.expand_derivatives(expression)):
             expression += fem.Constant(mesh, np.zeros(expression.ufl_shape))  # numbers have no mesh
         with compiler():
-            self._expression = fem.Expression(expression, points)
+            self._expression = fem.Expression(without_numbers(expression, mesh), points)
         self._cells = np.arange(num_local_cells(mesh), dtype=np.int32)
         self._mesh, size = mesh, int(np.prod(expression.ufl_shape))
         self._shape = len(self._cells), len(points) * size

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Forms compiled in silence: the driver of the C compiler tells its commands to everyone's root
+"""Forms compiled in silence, once whatever the numbers in them: the driver of the C compiler tells its commands to everyone's root
 logger, and a first use looks like a failure. What a killed run left half compiled, for which every
 later run would wait in vain, is compiled anew. And what a process has once is not sought on the
 disk again: that takes longer than to solve a small scene."""
@@ -17,6 +17,8 @@ from typing import Any
 import ffcx.naming
 import ufl
 from dolfinx import fem, jit
+from ufl.algorithms.map_integrands import map_integrand_dags
+from ufl.corealg.multifunction import MultiFunction
 
 #: Cost: age in seconds from which a form that is not compiled is taken for one that a killed run
 #: left; another run may be at work on a younger one.
@@ -83,7 +85,35 @@ def compiler() -> Iterator[None]:
         jit.ffcx_jit = seek
 
 
+class _Numbers(MultiFunction):
+    """Numbers that are written in an expression as constants of a mesh; exponents stay."""
+
+    def __init__(self, mesh: Any) -> None:
+        super().__init__()
+        self._mesh, self._constants = mesh, dict[float, Any]()
+
+    expr = MultiFunction.reuse_if_untouched
+
+    def float_value(self, number: Any) -> Any:
+        value = float(number)
+        if value not in self._constants:
+            self._constants[value] = fem.Constant(self._mesh, value)
+        return self._constants[value]
+
+    def power(self, power: Any, base: Any, exponent: Any) -> Any:
+        kept = power.ufl_operands[1]
+        return base ** (kept if isinstance(kept, ufl.classes.ScalarValue) else exponent)
+
+
+def without_numbers(what: Any, mesh: Any) -> Any:
+    """The form or expression with constants of the mesh for the numbers in it: others need no new
+    compilation."""
+    return map_integrand_dags(_Numbers(mesh), what)
+
+
 @compiler()
-def compiled(form: ufl.Form) -> Any:
-    """The form, compiled or taken from the cache."""
+def compiled(form: Any) -> Any:
+    """The form of UFL, compiled or taken from the cache; what is compiled as it is."""
+    if isinstance(form, ufl.Form):
+        form = without_numbers(form, form.ufl_domain())
     return fem.form(form)

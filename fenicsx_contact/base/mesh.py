@@ -9,6 +9,7 @@ from typing import Any
 
 import dolfinx
 import numpy as np
+import ufl
 
 from . import cells, checks, compat
 
@@ -92,6 +93,17 @@ class NamedMesh:
         if self.mesh.comm.allreduce(len(facets)) == 0:
             raise checks.InputError(f"facets = {name!r}: no facet of the mesh bears this name")
         return facets
+
+    def measures(self, *names: str) -> list[ufl.Measure]:
+        """Integration over each of these facets, in one form. They are numbered anew: whatever
+        numbers their tags have, equal forms are compiled once."""
+        parts = [self.facets(name) for name in names]
+        marks = np.repeat(np.arange(1, len(parts) + 1, dtype=np.int32), list(map(len, parts)))
+        facets = np.concatenate([np.empty(0, dtype=np.int32), *parts])
+        order = np.argsort(facets)
+        tags = dolfinx.mesh.meshtags(self.mesh, self.dim - 1, facets[order], marks[order])
+        ds = ufl.Measure("ds", domain=self.mesh, subdomain_data=tags)
+        return [ds(number) for number in range(1, len(parts) + 1)]
 
     def boundary(self, name: str, degree: int = 1) -> tuple[np.ndarray, np.ndarray, str]:
         """The named facets, whole on every process and in the same order on any number of them, as

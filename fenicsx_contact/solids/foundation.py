@@ -43,7 +43,10 @@ class Foundation:
     ) -> None:
         self._vectors, mesh, d = vectors, vectors.mesh, vectors.dim
         u, v = ufl.TrialFunction(vectors.space), ufl.TestFunction(vectors.space)
-        ds = ufl.Measure("ds", domain=mesh.mesh, subdomain_data=mesh.facet_tags)
+        surfaces = [where for where in springs if is_surface(vectors, where)]
+        for where in surfaces:
+            vectors.facets(str(where), "springs")
+        over = dict(zip(surfaces, mesh.measures(*map(str, surfaces))))
         nothing = fem.Constant(mesh.mesh, 0.0)  # the pattern of all other matrices
         form = nothing * ufl.dot(u, v) * ufl.dx(mesh.mesh)
         points = np.zeros(vectors.owned)
@@ -52,11 +55,10 @@ class Foundation:
             what = f"springs[{where!r}]"
             by_direction = self._stiffness(what, stiffness)
             told.append(f"{where!r}: {by_direction.tolist()}")
-            if is_surface(vectors, where):
-                vectors.facets(str(where), "springs")
+            if where in over:
                 k = fem.Constant(mesh.mesh, by_direction)
                 resisting = sum(k[i] * u[i] * v[i] for i in range(d))
-                form += breadth * resisting * ds(int(mesh.names[str(where)]))
+                form += breadth * resisting * over[where]
             else:
                 nodes = nodes_at(vectors, where, what)
                 points[vectors.at(nodes)] += np.tile(by_direction, len(nodes))

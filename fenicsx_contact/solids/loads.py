@@ -89,10 +89,9 @@ class Loads:
         self._vectors, self._breadth = vectors, breadth
         self._parts: list[_Part] = []
         mesh = vectors.mesh
-        ds = ufl.Measure("ds", domain=mesh.mesh, subdomain_data=mesh.facet_tags)
         for name, traction in tractions.items():
             vectors.facets(name, "tractions")
-            self._add(f"tractions[{name!r}]", traction, ds(int(mesh.names[name])))
+            self._add(f"tractions[{name!r}]", traction, *mesh.measures(name))
         if body_force is not None:
             self._add("body_force", body_force, ufl.Measure("dx", domain=mesh.mesh))
         self.total(0.0)  # refuse now what can be refused

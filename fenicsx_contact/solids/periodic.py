@@ -89,11 +89,9 @@ class PeriodicSpace(VectorSpace):
 
     def _check_normals(self, pair: tuple[str, str]) -> None:
         """What lies behind the one side goes on beyond the other: their normals cancel."""
-        domain, tags = self.mesh.mesh, self.mesh.facet_tags
-        ds = ufl.Measure("ds", domain=domain, subdomain_data=tags)
+        domain, sides = self.mesh.mesh, self.mesh.measures(*pair)
         second = fem.Constant(domain, 0.0)
         out = ufl.dot(ufl.FacetNormal(domain), ufl.TestFunction(self.space))
-        sides = [ds(int(self.mesh.names[name])) for name in pair]
         form = compiled(out * sides[0] + second * out * sides[1])
         sizes = np.empty((2, self.owned // self.dim))
         for second.value, size in zip((0.0, 1.0), sizes):

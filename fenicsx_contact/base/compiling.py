@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Forms compiled in silence, once whatever the numbers in them: the driver of the C compiler tells its commands to everyone's root
-logger, and a first use looks like a failure. What a killed run left half compiled, for which every
-later run would wait in vain, is compiled anew. And what a process has once is not sought on the
-disk again: that takes longer than to solve a small scene."""
+"""Forms compiled in silence, once whatever the numbers in them.
+
+The driver of the C compiler tells its commands to everyone's root logger, and a first use looks
+like a failure. What a killed run left half compiled, for which every later run would wait in vain,
+is compiled anew. And what a process has once is not sought on the disk again: that takes longer
+than to solve a small scene."""
 
 from __future__ import annotations
 

@@ -325,3 +325,12 @@ def test_other_numbers_compile_nothing():
     if not compat.MODERN:
         dropped(mesh_from_gmsh("block.geo", n_width=2), 0.7)
     assert set(compiling._known) == known
+
+
+def test_a_constant_that_a_derivative_does_not_hold():
+    """The form compiler of 0.5.2 read it in place of the one that stays."""
+    first, second = fem.Constant(MESH.mesh, 3.0), fem.Constant(MESH.mesh, 5.0)
+    unknown = ufl.variable(function(lambda x: x[0]))
+    slope = ufl.diff(first + 0.25 * second * unknown, unknown)
+    values = compat.PointExpression(slope, compat.lagrange_space(MESH.mesh))()
+    np.testing.assert_allclose(values, 1.25, rtol=1e-15)

@@ -235,7 +235,9 @@ class PointExpression:
         points = space.element.interpolation_points
         if not isinstance(points, np.ndarray):
             points = points()  # a method before 0.10
-        if not ufl.domain.extract_domains(ufl.algorithms.expand_derivatives(expression)):
+        # with constants that a derivative does not hold 0.5.2 reads others in their stead
+        expression = ufl.algorithms.expand_derivatives(expression)
+        if not ufl.domain.extract_domains(expression):
             expression += fem.Constant(mesh, np.zeros(expression.ufl_shape))  # numbers have no mesh
         with compiler():
             self._expression = fem.Expression(without_numbers(expression, mesh), points)

@@ -79,6 +79,8 @@ class StepSolver:
         self.errors: list[float] = []
         self.reached = self._pushed = 0.0
         self.system = SYSTEMS[solver](problem)
+        # whether velocities without contact are known, which deformable solids have to solve for
+        self._foresees = isinstance(self.system, Condensed) or not self._bodies
         if floating:
             self.system.hold(floating)
         for solid in problem.solids:
@@ -95,7 +97,7 @@ class StepSolver:
         """
         self.errors = []
         self.system.restart()
-        if not (self._settles and isinstance(self.system, Condensed)):  # which screens them
+        if not (self._settles and self._foresees):  # by which they are screened
             for contact in self._all.contacts:
                 contact.candidates.choose()
         with diverging():
@@ -139,19 +141,19 @@ class StepSolver:
             contact.linearise(step, exact=not dense and len(contact.solids) == 1)
         if first:
             self._pushed = max((c.push(c.force, step) for c in self._all.contacts), default=0.0)
-        if isinstance(self.system, Condensed):
-            free = self.system.free()
-            if first:
-                for contact, part in zip(self._all.contacts, self._all.parts):
-                    contact.screen(free[part], step)
-            speed = scale_of(max(self._all.fastest(free), SLOW * self._pushed))
+        if not self._foresees:
+            speed = scale_of(self._speed(step))
             self._all.set_scale(step, speed)
-            if first:
-                for contact, part in zip(self._all.contacts, self._all.parts):
-                    contact.start(free[part])
             return speed
-        speed = scale_of(self._speed(step))
+        free = self.system.free() if dense else self._all.free()
+        if first:
+            for contact, part in zip(self._all.contacts, self._all.parts):
+                contact.screen(free[part], step)
+        speed = scale_of(max(self._all.fastest(free), SLOW * self._pushed))
         self._all.set_scale(step, speed)
+        if first:
+            for contact, part in zip(self._all.contacts, self._all.parts):
+                contact.start(free[part])
         return speed
 
     def _settle(self, step: Step, first: bool) -> Solution:

@@ -83,6 +83,8 @@ class Sparse(Monolithic):
         block, last = sp.csr_matrix((self.size, self.size)), self.places.size
         for contact, part in enumerate(self.parts):
             n = len(part.active_places)
+            if not n:
+                continue
             columns, rows = (each[n:] * (not self.held) for each in part.scales())
             scaled = part.sparse_tangent(self.frozen), (columns, rows), last, self.size
             block = block + self._embedding.tangent(contact, *scaled)

@@ -35,7 +35,7 @@ QUICK = (
 )
 
 #: Files of the second tier: demos whole, and runs on several processes. (Single tests that take
-#: ten seconds are marked where they stand.)
+#: five seconds are marked where they stand.)
 SECOND = ("test_demos", "test_parallel", "test_parallel_errors", "test_parallel_resume")
 
 #: Generated tests: one of so many is in the default suite, spread evenly; the rest are long.

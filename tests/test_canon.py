@@ -126,6 +126,7 @@ def test_a_disc_of_many_corners_rolls_down_a_slope():
 # -- spheres that strike ------------------------------------------------------------------------
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("law", ["velocity", "gap"])
 def test_slip_that_grows_from_the_edge_takes_no_shorter_steps(law):
     """A coarse ball strikes obliquely: many points slip together, and yield more than each alone.
@@ -196,7 +197,10 @@ def ironed(space, steps, n=2):
     return np.array([history["c.force_x"], history["c.force_y"]])
 
 
-@pytest.mark.parametrize("steps", [2, pytest.param(15, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "steps",
+    [pytest.param(2, marks=pytest.mark.second), pytest.param(15, marks=pytest.mark.long)],
+)
 def test_ironing_in_space_between_rollers_is_that_in_the_plane(steps):
     plane, space = ironed(False, steps), ironed(True, steps) / 0.5
     assert plane[1, -1] > 0.1 and abs(plane[0, -1]) > 0.2 * plane[1, -1]

@@ -115,6 +115,7 @@ def test_a_held_slab_is_a_half_space(dim, turned, facets, theirs, law, scene):
     assert np.abs(block.place - wall.place).max() < (2e-5 if law == "gap" else 2e-6)
 
 
+@pytest.mark.second
 @pytest.mark.parametrize(("facets", "theirs"), [(1, 1), (4, 1), (3, 7)])
 def test_with_friction(facets, theirs):
     """A block that slides on its corner, lands, and rocks back."""

@@ -200,6 +200,7 @@ def crooked(cell, periodic):
     return name_facets(compat.create_mesh(MPI.COMM_SELF, cells, x + moved, cell, 2), sides)
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("cell", PLANE + SPACE)
 @pytest.mark.parametrize("periodic", [False, True], ids=["", "periodic"])
 def test_patch(cell, periodic):
@@ -324,6 +325,7 @@ EVERY = [
 ]
 
 
+@pytest.mark.second
 @pytest.mark.parametrize(("law", "kind"), EVERY)
 def test_thrown(law, kind):
     """Forces are those of the momentum, energy is not made."""
@@ -365,6 +367,7 @@ def test_a_run_goes_on_where_it_stopped(cell, tmp_path):
     np.testing.assert_allclose(surface.point_data["displacement"], 0, atol=1e-15)
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("cell", PLANE + SPACE)
 def test_pictures(cell, tmp_path):
     """Curved cells are drawn so, with edges of their own."""

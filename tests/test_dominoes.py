@@ -40,6 +40,7 @@ def row(n, facets, friction):
     return Scene(dominoes, contacts)
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 def test_the_second_is_pushed_over(friction):
     """No step is cut: what puts solids back to their gaps turns what is seen of their contact, and

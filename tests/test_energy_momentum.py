@@ -57,6 +57,7 @@ def momenta(solid):
     return np.concatenate([p.sum(axis=0), np.cross(x, p).sum(axis=0)])
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("energy", ENERGIES)
 @pytest.mark.parametrize("dim", [2, 3])
 def test_energy_and_momenta_are_kept(dim, energy):
@@ -95,6 +96,7 @@ def test_tangent_of_a_step(dim, energy):
     )
 
 
+@pytest.mark.second
 def test_second_order():
     ends = []
     for steps in (96, 144, 216, 324):

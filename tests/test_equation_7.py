@@ -123,6 +123,7 @@ def test_elastic_block_thrown_at_a_wall(law, theta, path):
     check(*both(law, theta, path))
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("path", PATHS, ids=", ".join)
 @pytest.mark.parametrize("law, theta", [("printed", 0.5), ("gap", 1.0), ("velocity", 0.5)])
 def test_neo_hookean_block_thrown_at_a_wall(law, theta, path):
@@ -131,6 +132,7 @@ def test_neo_hookean_block_thrown_at_a_wall(law, theta, path):
     check(*both(law, theta, path, material="neo-Hookean"), tolerance)
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("path", PATHS, ids=", ".join)
 @pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
 def test_in_space(cell, path):

@@ -82,6 +82,7 @@ def slab(width: float) -> ElasticSolid:
     )
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("seed", range(1, 10))
 def test_nothing_passes_through_a_thin_solid(seed):
     """Straight or aslant, narrower than the body or wider, by any law."""

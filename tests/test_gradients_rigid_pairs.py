@@ -261,6 +261,7 @@ SLOW = dict.fromkeys(("tilted", "pressed", "in space"), pytest.mark.second)
 SOLVED_AGAIN = {"thrown": 0, "sliding": 0, "tilted": 1, "pressed": 1, "in space": 1}
 
 
+@pytest.mark.second
 @pytest.mark.parametrize(
     ("name", "scene"),
     [
@@ -324,6 +325,7 @@ def test_adjoints_are_tangents(name):
         assert np.abs(off).max() <= 1e-10 * most, each
 
 
+@pytest.mark.second
 def test_a_turning_box_on_a_rigid_slab_has_no_derivative():
     """How four corners share its weight is not unique."""
     up = RigidSolid(

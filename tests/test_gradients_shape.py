@@ -228,6 +228,7 @@ def centre(scene):
     }
 
 
+@pytest.mark.second
 @pytest.mark.parametrize(
     ("formulation", "theta"), [("velocity", 0.5), pytest.param("gap", 1.0, marks=LONG)]
 )

@@ -77,6 +77,7 @@ def mass_of(scene):
 # -- formulas --
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("scene", [{}, {"locate_impacts": True}])
 def test_a_cube_launched_along_the_floor(scene):
     """0.1 m, 6 m/s, friction 0.5: d(distance)/dmu = -v²/(2 mu² g). The distance of n steps and the

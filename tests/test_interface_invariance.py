@@ -72,11 +72,13 @@ def test_turned(name, dim):
     same(slide(name, dim, turn=0.4), slide(name, dim))
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("name", LAWS)
 def test_in_space(name):
     same(slide(name, 3), slide(name, 2))
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize(
     ("solver", "geometry"),

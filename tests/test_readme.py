@@ -69,6 +69,7 @@ def test_snippet(snippet, tmp_path):
     assert "stopped" not in said
 
 
+@pytest.mark.second
 def test_a_wheel_holds_the_package_and_what_comes_along(tmp_path):
     """Built without the network, unpacked where nothing else is."""
     pytest.importorskip("wheel")

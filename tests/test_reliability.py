@@ -248,6 +248,7 @@ def test_what_a_process_has_compiled_is_not_sought_again(monkeypatch):
     assert counts[0] == counts[1] > 5
 
 
+@pytest.mark.second
 def test_a_form_that_a_killed_run_left_half_compiled(tmp_path):
     """A later run would wait for it, and give up; it is compiled anew once it is old."""
     code = (

@@ -181,6 +181,7 @@ def double(x):
     return 2 * x
 
 
+@pytest.mark.second
 def test_workers_outlive_errors_deaths_and_time_limits(monkeypatch):
     monkeypatch.setenv("PYTHONPATH", os.path.dirname(__file__), prepend=os.pathsep)
     calls = [(double, (x,)) for x in (0, 1, 2, 4, 3, 5)]
@@ -190,6 +191,7 @@ def test_workers_outlive_errors_deaths_and_time_limits(monkeypatch):
     assert results[4] == "time limit of 1 s passed"
 
 
+@pytest.mark.second
 def test_maps_are_resumed(tmp_path):
     chart = Map(
         "slope",

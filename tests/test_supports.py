@@ -361,6 +361,7 @@ def test_the_stretch_across_leaves_no_stress_there(nu):
         assert abs(left) < 1e-13 * (mu * stretch**2 + lmbda)
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("scheme", [None, EnergyMomentum()])
 def test_a_free_membrane_in_plane_stress_keeps_its_energy(scheme):
     """It spins and breathes."""
@@ -583,6 +584,7 @@ def test_small_motions_of_revolution_are_those_of_the_linear_solid():
     np.testing.assert_allclose(ends[1], ends[0], rtol=0, atol=1e-3 * np.abs(ends[0]).max())
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("law", ["velocity", "gap"])
 def test_energy_of_revolution_through_an_impact(law):
     """EnergyMomentum keeps it in large motion, exactly where the energy is quadratic in C; on a

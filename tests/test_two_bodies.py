@@ -204,6 +204,7 @@ def collision(kinds, law, friction, theta=0.5, **scene):
     return Scene([upper, lower], [contact], ThetaScheme(theta), **scene)
 
 
+@pytest.mark.second
 @pytest.mark.parametrize("law", ["velocity", "gap"])
 @pytest.mark.parametrize("kinds", PAIRS)
 def test_momentum_is_exchanged(kinds, law):

@@ -30,6 +30,7 @@ class LinearSystem(Protocol):
     held: bool
     force: np.ndarray
     rows: list[np.ndarray]
+    added: np.ndarray | None
 
     @property
     def size(self) -> int: ...
@@ -65,13 +66,18 @@ class FrozenContact(Statuses):
         and what is dragged by more than friction bears slips. Where nothing else holds them that is
         the only start that knows of all contacts at once, those between solids that would fall
         alike among them. Springs have no multipliers to say so; they bear where they are."""
+        added = [np.empty(0)]
         for part in self.parts:
             n, m = len(part.active_places), len(part.equations.candidates)
-            values = np.zeros(part.multipliers)
-            values[:m] = -part.scales()[0][n:][:m] / sqrt(np.finfo(float).eps)  # whatever gaps say
-            part.move(np.concatenate([np.zeros(n), values - part.active_values()[n:]]))
+            scales, values = part.scales()[0][n:], np.zeros(part.multipliers)
+            values[:m] = -scales[:m] / sqrt(np.finfo(float).eps)  # whatever gaps say
+            change = values - part.active_values()[n:]
+            part.move(np.concatenate([np.zeros(n), change]))
+            added.append(change / scales)
         self._see()
+        self._system.added = np.concatenate(added)
         self.iterate()
+        self._system.added = None
 
     def iterate(self, enough: float = 0.0) -> bool:
         """One Newton step, with multipliers held as far as the function falls; False where the

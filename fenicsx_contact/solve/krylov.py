@@ -111,6 +111,12 @@ class Krylov(Monolithic):
         A = self._solids.plus(petsc_matrix(own, self.comm), at)
         x, b = A.createVecs()
         b.setArray(residual)
+        start = np.zeros(n + m)
+        if self.added is not None:  # a share of what they make of b would be more than all else
+            start[n:] = self.added[surface.multipliers]
+            x.setArray(start)
+            b.axpy(-1.0, A * x)
+            x.set(0.0)
         assert self._multigrid is not None
         through = ThroughSprings(
             self._multigrid,
@@ -127,7 +133,7 @@ class Krylov(Monolithic):
             count += more_count
         self.counts.append(count)
         self._before = 0.0 if self.frozen else max(self._errors)
-        local = x.array_r.copy()
+        local = start + x.array_r
         through.free()
         for thing in (A, x, b):
             thing.destroy()

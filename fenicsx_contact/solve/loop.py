@@ -145,15 +145,14 @@ class StepSolver:
             speed = scale_of(self._speed(step))
             self._all.set_scale(step, speed)
             return speed
-        free = self.system.free() if dense else self._all.free()
-        if first:
-            for contact, part in zip(self._all.contacts, self._all.parts):
-                contact.screen(free[part], step)
+        free, contacts = self.system.free(), self._all.contacts
+        new = [(c, free[part]) for c, part in zip(contacts, self._all.parts)] if first else []
+        for contact, velocities in new:
+            contact.screen(velocities, step)
         speed = scale_of(max(self._all.fastest(free), SLOW * self._pushed))
         self._all.set_scale(step, speed)
-        if first:
-            for contact, part in zip(self._all.contacts, self._all.parts):
-                contact.start(free[part])
+        for contact, velocities in new:
+            contact.start(velocities)
         return speed
 
     def _settle(self, step: Step, first: bool) -> Solution:

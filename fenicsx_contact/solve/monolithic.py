@@ -34,6 +34,8 @@ class Monolithic(ABC):
         frozen: whether solids and geometry stay as they were linearised.
         held: whether the multipliers stay.
         rows: scaled residuals of the multipliers, contact by contact.
+        added: scaled multipliers, far larger than what they stand for, that were added to tell
+            statuses and that the next solution takes away again; None: none.
     """
 
     near = np.inf
@@ -50,6 +52,7 @@ class Monolithic(ABC):
         self._weakly = np.zeros(len(self.solids), dtype=bool)  # held by weak springs
         self._hyperstatic = any(solid.shiftable for solid in self.solids)
         self._yielding = Yielding()
+        self.added: np.ndarray | None = None
         self.restart()
 
     def restart(self) -> None:
@@ -57,6 +60,10 @@ class Monolithic(ABC):
         self._softness, self.held = COMPLIANCE, False
         self._yielding.restart()
         self.frozen = False
+
+    def free(self) -> np.ndarray:
+        """Velocities of all points without contact, flat, of rigid solids."""
+        return self.assembly.free()
 
     def begin(self, step: Step) -> tuple[float, np.ndarray]:
         """Residual of the present state: its largest relative error, and the forces on all points

@@ -67,7 +67,6 @@ def test_impacts_of_a_pair_are_located(kinds, friction):
     assert np.diff(energy).max() < 1e-3 * energy[0]
 
 
-@pytest.mark.open  # where slips turn round Newton's method goes round in one step of 37
 @pytest.mark.parametrize("master", [RigidSolid, ElasticSolid])
 def test_slips_that_turn_round_need_newtons_method_alone(master):
     assert not thrown((ElasticSolid, master), friction=0.3).run(0.03, DT, progress=False).remarks

@@ -57,7 +57,7 @@ class FrozenContact(Statuses):
         super().__init__(system.parts, [contact.name for contact in system.assembly.contacts])
         self.worst = np.inf
         self.size = system.size
-        self._start: tuple[list[np.ndarray], list[np.ndarray]] | None = None
+        self._start: list[np.ndarray] | None = None
         self._convex = True
         self._see()
 
@@ -93,6 +93,22 @@ class FrozenContact(Statuses):
         if system.held:
             self._search(old)
         return True
+
+    def state(self) -> list[np.ndarray]:
+        """Velocities of the solids, then the unknowns of the contacts."""
+        velocities = [solid.trial_velocity.copy() for solid in self._system.solids]
+        return velocities + [part.equations.values for part in self.parts]
+
+    def go_back(self, state: list[np.ndarray], share: float = 1.0) -> None:
+        """Return to what :meth:`state` was, or only a share of the way."""
+        solids = self._system.solids
+        for solid, old in zip(solids, state):
+            now = solid.trial_velocity
+            solid.go(now + share * (old - now), self._step)
+        for part, old in zip(self.parts, state[len(solids) :]):
+            now = part.equations.values
+            part.equations.values = now + share * (old - now)
+        self._see()
 
     def _search(self, old: list[np.ndarray]) -> None:
         """Go from the old velocities towards the present ones, and beyond, as far as the function
@@ -150,8 +166,7 @@ class FrozenContact(Statuses):
         0: let the multipliers be what these then bear."""
         system = self._system
         if not self._start:
-            velocities = [solid.trial_velocity.copy() for solid in system.solids]
-            self._start = velocities, [part.equations.values for part in self.parts]
+            self._start = self.state()
         for part in self.parts:
             if system.held:
                 part.equations.project_multipliers()
@@ -162,10 +177,7 @@ class FrozenContact(Statuses):
     def begin_again(self) -> bool:
         """Go back to where the springs came, if there is a function that is least somewhere."""
         if self._start and self._convex:
-            for solid, velocity in zip(self._system.solids, self._start[0]):
-                solid.go(velocity, self._step)
-            for part, values in zip(self.parts, self._start[1]):
-                part.equations.values = values
+            self.go_back(self._start)
         return self._convex
 
     def stall(self) -> str:

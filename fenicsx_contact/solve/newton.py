@@ -27,6 +27,8 @@ class ContactProblem(Softened, Protocol):
     size: int
 
     def iterate(self, enough: float = 0.0) -> bool: ...
+    def state(self) -> list[np.ndarray]: ...
+    def go_back(self, state: list[np.ndarray], share: float = 1.0) -> None: ...
     def remember(self) -> np.ndarray: ...
     def flips(self) -> str: ...
     def stall(self) -> str: ...
@@ -48,12 +50,14 @@ class Newton:
     """Settings of the Newton loop.
 
     Convergence is judged on the scaled residual of every row. When statuses come back that were
-    there before (ping-pong), the method of multipliers takes over.
+    there before (ping-pong), steps are damped; where that fails the method of multipliers takes
+    over.
 
     Args:
         tolerance: on the largest scaled residual of any row, and where solids, geometry and
             contact are solved together on the momentum balances.
-        max_iterations: before the method of multipliers takes over.
+        max_iterations: before steps are damped, and again before the method of multipliers takes
+            over.
     """
 
     tolerance: float = 1e-10
@@ -75,12 +79,16 @@ class Newton:
         """
         if not system.size:
             return Solution(system.force(), 0)
+        start = system.state()
         iterations, rough = self._iterate(system)
         if system.worst <= rough:
             return Solution(system.force(), iterations, system.worst)
         if hopeless and (reason := hopeless()):
             raise NotConverged(reason)
         remark = system.flips()
+        iterations += self._damped(system, start)
+        if system.worst <= self.tolerance:
+            return Solution(system.force(), iterations, system.worst)
         steps = method_of_multipliers(system, self.tolerance)
         remark += f"; method of multipliers took over, {steps} steps"
         if not system.worst <= self.tolerance:  # NaN is not
@@ -111,3 +119,26 @@ class Newton:
             seen[key] = error
             last = key
         return self.max_iterations, self.tolerance
+
+    def _damped(self, system: ContactProblem, start: list[np.ndarray]) -> int:
+        """Newton steps from there, each halved until the error falls; how many. The rows are smooth
+        in pieces (stick, slip, open, a slip that turns round): along a step the error falls with
+        the way, up to the end of the piece that it begins in. A full step may leap over the piece
+        in which the solution is, back and forth between its neighbours; one cut short ends in it.
+        From where full steps ended, far from any solution, they would be cut to nothing."""
+        system.go_back(start)
+        error = system.error()
+        if not np.isfinite(error):  # nothing that could fall
+            return 0
+        for iteration in range(1, self.max_iterations + 1):
+            before = system.state()
+            if not system.iterate(self.tolerance):
+                return iteration
+            for _ in range(np.finfo(float).nmant):  # halvings to round-off
+                if system.error() < error:
+                    break
+                system.go_back(before, 0.5)
+            error = system.error()
+            if error <= self.tolerance:
+                return iteration
+        return self.max_iterations

@@ -159,13 +159,21 @@ class SurfaceSystem(Statuses):
         self._compliance = self._yielding.compliance
         if not first:
             return self._iterate()
-        values = [part.active_values() for part in self.parts]
+        state = self.state()
         if self._iterate() and self.error() <= before:
             return True
-        for part, old in zip(self.parts, values):
-            part.move(old - part.active_values())
-        self.update()
+        self.go_back(state)
         return before <= enough or self.iterate()
+
+    def state(self) -> list[np.ndarray]:
+        """The active unknowns of the contacts."""
+        return [part.active_values() for part in self.parts]
+
+    def go_back(self, state: list[np.ndarray], share: float = 1.0) -> None:
+        """Return to what :meth:`state` was, or only a share of the way."""
+        for part, old in zip(self.parts, state):
+            part.move(share * (old - part.active_values()))
+        self.update()
 
     def _iterate(self) -> bool:
         points = self._many and not self._centre.size

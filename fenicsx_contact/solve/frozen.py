@@ -28,6 +28,7 @@ class LinearSystem(Protocol):
     comm: MPI.Comm
     frozen: bool
     held: bool
+    hyperstatic: bool
     force: np.ndarray
     rows: list[np.ndarray]
     added: np.ndarray | None
@@ -56,7 +57,7 @@ class FrozenContact(Statuses):
         self._system, self._step = system, step
         super().__init__(system.parts, [contact.name for contact in system.assembly.contacts])
         self.worst = np.inf
-        self.size = system.size
+        self.size, self.hyperstatic = system.size, system.hyperstatic
         self._start: list[np.ndarray] | None = None
         self._convex = True
         self._see()

@@ -50,7 +50,7 @@ class Monolithic(ABC):
         self._traces = [numbered_traces(c, self.solids) for c in assembly.contacts]
         self._solid_rows = SolidRows(self.solids, self.places, self.comm)
         self._weakly = np.zeros(len(self.solids), dtype=bool)  # held by weak springs
-        self._hyperstatic = any(solid.shiftable for solid in self.solids)
+        self.hyperstatic = assembly.hyperstatic
         self._yielding = Yielding()
         self.added: np.ndarray | None = None
         self.restart()
@@ -89,7 +89,7 @@ class Monolithic(ABC):
 
     def iterate(self, step: Step) -> bool:
         """Solve, and move the solids; False if the system is singular."""
-        if self._hyperstatic and not self.held:
+        if self.hyperstatic and not self.held:
             self._yielding.next(max(largest(rows) for rows in self.rows))
             self._softness = self._yielding.compliance
         changes, multipliers = self._change()

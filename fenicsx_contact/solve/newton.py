@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -22,9 +22,11 @@ class ContactProblem(Softened, Protocol):
 
     Attributes:
         size: number of its unknowns; 0: nothing may touch.
+        hyperstatic: whether there may be more forces than the motion determines.
     """
 
     size: int
+    hyperstatic: bool
 
     def iterate(self, enough: float = 0.0) -> bool: ...
     def state(self) -> list[np.ndarray]: ...
@@ -50,14 +52,13 @@ class Newton:
     """Settings of the Newton loop.
 
     Convergence is judged on the scaled residual of every row. When statuses come back that were
-    there before (ping-pong), steps are damped; where that fails the method of multipliers takes
-    over.
+    there before (ping-pong), steps are damped, or the method of multipliers takes over; where one
+    fails, the other.
 
     Args:
         tolerance: on the largest scaled residual of any row, and where solids, geometry and
             contact are solved together on the momentum balances.
-        max_iterations: before steps are damped, and again before the method of multipliers takes
-            over.
+        max_iterations: of full steps, and again of damped ones.
     """
 
     tolerance: float = 1e-10
@@ -86,14 +87,32 @@ class Newton:
         if hopeless and (reason := hopeless()):
             raise NotConverged(reason)
         remark = system.flips()
-        iterations += self._damped(system, start)
-        if system.worst <= self.tolerance:
-            return Solution(system.force(), iterations, system.worst)
-        steps = method_of_multipliers(system, self.tolerance)
-        remark += f"; method of multipliers took over, {steps} steps"
-        if not system.worst <= self.tolerance:  # NaN is not
-            raise NotConverged(f"{system.stall()}; {remark}")
-        return Solution(system.force(), iterations + steps, system.worst, [remark])
+        for way in self._other_ways(system, start):
+            steps, note = way()
+            iterations, remark = iterations + steps, remark + note
+            if system.worst <= self.tolerance:  # NaN is not
+                return Solution(system.force(), iterations, system.worst, [remark] * bool(note))
+        raise NotConverged(f"{system.stall()}; {remark}")
+
+    def _other_ways(
+        self, system: ContactProblem, start: list[np.ndarray]
+    ) -> Iterator[Callable[[], tuple[int, str]]]:
+        """Ways on from where full steps cycle: steps taken, and what is to be remarked. Of forces
+        that are not the only ones possible, on rigid solids, the method of multipliers finds such
+        as are near; damped ones may leave points at their bounds that push against each other."""
+
+        def multiply() -> tuple[int, str]:
+            steps = method_of_multipliers(system, self.tolerance)
+            return steps, f"; method of multipliers took over, {steps} steps"
+
+        def damp() -> tuple[int, str]:
+            end = system.state()
+            steps = self._damped(system, start)
+            if not system.worst <= self.tolerance:
+                system.go_back(end)
+            return steps, ""
+
+        return iter((multiply, damp) if system.hyperstatic else (damp, multiply))
 
     def _iterate(self, system: ContactProblem) -> tuple[int, float]:
         """Newton steps until converged, or until the statuses cycle; how many, and the error to be
@@ -134,11 +153,13 @@ class Newton:
             before = system.state()
             if not system.iterate(self.tolerance):
                 return iteration
-            for _ in range(np.finfo(float).nmant):  # halvings to round-off
-                if system.error() < error:
-                    break
+            halvings = 0
+            while not system.error() < error:
+                if halvings == np.finfo(float).nmant:  # it falls no more
+                    return iteration
                 system.go_back(before, 0.5)
+                halvings += 1
             error = system.error()
-            if error <= self.tolerance:
+            if error <= self.tolerance and not halvings:  # a whole step ends on the solution
                 return iteration
         return self.max_iterations

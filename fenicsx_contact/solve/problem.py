@@ -45,11 +45,16 @@ class Assembly:
         self._made: _Made = np.empty(0), [], np.empty((0, 0))
         self.slices = _slices(trace.jump(s.velocity).size for s, trace in self.sides)
 
+    @property
+    def hyperstatic(self) -> bool:
+        """Whether a contact is between rigid bodies only: it has more points than these freedoms,
+        and forces that the motion does not determine."""
+        return any(all(solid.shiftable for solid in c.solids) for c in self.contacts)
+
     def surface_system(self) -> SurfaceSystem:
         """The surface problem of the contacts."""
-        hyperstatic = any(solid.shiftable for solid in self.solids)
-        contacts = self.contacts
-        return SurfaceSystem([c.part for c in contacts], [c.name for c in contacts], hyperstatic)
+        parts, names = [c.part for c in self.contacts], [c.name for c in self.contacts]
+        return SurfaceSystem(parts, names, self.hyperstatic)
 
     def free(self) -> np.ndarray:
         """Velocities of all points at the end of the step without contact, flat."""

@@ -38,7 +38,7 @@ class SurfaceSystem(Statuses):
 
     Args:
         parts, names: of the contacts.
-        hyperstatic: whether solids may have fewer unknowns than points: W is singular then.
+        hyperstatic: whether W may be singular: some points are of rigid bodies alone.
 
     Attributes:
         parts, names: of the contacts.
@@ -49,7 +49,7 @@ class SurfaceSystem(Statuses):
     def __init__(self, parts: Sequence[Part], names: Sequence[str], hyperstatic: bool) -> None:
         self._by_points = ByPoints()
         super().__init__(parts, names)
-        self._hyperstatic = hyperstatic
+        self.hyperstatic = hyperstatic
         self._total = sum(p.places for p in self.parts)
         self._revision = -1
         self._sizes = np.empty(0), np.empty(0)
@@ -70,7 +70,7 @@ class SurfaceSystem(Statuses):
 
     def begin(self, free: np.ndarray, compliance: np.ndarray) -> None:
         """Take up the free velocities (flat) and W of the active points, after `arrange`."""
-        few = self._hyperstatic or self.size <= MANY[0]
+        few = self.hyperstatic or self.size <= MANY[0]
         self._many = not few and self.size > MANY[self._renewed(compliance)]
         self.W, self.free = compliance, free
         self.worst = 0.0
@@ -152,7 +152,7 @@ class SurfaceSystem(Statuses):
         """One Newton step; False where the tangent is singular. A first one of a hyperstatic
         contact that makes the error worse is taken back, and another made if it was more than
         ``enough``."""
-        if not self._hyperstatic or self._centre.size:
+        if not self.hyperstatic or self._centre.size:
             return self._iterate()
         first, before = self._yielding.first, self.worst
         self._yielding.next(before)

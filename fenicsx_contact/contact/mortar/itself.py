@@ -58,8 +58,3 @@ class Itself:
         before = (arm * self._normals[facet]).sum(axis=1)
         wall = (before < 0) & (away <= WALL * before)
         return (self._rank[facet] < self._rank[other]) & ~wall
-
-
-def any_other(facet: np.ndarray, other: np.ndarray, away: np.ndarray) -> np.ndarray:
-    """Facets of two surfaces may meet, whichever and however far."""
-    return np.ones(len(facet), dtype=bool)

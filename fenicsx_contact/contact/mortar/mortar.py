@@ -30,7 +30,6 @@ import numpy as np
 from mpi4py import MPI
 
 from .integration import Lines, whole
-from .itself import Itself, any_other
 from .matrices import DENSE, Matrix, add_up, along, by_component, by_point, gather
 from .overlaps import Overlaps
 from .pieces import Brink, Pieces
@@ -39,6 +38,7 @@ from .shares import Shares
 from .side import Side
 from .small import extremes, inverted
 from .stance import Stance
+from .walls import admission
 
 #: A node with less than this share of its area paired has no partner.
 COVERED = 1e-4
@@ -79,7 +79,7 @@ class Pairing:
         self.dense = (self.total * slave.dim) ** 2 <= DENSE
         self._sizes = np.zeros(self.n)  # of the largest facet at each node
         np.maximum.at(self._sizes, slave.corners, slave.sizes[:, None])
-        admits = Itself(slave) if master is slave else any_other
+        admits = admission(slave, master)
         self.shared = Shares(slave, comm)
         self._common = (
             Lines(slave, master, admits)

@@ -13,12 +13,12 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.constants import SAME, SHARP
-from .itself import Itself, any_other
 from .partners import EDGE, FACING, intersect, inverses
 from .ridges import Ridges
 from .search import FACETS, Near, Spheres, first_of_each, in_tubes
 from .side import Side, unit_and_length
 from .stance import Stance
+from .walls import admission
 
 
 def edges(side: Side) -> np.ndarray:
@@ -57,7 +57,7 @@ class Standing:
         self._edges, self._rivals = edges(slave), edges(master)[:, 0] >= 0
         self._facets = np.flatnonzero((self._edges[slave.corners, 0] >= 0).any(axis=1))
         self._none, self._slave, self._master = Stance.none(slave), slave.flat, master.flat
-        self._itself, self._near = Itself(slave) if slave is master else any_other, Near()
+        self._admits, self._near = admission(slave, master), Near()
 
     def find(self, places: np.ndarray, way: float, bears: np.ndarray) -> Stance:
         """On which facets of the master the slave's stand.
@@ -82,7 +82,7 @@ class Standing:
         length = np.sqrt((normal**2).sum(axis=1))
         faces = (unit[facet] * normal[other]).sum(axis=1) < FACING * length[other]
         away = ((theirs.middles[other] - mine.middles[facet]) * unit[facet]).sum(axis=1)
-        faces &= self._itself(asked[facet], other, away)
+        faces &= self._admits(asked[facet], other, away)
         facet, other = facet[faces], other[faces]
 
         # how high its corners are above the other side, the nearest of it

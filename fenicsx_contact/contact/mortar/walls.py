@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Which facets of two surfaces may meet: not those on the far sides of the two bodies.
+
+Where the whole skins of two bodies are named, a ray from the far side of one goes through it and on
+through the other, and what it meets last faces it, as deep behind it as both are thick. The near
+sides would have to overlap as deep as the walls are thick together for that to be a penetration.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .itself import WALL, Admits, Itself
+from .partners import EDGE, FACING, intersect
+from .search import Near, Spheres, candidates
+from .side import Side, unit_and_length
+
+#: Cost: what is behind a facet by less than this share of its size is there, and no far side.
+DEEP = 0.01
+
+
+def admission(slave: Side, master: Side) -> Admits:
+    """The rule of these two sides, or of the same one twice."""
+    return Itself(slave) if slave is master else Others(slave, master)
+
+
+class Others:
+    """Says of facets of two sides, one of each, whether they may touch.
+
+    Args:
+        slave, master: the sides.
+    """
+
+    def __init__(self, slave: Side, master: Side) -> None:
+        self._sizes = slave.sizes
+        self._walls = _Walls(slave), _Walls(master)
+
+    def __call__(self, facet: np.ndarray, other: np.ndarray, away: np.ndarray) -> np.ndarray:
+        """Whether facets (q,) may meet others ``away`` [m] along their normals, (q,) of bool."""
+        may = np.ones(len(facet), dtype=bool)
+        deep = np.flatnonzero(away < -DEEP * self._sizes[facet])
+        if len(deep):
+            mine, theirs = (wall(f[deep]) for wall, f in zip(self._walls, (facet, other)))
+            may[deep] = -away[deep] <= WALL * (mine + theirs)
+        return may
+
+
+class _Walls:
+    """How far behind the facets of a side another of its own ends the undeformed body."""
+
+    def __init__(self, side: Side) -> None:
+        self._side = side.flat
+        self._thickness = np.full(len(side.cells), np.nan)  # of those asked for
+
+    def __call__(self, facet: np.ndarray) -> np.ndarray:
+        """Of facets (q,), in m, infinite where no other is named."""
+        new = np.unique(facet[np.isnan(self._thickness[facet])])
+        if len(new):
+            self._thickness[new] = self._seek(new)
+        return self._thickness[facet]
+
+    def _seek(self, asked: np.ndarray) -> np.ndarray:
+        side, nodes = self._side, self._side.nodes
+        every = np.arange(len(side.cells))
+        unit, _ = unit_and_length(side.normal(side.middle_tangents(nodes), every))
+        facets = Spheres.around(nodes[side.cells])
+        mine = Spheres(facets.middles[asked], facets.radii[asked])
+        far = np.full(len(asked), np.ptp(nodes, axis=0).sum())
+        bundle = np.arange(len(asked))
+        ray, other = candidates(mine.middles, unit[asked], bundle, far, mine, facets, Near())
+        xi, alpha, *_ = intersect(mine.middles[ray], unit[asked][ray], side, nodes, other)
+        ends = (unit[asked][ray] * unit[other]).sum(axis=1) < FACING
+        ends &= side.holds(xi, EDGE) & (alpha < 0)
+        thickness = np.full(len(asked), np.inf)
+        np.minimum.at(thickness, ray[ends], -alpha[ends])
+        return thickness

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Bodies whose whole skins may meet: far sides do not face each other through both bodies."""
+
+import numpy as np
+import pytest
+from scenes import box, rectangle
+
+from fenicsx_contact import Contact, InputError, RigidSolid, Scene, name_facets
+from fenicsx_contact.contact.mortar.walls import Others
+
+SIZE = 0.08
+
+
+def skinned(dim, left, velocity=0.0):
+    """A rigid box of one cell, all of its facets named."""
+    make = rectangle if dim == 2 else box
+    mesh = make((1,) * dim, (SIZE,) * dim).mesh
+    mesh.geometry.x[:, 0] += left - mesh.geometry.x[:, 0].min()
+    skin = name_facets(mesh, {"skin": lambda x: np.ones(x.shape[1], dtype=bool)})
+    way = (velocity,) + (0.0,) * (dim - 1)
+    return RigidSolid(skin, density=1000.0, velocity=way, name=f"at {left:g}")
+
+
+def pair(dim, gap, velocity=0.0):
+    one, other = skinned(dim, 0.0, velocity), skinned(dim, SIZE + gap)
+    return Scene([one, other], [Contact(one, "skin", (other, "skin"), friction=0.3)])
+
+
+@pytest.mark.parametrize("gap", [1e-6, 0.1, 0.9])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_boxes_side_by_side_leave_each_other_alone(dim, gap):
+    scene = pair(dim, gap * SIZE)
+    (contact,) = scene.contacts
+    assert contact.gap.max() == pytest.approx(-gap * SIZE, rel=1e-9)
+    history = scene.run(0.01, 1e-3, progress=False)
+    assert history.finished
+    assert not np.abs(contact.force).any() and not history["kinetic"].any()
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_boxes_meet_face_to_face(dim):
+    """Without rebound they go on together, at half of the speed."""
+    scene = pair(dim, 0.25 * SIZE, velocity=1.0)
+    assert scene.run(0.05, 1e-3, progress=False).finished
+    for solid in scene.solids:
+        assert solid.velocity[0] == pytest.approx(0.5, rel=1e-12)
+        np.testing.assert_allclose(solid.velocity[1:], 0.0, atol=1e-12)
+    assert abs(scene.contacts[0].gap.max()) < 1e-12
+
+
+def test_boxes_inside_each_other_are_refused():
+    with pytest.raises(InputError, match="inside its master"):
+        pair(2, -0.3 * SIZE)
+
+
+def test_walls_are_as_thick_as_both_bodies():
+    """What is nearer than the middle of the walls is a penetration."""
+    scene = pair(2, 0.1)
+    pairing = scene.contacts[0].coupling.pairing
+    admits = Others(pairing.slave, pairing.master)
+    away = np.array([1.0, -0.99 * SIZE, -1.01 * SIZE])
+    for facet in range(4):
+        where = np.full(3, facet), np.full(3, facet)
+        assert admits(*where, away).tolist() == [True, True, False]

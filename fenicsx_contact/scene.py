@@ -19,7 +19,8 @@ from .solve.newton import Newton
 from .solve.statics import refuse_free, stands
 from .steps.impacts import LocatedImpacts, UniformImpacts
 from .steps.run import run
-from .steps.step import Stepper, StepTaker
+from .steps.step import Stepper
+from .steps.taker import StepTaker
 from .theory.theta import Scheme, ThetaScheme
 
 
@@ -196,8 +197,6 @@ class Scene:
         """
         self.remarks, stepper = [], stepper or self.stepper
         yield from self._impacts.cross(stepper, dt, self.remarks)
-
-    # -- whole runs -----------------------------------------------------------------------------
 
     def run(
         self,

@@ -112,7 +112,7 @@ class Contact(SurfaceResults):
         self.resolution, self.moved = 0.0, 1.0
         self._told: Step | None = None  # the step of whose start the equations know
         self._set_normal(self.coupling.normals())
-        self._locate()
+        self.locate()
 
     def _couple(self, other: Master) -> Coupling:
         return couple(self.solid, self.facets, self.equations, other, self.formulation)
@@ -125,7 +125,7 @@ class Contact(SurfaceResults):
         breadth = plane.breadth if plane and plane.revolution else None
         return Surface(*facets, degree if middles else 1, twins, breadth)
 
-    def _locate(self) -> None:
+    def locate(self) -> None:
         """Gap (n,) and jump (n, d) at the start of a step."""
         self.gap, self.jump = self.coupling.gaps(), self.coupling.jump("velocity")
         self._start()
@@ -142,7 +142,7 @@ class Contact(SurfaceResults):
         """Take up what the other side does in the step, from the state at its start."""
         self.coupling.begin(step)
         if self.coupling.stand(self.status > 0, step):
-            self._locate()
+            self.locate()
 
     def predict(self, step: Step, closing: bool = True) -> None:
         """Follow the solids' prediction of the begun step; what may be its candidates: points that
@@ -296,5 +296,5 @@ class Contact(SurfaceResults):
         self.memory.restore(state)
         self._scales.restore(state)
         self.coupling.restore(state)
-        self._locate()
+        self.locate()
         self.equations.fields.set_tangent(np.array(state["tangent"]))

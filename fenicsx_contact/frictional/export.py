@@ -88,7 +88,7 @@ def _problem(scene: Scene, step: Step) -> FrictionalProblem:
     system = scene.stepper.surfaces
     dim = scene.solids[0].dim
     rows, offsets, mu, frames, points = [], [], [], [], {}
-    for contact in scene.contacts:
+    for contact in scene.stepper.contacts:
         e = contact.equations
         bearing = e.weight[e.candidates] > 0  # others face nothing: no force acts there
         normal = contact.normal[e.candidates][bearing]

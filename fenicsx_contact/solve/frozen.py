@@ -151,12 +151,15 @@ class FrozenContact(Statuses):
         system.assemble()
 
     def error(self) -> float:
-        """The largest error of any row; of the momentum balances relative to their terms."""
+        """The largest error of any row; of the momentum balances relative to their terms, of a
+        rigid body at rest to what stops it at the typical speed."""
         system = self._system
         rows = [largest(r) for r in system.rows]
         momentum = [0.0]
         for solid in system.solids:
             left, size = solid.linear_residual(), solid.load_size()
+            if solid.shiftable:
+                size = max(size, system.assembly.stopping_force(solid))
             momentum.append(largest(left) / (size or 1.0))
         errors = system.comm.allreduce(max(momentum), op=MPI.MAX)
         self.worst = max([errors, *rows])

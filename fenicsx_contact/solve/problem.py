@@ -118,8 +118,13 @@ class Assembly:
     def noise(self, solid: Solid | None = None) -> float:
         """Forces [N] of contacts of the solid, or of any, that are none: of points that just touch
         they are the round-off of gaps."""
+        return NOISE * self.stopping_force(solid)
+
+    def stopping_force(self, solid: Solid | None = None) -> float:
+        """The largest force [N] at a point of the solid, or of any, that stops the typical speed
+        within the step."""
         contacts = self.contacts if solid is None else self._of[id(solid)]
-        return NOISE * max((c.equations.stopping_force for c in contacts), default=0.0)
+        return max((c.equations.stopping_force for c in contacts), default=0.0)
 
     def refuse_broken(self) -> None:
         """Raise StepFailed if a solid has no admissible trial state."""

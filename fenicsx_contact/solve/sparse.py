@@ -65,10 +65,13 @@ class Sparse(Monolithic):
 
     def _solve_with(self, contacts: sp.csr_matrix) -> np.ndarray:
         assert self._system is not None
-        matrices = self._solid_rows(*contacts.shape), contacts
-        return self._solid_rows.everywhere(
-            self._system.solve(matrices, self._residual()[self._rows_here])
-        )
+        everywhere, here = self._solid_rows.everywhere, self._rows_here
+        self._system.factor((self._solid_rows(*contacts.shape), contacts))
+        change = everywhere(self._system.solve(self._residual()[here]))
+        if self.hyperstatic and not self.held:  # once corrected for what makes it regular
+            left = np.where(np.arange(self.size) < self.places.size, 0.0, -self._softness * change)
+            change += everywhere(self._system.solve(left[here]))
+        return change
 
     def _residual(self) -> np.ndarray:
         """Scaled residual of all rows; of those of the solids only this process's."""
@@ -171,16 +174,18 @@ class _System:
         room = self._room
         return room.shape == contacts.shape and (room + _pattern(contacts)).nnz == room.nnz
 
-    def solve(self, matrices: Sequence[sp.csr_matrix], right: np.ndarray) -> np.ndarray:
-        """This process's part of the solution with the sum of the matrices, whose rows are this
-        process's; NaN where there is none."""
+    def factor(self, matrices: Sequence[sp.csr_matrix]) -> None:
+        """Take up the sum of the matrices, whose rows are this process's."""
         self._A.zeroEntries()
         for rows in matrices:
             csr = rows.indptr.astype(np.int32), rows.indices.astype(np.int32), rows.data
             self._A.setValuesCSR(*csr, addv=True)
         self._A.assemble()
-        self._b.setArray(right)
         self._solver.refactor()
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """This process's part of the solution; NaN where there is none."""
+        self._b.setArray(right)
         solved = self._solver.solve(self._b, self._x)
         return self._x.array_r.copy() if solved else np.full(len(right), np.nan)
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from ..contact.arrivals import arrival
 from ..theory.theta import Scheme, Step
-from .step import StepTaker
+from .taker import StepTaker
 from .trial import Trial
 
 #: A body comes to rest by infinitely many impacts; after so many in one step the rest of the step

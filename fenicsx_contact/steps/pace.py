@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..base.checks import StepFailed
-from .step import StepTaker
+from .taker import StepTaker
 
 
 class Pace:

@@ -27,7 +27,8 @@ from ..theory.scheme import Scheme
 from .adaptive import AdaptivePace, ErrorControl, StepTooLong
 from .checkpoint import collect, spread
 from .pace import Pace
-from .step import Stepper, StepTaker
+from .step import Stepper
+from .taker import StepTaker
 
 
 class Runnable(Protocol):

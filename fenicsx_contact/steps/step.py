@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from functools import partial
 
 import numpy as np
 
@@ -24,26 +24,12 @@ from ..solve.surface_problem import SurfaceSystem
 from ..theory.theta import Step
 from .certificate import Certificate, certify
 from .hold import hold_gaps
+from .neighbours import Neighbours
 from .trial import Trial
 
 #: Velocities are off by so many times what Newton's method has left, at most: statuses of a
 #: hyperstatic contact share an error out unevenly.
 LOOSE = 10.0
-
-
-class StepTaker(Protocol):
-    """What takes steps: a :class:`Stepper`, or something that judges what one takes."""
-
-    @property
-    def contacts(self) -> Sequence[Contact]: ...
-    @property
-    def time(self) -> float: ...
-    def struck(self, step: Step, touching: bool = False) -> bool: ...
-    def attempt(
-        self, step: Step, closing: bool = True, rates: Sequence[np.ndarray] | None = None
-    ) -> Trial: ...
-    def accept(self, trial: Trial) -> list[float]: ...
-    def mean_accelerations(self, step: Step) -> list[np.ndarray]: ...
 
 
 class Stepper:
@@ -75,12 +61,15 @@ class Stepper:
         solver: str,
         floating: Sequence[DeformableSolid] = (),
     ) -> None:
-        self.solids, self.contacts = list(solids), list(contacts)
-        self._assembly = Assembly(self.solids, self.contacts)
+        self.solids, self._every = list(solids), list(contacts)
         self._tolerance = newton.tolerance
         for solid in floating:
             solid.floating = True
-        self._method = StepSolver(self._assembly, newton, geometry, solver, list(floating))
+        self._solver = partial(
+            StepSolver, newton=newton, geometry=geometry, solver=solver, floating=list(floating)
+        )
+        self._neighbours = Neighbours(self._every)
+        self._arrange()
         self._linear = not any(solid.shiftable for solid in self.solids)
         self._pairs = any(len(contact.solids) > 1 for contact in self.contacts)
         self.times: dict[str, float] = {}
@@ -93,6 +82,12 @@ class Stepper:
         self._begun: Step | None = None
         self._pushed = 0.0  # the largest force at a point so far, N
         self._overlaps = any(c.depth() > c.tolerance for c in self.contacts)
+
+    def _arrange(self) -> None:
+        """Let steps be about the contacts that are awake."""
+        self.contacts = [c for c, awake in zip(self._every, self._neighbours.awake) if awake]
+        self._assembly = Assembly(self.solids, self.contacts)
+        self._method = self._solver(self._assembly)
 
     def attempt(
         self, step: Step, closing: bool = True, rates: Sequence[np.ndarray] | None = None
@@ -108,11 +103,18 @@ class Stepper:
         Raises:
             StepFailed: with the reason; the state is as before.
         """
-        before = [(contact.equations.values, contact.moved) for contact in self.contacts]
+        trial = self._attempt(step, closing, rates)
+        while self._neighbours.met():
+            self._begun = None
+            trial = self._attempt(step, closing, rates)
+        return trial
+
+    def _attempt(self, step: Step, closing: bool, rates: Sequence[np.ndarray] | None) -> Trial:
         clock = Clock(self.times)
+        self._begin(step)
+        self._begun = None  # the prediction is left
+        before = [(contact.equations.values, contact.moved) for contact in self.contacts]
         try:
-            self._begin(step)
-            self._begun = None  # the prediction is left
             for contact in self.contacts:
                 contact.predict(step, closing)
             if rates is not None:
@@ -186,6 +188,8 @@ class Stepper:
         """Predict the solids, and take up what is given in the step, if not done yet."""
         if step is self._begun:
             return
+        if self._neighbours.look(step, bool(self.watchers)):
+            self._arrange()
         for solid in self.solids:
             solid.predict(step)
         for contact in self.contacts:
@@ -229,6 +233,7 @@ class Stepper:
         self.work += (impact, friction, supports + tractions + driven, damped, scheme)
         self.balance += momentum - loads - impact - friction - supports - driven
         self.time += step.dt
+        self._neighbours.accept()
         row = self.row(step.dt, trial.newton, trial.geometry, trial.certificate)
         clock("history")
         return row
@@ -267,12 +272,15 @@ class Stepper:
     def state(self) -> dict[str, np.ndarray]:
         """What a run continues from, beside the solids and contacts."""
         numbers = {"time": self.time, "balance": self.balance, "most": self.most}
-        return {"work": self.work, **{name: np.array(each) for name, each in numbers.items()}}
+        arrays = {name: np.array(each) for name, each in numbers.items()}
+        return {"work": self.work, **arrays, **self._neighbours.state()}
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave; solids and contacts have been restored."""
         self.time, self.balance = float(state["time"]), float(state["balance"])
         self.work, self.most = np.array(state["work"]), float(state["most"])
+        self._neighbours.restore(state)
+        self._arrange()
         self.energies = self.sum_energies()
 
     def sum_energies(self) -> tuple[float, float, float]:
@@ -287,6 +295,6 @@ class Stepper:
         kinetic, strain, potential = self.energies
         row = [self.time, dt, kinetic, strain, potential, *self.work, self.balance]
         row += [certificate, newton, geometry]
-        for contact in self.contacts:
+        for contact in self._every:
             row += [*contact.force.sum(axis=0), *counts(contact), contact.depth()]
         return row

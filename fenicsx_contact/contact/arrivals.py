@@ -28,8 +28,8 @@ def missed(contact: Contact, closing: bool) -> str:
     """Why a step is too long for the contact to see what its points meet, in the trial state of it,
     or nothing: a free point goes through the other side and out again, or one is farther within
     than the surface is large; if none may close (not ``closing``), one that may bear."""
-    if contact.coupling.encloses:
-        return contact.coupling.blocked
+    if (why := contact.coupling.blocked) or contact.coupling.encloses:
+        return why
     gaps = contact.coupling.gaps()
     asked = contact.chosen & (contact.status == 0)
     deepest = contact.coupling.deepest(asked, contact.gap, gaps)

@@ -28,7 +28,7 @@ class Coupling(ABC):
         fixed_normal: whether the normals never change.
         driven: whether the other side moves as it is told.
         encloses: whether it is around the slave, which then passes through no wall.
-        blocked: why the slave cannot go on inside what encloses it, in the followed state, or "".
+        blocked: why the slave cannot go on like that, in the followed state, or "".
         time: of the trial state, s.
         recess: how far the surface has worn back, (n,) in m, or 0.
     """
@@ -39,7 +39,11 @@ class Coupling(ABC):
     fixed_normal: bool
     driven = False
     encloses = False
-    blocked = ""
+
+    @property
+    def blocked(self) -> str:
+        return ""
+
     time = 0.0
     recess: np.ndarray | float = 0.0
 

@@ -156,6 +156,13 @@ class MortarJump(Coupling):
         through[into[:, 0]] = through[pair.slave.corners[out[:, 1]]] = True
         return np.where(through & alone, np.inf, end)
 
+    @property
+    def blocked(self) -> str:
+        places, last = np.stack([self._start, self._end]), len(self.pairing.slave.nodes)
+        if self.pairing.admits.pass_through(places[:, :last], places[:, last:]):
+            return "it goes so far that two bodies might change places unseen"
+        return ""
+
     def swallowed(self, most: float) -> str:
         if self.solids[0] is self.solids[1]:
             return ""

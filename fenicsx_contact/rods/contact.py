@@ -118,7 +118,7 @@ class GuideCoupling(NodalJump):
         return ~self._trace.void
 
     @property
-    def blocked(self) -> str:  # type: ignore[override]
+    def blocked(self) -> str:
         """Where the tip would go into the face of a tube or card, or the rod is too thick."""
         if reason := self.tight:
             return reason

@@ -10,15 +10,23 @@ across the direction. And what a ray meets on the far side of the body's own wal
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 
 from .ridges import smooth_parts
 from .side import Side
 
-#: Says of facets (q,) whether they may meet others (q,) so far away along their normals, (q,) in m.
-Admits = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+
+class Admits(Protocol):
+    """Which facets may meet."""
+
+    def __call__(self, facet: np.ndarray, other: np.ndarray, away: np.ndarray) -> np.ndarray:
+        """Whether facets (q,) may meet others (q,) ``away`` [m] along their normals, (q,)."""
+
+    def pass_through(self, mine: np.ndarray, theirs: np.ndarray) -> bool:
+        """Whether sides that were and are at these places, (2, N, d), may have changed them."""
+
 
 #: What lies so deep in the wall behind a facet, as a share of how deep it was in the undeformed
 #: body, is the far side of the wall, not what went through the facet.
@@ -58,3 +66,7 @@ class Itself:
         before = (arm * self._normals[facet]).sum(axis=1)
         wall = (before < 0) & (away <= WALL * before)
         return (self._rank[facet] < self._rank[other]) & ~wall
+
+    def pass_through(self, mine: np.ndarray, theirs: np.ndarray) -> bool:
+        """Nothing goes through itself as a whole."""
+        return False

@@ -70,6 +70,7 @@ class Pairing:
         shares: psi_i w / a_i at the points, (p, g, corners), and share: 1 / a_i, (n,).
         reach: how far from each node partners were sought, (n,) in m.
         stance: how the slave's facets stand on the master's.
+        admits: which of these may meet.
     """
 
     def __init__(self, slave: Side, master: Side, comm: MPI.Comm = MPI.COMM_SELF) -> None:
@@ -79,7 +80,7 @@ class Pairing:
         self.dense = (self.total * slave.dim) ** 2 <= DENSE
         self._sizes = np.zeros(self.n)  # of the largest facet at each node
         np.maximum.at(self._sizes, slave.corners, slave.sizes[:, None])
-        admits = admission(slave, master)
+        self.admits = admits = admission(slave, master)
         self.shared = Shares(slave, comm)
         self._common = (
             Lines(slave, master, admits)

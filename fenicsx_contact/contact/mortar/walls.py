@@ -4,9 +4,12 @@
 Where the whole skins of two bodies are named, a ray from the far side of one goes through it and on
 through the other, and what it meets last faces it, as deep behind it as both are thick. The near
 sides would have to overlap as deep as the walls are thick together for that to be a penetration.
+Bodies that go so far in one step change places, and all looks well again.
 """
 
 from __future__ import annotations
+
+from functools import cached_property
 
 import numpy as np
 
@@ -44,6 +47,25 @@ class Others:
             may[deep] = -away[deep] <= WALL * (mine + theirs)
         return may
 
+    def pass_through(self, mine: np.ndarray, theirs: np.ndarray) -> bool:
+        """Whether the nodes of the sides may have gone through the other body, and out again.
+
+        Args:
+            mine, theirs: where they were, and where they are, (2, N, d) in m.
+        """
+        ways = [end - start for start, end in (mine, theirs)]
+        low, high = ([of(way, axis=0) for way in ways] for of in (np.min, np.max))
+        farthest = np.linalg.norm(np.maximum(high[0] - low[1], high[1] - low[0]))
+        if farthest <= DEEP * self._sizes.min() or farthest <= WALL * self._thick:
+            return False
+        low, high = ([of(side, axis=(0, 1)) for side in (mine, theirs)] for of in (np.min, np.max))
+        return bool(((low[0] <= high[1]) & (low[1] <= high[0])).all())
+
+    @cached_property
+    def _thick(self) -> float:
+        """Of both bodies together, in the mean of their walls, m."""
+        return sum(wall.mean() for wall in self._walls)
+
 
 class _Walls:
     """How far behind the facets of a side another of its own ends the undeformed body."""
@@ -58,6 +80,12 @@ class _Walls:
         if len(new):
             self._thickness[new] = self._seek(new)
         return self._thickness[facet]
+
+    def mean(self) -> float:
+        """Of all facets that have another behind them, m."""
+        every = self(np.arange(len(self._thickness)))
+        found = every[np.isfinite(every)]
+        return float(found.mean()) if len(found) else np.inf
 
     def _seek(self, asked: np.ndarray) -> np.ndarray:
         side, nodes = self._side, self._side.nodes

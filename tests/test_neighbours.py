@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Pairs of rigid bodies that stay apart sleep, and leaving them out changes nothing."""
+
+import numpy as np
+import pytest
+from scenes import rectangle
+
+from fenicsx_contact import Contact, HalfSpace, RigidSolid, Scene, name_facets
+from fenicsx_contact.steps.neighbours import Neighbours
+
+SIZE = 0.08
+
+
+def moved(x, y, **motion):
+    """A rigid box of which the whole skin may meet others."""
+    mesh = rectangle((1, 1), (SIZE, SIZE)).mesh
+    mesh.geometry.x[:, :2] += (x, y)
+    skin = name_facets(mesh, {"skin": lambda x: np.ones(x.shape[1], dtype=bool)})
+    return RigidSolid(skin, density=1000.0, name=f"at {x:g}, {y:g}", **motion)
+
+
+def heap(n=6, **scene):
+    """Boxes that fall on each other, each of which may meet all others and the floor."""
+    boxes = [
+        moved(
+            0.14 * (i % 2) + 0.01 * i, 0.02 + 0.14 * (i // 2), gravity=(0, -9.81), rotation=0.2 * i
+        )
+        for i in range(n)
+    ]
+    contacts = [Contact(b, "skin", HalfSpace((0, 0), (0, 1)), friction=0.4) for b in boxes]
+    contacts += [
+        Contact(b, "skin", (a, "skin"), friction=0.4, name=f"{i} {k}")
+        for i, b in enumerate(boxes)
+        for k, a in enumerate(boxes[:i])
+    ]
+    return Scene(boxes, contacts, **scene)
+
+
+def test_a_heap_falls_alike_whether_pairs_sleep_or_not(monkeypatch):
+    scene = heap()
+    with_sleep, most = scene.run(0.3, 2e-3, progress=False), len(scene.contacts)
+    assert with_sleep.finished and len(scene.stepper.contacts) < most
+    monkeypatch.setattr(Neighbours, "look", lambda *_: False)
+    waking = heap().run(0.3, 2e-3, progress=False)
+    assert len(waking) == len(with_sleep)
+    for name in ("kinetic", "potential", "impact", "friction"):
+        size = np.ptp(waking["potential"])
+        np.testing.assert_allclose(with_sleep[name], waking[name], atol=1e-9 * size)
+
+
+def shot(force, gap, velocity=0.0):
+    """A body at rest, and another that is driven to it; neither turns, which pushed from behind it
+    would."""
+    drive = {"force": lambda t: (-force * (t > 0.01), 0.0), "velocity": (-velocity, 0.0)}
+    target = moved(0.0, 0.0, held=["turning"])
+    bullet = moved(SIZE + gap, 0.0, held=["turning"], **drive)
+    return Scene([target, bullet], [Contact(target, "skin", (bullet, "skin"))])
+
+
+@pytest.mark.parametrize("force", [1e3, 1e4, 1e5, 3e5, 1e6])
+@pytest.mark.parametrize("gap", [0.02, 1.0])
+def test_what_is_driven_across_within_a_step_wakes_what_it_meets(force, gap):
+    """At 1e6 N it would be 7 m beyond the body by the end of the first step in which it moves, from
+    rest, and no step so long may let them change places unseen."""
+    scene = shot(force, gap)
+    history = scene.run(0.15, 1e-2, progress=False)
+    assert history.finished, history.reason
+    target, bullet = scene.solids
+    assert target.velocity[0] == pytest.approx(bullet.velocity[0], rel=1e-9)
+    apart = (bullet.place[0] - target.place[0]) / SIZE  # arrival from rest is rounded to a step
+    assert 0.9 < apart < 1 + 1e-9
+    impulse = target.mass * (target.velocity[0] + bullet.velocity[0])
+    assert impulse == pytest.approx(-force * 0.14, rel=0.04)
+
+
+@pytest.mark.parametrize("velocity", [1.0, 30.0, 1e3, 1e5])
+def test_a_fast_body_does_not_pass_through_another(velocity):
+    scene = shot(0.0, 0.5, velocity)
+    history = scene.run(1.0 / velocity, 0.1 / velocity, progress=False)
+    assert history.finished, history.reason
+    for solid in scene.solids:
+        assert solid.velocity[0] == pytest.approx(-velocity / 2, rel=1e-9)
+
+
+def test_a_heap_resumes_bit_for_bit(tmp_path):
+    whole = heap().run(0.2, 2e-3, directory=tmp_path / "whole", progress=False)
+    scene, count = heap(), iter(range(1000))
+    scene.run(
+        0.2, 2e-3, directory=tmp_path / "cut", progress=False, stop_when=lambda: next(count) > 60
+    )
+    rest = heap().run(0.2, 2e-3, directory=tmp_path / "cut", resume=True, progress=False)
+    assert np.array_equal(rest.rows(), whole.rows())

@@ -25,6 +25,7 @@ from .results import SurfaceResults
 from .scales import Scales
 from .springs import TangentialSprings
 from .surface import Surface
+from .surfaces import surface_of
 
 
 class Contact(SurfaceResults):
@@ -118,12 +119,7 @@ class Contact(SurfaceResults):
         return couple(self.solid, self.facets, self.equations, other, self.formulation)
 
     def _make_surface(self) -> Surface:
-        middles = self.solid.dim == 2 and not self._paired  # bear before obstacles
-        degree, twins = getattr(self.solid, "degree", 1), getattr(self.solid, "twins", None)
-        facets = self.solid.mesh.boundary(self.facets, degree)
-        plane = getattr(self.solid, "plane", None)
-        breadth = plane.breadth if plane and plane.revolution else None
-        return Surface(*facets, degree if middles else 1, twins, breadth)
+        return surface_of(self.solid, self.facets, self._paired)
 
     def locate(self) -> None:
         """Gap (n,) and jump (n, d) at the start of a step."""

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.sparse as sp
 from mpi4py import MPI
 
 from ..contact.contact import Contact
@@ -44,13 +43,6 @@ class Numbering:
     def all_of(self, k: int) -> np.ndarray:
         """Numbers of all unknowns of solid k."""
         return self.number(k, np.arange(self._ends[k][-1]))
-
-    def renumber(self, operator: sp.csr_matrix, k: int) -> sp.csr_matrix:
-        """An operator on the unknowns of solid k as one on those of the system."""
-        indices = self.number(k, operator.indices)
-        return sp.csr_matrix(
-            (operator.data, indices, operator.indptr), (operator.shape[0], self.size)
-        )
 
 
 def numbered_traces(

@@ -18,7 +18,7 @@ from mpi4py import MPI
 
 from ..solids.factor import Direct
 from ..theory.theta import Step
-from .embedding import Embedding
+from .embedding import Added, Embedding
 from .monolithic import Monolithic
 from .problem import Assembly
 from .solid_rows import petsc_matrix
@@ -30,7 +30,7 @@ class Sparse(Monolithic):
 
     def __init__(self, assembly: Assembly) -> None:
         super().__init__(assembly)
-        self._embedding = Embedding(self.parts, self._traces, self.places.renumber)
+        self._embedding = Embedding(self.parts, self._traces, self.places.number)
         self._step: Step | None = None
         self._system: _System | None = None
         self._adjacent: dict[int, sp.csr_matrix] = {}
@@ -83,16 +83,12 @@ class Sparse(Monolithic):
 
     def _contacts(self) -> sp.csr_matrix:
         """What the contacts add to the matrix, scaled, (size, size), on every process."""
-        block, last = sp.csr_matrix((self.size, self.size)), self.places.size
+        added = []
         for contact, part in enumerate(self.parts):
-            n = len(part.active_places)
-            if not n:
-                continue
-            columns, rows = (each[n:] * (not self.held) for each in part.scales())
-            scaled = part.sparse_tangent(self.frozen), (columns, rows), last, self.size
-            block = block + self._embedding.tangent(contact, *scaled)
-            last += part.multipliers
-        return block
+            if n := len(part.active_places):
+                scales = (each[n:] * (not self.held) for each in part.scales())
+                added.append(Added(contact, part.sparse_tangent(self.frozen), *scales))
+        return self._embedding.tangent(added, self.places.size, self.size)
 
     def _compliance(self) -> sp.csr_matrix:
         """The compliance that makes the multipliers unique, where they are not."""
@@ -127,7 +123,7 @@ class Sparse(Monolithic):
             points, m = len(part.equations.candidates), part.multipliers
             if not points:
                 continue
-            see = self._embedding.onto(contact, "seeing", m, last, self.size)
+            see = self._embedding.onto([(contact, m)], "seeing", last, self.size)
             see, J = see[: see.shape[0] - m, :n], part.jump_operator()
             if J is not None:
                 see = _pattern(sp.csr_matrix(J)) @ _pattern(see) @ self._neighbours(contact)

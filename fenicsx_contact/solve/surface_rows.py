@@ -18,7 +18,7 @@ from ..base.shared_rows import own_rows, sum_of
 from ..contact.equations import own_multipliers
 from ..contact.part import Part
 from ..solids import MonolithicTrace
-from .embedding import Embedding
+from .embedding import Added, Embedding
 from .numbering import Numbering
 
 
@@ -90,19 +90,15 @@ class SurfaceRows:
         """This process's share, scaled, of the touched unknowns and, behind, its multipliers; if
         ``frozen`` without the derivatives of the geometry, if ``held`` without multipliers."""
         last, size = len(self.touched), len(self.touched) + len(self.multipliers)
-        block = sp.csr_matrix((size, size))
+        added = []
         for contact, (part, own, mine) in enumerate(zip(self._parts, self._own, self._mine)):
             n = len(part.active_places)
-            columns, rows = (each[n + mine] * (not held) for each in part.scales())
-            scaled = part.share(own, frozen), (columns, rows), last, size
-            block = block + self._embedding.tangent(contact, *scaled)
-            last += len(mine)
-        return block.tocsr()
+            scales = (each[n + mine] * (not held) for each in part.scales())
+            added.append(Added(contact, part.share(own, frozen), *scales))
+        return self._embedding.tangent(added, last, size)
 
-    def _in_touched(self, operator: sp.csr_matrix, k: int) -> sp.csr_matrix:
-        columns = np.searchsorted(self.touched, self._places.number(k, operator.indices))
-        shape = operator.shape[0], len(self.touched)
-        return sp.csr_matrix((operator.data, columns, operator.indptr), shape)
+    def _in_touched(self, k: int, unknowns: np.ndarray) -> np.ndarray:
+        return np.searchsorted(self.touched, self._places.number(k, unknowns))
 
     def own(self, share: sp.csr_matrix) -> sp.csr_matrix:
         """This process's rows of the sum of all shares, in the order of the processes."""

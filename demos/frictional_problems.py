@@ -21,7 +21,8 @@
 # ## The discrete form
 #
 # `frictional_problem(scene, dt)` takes the problem of a scene's next step; `problem.solve()` gives
-# it to what solves steps: the laws in UFL, Newton's method, its one fallback. The collection:
+# it to what solves steps: the laws in UFL, Newton's method, damped steps and one fallback where it
+# cycles. The collection:
 #
 # | family | what |
 # |---|---|

@@ -135,7 +135,7 @@ class FrictionalProblem:
 
     def solve(self, newton: Newton | None = None) -> FrictionalSolution:
         """Solve it as the step of a scene is solved: the same laws in UFL, the same Newton's method
-        and its fallback, from nothing that bears.
+        and what it falls back on, from nothing that bears.
 
         Args:
             newton: settings; default: those of a scene.

@@ -95,10 +95,11 @@ class Neighbours:
         """Who sleeps, if anyone may."""
         return {"awake": self.awake} if len(self._pairs) else {}
 
-    def restore(self, state: dict[str, np.ndarray]) -> None:
-        """Take up a state that :meth:`state` gave."""
-        self.awake = np.array(state.get("awake", self.awake), dtype=bool)
+    def restore(self, state: dict[str, np.ndarray]) -> bool:
+        """Take up a state that :meth:`state` gave; whether others are awake now."""
+        before, self.awake = self.awake, np.array(state.get("awake", self.awake), dtype=bool)
         self.accept()
+        return not np.array_equal(before, self.awake)
 
 
 def _may_sleep(contact: Contact) -> bool:

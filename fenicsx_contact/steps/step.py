@@ -279,8 +279,8 @@ class Stepper:
         """Take up a state that :meth:`state` gave; solids and contacts have been restored."""
         self.time, self.balance = float(state["time"]), float(state["balance"])
         self.work, self.most = np.array(state["work"]), float(state["most"])
-        self._neighbours.restore(state)
-        self._arrange()
+        if self._neighbours.restore(state):
+            self._arrange()
         self.energies = self.sum_energies()
 
     def sum_energies(self) -> tuple[float, float, float]:

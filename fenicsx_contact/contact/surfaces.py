@@ -27,6 +27,7 @@ def surface_of(solid: Solid, facets: str, paired: bool) -> Surface:
     Raises:
         InputError: no facets of that name.
     """
+    solid.mesh.facets(facets)  # or none of that name are there
     degree = getattr(solid, "degree", 1)
     fields = degree if solid.dim == 2 and not paired else 1
     made = _MADE.setdefault(solid, {})

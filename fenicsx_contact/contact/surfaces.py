@@ -27,13 +27,12 @@ def surface_of(solid: Solid, facets: str, paired: bool) -> Surface:
     Raises:
         InputError: no facets of that name.
     """
-    solid.mesh.facets(facets)  # or none of that name are there
     degree = getattr(solid, "degree", 1)
     fields = degree if solid.dim == 2 and not paired else 1
-    made = _MADE.setdefault(solid, {})
-    if (facets, fields) not in made:
+    made, key = _MADE.setdefault(solid, {}), (str(facets), fields)  # what is no name has none
+    if key not in made:
         plane = getattr(solid, "plane", None)
         breadth = plane.breadth if plane and plane.revolution else None
         boundary = solid.mesh.boundary(facets, degree)
-        made[facets, fields] = Surface(*boundary, fields, getattr(solid, "twins", None), breadth)
-    return made[facets, fields]
+        made[key] = Surface(*boundary, fields, getattr(solid, "twins", None), breadth)
+    return made[key]

@@ -11,13 +11,14 @@ from fenicsx_contact.contact.mortar.walls import Others
 SIZE = 0.08
 
 
-def skinned(dim, left, velocity=0.0):
+def skinned(dim, left, velocity=0.0, rise=0.0, up=0.0):
     """A rigid box of one cell, all of its facets named."""
     make = rectangle if dim == 2 else box
     mesh = make((1,) * dim, (SIZE,) * dim).mesh
     mesh.geometry.x[:, 0] += left - mesh.geometry.x[:, 0].min()
+    mesh.geometry.x[:, dim - 1] += up
     skin = name_facets(mesh, {"skin": lambda x: np.ones(x.shape[1], dtype=bool)})
-    way = (velocity,) + (0.0,) * (dim - 1)
+    way = (velocity, *[0.0] * (dim - 2), rise)
     return RigidSolid(skin, density=1000.0, velocity=way, name=f"at {left:g}")
 
 
@@ -46,6 +47,22 @@ def test_boxes_meet_face_to_face(dim):
         assert solid.velocity[0] == pytest.approx(0.5, rel=1e-12)
         np.testing.assert_allclose(solid.velocity[1:], 0.0, atol=1e-12)
     assert abs(scene.contacts[0].gap.max()) < 1e-12
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_boxes_that_do_not_see_each_other_at_first(dim):
+    """Across a corner no facet has a partner: normals are those of all of a corner's facets, and
+    friction's frames are of numbers when the bodies meet later, and slide."""
+    one, other = skinned(dim, 0.0), skinned(dim, 1.3 * SIZE, -1.0, -0.5, 1.5 * SIZE)
+    scene = Scene([one, other], [Contact(one, "skin", (other, "skin"), friction=0.3)])
+    (contact,) = scene.contacts
+    np.testing.assert_allclose(np.linalg.norm(contact.normal, axis=1), 1.0, rtol=1e-14)
+    assert np.isfinite(contact.equations.fields.tangent).all()
+    history = scene.run(0.1, 1e-3, progress=False)
+    assert history.finished, history.reason
+    assert history["impact"][-1] < 0 and history["friction"][-1] < 0
+    momentum = sum(solid.mass * solid.velocity[:dim] for solid in scene.solids)
+    np.testing.assert_allclose(momentum[[0, -1]], other.mass * np.array([-1.0, -0.5]), rtol=1e-12)
 
 
 def test_boxes_inside_each_other_are_refused():

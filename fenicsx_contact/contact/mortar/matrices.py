@@ -21,7 +21,12 @@ def add_up(values: np.ndarray, rows: np.ndarray, n: int) -> np.ndarray:
     """Sums (n, k) of the values (q, k) that belong to the same row."""
     k = values.shape[1]
     places = rows if k == 1 else (rows[:, None] * k + np.arange(k)).ravel()
-    return np.bincount(places, values.ravel(), n * k).reshape(n, k)
+    return _sums(places, values, n * k).reshape(n, k)
+
+
+def _sums(places: np.ndarray, values: np.ndarray, size: int) -> np.ndarray:
+    """Sums (size,) of the values at each place; of nothing numpy counts integers."""
+    return np.bincount(places, values.ravel(), size).astype(float, copy=False)
 
 
 def gather(
@@ -31,8 +36,7 @@ def gather(
     last axis rows are the same."""
     if dense:
         rows, columns = (np.broadcast_to(x, entries.shape).ravel() for x in (rows, columns))
-        flat = np.bincount(rows * shape[1] + columns, entries.ravel(), shape[0] * shape[1])
-        return flat.reshape(shape)
+        return _sums(rows * shape[1] + columns, entries, shape[0] * shape[1]).reshape(shape)
     # a product of matrices adds lines of entries, neither sorting these nor naming all their rows
     lines = np.broadcast_to(rows, (*entries.shape[:-1], 1)).ravel()
     each = np.arange(len(lines) + 1)

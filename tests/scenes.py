@@ -74,6 +74,18 @@ def box(
     )
 
 
+def skinned(dim: int, size: float, corner: Sequence[float], **solid: Any) -> RigidSolid:
+    """A rigid box of one cell, lowest at a corner, all of its facets named skin."""
+    make = rectangle if dim == 2 else box
+    mesh = make((1,) * dim, (size,) * dim).mesh
+    x = mesh.geometry.x[:, :dim]
+    x += np.asarray(corner) - x.min(axis=0)
+    mesh.geometry.x[:, :dim] = x
+    skin = name_facets(mesh, {"skin": lambda x: np.ones(x.shape[1], dtype=bool)})
+    name = "at " + ", ".join(f"{each:g}" for each in corner)
+    return RigidSolid(skin, density=1000.0, name=name, **solid)
+
+
 def rates(errors: Sequence[float], ratio: float = 2.0) -> np.ndarray:
     """Observed orders between neighbours of a sequence refined by ``ratio``."""
     e = np.asarray(errors)

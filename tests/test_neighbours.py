@@ -3,20 +3,17 @@
 
 import numpy as np
 import pytest
-from scenes import rectangle
+from scenes import skinned
 
-from fenicsx_contact import Contact, HalfSpace, RigidSolid, Scene, name_facets
+from fenicsx_contact import Contact, HalfSpace, Scene
 from fenicsx_contact.steps.neighbours import Neighbours
 
 SIZE = 0.08
 
 
 def moved(x, y, **motion):
-    """A rigid box of which the whole skin may meet others."""
-    mesh = rectangle((1, 1), (SIZE, SIZE)).mesh
-    mesh.geometry.x[:, :2] += (x, y)
-    skin = name_facets(mesh, {"skin": lambda x: np.ones(x.shape[1], dtype=bool)})
-    return RigidSolid(skin, density=1000.0, name=f"at {x:g}, {y:g}", **motion)
+    """A box of which the whole skin may meet others."""
+    return skinned(2, SIZE, (x - SIZE / 2, y), **motion)
 
 
 def columns(n=6, **scene):

@@ -3,27 +3,21 @@
 
 import numpy as np
 import pytest
-from scenes import box, rectangle
+from scenes import skinned
 
-from fenicsx_contact import Contact, InputError, RigidSolid, Scene, name_facets
+from fenicsx_contact import Contact, InputError, Scene
 from fenicsx_contact.contact.mortar.walls import Others
 
 SIZE = 0.08
 
 
-def skinned(dim, left, velocity=0.0, rise=0.0, up=0.0):
-    """A rigid box of one cell, all of its facets named."""
-    make = rectangle if dim == 2 else box
-    mesh = make((1,) * dim, (SIZE,) * dim).mesh
-    mesh.geometry.x[:, 0] += left - mesh.geometry.x[:, 0].min()
-    mesh.geometry.x[:, dim - 1] += up
-    skin = name_facets(mesh, {"skin": lambda x: np.ones(x.shape[1], dtype=bool)})
-    way = (velocity, *[0.0] * (dim - 2), rise)
-    return RigidSolid(skin, density=1000.0, velocity=way, name=f"at {left:g}")
+def at(dim, left, velocity=0.0, rise=0.0, up=0.0):
+    middle = [0.0] * (dim - 2)
+    return skinned(dim, SIZE, (left, *middle, up), velocity=(velocity, *middle, rise))
 
 
 def pair(dim, gap, velocity=0.0):
-    one, other = skinned(dim, 0.0, velocity), skinned(dim, SIZE + gap)
+    one, other = at(dim, 0.0, velocity), at(dim, SIZE + gap)
     return Scene([one, other], [Contact(one, "skin", (other, "skin"), friction=0.3)])
 
 
@@ -53,7 +47,7 @@ def test_boxes_meet_face_to_face(dim):
 def test_boxes_that_do_not_see_each_other_at_first(dim):
     """Across a corner no facet has a partner: normals are those of all of a corner's facets, and
     friction's frames are of numbers when the bodies meet later, and slide."""
-    one, other = skinned(dim, 0.0), skinned(dim, 1.3 * SIZE, -1.0, -0.5, 1.5 * SIZE)
+    one, other = at(dim, 0.0), at(dim, 1.3 * SIZE, -1.0, -0.5, 1.5 * SIZE)
     scene = Scene([one, other], [Contact(one, "skin", (other, "skin"), friction=0.3)])
     (contact,) = scene.contacts
     np.testing.assert_allclose(np.linalg.norm(contact.normal, axis=1), 1.0, rtol=1e-14)

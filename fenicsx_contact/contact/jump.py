@@ -39,13 +39,12 @@ class Coupling(ABC):
     fixed_normal: bool
     driven = False
     encloses = False
+    time = 0.0
+    recess: np.ndarray | float = 0.0
 
     @property
     def blocked(self) -> str:
         return ""
-
-    time = 0.0
-    recess: np.ndarray | float = 0.0
 
     def begin(self, step: Step) -> None:
         """Take up what is given of the other side in a step; of a solid nothing is."""

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -86,33 +86,20 @@ class Newton:
             return Solution(system.force(), iterations, system.worst)
         if hopeless and (reason := hopeless()):
             raise NotConverged(reason)
-        remark = system.flips()
-        for way in self._other_ways(system, start):
-            steps, note = way()
-            iterations, remark = iterations + steps, remark + note
+        flips, notes = system.flips(), ""
+        # of forces that the motion does not determine the method of multipliers finds such as are
+        # near; damped steps may leave points at their bounds that push against each other
+        for damps in (False, True) if system.hyperstatic else (True, False):
+            if damps:
+                iterations += self._damped(system, start)
+            else:
+                steps = method_of_multipliers(system, self.tolerance)
+                notes = f"; method of multipliers took over, {steps} steps"
+                iterations += steps
             if system.worst <= self.tolerance:  # NaN is not
-                return Solution(system.force(), iterations, system.worst, [remark] * bool(note))
-        raise NotConverged(f"{system.stall()}; {remark}")
-
-    def _other_ways(
-        self, system: ContactProblem, start: list[np.ndarray]
-    ) -> Iterator[Callable[[], tuple[int, str]]]:
-        """Ways on from where full steps cycle: steps taken, and what is to be remarked. Of forces
-        that are not the only ones possible, on rigid solids, the method of multipliers finds such
-        as are near; damped ones may leave points at their bounds that push against each other."""
-
-        def multiply() -> tuple[int, str]:
-            steps = method_of_multipliers(system, self.tolerance)
-            return steps, f"; method of multipliers took over, {steps} steps"
-
-        def damp() -> tuple[int, str]:
-            end = system.state()
-            steps = self._damped(system, start)
-            if not system.worst <= self.tolerance:
-                system.go_back(end)
-            return steps, ""
-
-        return iter((multiply, damp) if system.hyperstatic else (damp, multiply))
+                remarks = [flips + notes] if notes else []
+                return Solution(system.force(), iterations, system.worst, remarks)
+        raise NotConverged(f"{system.stall()}; {flips}{notes}")
 
     def _iterate(self, system: ContactProblem) -> tuple[int, float]:
         """Newton steps until converged, or until the statuses cycle; how many, and the error to be
@@ -144,22 +131,23 @@ class Newton:
         in pieces (stick, slip, open, a slip that turns round): along a step the error falls with
         the way, up to the end of the piece that it begins in. A full step may leap over the piece
         in which the solution is, back and forth between its neighbours; one cut short ends in it.
-        From where full steps ended, far from any solution, they would be cut to nothing."""
+        From where full steps ended, far from any solution, they would be cut to nothing; there
+        the system is again where this leads nowhere."""
+        end, steps = system.state(), 0
         system.go_back(start)
         error = system.error()
-        if not np.isfinite(error):  # nothing that could fall
-            return 0
-        for iteration in range(1, self.max_iterations + 1):
-            before = system.state()
-            if not system.iterate(self.tolerance):
-                return iteration
-            halvings = 0
-            while not system.error() < error:
-                if halvings == np.finfo(float).nmant:  # it falls no more
-                    return iteration
+        while steps < self.max_iterations:
+            steps += 1
+            before, halvings = system.state(), 0
+            if not (np.isfinite(error) and system.iterate(self.tolerance)):
+                break
+            while not system.error() < error and halvings < np.finfo(float).nmant:
                 system.go_back(before, 0.5)
                 halvings += 1
-            error = system.error()
-            if error <= self.tolerance and not halvings:  # a whole step ends on the solution
-                return iteration
-        return self.max_iterations
+            fell, error = system.error() < error, system.error()
+            if not fell or (error <= self.tolerance and not halvings):  # a whole step ends on it
+                break
+        if not error <= self.tolerance:
+            system.go_back(end)
+            system.error()
+        return steps

@@ -188,7 +188,7 @@ class Stepper:
         """Predict the solids, and take up what is given in the step, if not done yet."""
         if step is self._begun:
             return
-        if self._neighbours.look(step, bool(self.watchers)):
+        if self._neighbours.look(step, bool(self.watchers)):  # who see all contacts
             self._arrange()
         for solid in self.solids:
             solid.predict(step)

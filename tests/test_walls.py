@@ -11,9 +11,9 @@ from fenicsx_contact.contact.mortar.walls import Others
 SIZE = 0.08
 
 
-def at(dim, left, velocity=0.0, rise=0.0, up=0.0):
+def at(dim, left, velocity=0.0, rise=0.0, up=0.0, **solid):
     middle = [0.0] * (dim - 2)
-    return skinned(dim, SIZE, (left, *middle, up), velocity=(velocity, *middle, rise))
+    return skinned(dim, SIZE, (left, *middle, up), velocity=(velocity, *middle, rise), **solid)
 
 
 def pair(dim, gap, velocity=0.0):
@@ -64,12 +64,23 @@ def test_boxes_inside_each_other_are_refused():
         pair(2, -0.3 * SIZE)
 
 
-def test_walls_are_as_thick_as_both_bodies():
-    """What is nearer than the middle of the walls is a penetration."""
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("tilt", [0.0, 1e-6, 1e-3])
+def test_boxes_of_one_height_overlap_aside_alone(dim, tilt):
+    """Top and bottom lie over each other by as little, and deep: they do not count."""
+    overlap = 5e-5
+    turned = {"rotation": tilt if dim == 2 else (0, tilt, 0)}
+    one, other = at(dim, 0.0), at(dim, SIZE - overlap, **turned)
+    contact = Contact(one, "skin", (other, "skin"))
+    assert contact.gap.max() == pytest.approx(overlap, rel=1e-9, abs=tilt * SIZE)
+
+
+def test_walls_are_as_thick_as_a_body():
+    """What is not so deep as half of it is a penetration."""
     scene = pair(2, 0.1)
     pairing = scene.contacts[0].coupling.pairing
     admits = Others(pairing.slave, pairing.master)
-    away = np.array([1.0, -0.99 * SIZE, -1.01 * SIZE])
+    away = np.array([1.0, -0.49 * SIZE, -0.51 * SIZE])
     for facet in range(4):
         where = np.full(3, facet), np.full(3, facet)
         assert admits(*where, away).tolist() == [True, True, False]

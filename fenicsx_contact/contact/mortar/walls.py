@@ -2,9 +2,10 @@
 """Which facets of two surfaces may meet: not those on the far sides of the two bodies.
 
 Where the whole skins of two bodies are named, a ray from the far side of one goes through it and on
-through the other, and what it meets last faces it, as deep behind it as both are thick. The near
-sides would have to overlap as deep as the walls are thick together for that to be a penetration.
-Bodies that go so far in one step change places, and all looks well again.
+through the other, and what it meets last faces it, as deep behind it as both are thick. Of bodies
+of one height that overlap a little aside, top and bottom face each other, too, as deep as one is
+thick. A penetration is less deep than a share of the walls. Bodies that go farther in one step may
+be through each other unseen, and change places.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ class Others:
         deep = np.flatnonzero(away < -DEEP * self._sizes[facet])
         if len(deep):
             mine, theirs = (wall(f[deep]) for wall, f in zip(self._walls, (facet, other)))
-            may[deep] = -away[deep] <= WALL * (mine + theirs)
+            may[deep] = -away[deep] <= WALL * (mine + theirs) / 2
         return may
 
     def pass_through(self, mine: np.ndarray, theirs: np.ndarray) -> bool:
@@ -65,8 +66,8 @@ class Others:
 
     @cached_property
     def _thick(self) -> float:
-        """Of both bodies together, in the mean of their walls, m."""
-        return sum(wall.mean() for wall in self._walls)
+        """Of both bodies, in the mean of their walls, m."""
+        return sum(wall.mean() for wall in self._walls) / 2
 
 
 class _Walls:

@@ -64,7 +64,7 @@ def test_what_is_driven_across_within_a_step_wakes_what_it_meets(force, gap):
     assert history.finished, history.reason
     target, bullet = scene.solids
     assert target.velocity[0] == pytest.approx(bullet.velocity[0], rel=1e-9)
-    # the step stops what loads bring within it, which then went half of its way, at most half a body
+    # the step stops what loads bring within it: that went half of its way, at most half a body
     apart = (bullet.place[0] - target.place[0]) / SIZE
     assert 0.75 < apart < 1 + 1e-9
     impulse = target.mass * (target.velocity[0] + bullet.velocity[0])

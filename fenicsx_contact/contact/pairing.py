@@ -122,7 +122,8 @@ def couple(
     itself = master is solid and theirs == facets  # may be far from touching, flat even
     sides = side, side if itself else side_of(master, theirs)
     pair = MortarJump((solid, master), sides, equations, theirs, not formulation.gap_share)
-    if not pair.faces and not itself:
+    # of what is inside another a scene says how deep
+    if not (pair.faces or itself or pair.swallowed(SAME * surface.extent)):
         raise checks.InputError(
             f"master = ({master.name!r}, {theirs!r}): nowhere faces {facets!r} of "
             f"{solid.name!r}; the outward normals of the two must point at each other"

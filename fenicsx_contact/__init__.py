@@ -14,6 +14,7 @@ from .base.mesh import NamedMesh, name_facets, name_points  # noqa: E402
 from .base.mesh_files import mesh_from_file  # noqa: E402
 from .base.mesh_gmsh import mesh_from_gmsh  # noqa: E402
 from .contact.contact import Contact  # noqa: E402
+from .contact.heap.heap import Heap  # noqa: E402
 from .contact.level_set import LevelSet  # noqa: E402
 from .contact.obstacle import Circle, Cylinder, HalfSpace, Moved, Sphere  # noqa: E402
 from .contact.shapes.curve import Curve  # noqa: E402
@@ -100,6 +101,7 @@ __all__ = [
     "GeneralisedAlpha",
     "GuideTubeWater",
     "HalfSpace",
+    "Heap",
     "History",
     "HyperelasticSolid",
     "InputError",

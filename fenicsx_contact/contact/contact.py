@@ -80,7 +80,7 @@ class Contact(SurfaceResults):
         name: str | None = None,
     ) -> None:
         checks.offers("solid", solid, Solid, "a solid")
-        other = check_master(solid, facets, master)
+        other = self._meant(solid, facets, master)
         self.solid, self.facets = solid, facets
         self.formulation = as_formulation(formulation)
         self.friction, self.friction_law = friction, friction_bound(friction)
@@ -111,9 +111,12 @@ class Contact(SurfaceResults):
         self._springs = TangentialSprings(self.equations, self.formulation)
         self._scales = Scales(self.coupling, self.surface.size)
         self.resolution, self.moved = 0.0, 1.0
-        self._told: Step | None = None  # the step of whose start the equations know
+        self._told: Step | None = None  # of whose start the equations know
         self._set_normal(self.coupling.normals())
         self.locate()
+
+    def _meant(self, solid: Solid, facets: str, master: Master) -> Master:
+        return check_master(solid, facets, master)
 
     def _couple(self, other: Master) -> Coupling:
         return couple(self.solid, self.facets, self.equations, other, self.formulation)

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..base import checks
+from ..base.vectors import dot
 from ..solids import Solid, Trace
 from ..theory.theta import Step
 from .clearance import Clearance
@@ -136,6 +137,11 @@ class Coupling(ABC):
     def struck_jump(self) -> np.ndarray:
         """Nodal jumps (n, d) at the start of the begun step, if it starts with a percussion."""
         return self.arrived(self.jump("velocity"))
+
+    def loaded(self, free: np.ndarray, start: np.ndarray) -> np.ndarray:
+        """By how much the loads of a step change speeds of approach, (n,) in m/s, from velocities
+        of the traces' points without contact, flat, and the jumps at its start, (n, d)."""
+        return np.abs(dot(self.to_jump(free) - start, self.normals()))
 
     def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
         """Nodal jumps from mean velocities of the solids, by id, by the operators whose

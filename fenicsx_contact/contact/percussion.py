@@ -24,8 +24,8 @@ def strikes(contact: Contact, step: Step, points: np.ndarray) -> bool:
     traces are linearised about the prediction of the step."""
     for trace in contact.traces:
         trace.linearise(step)
-    free = contact.coupling.to_jump(np.concatenate([t.free_jump() for t in contact.traces]))
-    change = np.abs(dot(free - _struck_jump(contact), contact.coupling.normals()))
+    free = np.concatenate([t.free_jump() for t in contact.traces])
+    change = contact.coupling.loaded(free, _struck_jump(contact))
     return bool((_excess(contact, step) > change)[points].any())
 
 

@@ -50,26 +50,27 @@ class Softened(Protocol):
     def begin_again(self) -> bool: ...
 
 
-def method_of_multipliers(system: Softened, tolerance: float) -> int:
+def method_of_multipliers(system: Softened, tolerance: float, rough: float) -> int:
     """Solve, from the present unknowns; they then hold the solution, or the last that was found.
 
     Args:
         system: the surface problem, begun.
         tolerance: on the largest scaled residual of any row.
+        rough: what of it is enough where rounds gain no more.
 
     Returns:
         The number of Newton steps. ``system.worst`` says whether they solved it.
     """
-    total = _rounds(system, tolerance, STALLS)
-    if not system.worst <= tolerance and system.begin_again():
-        total += _rounds(system, tolerance, PATIENCE)
+    total = _rounds(system, tolerance, rough, STALLS)
+    if not system.worst <= rough and system.begin_again():
+        total += _rounds(system, tolerance, rough, PATIENCE)
     return total
 
 
-def _rounds(system: Softened, tolerance: float, patience: int) -> int:
+def _rounds(system: Softened, tolerance: float, enough: float, patience: int) -> int:
     """Of the method, with so much patience where an error does not halve."""
     total, compliance, rough, stiffest = 0, STIFFEST, 0, STIFFEST
-    outer = Patience(np.inf, stalls=np.finfo(float).nmant)
+    outer, gains = Patience(np.inf, stalls=np.finfo(float).nmant), Patience(np.inf)
     # multipliers may have to double, or errors to halve, as often as a number has digits
     for _ in range(4 * np.finfo(float).nmant):
         system.soften(compliance)
@@ -87,6 +88,9 @@ def _rounds(system: Softened, tolerance: float, patience: int) -> int:
         if system.error() <= tolerance or lost:
             break
         outer.see(system.worst)
+        gains.see(system.worst)
+        if system.worst <= enough and not gains.lasts:
+            break
         if not outer.lasts and inner.best <= tolerance and stiffest < SOFTEST:
             # bounds that follow pressures at once turn round with them
             stiffest = compliance = max(compliance, CHANGE * stiffest)

@@ -81,22 +81,22 @@ class Newton:
         if not system.size:
             return Solution(system.force(), 0)
         start = system.state()
-        iterations, rough = self._iterate(system)
-        if system.worst <= rough:
+        # points of rigid bodies that stick contradict each other by round-off of the geometry
+        rough = ROUGH * self.tolerance if system.hyperstatic else self.tolerance
+        iterations, enough = self._iterate(system)
+        if system.worst <= enough:
             return Solution(system.force(), iterations, system.worst)
         if hopeless and (reason := hopeless()):
             raise NotConverged(reason)
         flips, notes = system.flips(), ""
-        # of forces that the motion does not determine the method of multipliers finds such as are
-        # near; damped steps may leave points at their bounds that push against each other
-        for damps in (False, True) if system.hyperstatic else (True, False):
+        for damps in (True, False):
             if damps:
-                iterations += self._damped(system, start)
+                iterations += self._damped(system, start, rough)
             else:
-                steps = method_of_multipliers(system, self.tolerance)
+                steps = method_of_multipliers(system, self.tolerance, rough)
                 notes = f"; method of multipliers took over, {steps} steps"
                 iterations += steps
-            if system.worst <= self.tolerance:  # NaN is not
+            if system.worst <= rough:  # NaN is not
                 remarks = [flips + notes] if notes else []
                 return Solution(system.force(), iterations, system.worst, remarks)
         raise NotConverged(f"{system.stall()}; {flips}{notes}")
@@ -106,7 +106,7 @@ class Newton:
         accepted: where it falls no more that is round-off, by which points of a rigid solid that
         stick contradict each other."""
         seen: dict[bytes, float] = {}
-        last, error, stalls = b"", system.error(), 0
+        last, error, stalls, returns = b"", system.error(), 0, 0
         for iteration in range(1, self.max_iterations + 1):
             before = error
             if not system.iterate(self.tolerance):
@@ -121,12 +121,14 @@ class Newton:
                 continue
             key = system.remember().tobytes()
             if 2 * error > seen.get(key, np.inf) and key != last and iteration > 4:
-                return iteration, self.tolerance
+                returns += 1
+                if returns == STALLS:
+                    return iteration, self.tolerance
             seen[key] = error
             last = key
         return self.max_iterations, self.tolerance
 
-    def _damped(self, system: ContactProblem, start: list[np.ndarray]) -> int:
+    def _damped(self, system: ContactProblem, start: list[np.ndarray], rough: float) -> int:
         """Newton steps from there, each halved until the error falls; how many. The rows are smooth
         in pieces (stick, slip, open, a slip that turns round): along a step the error falls with
         the way, up to the end of the piece that it begins in. A full step may leap over the piece
@@ -147,7 +149,7 @@ class Newton:
             fell, error = system.error() < error, system.error()
             if not fell or (error <= self.tolerance and not halvings):  # a whole step ends on it
                 break
-        if not error <= self.tolerance:
+        if not error <= rough:
             system.go_back(end)
             system.error()
         return steps

@@ -1,0 +1,269 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Many rigid bodies that may all meet each other, as one contact."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ...base import checks, compat
+from ...solids import RigidSolid, Solid
+from ...theory.formulations import Formulation
+from ...theory.friction import Coulomb, FrictionBound
+from ...theory.theta import Step
+from ..contact import Contact
+from ..inside import SIMPLICES, deepest
+from ..jump import Coupling
+from ..mortar import Side
+from ..mortar.walls import WALL
+from ..mortar_jump import side_of
+from ..pair_equations import PairedEquations
+from ..surface import Surface
+from .meetings import PLACES, Meetings
+from .search import Features, Search
+from .shape import Shape
+
+
+class HeapJump(Coupling):
+    """Corners of rigid bodies before faces of others, and edges that cross.
+
+    Args:
+        contact: the heap.
+        sides: the facets of each body.
+    """
+
+    fixed_normal = False
+
+    def __init__(self, contact: Heap, sides: Sequence[Side]) -> None:
+        self.bodies = contact.bodies
+        self.solids = [*self.bodies]
+        self.equations = contact.equations
+        self._shape = shape = Shape(sides)
+        whole = {2: 3, 3: 6}[shape.dim]
+        self._search = Search(shape, np.array([len(s.held) == whole for s in self.bodies]))
+        self.meetings = Meetings(shape, contact.slots, contact.surface.area)
+        # these ask of a pairing what meetings have, too
+        self.part = self._part = PairedEquations(self.equations, self.meetings)  # type: ignore[arg-type]
+        self.traces = [s.trace(shape.nodes[at]) for s, at in zip(self.solids, shape.slices)]
+        self._start = self._end = self._places()
+        self._slots = contact.slots
+        self.fresh = np.zeros(self.meetings.n, dtype=bool)
+        self._meet(np.zeros_like(self._start), self.fresh)
+        self.meetings.update(self._start)
+
+    def _places(self) -> np.ndarray:
+        return np.concatenate([trace.positions() for trace in self.traces])
+
+    def _meet(self, way: np.ndarray, busy: np.ndarray) -> bool:
+        self._foreseen, found = way, self._search(self._start, way)
+        self.fresh = self.meetings.take(found, busy)
+        return bool(self.fresh.any())
+
+    def stand(self, bears: np.ndarray, step: Step) -> bool:
+        way = step.horizon * self.velocities("velocity").reshape(self._start.shape)
+        changed = self._meet(way, bears)
+        self.meetings.update(self._start)
+        return changed
+
+    def follow(self) -> None:
+        for trace in self.traces:
+            trace.follow()
+        self._end = self._places()
+        self.meetings.update(self._end)
+
+    def _depths(self) -> np.ndarray:
+        far = -self.equations.fields.surface.extent
+        return np.where(self.meetings.there, self.meetings.gap, far)
+
+    @property
+    def blocked(self) -> str:
+        if self._search.blind(self._start, self._end - self._start, self._foreseen):
+            return "bodies go farther than it was known what they may meet"
+        return ""
+
+    def swallowed(self, most: float) -> str:
+        s = self._shape
+        for a, b in self._search.near(self._start):
+            for one, other in ((a, b), (b, a)):
+                x = self._start[s.slices[one]]
+                limit = max(most, WALL * min(s.thin[one], s.thin[other]))
+                depth = deepest(x, self.solids[other], np.full(len(x), limit))
+                if depth:
+                    inside, around = self.solids[one].name, self.solids[other].name
+                    return f"{inside!r} {depth:.4g} inside {around!r}"
+        return ""
+
+    def normals(self) -> np.ndarray:
+        return self.meetings.normal
+
+    def to_jump(self, velocities: np.ndarray) -> np.ndarray:
+        return self.meetings.jumps(velocities).reshape(self.meetings.n, -1)
+
+    def loaded(self, free: np.ndarray, start: np.ndarray) -> np.ndarray:
+        # bodies that fall alike are stopped by each other, once one of them stands
+        change = free - self.velocities("velocity")
+        return self.meetings.apart(change)
+
+    def force(self, force: np.ndarray) -> np.ndarray:
+        rows, active = np.zeros(self.equations.jumps), self.equations.active_jumps
+        if len(active):
+            rows[active] = -self.equations.residual()[active]
+        return rows.reshape(self.meetings.n, -1)
+
+    def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
+        # how normals turn is second to what moves: found in the next round
+        self._part.linearise(self.velocities("trial_velocity"), False, step.gap_rate, share)
+
+    def accept(self) -> None:
+        super().accept()
+        self._start = self._end
+
+    def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:
+        J, d = self.meetings.operator[rows], self._shape.dim
+        result = []
+        for trace, at in zip(self.traces, self._shape.slices):
+            mine = J[:, at.start * d : at.stop * d]
+            result.append(mine @ trace.rows(np.arange(mine.shape[1])))
+        return result
+
+    @property
+    def area(self) -> np.ndarray:
+        return self.meetings.area
+
+    def near(self) -> np.ndarray:
+        return self.meetings.there
+
+    def mobility(self) -> np.ndarray:
+        each = np.concatenate([trace.mobility() for trace in self.traces])
+        of_nodes = each.reshape(len(self._start), -1)
+        own = np.array([of_nodes[at].mean(axis=0) for at in self._shape.slices])
+        mobility = np.empty((self.meetings.n, self._shape.dim))
+        for body, mine in enumerate(self._slots):
+            mobility[mine] = 2 * own[body]
+        return mobility
+
+    def positions(self) -> np.ndarray:
+        return self.meetings.places
+
+    def state(self) -> dict[str, np.ndarray]:
+        return {f"heap_{name}": value for name, value in vars(self.meetings.features).items()}
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        names = vars(self.meetings.features)
+        self.meetings.features = Features(*(np.array(state[f"heap_{name}"]) for name in names))
+        self.meetings.there = self.meetings.features.key >= 0
+        super().restore(state)
+
+    def describe(self) -> str:
+        return f"each other ({len(self.solids)} rigid bodies)"
+
+
+class Heap(Contact):
+    """Rigid bodies that may all meet each other, by corners before faces and edges that cross.
+
+    Where two rigid bodies meet is known exactly, whatever their meshes are: a corner of one lies on
+    a face of the other, or two edges cross. One contact of all costs less than one of each pair
+    (:class:`Contact`), which takes means over facets, as deformable bodies need them. A floor or a
+    wall is a body that is held, or an obstacle in a :class:`Contact` of its own.
+
+    Args:
+        solids: the bodies, two at least.
+        facets: the name of the facets of each that may meet others, flat ones.
+        formulation: a law with multipliers: "velocity", "gap", "printed", "lagrange".
+        friction: Coulomb's coefficient.
+        normal_augmentation, tangential_augmentation, gap_tolerance, name: see :class:`Contact`.
+
+    Attributes:
+        bodies: the solids.
+        slots: which of the points are of each body: those at which its corners, or its edges, meet.
+
+    Its columns in the history are sums over these points.
+
+    Raises:
+        InputError: what is not rigid, once or twice, of different dimensions or with curved facets;
+            a law without multipliers or with a memory, friction that is not one number.
+    """
+
+    def __init__(
+        self,
+        solids: Sequence[RigidSolid],
+        facets: str,
+        formulation: Formulation | str = "velocity",
+        friction: float | FrictionBound = 0.0,
+        *,
+        normal_augmentation: float = 1.0,
+        tangential_augmentation: float = 1.0,
+        gap_tolerance: float = 1e-11,
+        name: str = "heap",
+    ) -> None:
+        self.bodies = checks.sequence("solids", solids, RigidSolid, "rigid solids")
+        _check(self.bodies)
+        super().__init__(
+            self.bodies[0],
+            facets,
+            self.bodies,  # type: ignore[arg-type]
+            formulation,
+            friction,
+            normal_augmentation=normal_augmentation,
+            tangential_augmentation=tangential_augmentation,
+            gap_tolerance=gap_tolerance,
+            name=name,
+        )
+        if getattr(self.friction_law, "slope", 0.0) is None or (
+            self.friction_law is not None and not isinstance(self.friction_law, Coulomb)
+        ):
+            raise checks.InputError(
+                f"friction = {friction!r}: between many bodies it is Coulomb's, with one number"
+            )
+        if not self.formulation.multipliers or self.memory.values:
+            raise checks.InputError(
+                f"formulation = {self.formulation.name!r}: corners have no areas for a law that "
+                "gives way or remembers; use 'velocity', 'gap', 'printed' or 'lagrange'"
+            )
+
+    def _meant(self, solid: Solid, facets: str, master: Any) -> Any:
+        return tuple(self.bodies)
+
+    def _make_surface(self) -> Surface:
+        """Points of all bodies, so many times as each may meet something."""
+        self._sides = sides = [side_of(body, self.facets) for body in self.bodies]
+        points, cells, owner, last = [], [], [], 0
+        for body, side in enumerate(sides):
+            pick = SIMPLICES.get(side.cell, [[0, 1]])
+            for _ in range(PLACES):
+                points.append(side.nodes)
+                cells.append(side.corners[:, pick].reshape(-1, side.dim) + last)
+                owner.append(np.full(len(cells[-1]), body))
+                last += len(side.nodes)
+        kind = "interval" if sides[0].dim == 2 else "triangle"
+        surface = Surface(np.concatenate(points), np.concatenate(cells), kind)
+        of_node = np.empty(surface.size, dtype=np.int64)
+        of_cell = np.concatenate(owner)[compat.given_cells(surface.mesh)]
+        of_node[surface.cell_nodes] = of_cell[:, None]
+        self.slots = [np.flatnonzero(of_node == body) for body in range(len(sides))]
+        surface.extent = min(float(np.ptp(side.nodes, axis=0).max()) for side in sides)
+        return surface
+
+    def _couple(self, other: Any) -> Coupling:
+        return HeapJump(self, self._sides)
+
+    def begin(self, step: Step) -> None:
+        super().begin(step)
+        fresh = self.coupling.fresh  # type: ignore[attr-defined]
+        if fresh.any():  # what bore there was another meeting
+            self.status = np.where(fresh, 0.0, self.status)
+            values, first = self.equations.values, self.equations.jumps
+            values[first:].reshape(-1, len(fresh))[:, fresh] = 0.0
+            self.equations.values = values
+
+
+def _check(bodies: Sequence[RigidSolid]) -> None:
+    """Refuse what is no heap."""
+    if len(bodies) < 2 or len({id(body) for body in bodies}) < len(bodies):
+        names = [body.name for body in bodies]
+        raise checks.InputError(f"solids = {names}: must be two bodies or more, each once")
+    dims = [body.dim for body in bodies]
+    if len(set(dims)) > 1:
+        raise checks.InputError(f"solids: have dimensions {sorted(set(dims))}; all need the same")

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Points at which rigid bodies meet: their gaps, normals and jumps.
+
+A point is a place for a corner before a face, or for two edges that cross, and keeps it from step
+to step. Its gap is their distance, exactly; the velocities at both ends of that are those of the
+nodes, for a body that is rigid moves each of its points as a mean of its nodes does, with weights
+that may be negative:
+
+    w = sum_a alpha_a v_a - sum_b beta_b v_b,    d_n = n . (sum_a alpha_a x_a - sum_b beta_b x_b)
+
+with n out of the body whose corner it is, or that comes first. So n . w is the rate of d_n.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.sparse as sp
+
+from ...base.checks import StepFailed
+from ...base.vectors import dot
+from ..mortar.matrices import DENSE, Matrix, used_columns
+from .search import Features, shares
+from .shape import Shape
+
+#: Cost: places of points for each node of a body: a corner may lie between two others, and if more
+#: meet the step stops.
+PLACES = 2
+
+
+class Alone:
+    """What one process that has all points shares with others: nothing; see
+    :class:`~fenicsx_contact.contact.mortar.shares.Shares`."""
+
+    def __init__(self, points: int) -> None:
+        self.node_here = np.ones(points, dtype=bool)
+
+    def anywhere(self, truth: bool) -> bool:
+        """Whether that holds."""
+        return bool(truth)
+
+    def sum(self, values: np.ndarray) -> np.ndarray:
+        """The same."""
+        return values
+
+    def whole(self, share: Matrix) -> Matrix:
+        """The same."""
+        return share
+
+    def columns(self, matrices: Sequence[Matrix]) -> np.ndarray:
+        """Columns that have an entry in any of these matrices."""
+        return used_columns(matrices)
+
+
+class Meetings:
+    """Places for points, and what meets there; what a part of the equations asks of a pairing.
+
+    Args:
+        shape: of the bodies.
+        slots: of each body, which of the points are its own.
+
+    Attributes:
+        n, total, dense, operator, gap, area, shared: see
+            :class:`~fenicsx_contact.contact.mortar.Pairing`; here every process has all.
+        normal: out of the body whose point it is, (n, d).
+        there: points at which something meets, (n,) of bool.
+        features: what meets at each point.
+    """
+
+    def __init__(self, shape: Shape, slots: Sequence[np.ndarray], area: np.ndarray) -> None:
+        self._shape, self._slots, self.area = shape, slots, area
+        self.n, self.total = len(area), len(shape.nodes)
+        self.dense = self.n * self.total * shape.dim**2 <= DENSE
+        self.shared = Alone(self.n)
+        none = np.full(self.n, -1)
+        nodes = np.zeros((self.n, 3), dtype=np.int64)
+        self.features = Features(none, nodes[:, :2], nodes, none, np.ones(self.n), np.zeros(self.n))
+        for body, mine in enumerate(slots):  # where nothing meets, a node of its own body
+            self.features.mine[mine] = shape.slices[body].start
+            self.features.theirs[mine] = shape.slices[body].start
+        self.normal = np.zeros((self.n, shape.dim))
+        self.normal[:, -1] = 1.0
+        self.gap = np.full(self.n, -np.inf)
+        self.there = np.zeros(self.n, dtype=bool)
+
+    def take(self, found: Features, busy: np.ndarray) -> np.ndarray:
+        """Let these meet, those that did in their old places, others where nothing is ``busy``,
+        (n,) of bool, as far as possible; which points are others now."""
+        now = self.features
+        key = np.full(self.n, -1)
+        order = np.argsort(found.key, kind="stable")
+        at = np.searchsorted(found.key[order], now.key).clip(max=max(len(order) - 1, 0))
+        source = order[at] if len(order) else np.zeros(self.n, dtype=np.int64)
+        stays = (now.key >= 0) & (len(order) > 0)
+        if len(order):
+            stays &= found.key[source] == now.key
+        key[stays] = now.key[stays]
+        source = np.where(stays, source, -1)
+        new = np.ones(len(found.key), dtype=bool)
+        new[source[stays]] = False
+        fresh = np.zeros(self.n, dtype=bool)
+        where = np.flatnonzero(new)
+        where = where[np.argsort(found.height[where], kind="stable")]  # the nearest first
+        free: dict[int, list[int]] = {}
+        for k in where:
+            body = int(self._shape.body[found.mine[k, 0]])
+            if body not in free:
+                mine = self._slots[body][~stays[self._slots[body]]]
+                free[body] = list(mine[np.argsort(~busy[mine], kind="stable")])
+            if not free[body]:
+                raise StepFailed(
+                    f"a body meets others at more than {len(self._slots[body])} points, which are "
+                    f"{PLACES} for each of its nodes"
+                )
+            place = free[body].pop()
+            source[place] = k
+            fresh[place] = True
+        gone = (now.key >= 0) & (source < 0)
+        taken = np.flatnonzero(source >= 0)
+        for name, values in vars(now).items():
+            mine = values.copy()
+            mine[taken] = getattr(found, name)[source[taken]]
+            if name in ("key", "face"):
+                mine[source < 0] = -1
+            setattr(self.features, name, mine)
+        self.there = self.features.key >= 0
+        return fresh | gone
+
+    def update(self, x: np.ndarray) -> None:
+        """Take up new places (N, d) of the nodes."""
+        f, s = self.features, self._shape
+        on = np.flatnonzero(self.there & (f.face >= 0))
+        cross = np.flatnonzero(self.there & (f.face < 0))
+        alpha, beta = np.zeros((self.n, 2)), np.zeros((self.n, 3))
+        if len(on):
+            corner, face = f.mine[on, 0], f.theirs[on]
+            normal = s.normals(x)[f.face[on]]
+            normal /= np.sqrt(dot(normal, normal))[:, None]
+            alpha[on, 0] = 1.0
+            arm, first = x[corner] - x[face[:, 0]], x[face[:, 1]] - x[face[:, 0]]
+            if s.dim == 2:
+                beta[on, 1] = dot(arm, first) / dot(first, first)
+            else:
+                second = x[face[:, 2]] - x[face[:, 0]]
+                aa, bb, ab = dot(first, first), dot(second, second), dot(first, second)
+                pa, pb, det = dot(arm, first), dot(arm, second), aa * bb - ab**2
+                beta[on, 1], beta[on, 2] = (bb * pa - ab * pb) / det, (aa * pb - ab * pa) / det
+            beta[on, 0] = 1.0 - beta[on, 1] - beta[on, 2]
+            self.normal[on], self.gap[on] = -normal, -dot(arm, normal)
+        if len(cross):
+            a, b = (x[f.mine[cross, i]] for i in (0, 1))
+            c, d = (x[f.theirs[cross, i]] for i in (0, 1))
+            normal = np.cross(b - a, d - c)
+            normal *= (f.turn[cross] / np.sqrt(dot(normal, normal)))[:, None]
+            mine, theirs = shares(a, b - a, c, d - c)
+            alpha[cross] = np.stack([1 - mine, mine], axis=1)
+            beta[cross, 0], beta[cross, 1] = 1 - theirs, theirs
+            self.normal[cross], self.gap[cross] = normal, dot(a - c, normal)
+        self.gap[~self.there] = -np.inf
+        self.alpha, self.beta = alpha, beta
+        self.places = (alpha[:, :, None] * x[f.mine]).sum(axis=1)
+        alone = np.flatnonzero(~self.there)
+        self.places[alone] = x[f.mine[alone, 0]]
+        self._operator: Matrix | None = None
+
+    @property
+    def operator(self) -> Matrix:
+        """J, (n d, N d)."""
+        if self._operator is None:
+            d, f = self._shape.dim, self.features
+            nodes = np.concatenate([f.mine, f.theirs], axis=1)
+            weight = np.concatenate([self.alpha, -self.beta], axis=1)
+            row = np.repeat(np.arange(self.n), nodes.shape[1])
+            size = self.n * d, self.total * d
+            there = np.flatnonzero(weight.ravel())
+            rows, columns = (
+                (each[there, None] * d + np.arange(d)).ravel() for each in (row, nodes.ravel())
+            )
+            J = sp.csr_matrix((weight.ravel()[there].repeat(d), (rows, columns)), size)
+            self._operator = J.toarray() if self.dense else J
+        return self._operator
+
+    def jumps(self, velocities: np.ndarray) -> np.ndarray:
+        """J v of all nodes, flat."""
+        v, f = velocities.reshape(self.total, -1), self.features
+        jump = (self.alpha[:, :, None] * v[f.mine]).sum(axis=1)
+        return np.asarray((jump - (self.beta[:, :, None] * v[f.theirs]).sum(axis=1)).ravel())
+
+    def apart(self, changes: np.ndarray) -> np.ndarray:
+        """How much changes of the velocities of all nodes, flat, change speeds of approach, of
+        both bodies each for itself, (n,)."""
+        v, f, n = changes.reshape(self.total, -1), self.features, self.normal
+        mine = dot((self.alpha[:, :, None] * v[f.mine]).sum(axis=1), n)
+        return np.asarray(
+            np.abs(mine) + np.abs(dot((self.beta[:, :, None] * v[f.theirs]).sum(axis=1), n))
+        )

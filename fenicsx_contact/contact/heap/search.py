@@ -1,0 +1,253 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What of many rigid bodies may meet in a step: corners and faces, and edges that cross.
+
+A corner meets a face if it lies over it, and if the body behind it does not reach through the plane
+of the face (else the corner is not what is nearest). Of several faces of one body that counts from
+which it is farthest: where bodies touch, the others lie aside, however deep the corner is behind
+them. Two edges meet if they cross, and if both bodies lie on their sides of the plane that they
+span. Who is over what may change in the step: it is asked at its start and where velocities lead.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from ...base.constants import SAME, SHARP
+from ...base.vectors import dot
+from ..mortar.walls import WALL
+from .shape import Ragged, Shape
+
+#: Cost: bodies are asked that are nearer than this share of the smaller, and than so many times
+#: their ways in the step; what goes farther stops the step.
+CLOSE, AHEAD = 0.05, 4.0
+#: The sine of the angle by which the body behind a corner may reach through the plane of a face: a
+#: face that lies flat on another turns by round-off, and something round by its facets.
+_THROUGH = sqrt(1 - SHARP**2)
+
+
+@dataclass
+class Features:
+    """Corners before faces, and crossing edges.
+
+    Attributes:
+        key: one for each, (k,), that stays while the same corner meets the same body, or the same
+            two edges each other.
+        mine: the nodes of the edge, or the corner twice, (k, 2), and ``theirs``: of the other edge
+            twice or the face, (k, 3), of which the plane has two.
+        face: number of the face, or -1 for edges, (k,).
+        turn: +1 where the cross product of the edges shows from the first to the other, else -1.
+        height: how far they are apart, (k,) in m.
+    """
+
+    key: np.ndarray
+    mine: np.ndarray
+    theirs: np.ndarray
+    face: np.ndarray
+    turn: np.ndarray
+    height: np.ndarray
+
+    def __getitem__(self, which: np.ndarray) -> Features:
+        return Features(*(each[which] for each in vars(self).values()))
+
+    @classmethod
+    def together(cls, several: list[Features]) -> Features:
+        """All of these."""
+        return cls(*(np.concatenate(each) for each in zip(*(vars(f).values() for f in several))))
+
+
+class Places:
+    """Where nodes are and lead, and the boxes around bodies.
+
+    Args:
+        start, end: of the nodes, (N, d) in m.
+        starts: the first node of each body.
+        reach: how near counts, of each pair, (p,) in m.
+    """
+
+    def __init__(
+        self, start: np.ndarray, end: np.ndarray, starts: list[int], reach: Any = None
+    ) -> None:
+        self.start, self.end, self.reach = start, end, reach
+        self.least, self.most = np.minimum(start, end), np.maximum(start, end)
+        low = np.minimum.reduceat(self.least, starts)
+        self.boxes = low, np.maximum.reduceat(self.most, starts)
+
+
+class Search:
+    """Finds the features.
+
+    Args:
+        shape: of the bodies.
+        fixed: bodies that cannot move, (B,) of bool: they do not meet each other.
+    """
+
+    def __init__(self, shape: Shape, fixed: np.ndarray) -> None:
+        self._shape, self._fixed = shape, fixed
+        self._starts = [at.start for at in shape.slices]
+
+    def __call__(self, x: np.ndarray, way: np.ndarray) -> Features:
+        """Those of nodes at x (N, d) that are about to go a ``way`` (N, d), both in m."""
+        pairs, reach = self._pairs(x, way)
+        places = Places(x, x + way, self._starts, np.tile(reach, 2))
+        found = [self._corners(np.concatenate([pairs, pairs[:, ::-1]]), places)]
+        if self._shape.dim == 3:
+            found.append(self._edges(pairs, places))
+        return Features.together(found)
+
+    def near(self, x: np.ndarray) -> np.ndarray:
+        """Bodies at rest that are near each other, (p, 2)."""
+        return self._pairs(x, np.zeros_like(x))[0]
+
+    def blind(self, x: np.ndarray, way: np.ndarray, foreseen: np.ndarray) -> bool:
+        """Whether two bodies went so far, by the ways (N, d) of their nodes, that they might have
+        met otherwise than was asked for those that were ``foreseen``."""
+        s = self._shape
+        pairs, _ = self._pairs(x, way)
+        gone, known = (self.ways(each)[pairs].sum(axis=1) for each in (way, foreseen))
+        size, thin = (each[pairs].min(axis=1) for each in (s.sizes, s.thin))
+        return bool((gone > np.minimum(CLOSE * size + AHEAD * known, WALL * thin)).any())
+
+    def ways(self, way: np.ndarray) -> np.ndarray:
+        """The longest way of a node of each body, (B,)."""
+        return np.asarray(np.maximum.reduceat(np.sqrt(dot(way, way)), self._starts))
+
+    def _pairs(self, x: np.ndarray, way: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Bodies whose boxes are near each other, (p, 2), and how near counts, (p,) in m."""
+        s, ways = self._shape, self.ways(way)
+        low, high = Places(x, x + way, self._starts).boxes
+        grown = CLOSE * s.sizes + AHEAD * ways
+        low, high = low - grown[:, None], high + grown[:, None]
+        order = np.argsort(low[:, 0], kind="stable")  # along the first axis one after the other
+        last = np.searchsorted(low[order, 0], high[order, 0], side="right")
+        count = last - np.arange(len(order)) - 1
+        first = np.repeat(np.arange(len(order)), count)
+        start = np.cumsum(count) - count
+        second = first + 1 + np.arange(len(first)) - start[first]
+        a, b = order[first], order[second]
+        near = ((low[a] <= high[b]) & (low[b] <= high[a])).all(axis=1)
+        near &= ~(self._fixed[a] & self._fixed[b])
+        pairs = np.sort(np.stack([a[near], b[near]], axis=1), axis=1)
+        pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+        reach = CLOSE * s.sizes[pairs].min(axis=1) + AHEAD * ways[pairs].sum(axis=1)
+        return pairs, reach
+
+    def _around(
+        self, lists: Ragged, nodes: np.ndarray, mine: np.ndarray, others: np.ndarray, places: Places
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The entries of the lists of bodies ``mine`` (p,) whose nodes (entries, k) come near the
+        boxes of the ``others``: number of the pair, and entry."""
+        pair, entry = lists.of(mine)
+        at, wide = nodes[entry], places.reach[pair][:, None]
+        least = places.least[at].min(axis=1)
+        most = places.most[at].max(axis=1)
+        low, high = (bound[others[pair]] for bound in places.boxes)
+        near = ((least <= high + wide) & (most >= low - wide)).all(axis=1)
+        return pair[near], entry[near]
+
+    def _corners(self, pairs: np.ndarray, places: Places) -> Features:
+        s, every, x = self._shape, np.arange(len(places.start))[:, None], places.start
+        pair, corner = self._around(s.corners, every, pairs[:, 0], pairs[:, 1], places)
+        of, face = s.faces.of(pairs[pair, 1])
+        pair, corner = pair[of], corner[of]
+        height, over = self._over(corner, face, x)
+        over |= self._over(corner, face, places.end)[1]
+        bodies = pairs[pair]
+        deep = -WALL * s.thin[bodies].min(axis=1)
+        over &= (height <= places.reach[pair]) & (height >= deep)
+        corner, face, height, bodies = (a[over] for a in (corner, face, height, bodies))
+        key = corner * len(s.slices) + bodies[:, 1]
+        order = np.lexsort((face, -height, key))
+        order = order[np.unique(key[order], return_index=True)[1]]
+        corner, face = corner[order], face[order]
+        none = np.ones(len(order))
+        theirs = s.outline[face][:, [0, 1, -1 if s.dim == 2 else 2]]
+        mine = np.stack([corner, corner], axis=1)
+        return Features(key[order], mine, theirs, face, none, height[order])
+
+    def _over(self, corner: np.ndarray, face: np.ndarray, x: np.ndarray) -> tuple:
+        """How high corners are above the planes of faces, and whether they lie over these with the
+        bodies behind them."""
+        s, p = self._shape, x[corner]
+        normal = s.normals(x)
+        normal = (normal / np.sqrt(dot(normal, normal))[:, None])[face]
+        around = x[s.outline[face]]
+        height = dot(p - around[:, 0], normal)
+        over = np.ones(len(corner), dtype=bool)
+        k = around.shape[1]
+        for i in range(k):
+            a, b = around[:, i], around[:, (i + 1) % k]
+            edge = b - a
+            # in the plane from either end to the other
+            inwards = edge if s.dim == 2 else np.cross(normal, edge) * s.sign[face][:, None]
+            over &= dot(p - a, inwards) >= -SAME * dot(inwards, inwards)
+        row, node = s.beside.of(corner[over])
+        which = np.flatnonzero(over)[row]
+        arm = x[node] - p[which]
+        reaches = dot(arm, normal[which]) < -_THROUGH * np.sqrt(dot(arm, arm))
+        over[which[reaches]] = False
+        return height, over
+
+    def _edges(self, pairs: np.ndarray, places: Places) -> Features:
+        s, x = self._shape, places.start
+        one, mine = self._around(s.edges, s.ends, pairs[:, 0], pairs[:, 1], places)
+        other, theirs = self._around(s.edges, s.ends, pairs[:, 1], pairs[:, 0], places)
+        of_pair = Ragged(other, theirs, len(pairs))
+        of, theirs = of_pair.of(one)
+        pair, mine = one[of], mine[of]
+        height, turn, cross = self._cross(mine, theirs, x)
+        cross |= self._cross(mine, theirs, places.end)[2]
+        bodies = pairs[pair]
+        deep = -WALL * s.thin[bodies].min(axis=1)
+        cross &= (height <= places.reach[pair]) & (height >= deep)
+        mine, theirs, height, turn = (a[cross] for a in (mine, theirs, height, turn))
+        key = len(x) * len(s.slices) + mine * len(s.ends) + theirs
+        ends = s.ends[theirs][:, [0, 1, 1]]
+        return Features(key, s.ends[mine], ends, np.full(len(key), -1), turn, height)
+
+    def _cross(self, mine: np.ndarray, theirs: np.ndarray, x: np.ndarray) -> tuple:
+        """How far edges are apart, how their cross product shows, and whether they are what is
+        nearest of the bodies behind them."""
+        s = self._shape
+        a, b = (x[s.ends[mine, i]] for i in (0, 1))
+        c, d = (x[s.ends[theirs, i]] for i in (0, 1))
+        u, v = b - a, d - c
+        normal = np.cross(u, v)
+        size = np.sqrt(dot(normal, normal))
+        lengths = np.sqrt(dot(u, u) * dot(v, v))
+        cross = size > SAME * lengths
+        normal /= np.where(cross, size, 1.0)[:, None]
+        # out of the first body: away from what is beside its edge
+        mean = (x[s.wings[mine]] - a[:, None]).sum(axis=1)
+        turn = np.where(dot(mean, normal) > 0, -1.0, 1.0)
+        normal *= turn[:, None]
+        share, other = shares(a, u, c, v)
+        inside = np.minimum.reduce([share, 1 - share, other, 1 - other]) > SAME
+        height = dot(c - a, normal)
+        cross &= inside
+        for i in (0, 1):  # both bodies on their sides
+            for edge, start, way in ((mine, a, normal), (theirs, c, -normal)):
+                arm = x[s.wings[edge, i]] - start
+                cross &= dot(arm, way) <= _THROUGH * np.sqrt(dot(arm, arm))
+        # and no face beside them that is farther from all of the other edge
+        faces = s.normals(x)
+        faces /= np.sqrt(dot(faces, faces))[:, None]
+        for edge, ends in ((theirs, (a, b)), (mine, (c, d))):
+            for i in (0, 1):
+                f = s.flanks[edge, i]
+                at = x[s.outline[f, 0]]
+                least = np.minimum(*(dot(p - at, faces[f]) for p in ends))
+                cross &= least <= height + SAME * np.sqrt(lengths)
+        return height, turn, cross
+
+
+def shares(a: np.ndarray, u: np.ndarray, c: np.ndarray, v: np.ndarray) -> tuple:
+    """Where lines from a along u and from c along v are nearest to each other, in shares of these;
+    of parallel ones anywhere."""
+    w, uu, vv, uv = a - c, dot(u, u), dot(v, v), dot(u, v)
+    det = uu * vv - uv**2
+    det = np.where(det > 0, det, np.inf)
+    return (uv * dot(v, w) - vv * dot(u, w)) / det, (uu * dot(v, w) - uv * dot(u, w)) / det

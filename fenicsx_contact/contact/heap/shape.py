@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The named facets of many rigid bodies in one numbering: corners, faces, and what is beside them.
+
+Rigid bodies with flat facets meet where a corner of one lies on a face of another, and in space
+where two edges cross: what lies between these follows. Nodes within a face or a straight edge are
+no corners, so that meshes change nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import accumulate
+
+import numpy as np
+
+from ...base.constants import SAME
+from ..inside import SIMPLICES
+from ..mortar.side import Side, unit_and_length
+
+
+class Ragged:
+    """Lists of numbers of several lengths.
+
+    Attributes:
+        first, count: of each list, (n,), in ``values``.
+    """
+
+    def __init__(self, of: np.ndarray, values: np.ndarray, n: int) -> None:
+        order = np.argsort(of, kind="stable")
+        self.count = np.bincount(of, minlength=n)
+        self.first = np.cumsum(self.count) - self.count
+        self.values = values[order]
+
+    def of(self, which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """For each entry of these lists the place of its list in ``which``, and the entry."""
+        count = self.count[which]
+        row = np.repeat(np.arange(len(which)), count)
+        start = np.cumsum(count) - count
+        return row, self.values[self.first[which][row] + np.arange(len(row)) - start[row]]
+
+
+class Shape:
+    """The facets of many bodies.
+
+    Args:
+        sides: of the bodies, with flat facets.
+
+    Attributes:
+        dim: d.
+        nodes: reference places of all nodes, (N, d); ``body``: whose each is, (N,); ``slices``: of
+            each body.
+        outline: nodes of the facets, of quadrilaterals of their halves, (F, d); ``sign``: +1 where
+            they turn outwards; ``owner``: the body of each.
+        faces: numbers of the facets of each body; ``corners``, ``edges``: likewise, of the nodes
+            that are corners and of rows of ``ends``.
+        beside: for each node the other nodes of its facets.
+        ends: nodes of the edges that jut out, (E, 2), none in the plane; ``flanks``: the facets
+            beside each, (E, 2); ``wings``: of either the node that is farthest from it, (E, 2).
+        sizes: the diameter of each body, and ``thin``, how thin it may be, at least, (B,) in m.
+    """
+
+    def __init__(self, sides: Sequence[Side]) -> None:
+        bodies = len(sides)
+        self.dim = sides[0].dim
+        starts = [0, *accumulate(len(side.nodes) for side in sides)]
+        self.slices = [slice(a, b) for a, b in zip(starts[:-1], starts[1:])]
+        self.nodes = np.concatenate([side.nodes for side in sides])
+        self.body = np.repeat(np.arange(bodies), np.diff(starts))
+        around = [SIMPLICES.get(side.cell, [[0, 1]]) for side in sides]
+        facets = [side.corners[:, pick].reshape(-1, self.dim) for side, pick in zip(sides, around)]
+        self.outline = np.concatenate([each + first for each, first in zip(facets, starts)])
+        self.owner = np.repeat(np.arange(bodies), [len(each) for each in facets])
+        self.sign = np.ones(len(self.outline))
+        every = zip(sides, around)
+        outwards = np.concatenate(
+            [_outwards(side).repeat(len(pick), axis=0) for side, pick in every]
+        )
+        self.sign = np.where((self.normals(self.nodes) * outwards).sum(axis=1) < 0, -1.0, 1.0)
+        self.faces = Ragged(self.owner, np.arange(len(self.owner)), bodies)
+        k = self.outline.shape[1]
+        near = np.array([(i, j) for i in range(k) for j in range(k) if i != j]).T
+        self.beside = Ragged(
+            self.outline[:, near[0]].ravel(), self.outline[:, near[1]].ravel(), len(self.nodes)
+        )
+        self.sizes = np.array([np.linalg.norm(np.ptp(side.nodes, axis=0)) for side in sides])
+        self.ends, self.flanks, self.wings = np.empty((3, 0, 2), dtype=np.int64)
+        which = self._corners()
+        self.corners = Ragged(self.body[which], which, bodies)
+        self.edges = Ragged(self.body[self.ends[:, 0]], np.arange(len(self.ends)), bodies)
+        unit, _ = unit_and_length(self.normals(self.nodes))
+        # a facet is at most so far from the nodes of its body behind it
+        self.thin = np.full(bodies, np.inf)
+        for b, at in enumerate(self.slices):
+            mine = self.faces.values[self.faces.first[b] :][: self.faces.count[b]]
+            rise = (self.nodes[at] @ unit[mine].T) - (
+                self.nodes[self.outline[mine, 0]] * unit[mine]
+            ).sum(axis=1)
+            behind = -rise.min(axis=0)
+            solid = behind > SAME * self.sizes[b]
+            self.thin[b] = behind[solid].min() if solid.any() else self.sizes[b]
+
+    def normals(self, x: np.ndarray) -> np.ndarray:
+        """Outward normals of the facets, as long as their area is large, from places (N, d)."""
+        a = x[self.outline]
+        if self.dim == 2:
+            t = a[:, 1] - a[:, 0]
+            return np.stack([t[:, 1], -t[:, 0]], axis=1) * self.sign[:, None]
+        normal = np.cross(a[:, 1] - a[:, 0], a[:, 2] - a[:, 0])
+        return normal * self.sign[:, None]
+
+    def _corners(self) -> np.ndarray:
+        """Nodes at which the surface bends outwards, or where it ends; takes up the edges."""
+        x, k = self.nodes, self.outline.shape[1]
+        unit, _ = unit_and_length(self.normals(x))
+        middle = x[self.outline].mean(axis=1)
+        ridges = self.outline[:, :, None]
+        if self.dim == 3:
+            ridges = np.stack([self.outline, np.roll(self.outline, -1, axis=1)], axis=2)
+        facet = np.arange(len(middle)).repeat(k)
+        flat = np.sort(ridges.reshape(len(facet), -1), axis=1)
+        ends, which, count = np.unique(flat, axis=0, return_inverse=True, return_counts=True)
+        order = np.argsort(which.ravel(), kind="stable")
+        first = np.cumsum(count) - count
+        a, b = facet[order[first]], facet[order[first + np.minimum(count - 1, 1)]]
+        across = middle[b] - middle[a]
+        falls = -(across * unit[a]).sum(axis=1)
+        juts = (falls > SAME * np.linalg.norm(across, axis=1)) | (count == 1)
+        if self.dim == 2:
+            return ends[juts, 0]
+        self.ends = ends[juts]
+        self.flanks = np.stack([a[juts], b[juts]], axis=1)
+        self.wings = np.stack([self._wing(each, self.ends) for each in self.flanks.T], axis=1)
+        return self._bends()
+
+    def _wing(self, facet: np.ndarray, ends: np.ndarray) -> np.ndarray:
+        """The node of each facet that is farthest from its edge."""
+        x, way = self.nodes, self.nodes[ends[:, 1]] - self.nodes[ends[:, 0]]
+        way /= np.linalg.norm(way, axis=1)[:, None]
+        arm = x[self.outline[facet]] - x[ends[:, 0]][:, None]
+        off = arm - (arm @ way[:, :, None]) * way[:, None]
+        far = np.linalg.norm(off, axis=2).argmax(axis=1)
+        return self.outline[facet, far]
+
+    def _bends(self) -> np.ndarray:
+        """Nodes at which edges do not go straight on."""
+        x = self.nodes
+        both = np.concatenate([self.ends, self.ends[:, ::-1]])
+        way = x[both[:, 1]] - x[both[:, 0]]
+        way /= np.linalg.norm(way, axis=1)[:, None]
+        at, inverse, count = np.unique(both[:, 0], return_inverse=True, return_counts=True)
+        total = np.zeros((len(at), 3))
+        np.add.at(total, inverse.ravel(), way)
+        straight = (count == 2) & (np.linalg.norm(total, axis=1) <= SAME)
+        return at[~straight]
+
+
+def _outwards(side: Side) -> np.ndarray:
+    """Normals of the facets of a side, (m, d)."""
+    flat, every = side.flat, np.arange(len(side.corners))
+    return flat.normal(flat.middle_tangents(side.nodes), every)

@@ -1,0 +1,283 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Rigid bodies that may all meet: corners before faces and edges that cross, without means."""
+
+import dolfinx
+import numpy as np
+import pytest
+from mpi4py import MPI
+from scenes import G, check_energies, rectangle
+
+from fenicsx_contact import (
+    Contact,
+    Coulomb,
+    Discrete,
+    ElasticSolid,
+    HalfSpace,
+    Heap,
+    InputError,
+    RigidSolid,
+    Scene,
+    ThetaScheme,
+    name_facets,
+)
+
+HELD = {
+    2: ("x", "y", "turning"),
+    3: ("x", "y", "z", "turning about x", "turning about y", "turning about z"),
+}
+#: Cells of bodies, by the number of cells along each side.
+CELLS = {2: ["quadrilateral", "triangle"], 3: ["hexahedron", "tetrahedron"]}
+
+
+def body(low, high, name, n=1, cell=None, held=False, **solid):
+    """A box between two corners, all of its facets named skin, that falls or is held."""
+    dim = len(low)
+    make = dolfinx.mesh.create_box if dim == 3 else dolfinx.mesh.create_rectangle
+    kind = getattr(dolfinx.mesh.CellType, cell or CELLS[dim][0])
+    corners = [np.array(low, dtype=float), np.array(high, dtype=float)]
+    mesh = make(MPI.COMM_SELF, corners, [n] * dim, kind)
+    given = {"mass": 1.0, "held": HELD[dim]} if held else {"mass": 1.0, "gravity": down(dim)}
+    named = name_facets(mesh, {"skin": lambda x: np.full(x.shape[1], True)})
+    return RigidSolid(named, name=name, **(given | solid))
+
+
+def down(dim, g=G):
+    return (*(0,) * (dim - 1), -g)
+
+
+def at(dim, middle, size, name, **solid):
+    """A cube about a place (x, height)."""
+    place = np.array([middle[0], *(0.0,) * (dim - 2), middle[1]])
+    return body(place - size / 2, place + size / 2, name, **solid)
+
+
+def floor(dim, **solid):
+    low, high = (*(-1.0,) * (dim - 1), -1.0), (*(1.0,) * (dim - 1), 0.0)
+    return body(low, high, "floor", held=True, **solid)
+
+
+def heap(bodies, friction=0.3, scheme=None, formulation="velocity", **scene):
+    contact = Heap(bodies, "skin", formulation, friction)
+    return Scene(bodies, [contact], scheme, **scene)
+
+
+def forces(scene):
+    """On each body, (B, d) in N."""
+    contact = scene.contacts[0]
+    jump = contact.force
+    f = contact.coupling.meetings.features
+    result = np.zeros((len(scene.solids), jump.shape[1]))
+    of = contact.coupling._shape.body
+    np.add.at(result, of[f.mine[:, 0]], jump)
+    np.add.at(result, of[f.theirs[:, 0]], -jump)
+    return result
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("formulation", ["velocity", "gap", "lagrange"])
+def test_a_stack_rests(dim, formulation):
+    boxes = [at(dim, (0, 0.1 + 0.2 * i), 0.2, f"b{i}") for i in range(3)]
+    theta = ThetaScheme(0.5 if formulation == "velocity" else 1.0)
+    scene = heap([*boxes, floor(dim)], 0.3, theta, formulation)
+    history = scene.run(until=0.1, dt=2e-3)
+    assert history.finished, history.reason
+    for i, box in enumerate(boxes):
+        assert np.abs(box.velocity).max() < 1e-10
+        assert box.place[-1] == pytest.approx(0.1 + 0.2 * i, abs=1e-11)
+    weights = [[*(0.0,) * (dim - 1), G]] * 3 + [[*(0.0,) * (dim - 1), -3 * G]]
+    np.testing.assert_allclose(forces(scene), weights, atol=1e-8)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_meshes_change_nothing(dim):
+    """Nodes within faces and edges are no corners."""
+    places = []
+    for n, cell in [(1, CELLS[dim][0]), (1, CELLS[dim][1]), (3, CELLS[dim][0]), (2, CELLS[dim][1])]:
+        low = at(dim, (0.0, 0.1), 0.2, "low", n=n, cell=cell)
+        tilt = {"rotation": 0.3 if dim == 2 else (0.0, -0.3, 0.0)}
+        up = at(dim, (0.07, 0.36), 0.2, "up", n=n, cell=cell, **tilt)
+        scene = heap([low, up, floor(dim, cell=cell, n=1)])
+        assert scene.run(until=0.2, dt=2e-3).finished
+        corners = scene.contacts[0].coupling._shape.corners.values
+        assert len(corners) == 3 * 2**dim
+        places.append([*low.place, *up.place, *up.velocity])
+    for other in places[1:]:
+        np.testing.assert_allclose(other, places[0], rtol=1e-7, atol=1e-8)
+
+
+def struck(dim, locate):
+    """Two cubes without gravity, one at rest, one that meets it with a corner (an edge)."""
+    turn = 0.4 if dim == 2 else (0.0, -0.4, 0.0)
+    one = at(dim, (0.0, 0.0), 0.2, "one", gravity=None)
+    v = (-1.0, *(0.0,) * (dim - 1))
+    two = at(dim, (0.3, 0.03), 0.2, "two", gravity=None, rotation=turn, velocity=v)
+    return heap([one, two], 0.0, locate_impacts=locate), one, two
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("locate", [False, True])
+def test_an_impact_of_a_corner(dim, locate):
+    """Without restitution: ``P = v_n / (n M^-1 n)`` at the corner, and it then moves along."""
+    scene, one, two = struck(dim, locate)
+    history = scene.run(until=0.12, dt=1e-3)
+    assert history.finished, history.reason
+    arm = np.array([0.1 * (np.cos(0.4) + np.sin(0.4)), 0.1 * (np.cos(0.4) - np.sin(0.4))])
+    # the corner that is leftmost, and where it hits, from both centres
+    corner = np.array([-arm[0], arm[1]])
+    far = corner[1] + 0.03
+    inertia = 0.2**2 / 6
+    mobility = 2.0 + corner[1] ** 2 / inertia + far**2 / inertia
+    impulse = 1.0 / mobility
+    assert one.velocity[0] == pytest.approx(-impulse, rel=1e-6 if locate else 2e-2)
+    assert two.velocity[0] == pytest.approx(-1 + impulse, rel=1e-6 if locate else 2e-2)
+    assert one.velocity[0] + two.velocity[0] == pytest.approx(-1.0, abs=1e-12)
+    check_energies(history, together=True)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_beside_an_edge_there_is_nothing(dim):
+    """What falls past the side of a table, nearer than it goes in a step, meets nothing."""
+    table = floor(dim)
+    gap = 1e-5
+    cube = at(dim, (1.1 + gap, 0.13), 0.2, "cube")
+    lean = at(dim, (-1.1 - gap, 0.13), 0.2, "lean", velocity=(*(0.0,) * (dim - 1), -3.0))
+    scene = heap([cube, lean, table])
+    history = scene.run(until=0.2, dt=2e-3)
+    assert history.finished, history.reason
+    assert cube.velocity[dim - 1] == pytest.approx(-G * 0.2, rel=1e-12)
+    assert lean.velocity[dim - 1] == pytest.approx(-3 - G * 0.2, rel=1e-12)
+    assert not scene.contacts[0].force.any()
+
+
+def test_edges_that_cross():
+    """A bar on its edge rests on another, across: in space nothing but edges meets."""
+    size, turn = 0.2, np.pi / 4
+    low = body((-0.5, -0.1, -0.1), (0.5, 0.1, 0.1), "low", held=True, rotation=(turn, 0, 0))
+    height = size * np.sqrt(2)
+    middle = np.array([0.0, 0.0, height])
+    half = np.array([0.1, 0.5, 0.1])
+    up = body(middle - half, middle + half, "up", rotation=(0, turn, 0))
+    scene = heap([low, up])
+    history = scene.run(until=0.1, dt=2e-3)
+    assert history.finished, history.reason
+    contact = scene.contacts[0]
+    assert (contact.status > 0).sum() == 1
+    assert up.place[2] == pytest.approx(height, abs=1e-12)
+    np.testing.assert_allclose(forces(scene)[1], (0, 0, G), atol=1e-9)
+
+
+def test_a_stack_of_which_edges_cross():
+    """Turned by 45 degrees no corner of either box lies over the other."""
+    low = at(3, (0.0, 0.1), 0.2, "low")
+    up = at(3, (0.0, 0.3), 0.2, "up", rotation=(0, 0, np.pi / 4))
+    scene = heap([low, up, floor(3)])
+    history = scene.run(until=0.1, dt=2e-3)
+    assert history.finished, history.reason
+    assert up.place[2] == pytest.approx(0.3, abs=1e-11)
+    assert np.abs(up.velocity).max() < 1e-10
+
+
+def tumbling(n, **scene):
+    """Tilted boxes that fall into a bin."""
+    rng = np.random.default_rng(3)
+    boxes = [
+        at(2, (0.17 * (i % 3) + rng.uniform(-0.01, 0.01), 0.1 + 0.17 * (i // 3)), 0.1, f"b{i}",
+           rotation=rng.uniform(-0.8, 0.8))
+        for i in range(n)
+    ]  # fmt: skip
+    walls = [
+        body((-1.1, -1), (1.4, 0), "bottom", held=True),
+        body((-0.6, 1e-3), (-0.1, 2), "left", held=True),
+        body((0.45, 1e-3), (0.95, 2), "right", held=True),
+    ]
+    return heap([*boxes, *walls], **scene), boxes
+
+
+def test_tilted_boxes_fall_into_a_bin():
+    scene, boxes = tumbling(6)
+    history = scene.run(until=0.4, dt=2e-3)
+    assert history.finished, history.reason
+    check_energies(history, 1e-8, together=True)  # so much putting gaps back may leave
+    assert history["kinetic"][-1] < 0.1 * history["kinetic"].max()
+    for box in boxes:  # none has left
+        assert -0.1 < box.place[0] < 0.45 and box.place[1] > 0.04
+    # uniform steps round arrivals: as deep as what falls goes in a step
+    assert history["heap.penetration"].max() < 2e-3 * 3.0
+
+
+def test_turned_and_moved_it_is_the_same():
+    def run(turn, shift):
+        c, s = np.cos(turn), np.sin(turn)
+        R = np.array([[c, -s], [s, c]])
+
+        def put(low, high, name, angle=0.0, **solid):
+            mesh = rectangle((1, 1), np.subtract(high, low)).mesh
+            mesh.geometry.x[:, 1] -= (high[1] - low[1]) / 2
+            middle = (np.array(low) + high) / 2
+            mesh.geometry.x[:, :2] = mesh.geometry.x[:, :2] @ R.T + R @ middle + shift
+            named = name_facets(mesh, {"skin": lambda x: np.full(x.shape[1], True)})
+            return RigidSolid(named, mass=1.0, rotation=angle, name=name, **solid)
+
+        g = {"gravity": tuple(R @ (0, -G))}
+        ground = put((-1, -1), (1, 0), "floor", held=HELD[2])
+        low = put((-0.1, 0), (0.1, 0.2), "low", **g)
+        up = put((0.0, 0.25), (0.2, 0.45), "up", 0.3, **g)
+        scene = heap([low, up, ground])
+        assert scene.run(until=0.2, dt=2e-3).finished
+        return np.concatenate([(b.place - shift) @ R for b in (low, up)])
+
+    plain = run(0.0, np.zeros(2))
+    np.testing.assert_allclose(run(0.7, np.array([3.0, -2.0])), plain, rtol=1e-7, atol=1e-9)
+
+
+def test_it_goes_on_where_it_was(tmp_path):
+    whole, boxes = tumbling(4)
+    whole.run(until=0.3, dt=2e-3)
+    first, _ = tumbling(4)
+    first.run(until=0.16, dt=2e-3)
+    np.savez(tmp_path / "state.npz", **first.state())
+    second, others = tumbling(4)
+    with np.load(tmp_path / "state.npz") as state:
+        second.restore(dict(state))
+    second.run(until=0.3, dt=2e-3)
+    for one, other in zip(boxes, others):
+        assert np.array_equal(one.place, other.place) and one.rotation == other.rotation
+
+
+def test_what_is_no_heap_is_refused():
+    one, two = at(2, (0, 0.1), 0.2, "one"), at(2, (0.5, 0.1), 0.2, "two")
+    with pytest.raises(InputError, match=r"solids = \['one'\]: must be two bodies or more"):
+        Heap([one], "skin")
+    with pytest.raises(InputError, match="each once"):
+        Heap([one, one], "skin")
+    with pytest.raises(InputError, match="dimensions"):
+        Heap([one, at(3, (0, 0.1), 0.2, "three")], "skin")
+    soft = ElasticSolid(rectangle(), youngs_modulus=1e6, poisson_ratio=0.3, density=1.0)
+    with pytest.raises(InputError, match="must be a list of rigid solids"):
+        Heap([one, soft], "skin")
+    with pytest.raises(InputError, match="'side'"):
+        Heap([one, two], "side")
+    with pytest.raises(InputError, match="formulation = 'discrete'"):
+        Heap([one, two], "skin", Discrete(stiffness=1e6))
+    with pytest.raises(InputError, match=r"friction = .*one number"):
+        Heap([one, two], "skin", friction=Coulomb(lambda x: 0.1 + x[0]))
+    inside = at(2, (0.0, 0.1), 0.02, "inside")
+    with pytest.raises(InputError, match=r"'heap' starts with 'inside' 0\.09 inside 'one'"):
+        heap([one, inside])
+
+
+def test_beside_obstacles():
+    """A floor that is an obstacle serves as one that is a body."""
+
+    def run(bodies, contacts):
+        scene = Scene(bodies, [Heap(bodies, "skin", friction=0.3), *contacts])
+        assert scene.run(until=0.25, dt=2e-3).finished
+        return np.concatenate([[*b.place, b.rotation] for b in bodies[:2]])
+
+    def boxes():
+        return at(2, (0.0, 0.1), 0.2, "low"), at(2, (0.07, 0.36), 0.2, "up", rotation=0.3)
+
+    ground = HalfSpace((0, 0), (0, 1))
+    pair = [*boxes()]
+    by_obstacle = run(pair, [Contact(b, "skin", ground, friction=0.3) for b in pair])
+    np.testing.assert_allclose(run([*boxes(), floor(2)], []), by_obstacle, rtol=1e-6, atol=1e-7)

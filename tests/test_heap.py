@@ -197,7 +197,7 @@ def test_tilted_boxes_fall_into_a_bin():
     scene, boxes = tumbling(6)
     history = scene.run(until=0.4, dt=2e-3)
     assert history.finished, history.reason
-    check_energies(history, 1e-8, together=True)  # so much putting gaps back may leave
+    check_energies(history, slack=1e-8, together=True)  # as faces turn within a step
     assert history["kinetic"][-1] < 0.1 * history["kinetic"].max()
     for box in boxes:  # none has left
         assert -0.1 < box.place[0] < 0.45 and box.place[1] > 0.04

@@ -29,6 +29,7 @@ class Coupling(ABC):
         fixed_normal: whether the normals never change.
         driven: whether the other side moves as it is told.
         encloses: whether it is around the slave, which then passes through no wall.
+        by_means: whether gaps are means over facets, which are others where solids are put back.
         blocked: why the slave cannot go on like that, in the followed state, or "".
         time: of the trial state, s.
         recess: how far the surface has worn back, (n,) in m, or 0.
@@ -40,6 +41,7 @@ class Coupling(ABC):
     fixed_normal: bool
     driven = False
     encloses = False
+    by_means = False
     time = 0.0
     recess: np.ndarray | float = 0.0
 

@@ -41,7 +41,7 @@ class MortarJump(Coupling):
         pairing: where the forces of the step act.
     """
 
-    fixed_normal = False
+    fixed_normal, by_means = False, True
     _share = 1.0  # of the way of the step, of these places
     _chords: np.ndarray | float = 0.0
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from math import inf
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from ..solve.newton import Newton
 from ..solve.problem import Assembly, Clock
 from ..solve.surface_problem import SurfaceSystem
 from ..theory.theta import Step
-from .certificate import Certificate, certify
+from .certificate import ACCEPTED, Certificate, certify
 from .hold import hold_gaps
 from .neighbours import Neighbours
 from .trial import Trial
@@ -71,7 +72,10 @@ class Stepper:
         self._neighbours = Neighbours(self._every)
         self._arrange()
         self._linear = not any(solid.shiftable for solid in self.solids)
-        self._pairs = any(len(contact.solids) > 1 for contact in self.contacts)
+        pairs = [contact.coupling for contact in self.contacts if len(contact.solids) > 1]
+        means = any(coupling.by_means for coupling in pairs)
+        # above which errors a step is solved again about where solids were put back
+        self._again = inf if not pairs else GEOMETRY_TOLERANCE if means else ACCEPTED
         self.times: dict[str, float] = {}
         self.time = 0.0
         self.work, self.balance = np.zeros(5), 0.0
@@ -103,11 +107,11 @@ class Stepper:
         Raises:
             StepFailed: with the reason; the state is as before.
         """
-        trial = self._attempt(step, closing, rates)
-        while self._neighbours.met():
-            self._begun = None
+        while True:
             trial = self._attempt(step, closing, rates)
-        return trial
+            if not self._neighbours.met():
+                return trial
+            self._begun = None
 
     def _attempt(self, step: Step, closing: bool, rates: Sequence[np.ndarray] | None) -> Trial:
         clock = Clock(self.times)
@@ -121,7 +125,7 @@ class Stepper:
                 self._guess(step, rates)
             clock("pairing")
             trial, certificate, moved = self._solved(step, closing, clock)
-            while moved and certificate.worst > GEOMETRY_TOLERANCE:  # as long as it gains
+            while moved and certificate.worst > self._again:  # as long as it gains
                 last, tried = certificate, trial
                 for look in self.rounds:
                     look(tried)
@@ -145,7 +149,6 @@ class Stepper:
         for contact in self.contacts:
             contact.trial_status = contact.equations.statuses()
         moved = bool(step.dt) and not self._linear and hold_gaps(self.contacts, step)
-        moved = moved and self._pairs  # before obstacles such a step is too long
         for solid in self.solids:
             if reason := solid.unsound(step):
                 raise StepFailed(reason)
@@ -172,12 +175,9 @@ class Stepper:
         if not percussive or not step.scheme.inertia:
             return False
         self._begin(step)
-        asked = []
-        for contact in percussive:
-            where = contact.touching() if touching else contact.chosen
-            points = approaching(contact, step, where)
-            if points.any():
-                asked.append((contact, points))
+        where = [contact.touching() if touching else contact.chosen for contact in percussive]
+        points = [approaching(contact, step, asked) for contact, asked in zip(percussive, where)]
+        asked = [(contact, each) for contact, each in zip(percussive, points) if each.any()]
         if not asked:
             return False
         for solid in self.solids:

@@ -114,7 +114,13 @@ class HeapJump(Coupling):
 
     def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
         # how normals turn is second to what moves: found in the next round
+        self.meetings.act()
         self._part.linearise(self.velocities("trial_velocity"), False, step.gap_rate, share)
+
+    def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
+        parts = [t.mean_jump(means[id(s)]) for s, t in zip(self.solids, self.traces)]
+        jumps = self.meetings.jumps(np.concatenate(parts), acting=True)
+        return jumps.reshape(self.meetings.n, -1)
 
     def accept(self) -> None:
         super().accept()

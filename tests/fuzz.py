@@ -338,6 +338,20 @@ subject(
     gap_tolerance=SHARE,
     name=NONE | NAME,
 )
+subject(
+    "Heap",
+    lambda **k: fc.Heap(
+        **{"solids": [fc.RigidSolid(PLANE, mass=1.0, name=n) for n in "ab"], "facets": "base", **k}
+    ),
+    {"friction": ("friction",)},
+    facets=fixed("base", "left"),
+    formulation=fixed("velocity", "gap", "lagrange", "printed", fc.GAP),
+    friction=POSITIVE,
+    normal_augmentation=POSITIVE,
+    tangential_augmentation=POSITIVE,
+    gap_tolerance=SHARE,
+    name=NAME,
+)
 for d, ball in ((2, fc.Circle), (3, fc.Sphere)):
     zero, up = (0.0,) * d, tuple(np.eye(d)[-1])
     subject(

@@ -116,6 +116,21 @@ def test_stick_slip(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.startswith("turning points -0.65")
 
 
+def test_heap(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    demo = load("heap")
+    demo.main(quick=True)
+    result = json.loads((demo.RESULTS / "summary.json").read_text())["6"]
+    assert result["reason"] == "finished"
+    assert result["largest_gain_of_energy"] < 1e-5  # by what puts gaps back
+    assert result["deepest_overlap_of_a_side"] < 1e-3
+    assert result["speed_at_the_end_m_per_s"] < 1e-9  # it rests
+    assert result["bearing_points"] >= 12  # two for each box
+    assert result["iterations_a_row"] < 15
+    assert (demo.RESULTS / "heap.png").stat().st_size > 5000
+    assert capsys.readouterr().out.startswith("6 boxes: finished")
+
+
 def test_interface_laws(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     demo = load("interface_laws")

@@ -165,6 +165,26 @@ STOPS = {
             "smaller steps; smoother surfaces",
         ),
         Stop(
+            "goes far",
+            "it goes so far that two bodies might change places unseen",
+            "a step in which bodies go farther than half of the thinner of them, or than their "
+            "speeds foretold",
+            "smaller steps",
+        ),
+        Stop(
+            "goes unseen",
+            "bodies go farther than it was known what they may meet",
+            "in a `Heap`, a step in which bodies go farther than half of the thinner of them, or "
+            "than their speeds foretold",
+            "smaller steps",
+        ),
+        Stop(
+            "crowd",
+            "a body meets others at more than ... points, which are ... for each of its nodes",
+            "in a `Heap`, more corners and edges before one body than it has places for",
+            "a finer mesh of that body: it then has more nodes",
+        ),
+        Stop(
             "butts",
             "the tip of ... butts at the depth ... m, ... m beside the hole",
             "the tip of a rod meets the face of a tube or card, on which it does not bear",

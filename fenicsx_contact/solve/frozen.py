@@ -29,6 +29,7 @@ class LinearSystem(Protocol):
     frozen: bool
     held: bool
     hyperstatic: bool
+    crowded: bool
     force: np.ndarray
     rows: list[np.ndarray]
     added: np.ndarray | None
@@ -58,6 +59,7 @@ class FrozenContact(Statuses):
         super().__init__(system.parts, [contact.name for contact in system.assembly.contacts])
         self.worst = np.inf
         self.size, self.hyperstatic = system.size, system.hyperstatic
+        self.crowded = system.crowded
         self._start: list[np.ndarray] | None = None
         self._convex = True
         self._see()

@@ -50,7 +50,7 @@ class Monolithic(ABC):
         self._traces = [numbered_traces(c, self.solids) for c in assembly.contacts]
         self._solid_rows = SolidRows(self.solids, self.places, self.comm)
         self._weakly = np.zeros(len(self.solids), dtype=bool)  # held by weak springs
-        self.hyperstatic = assembly.hyperstatic
+        self.hyperstatic, self.crowded = assembly.hyperstatic, assembly.crowded
         self._yielding = Yielding()
         self.added: np.ndarray | None = None
         self.restart()

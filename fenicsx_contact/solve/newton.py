@@ -23,10 +23,12 @@ class ContactProblem(Softened, Protocol):
     Attributes:
         size: number of its unknowns; 0: nothing may touch.
         hyperstatic: whether there may be more forces than the motion determines.
+        crowded: whether many rigid bodies meet each other.
     """
 
     size: int
     hyperstatic: bool
+    crowded: bool
 
     def iterate(self, enough: float = 0.0) -> bool: ...
     def state(self) -> list[np.ndarray]: ...
@@ -81,15 +83,18 @@ class Newton:
         if not system.size:
             return Solution(system.force(), 0)
         start = system.state()
-        # points of rigid bodies that stick contradict each other by round-off of the geometry
-        rough = ROUGH * self.tolerance if system.hyperstatic else self.tolerance
+        # where many bodies stick their points contradict each other by how they lie
+        rough = ROUGH * self.tolerance if system.crowded else self.tolerance
         iterations, enough = self._iterate(system)
         if system.worst <= enough:
             return Solution(system.force(), iterations, system.worst)
         if hopeless and (reason := hopeless()):
             raise NotConverged(reason)
         flips, notes = system.flips(), ""
-        for damps in (True, False):
+        # of forces that the motion does not determine the method of multipliers finds such as are
+        # near; damped steps may leave points at their bounds that push against each other
+        damped_first = system.crowded or not system.hyperstatic
+        for damps in (damped_first, not damped_first):
             if damps:
                 iterations += self._damped(system, start, rough)
             else:
@@ -122,7 +127,7 @@ class Newton:
             key = system.remember().tobytes()
             if 2 * error > seen.get(key, np.inf) and key != last and iteration > 4:
                 returns += 1
-                if returns == STALLS:
+                if returns == STALLS or not system.crowded:
                     return iteration, self.tolerance
             seen[key] = error
             last = key

@@ -51,10 +51,16 @@ class Assembly:
         and forces that the motion does not determine."""
         return any(all(solid.shiftable for solid in c.solids) for c in self.contacts)
 
+    @property
+    def crowded(self) -> bool:
+        """Whether many rigid bodies meet each other: points that stick contradict each other by how
+        they lie."""
+        return any(len(contact.solids) > 2 for contact in self.contacts)
+
     def surface_system(self) -> SurfaceSystem:
         """The surface problem of the contacts."""
         parts, names = [c.part for c in self.contacts], [c.name for c in self.contacts]
-        return SurfaceSystem(parts, names, self.hyperstatic)
+        return SurfaceSystem(parts, names, self.hyperstatic, self.crowded)
 
     def free(self) -> np.ndarray:
         """Velocities of all points at the end of the step without contact, flat."""

@@ -39,6 +39,7 @@ class SurfaceSystem(Statuses):
     Args:
         parts, names: of the contacts.
         hyperstatic: whether W may be singular: some points are of rigid bodies alone.
+        crowded: whether these are many, that meet each other.
 
     Attributes:
         parts, names: of the contacts.
@@ -46,10 +47,16 @@ class SurfaceSystem(Statuses):
         worst: the largest error of any row, after :meth:`error`.
     """
 
-    def __init__(self, parts: Sequence[Part], names: Sequence[str], hyperstatic: bool) -> None:
+    def __init__(
+        self,
+        parts: Sequence[Part],
+        names: Sequence[str],
+        hyperstatic: bool,
+        crowded: bool = False,
+    ) -> None:
         self._by_points = ByPoints()
         super().__init__(parts, names)
-        self.hyperstatic = hyperstatic
+        self.hyperstatic, self.crowded = hyperstatic, crowded
         self._total = sum(p.places for p in self.parts)
         self._revision = -1
         self._sizes = np.empty(0), np.empty(0)

@@ -244,6 +244,26 @@ def test_it_goes_on_where_it_was(tmp_path):
         assert np.array_equal(one.place, other.place) and one.rotation == other.rotation
 
 
+def test_files_say_where_it_bears(tmp_path):
+    """Forces are drawn at the corners that bear, and a run goes on from its files."""
+    pyvista = pytest.importorskip("pyvista")
+    boxes = [at(2, (0.0, 0.1), 0.2, "low"), at(2, (0.05, 0.3), 0.2, "up"), floor(2)]
+    scene = heap(boxes)
+    history = scene.run(until=0.02, dt=2e-3, directory=tmp_path, fields_every=5)
+    assert history.finished
+    (drawn,) = tmp_path.glob("fields/heap_000002_0.vtu")
+    mesh = pyvista.read(drawn)
+    forces, x = mesh["force"], mesh.points + mesh["displacement"]
+    bears = np.linalg.norm(forces, axis=1) > 1e-6
+    assert bears.sum() == 4
+    # corners of the lower box on the floor, of either box on a face of the other
+    places = sorted((round(p[0], 9), round(p[1], 9)) for p in x[bears])
+    assert places == [(-0.1, 0.0), (-0.05, 0.2), (0.1, 0.0), (0.1, 0.2)]
+    again = heap([at(2, (0.0, 0.1), 0.2, "low"), at(2, (0.05, 0.3), 0.2, "up"), floor(2)])
+    longer = again.run(until=0.03, dt=2e-3, directory=tmp_path, resume=True, fields_every=5)
+    assert longer.finished and len(longer) > len(history)
+
+
 def test_what_is_no_heap_is_refused():
     one, two = at(2, (0, 0.1), 0.2, "one"), at(2, (0.5, 0.1), 0.2, "two")
     with pytest.raises(InputError, match=r"solids = \['one'\]: must be two bodies or more"):

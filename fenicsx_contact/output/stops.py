@@ -180,7 +180,7 @@ STOPS = {
         ),
         Stop(
             "crowd",
-            "a body meets others at more than ... points, which are ... for each of its nodes",
+            "a body meets others at more than ... points for each of its nodes",
             "in a `Heap`, more corners and edges before one body than it has places for",
             "a finer mesh of that body: it then has more nodes",
         ),

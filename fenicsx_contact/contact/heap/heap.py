@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ...base import checks, compat
 from ...solids import RigidSolid, Solid
@@ -43,12 +44,12 @@ class HeapJump(Coupling):
         self._shape = shape = Shape(sides)
         whole = {2: 3, 3: 6}[shape.dim]
         self._search = Search(shape, np.array([len(s.held) == whole for s in self.bodies]))
-        self.meetings = Meetings(shape, contact.slots, contact.surface.area)
+        homes = _nodes(shape, contact.surface.points, contact.owners)
+        self.meetings = Meetings(shape, homes, contact.surface.area)
         # these ask of a pairing what meetings have, too
         self.part = self._part = PairedEquations(self.equations, self.meetings)  # type: ignore[arg-type]
         self.traces = [s.trace(shape.nodes[at]) for s, at in zip(self.solids, shape.slices)]
         self._start = self._end = self._places()
-        self._slots = contact.slots
         self.fresh = np.zeros(self.meetings.n, dtype=bool)
         self._meet(np.zeros_like(self._start), self.fresh)
         self.meetings.update(self._start)
@@ -146,7 +147,7 @@ class HeapJump(Coupling):
         of_nodes = each.reshape(len(self._start), -1)
         own = np.array([of_nodes[at].mean(axis=0) for at in self._shape.slices])
         mobility = np.empty((self.meetings.n, self._shape.dim))
-        for body, mine in enumerate(self._slots):
+        for body, mine in enumerate(self.meetings.slots):
             mobility[mine] = 2 * own[body]
         return mobility
 
@@ -183,7 +184,7 @@ class Heap(Contact):
 
     Attributes:
         bodies: the solids.
-        slots: which of the points are of each body: those at which its corners, or its edges, meet.
+        owners: whose each point is, (n,): that of the corner, or of the first of two edges.
 
     Its columns in the history are sums over these points.
 
@@ -248,7 +249,7 @@ class Heap(Contact):
         of_node = np.empty(surface.size, dtype=np.int64)
         of_cell = np.concatenate(owner)[compat.given_cells(surface.mesh)]
         of_node[surface.cell_nodes] = of_cell[:, None]
-        self.slots = [np.flatnonzero(of_node == body) for body in range(len(sides))]
+        self.owners = of_node
         surface.extent = min(float(np.ptp(side.nodes, axis=0).max()) for side in sides)
         return surface
 
@@ -263,6 +264,15 @@ class Heap(Contact):
             values, first = self.equations.values, self.equations.jumps
             values[first:].reshape(-1, len(fresh))[:, fresh] = 0.0
             self.equations.values = values
+
+
+def _nodes(shape: Shape, points: np.ndarray, owners: np.ndarray) -> np.ndarray:
+    """The nodes of the bodies at reference places (n, d) of points that are theirs, (n,)."""
+    result = np.empty(len(points), dtype=np.int64)
+    for body, at in enumerate(shape.slices):
+        mine = owners == body
+        result[mine] = at.start + cKDTree(shape.nodes[at]).query(points[mine])[1]
+    return result
 
 
 def _check(bodies: Sequence[RigidSolid]) -> None:

@@ -58,27 +58,29 @@ class Meetings:
 
     Args:
         shape: of the bodies.
-        slots: of each body, which of the points are its own.
+        homes: for each point the node at which it is drawn, if it can: (n,).
+        area: of the surface that belongs to it there, (n,).
 
     Attributes:
         n, total, dense, operator, gap, area, shared: see
             :class:`~fenicsx_contact.contact.mortar.Pairing`; here every process has all.
+        slots: the points of each body.
         normal: out of the body whose point it is, (n, d).
         there: points at which something meets, (n,) of bool.
         features: what meets at each point.
     """
 
-    def __init__(self, shape: Shape, slots: Sequence[np.ndarray], area: np.ndarray) -> None:
-        self._shape, self._slots, self.area = shape, slots, area
+    def __init__(self, shape: Shape, homes: np.ndarray, area: np.ndarray) -> None:
+        self._shape, self._homes, self.area = shape, homes, area
+        of = shape.body[homes]
+        self.slots = [np.flatnonzero(of == body) for body in range(len(shape.slices))]
         self.n, self.total = len(area), len(shape.nodes)
         self.dense = self.n * self.total * shape.dim**2 <= DENSE
         self.shared = Alone(self.n)
         none = np.full(self.n, -1)
         nodes = np.zeros((self.n, 3), dtype=np.int64)
         self.features = Features(none, nodes[:, :2], nodes, none, np.ones(self.n), np.zeros(self.n))
-        for body, mine in enumerate(slots):  # where nothing meets, a node of its own body
-            self.features.mine[mine] = shape.slices[body].start
-            self.features.theirs[mine] = shape.slices[body].start
+        self.features.mine[:] = self.features.theirs[:] = homes[:, None]  # where nothing meets
         self.normal = np.zeros((self.n, shape.dim))
         self.normal[:, -1] = 1.0
         self.gap = np.full(self.n, -np.inf)
@@ -102,20 +104,17 @@ class Meetings:
         fresh = np.zeros(self.n, dtype=bool)
         where = np.flatnonzero(new)
         where = where[np.argsort(found.height[where], kind="stable")]  # the nearest first
-        free: dict[int, list[int]] = {}
+        free = ~stays
         for k in where:
-            body = int(self._shape.body[found.mine[k, 0]])
-            if body not in free:
-                mine = self._slots[body][~stays[self._slots[body]]]
-                free[body] = list(mine[np.argsort(~busy[mine], kind="stable")])
-            if not free[body]:
+            node = found.mine[k, 0]
+            mine = self.slots[self._shape.body[node]]
+            mine = mine[free[mine]]
+            if not len(mine):
                 raise StepFailed(
-                    f"a body meets others at more than {len(self._slots[body])} points, which are "
-                    f"{PLACES} for each of its nodes"
+                    f"a body meets others at more than {PLACES} points for each of its nodes"
                 )
-            place = free[body].pop()
-            source[place] = k
-            fresh[place] = True
+            place = mine[np.lexsort((self._homes[mine] != node, busy[mine]))[0]]
+            source[place], free[place], fresh[place] = k, False, True
         gone = (now.key >= 0) & (source < 0)
         taken = np.flatnonzero(source >= 0)
         for name, values in vars(now).items():
@@ -160,8 +159,7 @@ class Meetings:
         self.gap[~self.there] = -np.inf
         self.alpha, self.beta = alpha, beta
         self.places = (alpha[:, :, None] * x[f.mine]).sum(axis=1)
-        alone = np.flatnonzero(~self.there)
-        self.places[alone] = x[f.mine[alone, 0]]
+        self.places[~self.there] = x[self._homes[~self.there]]
         self._operator: Matrix | None = None
 
     @property

@@ -3,10 +3,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import scipy.sparse as sp
 from scipy.linalg import lapack
+from scipy.sparse.linalg import SuperLU, splu
+
+from .by_points import Place
 
 
 class Factored(NamedTuple):
@@ -42,3 +47,77 @@ class Factored(NamedTuple):
             left = residual - self.matrix @ step
             step += lapack.dgetrs(self.factors, self.pivots, left)[0]
         return step * self.columns
+
+
+class SparselyFactored(NamedTuple):
+    """The same of many bodies, each of which yields alone.
+
+    Attributes:
+        stiffness, matrix, rows, columns, active: see :class:`Factored`.
+        factors: of the regular one.
+    """
+
+    stiffness: sp.csr_matrix
+    matrix: sp.csr_matrix | None
+    factors: SuperLU
+    rows: np.ndarray
+    columns: np.ndarray
+    active: np.ndarray
+
+    def of(self, active: np.ndarray, size: int) -> bool:
+        """See :meth:`Factored.of`."""
+        return size == len(self.rows) and np.array_equal(active, self.active)
+
+    def solve(self, residual: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """See :meth:`Factored.solve`."""
+        if rows is not self.rows:
+            residual = residual * (self.rows / rows)
+        step = self.factors.solve(residual)
+        if self.matrix is not None:
+            step += self.factors.solve(residual - self.matrix @ step)
+        return step * self.columns
+
+
+def factored_sparsely(
+    placed: Sequence[Place],
+    W: sp.csr_matrix,
+    scales: tuple[np.ndarray, np.ndarray],
+    active: np.ndarray,
+    compliance: float,
+    softened: bool,
+) -> SparselyFactored | None:
+    """The tangent of a surface problem, its multipliers made so compliant; None where singular.
+
+    Args:
+        placed: the contacts' tangents, and where they stand.
+        W: compliance of the active velocities, which stand first.
+        scales: of rows and columns.
+        active: the velocities among all.
+        compliance: of the multipliers, scaled.
+        softened: whether that is of springs, and a part of the tangent.
+    """
+    rows, columns = scales
+    size, nw = len(rows), len(active)
+    entries = []
+    for part, place in placed:
+        each = part.sparse_tangent().tocoo()
+        entries.append((each.data, place[each.row], place[each.col]))
+    data, row, column = (np.concatenate(each) for each in zip(*entries))
+    tangent = sp.csr_matrix((data, (row, column)), (size, size))
+    stiffness = tangent[:nw]
+    motion = _diagonal(np.ones(nw), size) + W @ stiffness
+    A = sp.vstack([motion, tangent[nw:]], format="csr")
+    A.data *= rows.repeat(np.diff(A.indptr)) * columns[A.indices]
+    weight = np.maximum(1.0, abs(A[nw:, :nw]).max(axis=1).toarray().ravel()) if size > nw else 0.0
+    softer = np.zeros(size)
+    softer[nw:] = compliance * (1.0 if softened else weight**2)
+    try:
+        factors = splu((A - _diagonal(softer, size)).tocsc())
+    except RuntimeError:  # exactly singular
+        return None
+    return SparselyFactored(stiffness, None if softened else A, factors, rows, columns, active)
+
+
+def _diagonal(values: np.ndarray, columns: int) -> sp.csr_matrix:
+    n = np.arange(len(values) + 1)
+    return sp.csr_matrix((values, n[:-1], n), (len(values), columns))

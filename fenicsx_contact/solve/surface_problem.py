@@ -14,14 +14,16 @@ pressure).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from scipy.linalg import lapack
 
 from ..base.vectors import largest
 from ..contact.part import Part
 from .by_points import ByPoints, Place
-from .factored import Factored
+from .factored import Factored, SparselyFactored, factored_sparsely
 from .statuses import Statuses
 from .yielding import COMPLIANCE, FIRM, Yielding
 
@@ -61,11 +63,12 @@ class SurfaceSystem(Statuses):
         self._revision = -1
         self._sizes = np.empty(0), np.empty(0)
         self.W, self.free, self._many = np.empty((0, 0)), np.empty(0), False
+        self._yields: Any = self.W
         self.worst, self._judged = 0.0, np.empty(0)
         self._firm = COMPLIANCE if hyperstatic else FIRM
         self._compliance, self._centre = self._firm, np.empty(0)
         self._yielding = Yielding()
-        self._tangent: Factored | None = None
+        self._tangent: Factored | SparselyFactored | None = None
 
     def arrange(self) -> np.ndarray:
         """Take up which points are active; their velocities' indices among all."""
@@ -80,6 +83,8 @@ class SurfaceSystem(Statuses):
         few = self.hyperstatic or self.size <= MANY[0]
         self._many = not few and self.size > MANY[self._renewed(compliance)]
         self.W, self.free = compliance, free
+        # of many bodies each yields alone
+        self._yields = sp.csr_matrix(compliance) if self.crowded else compliance
         self.worst = 0.0
         self._yielding.restart()
         if self.size:
@@ -126,7 +131,7 @@ class SurfaceSystem(Statuses):
         self.assembled = self._gather([p.active_residual() for p in self.parts])
         w = self._gather([p.active_values() for p in self.parts])[:nw]
         self.residual = self.assembled.copy()
-        self.residual[:nw] = w - self.free + self.W @ self.assembled[:nw]
+        self.residual[:nw] = w - self.free + self._yields @ self.assembled[:nw]
         self.residual *= self._rows
         if self._centre.size:
             self.residual[nw:] -= self._compliance * (self._multipliers() - self._centre)
@@ -216,9 +221,13 @@ class SurfaceSystem(Statuses):
         self.update()
         return True
 
-    def _factored(self) -> Factored | None:
+    def _factored(self) -> Factored | SparselyFactored | None:
         """The tangent of all unknowns; None where it is singular."""
-        nw = len(self.active)
+        nw, scales = len(self.active), (self._rows, self._columns)
+        if self.crowded:
+            softened = bool(self._centre.size)
+            given = self._yields, scales, self.active, self._compliance, softened
+            return factored_sparsely(self.placed, *given)
         if len(self.placed) == 1:
             A = self.placed[0].part.active_tangent().copy()  # which is used again
         else:
@@ -240,7 +249,6 @@ class SurfaceSystem(Statuses):
         if singular:
             return None
         matrix = None if self._centre.size else A
-        scales = self._rows, self._columns
         return Factored(stiffness, matrix, factors, pivots, *scales, self.active)
 
     def error(self, slow: float = SLOW) -> float:

@@ -20,6 +20,7 @@ from fenicsx_contact import (
     ThetaScheme,
     name_facets,
 )
+from fenicsx_contact.solve import surface_problem
 
 HELD = {
     2: ("x", "y", "turning"),
@@ -242,6 +243,18 @@ def test_it_goes_on_where_it_was(tmp_path):
     second.run(until=0.3, dt=2e-3)
     for one, other in zip(boxes, others):
         assert np.array_equal(one.place, other.place) and one.rotation == other.rotation
+
+
+def test_sparse_factors_change_nothing(monkeypatch):
+    def run():
+        scene, boxes = tumbling(5)
+        history = scene.run(until=0.25, dt=2e-3)
+        assert history.finished and history["newton"].max() > 2
+        return np.concatenate([[*b.place, b.rotation] for b in boxes])
+
+    dense = run()
+    monkeypatch.setattr(surface_problem, "MANY", (60, 0))
+    np.testing.assert_allclose(run(), dense, rtol=0, atol=1e-9)
 
 
 def test_files_say_where_it_bears(tmp_path):

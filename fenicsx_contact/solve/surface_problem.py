@@ -31,7 +31,7 @@ from .yielding import COMPLIANCE, FIRM, Yielding
 #: balance each other, as in a squeezed body, jumps are far smaller, down to round-off.
 SLOW = 1e-4
 #: Cost: above so many unknowns those of the points are condensed first: where W is that of the last
-#: problem, for which factors are kept, and where it is new.
+#: problem, for which factors are kept, and where it is new; of many bodies those are sparse.
 MANY = 60, 250
 
 
@@ -224,7 +224,7 @@ class SurfaceSystem(Statuses):
     def _factored(self) -> Factored | SparselyFactored | None:
         """The tangent of all unknowns; None where it is singular."""
         nw, scales = len(self.active), (self._rows, self._columns)
-        if self.crowded:
+        if self.crowded and self.size > MANY[1]:
             softened = bool(self._centre.size)
             given = self._yields, scales, self.active, self._compliance, softened
             return factored_sparsely(self.placed, *given)

@@ -150,6 +150,16 @@ def test_beside_an_edge_there_is_nothing(dim):
     assert not scene.contacts[0].force.any()
 
 
+def test_who_is_far_away_does_not_matter():
+    """Whatever the first bodies of the list do, the others meet."""
+    far = [at(2, (x, 5.0), 0.2, name, gravity=None) for x, name in ((-9, "left"), (9, "right"))]
+    low, up = at(2, (0.0, 0.1), 0.2, "low", held=True, gravity=None), at(2, (0.0, 0.31), 0.2, "up")
+    scene = heap([*far, low, up])
+    assert scene.run(until=0.2, dt=2e-3).finished
+    assert up.place[1] == pytest.approx(0.3, abs=1e-3)
+    np.testing.assert_allclose(forces(scene)[3], (0, G), atol=1e-8)
+
+
 def test_edges_that_cross():
     """A bar on its edge rests on another, across: in space nothing but edges meets."""
     size, turn = 0.2, np.pi / 4

@@ -3,14 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.linalg import lapack
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse.linalg import splu
 
+from ..contact.mortar.matrices import Matrix
 from .by_points import Place
 
 
@@ -20,15 +21,14 @@ class Factored(NamedTuple):
     Attributes:
         stiffness: derivative of the forces on the active velocities, (v, unknowns).
         matrix: the tangent; None if the factors are its own.
-        factors, pivots: of the regular one.
+        inverse: of the regular one, applied to a vector.
         rows, columns: scales.
         active: the velocities among all.
     """
 
-    stiffness: np.ndarray
-    matrix: np.ndarray | None
-    factors: np.ndarray
-    pivots: np.ndarray
+    stiffness: Matrix
+    matrix: Matrix | None
+    inverse: Callable[[np.ndarray], np.ndarray]
     rows: np.ndarray
     columns: np.ndarray
     active: np.ndarray
@@ -42,40 +42,15 @@ class Factored(NamedTuple):
         scaled by ``rows``."""
         if rows is not self.rows:
             residual = residual * (self.rows / rows)
-        step, _ = lapack.dgetrs(self.factors, self.pivots, residual)
+        step = self.inverse(residual)
         if self.matrix is not None:
-            left = residual - self.matrix @ step
-            step += lapack.dgetrs(self.factors, self.pivots, left)[0]
+            step += self.inverse(residual - self.matrix @ step)
         return step * self.columns
 
 
-class SparselyFactored(NamedTuple):
-    """The same of many bodies, each of which yields alone.
-
-    Attributes:
-        stiffness, matrix, rows, columns, active: see :class:`Factored`.
-        factors: of the regular one.
-    """
-
-    stiffness: sp.csr_matrix
-    matrix: sp.csr_matrix | None
-    factors: SuperLU
-    rows: np.ndarray
-    columns: np.ndarray
-    active: np.ndarray
-
-    def of(self, active: np.ndarray, size: int) -> bool:
-        """See :meth:`Factored.of`."""
-        return size == len(self.rows) and np.array_equal(active, self.active)
-
-    def solve(self, residual: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """See :meth:`Factored.solve`."""
-        if rows is not self.rows:
-            residual = residual * (self.rows / rows)
-        step = self.factors.solve(residual)
-        if self.matrix is not None:
-            step += self.factors.solve(residual - self.matrix @ step)
-        return step * self.columns
+def by_factors(factors: np.ndarray, pivots: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """The inverse of what LAPACK has factored, dense."""
+    return lambda values: lapack.dgetrs(factors, pivots, values)[0]
 
 
 def factored_sparsely(
@@ -85,7 +60,7 @@ def factored_sparsely(
     active: np.ndarray,
     compliance: float,
     softened: bool,
-) -> SparselyFactored | None:
+) -> Factored | None:
     """The tangent of a surface problem, its multipliers made so compliant; None where singular.
 
     Args:
@@ -112,10 +87,10 @@ def factored_sparsely(
     softer = np.zeros(size)
     softer[nw:] = compliance * (1.0 if softened else weight**2)
     try:
-        factors = splu((A - _diagonal(softer, size)).tocsc())
+        inverse = splu((A - _diagonal(softer, size)).tocsc()).solve
     except RuntimeError:  # exactly singular
         return None
-    return SparselyFactored(stiffness, None if softened else A, factors, rows, columns, active)
+    return Factored(stiffness, None if softened else A, inverse, rows, columns, active)
 
 
 def _diagonal(values: np.ndarray, columns: int) -> sp.csr_matrix:

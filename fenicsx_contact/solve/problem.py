@@ -53,9 +53,9 @@ class Assembly:
 
     @property
     def crowded(self) -> bool:
-        """Whether many rigid bodies meet each other: points that stick contradict each other by how
-        they lie."""
-        return any(len(contact.solids) > 2 for contact in self.contacts)
+        """Whether rigid bodies meet by their corners: those of a face that stick contradict each
+        other by how they lie."""
+        return any(len(c.solids) > 1 and not c.coupling.by_means for c in self.contacts)
 
     def surface_system(self) -> SurfaceSystem:
         """The surface problem of the contacts."""

@@ -23,7 +23,7 @@ from scipy.linalg import lapack
 from ..base.vectors import largest
 from ..contact.part import Part
 from .by_points import ByPoints, Place
-from .factored import Factored, SparselyFactored, factored_sparsely
+from .factored import Factored, by_factors, factored_sparsely
 from .statuses import Statuses
 from .yielding import COMPLIANCE, FIRM, Yielding
 
@@ -68,7 +68,7 @@ class SurfaceSystem(Statuses):
         self._firm = COMPLIANCE if hyperstatic else FIRM
         self._compliance, self._centre = self._firm, np.empty(0)
         self._yielding = Yielding()
-        self._tangent: Factored | SparselyFactored | None = None
+        self._tangent: Factored | None = None
 
     def arrange(self) -> np.ndarray:
         """Take up which points are active; their velocities' indices among all."""
@@ -221,7 +221,7 @@ class SurfaceSystem(Statuses):
         self.update()
         return True
 
-    def _factored(self) -> Factored | SparselyFactored | None:
+    def _factored(self) -> Factored | None:
         """The tangent of all unknowns; None where it is singular."""
         nw, scales = len(self.active), (self._rows, self._columns)
         if self.crowded and self.size > MANY[1]:
@@ -249,7 +249,7 @@ class SurfaceSystem(Statuses):
         if singular:
             return None
         matrix = None if self._centre.size else A
-        return Factored(stiffness, matrix, factors, pivots, *scales, self.active)
+        return Factored(stiffness, matrix, by_factors(factors, pivots), *scales, self.active)
 
     def error(self, slow: float = SLOW) -> float:
         """The largest error that the residual of any row stands for; speeds are resolved down to

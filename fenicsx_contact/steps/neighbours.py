@@ -104,9 +104,10 @@ class Neighbours:
 
 def _may_sleep(contact: Contact) -> bool:
     """A pair of rigid bodies, of a law that neither acts from afar nor remembers."""
-    one, other = contact.solids[0], contact.solids[-1]
+    if len(contact.solids) != 2 or contact.solids[0] is contact.solids[1]:
+        return False
     plain = contact.formulation.multipliers and not contact.memory.values
-    return plain and one is not other and all(solid.shiftable for solid in contact.solids)
+    return plain and all(solid.shiftable for solid in contact.solids)
 
 
 def _radius(solid: Any, trace: Trace) -> float:

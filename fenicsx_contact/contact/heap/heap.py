@@ -177,7 +177,8 @@ class Heap(Contact):
 
     Args:
         solids: the bodies, two at least.
-        facets: the name of the facets of each that may meet others, flat ones.
+        facets: the name of the facets of each that may meet others, flat ones: of curved ones
+            their corners count.
         formulation: a law with multipliers: "velocity", "gap", "printed", "lagrange".
         friction: Coulomb's coefficient.
         normal_augmentation, tangential_augmentation, gap_tolerance, name: see :class:`Contact`.
@@ -189,8 +190,8 @@ class Heap(Contact):
     Its columns in the history are sums over these points.
 
     Raises:
-        InputError: what is not rigid, once or twice, of different dimensions or with curved facets;
-            a law without multipliers or with a memory, friction that is not one number.
+        InputError: what is not rigid, one body, or one twice, different dimensions; a law without
+            multipliers or with a memory, friction that is not one number.
     """
 
     def __init__(
@@ -218,9 +219,8 @@ class Heap(Contact):
             gap_tolerance=gap_tolerance,
             name=name,
         )
-        if getattr(self.friction_law, "slope", 0.0) is None or (
-            self.friction_law is not None and not isinstance(self.friction_law, Coulomb)
-        ):
+        law = self.friction_law
+        if law is not None and (not isinstance(law, Coulomb) or law.slope is None):
             raise checks.InputError(
                 f"friction = {friction!r}: between many bodies it is Coulomb's, with one number"
             )

@@ -90,21 +90,18 @@ class Meetings:
         """Let these meet, those that did in their old places, others where nothing is ``busy``,
         (n,) of bool, as far as possible; which points are others now."""
         now = self.features
-        key = np.full(self.n, -1)
+        source = np.full(self.n, -1)  # which of those found meets at each point
         order = np.argsort(found.key, kind="stable")
-        at = np.searchsorted(found.key[order], now.key).clip(max=max(len(order) - 1, 0))
-        source = order[at] if len(order) else np.zeros(self.n, dtype=np.int64)
-        stays = (now.key >= 0) & (len(order) > 0)
-        if len(order):
-            stays &= found.key[source] == now.key
-        key[stays] = now.key[stays]
-        source = np.where(stays, source, -1)
+        at = np.searchsorted(found.key[order], now.key)
+        known = np.flatnonzero((now.key >= 0) & (at < len(order)))
+        known = known[found.key[order[at[known]]] == now.key[known]]
+        source[known] = order[at[known]]
+        free = source < 0
         new = np.ones(len(found.key), dtype=bool)
-        new[source[stays]] = False
+        new[source[known]] = False
         fresh = np.zeros(self.n, dtype=bool)
         where = np.flatnonzero(new)
         where = where[np.argsort(found.height[where], kind="stable")]  # the nearest first
-        free = ~stays
         for k in where:
             node = found.mine[k, 0]
             mine = self.slots[self._shape.body[node]]
@@ -194,7 +191,6 @@ class Meetings:
         """How much changes of the velocities of all nodes, flat, change speeds of approach, of
         both bodies each for itself, (n,)."""
         v, f, n = changes.reshape(self.total, -1), self.features, self.normal
-        mine = dot((self.alpha[:, :, None] * v[f.mine]).sum(axis=1), n)
-        return np.asarray(
-            np.abs(mine) + np.abs(dot((self.beta[:, :, None] * v[f.theirs]).sum(axis=1), n))
-        )
+        mine = (self.alpha[:, :, None] * v[f.mine]).sum(axis=1)
+        theirs = (self.beta[:, :, None] * v[f.theirs]).sum(axis=1)
+        return np.asarray(np.abs(dot(mine, n)) + np.abs(dot(theirs, n)))

@@ -50,9 +50,6 @@ class Features:
     turn: np.ndarray
     height: np.ndarray
 
-    def __getitem__(self, which: np.ndarray) -> Features:
-        return Features(*(each[which] for each in vars(self).values()))
-
     @classmethod
     def together(cls, several: list[Features]) -> Features:
         """All of these."""

@@ -8,6 +8,7 @@ from mpi4py import MPI
 from scenes import G, check_energies, rectangle
 
 from fenicsx_contact import (
+    Adhesive,
     Contact,
     Coulomb,
     Discrete,
@@ -302,6 +303,8 @@ def test_what_is_no_heap_is_refused():
         Heap([one, two], "side")
     with pytest.raises(InputError, match="formulation = 'discrete'"):
         Heap([one, two], "skin", Discrete(stiffness=1e6))
+    with pytest.raises(InputError, match=r"formulation = .*pulls"):
+        Heap([one, two], "skin", Adhesive(1.0))
     with pytest.raises(InputError, match=r"friction = .*one number"):
         Heap([one, two], "skin", friction=Coulomb(lambda x: 0.1 + x[0]))
     inside = at(2, (0.0, 0.1), 0.02, "inside")

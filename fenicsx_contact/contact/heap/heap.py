@@ -13,6 +13,7 @@ from ...base import checks, compat
 from ...solids import RigidSolid, Solid
 from ...theory.formulations import Formulation
 from ...theory.friction import Coulomb, FrictionBound
+from ...theory.interface.adhesion import Adhesive
 from ...theory.theta import Step
 from ..contact import Contact
 from ..inside import SIMPLICES, deepest
@@ -191,7 +192,7 @@ class Heap(Contact):
 
     Raises:
         InputError: what is not rigid, one body, or one twice, different dimensions; a law without
-            multipliers or with a memory, friction that is not one number.
+            multipliers, with a memory or that pulls, friction that is not one number.
     """
 
     def __init__(
@@ -224,10 +225,11 @@ class Heap(Contact):
             raise checks.InputError(
                 f"friction = {friction!r}: between many bodies it is Coulomb's, with one number"
             )
-        if not self.formulation.multipliers or self.memory.values:
+        by_area = isinstance(self.formulation, Adhesive) or self.memory.values
+        if by_area or not self.formulation.multipliers:
             raise checks.InputError(
                 f"formulation = {self.formulation.name!r}: corners have no areas for a law that "
-                "gives way or remembers; use 'velocity', 'gap', 'printed' or 'lagrange'"
+                "gives way, pulls or remembers; use 'velocity', 'gap', 'printed' or 'lagrange'"
             )
 
     def _meant(self, solid: Solid, facets: str, master: Any) -> Any:

@@ -50,17 +50,21 @@ class RigidTrace(MonolithicTrace):
         self._solid, self._reference = solid, points
         self._translation = np.zeros((*points.shape, len(solid.velocity)))
         self._translation[:, range(solid.dim), range(solid.dim)] = 1.0
+        self._pattern = self._may_be()
         self.follow()
         self.accept()
+        self._spreads: sp.csr_matrix | None = None
 
     def follow(self) -> None:
         self._operator = self._build(self._solid.trial_turn)
+        self._sees: sp.csr_matrix | None = None
 
     def linearise(self, step: Step) -> None:
         # forces act through the operator at the place where the scheme takes forces
         weight = step.scheme.force_weight
         self._force_operator = weight * self._operator + (1 - weight) * self._start_operator
         self._columns = self._solid.inverse @ self._force_operator.T
+        self._spreads = None
 
     def accept(self) -> None:
         self._start_operator = self._operator
@@ -73,6 +77,15 @@ class RigidTrace(MonolithicTrace):
         if len(self._solid.held):
             operator[:, :, self._solid.held] = 0.0  # does not move
         return operator.reshape(n * d, -1)
+
+    def _may_be(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Where the operator may have entries; their columns, and where rows begin."""
+        d, n = self._solid.dim, len(self._reference)
+        may = self._translation != 0
+        may[:, :, d:] = ARMS[d].any(axis=0).reshape(d, -1)
+        may[:, :, self._solid.held] = False
+        may = may.reshape(n * d, -1)
+        return may, np.nonzero(may)[1], np.append(0, may.sum(axis=1).cumsum())
 
     def positions(self) -> np.ndarray:
         return self._solid.trial_place + self._arm
@@ -99,10 +112,18 @@ class RigidTrace(MonolithicTrace):
         return self._operator[which]
 
     def seeing(self) -> sp.csr_matrix:
-        return sp.csr_matrix(self._operator)
+        if self._sees is None:
+            self._sees = self._sparse(self._operator)
+        return self._sees
 
     def spreading(self) -> sp.csr_matrix:
-        return sp.csr_matrix(self._force_operator)
+        if self._spreads is None:
+            self._spreads = self._sparse(self._force_operator)
+        return self._spreads
+
+    def _sparse(self, operator: np.ndarray) -> sp.csr_matrix:
+        may, columns, ends = self._pattern
+        return sp.csr_matrix((operator[may], columns, ends), operator.shape)
 
     def spread(self, force: np.ndarray) -> None:
         self._solid.push(force @ self._force_operator)

@@ -10,12 +10,14 @@ beyond a step, for a run must give the same bits whether it was interrupted or n
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import scipy.sparse as sp
 from mpi4py import MPI
+from scipy.sparse.linalg import splu
 
+from ..solids import DeformableSolid
 from ..solids.factor import Direct
 from ..theory.theta import Step
 from .embedding import Added, Embedding
@@ -34,6 +36,9 @@ class Sparse(Monolithic):
         self._step: Step | None = None
         self._system: _System | None = None
         self._adjacent: dict[int, sp.csr_matrix] = {}
+        # of bodies that have few unknowns each the contacts are the matrix
+        flexible = any(isinstance(solid, DeformableSolid) for solid in self.solids)
+        self._pivots = not flexible and self.comm.size == 1
 
     def begin(self, step: Step) -> tuple[float, np.ndarray]:
         if step is not self._step:
@@ -53,6 +58,8 @@ class Sparse(Monolithic):
     def _solve(self) -> np.ndarray:
         """The whole solution, scaled, on every process; NaN where there is none."""
         contacts = (self._contacts() + self._compliance())[self._rows_here]
+        if self._pivots:
+            return self._by(pivoted(self._solid_rows(*contacts.shape) + contacts))
         here = self._system is not None and self._system.holds(contacts)
         old = bool(self.comm.allreduce(here, op=MPI.MIN)) if self.comm.size > 1 else here
         if not old:
@@ -65,12 +72,16 @@ class Sparse(Monolithic):
 
     def _solve_with(self, contacts: sp.csr_matrix) -> np.ndarray:
         assert self._system is not None
-        everywhere, here = self._solid_rows.everywhere, self._rows_here
         self._system.factor((self._solid_rows(*contacts.shape), contacts))
-        change = everywhere(self._system.solve(self._residual()[here]))
+        return self._by(self._system.solve)
+
+    def _by(self, inverse: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """The same by the inverse of the matrix, applied to this process's rows."""
+        everywhere, here = self._solid_rows.everywhere, self._rows_here
+        change = everywhere(inverse(self._residual()[here]))
         if self.hyperstatic and not self.held:  # once corrected for what makes it regular
             left = np.where(np.arange(self.size) < self.places.size, 0.0, -self._softness * change)
-            change += everywhere(self._system.solve(left[here]))
+            change += everywhere(inverse(left[here]))
         return change
 
     def _residual(self) -> np.ndarray:
@@ -189,6 +200,15 @@ class _System:
         """Free what PETSc holds."""
         for thing in (self._solver, self._A, self._x, self._b):
             thing.destroy()
+
+
+def pivoted(matrix: sp.csr_matrix) -> Callable[[np.ndarray], np.ndarray]:
+    """The inverse by SuperLU, which may take any row as the next: where most of the diagonal is
+    zero others run out of pivots and of room. NaN where the matrix is singular."""
+    try:
+        return splu(matrix.tocsc()).solve
+    except RuntimeError:  # exactly singular
+        return lambda values: np.full_like(values, np.nan)
 
 
 def _pattern(matrix: sp.csr_matrix) -> sp.csr_matrix:

@@ -114,6 +114,42 @@ def fall(count: int, until: float, dt: float = 2e-3) -> tuple[dict[str, Any], Hi
     return result, rest, drawn
 
 
+# %% [markdown]
+# ## A wall of bricks
+#
+# Rows of bricks, each across the joint of two below, stand on the floor. What each point bears is
+# not unique; what is asked is that nothing moves, that the floor bears the whole wall, and what a
+# step costs with many bodies: one sparse system of all bodies and all points.
+
+# %%
+BRICK, JOINT = np.array([0.2, 0.1]), 2e-3  # m
+
+
+def wall(rows: int, steps: int = 10, dt: float = 1e-3) -> dict[str, Any]:
+    """So many rows, an even number, of as many bricks stand; what came of it."""
+    bricks = []
+    for row in range(rows):
+        for column in range(rows - row % 2):
+            low = np.array([(column + row % 2 / 2) * (BRICK[0] + JOINT), row * BRICK[1]])
+            bricks.append(box(low, low + BRICK, f"brick{len(bricks)}", gravity=(0, -G)))
+    long = rows * (BRICK[0] + JOINT) + 1
+    floor = box(np.array([-1.0, -1.0]), np.array([long, 0.0]), "floor", held=HELD)
+    bodies = [*bricks, floor]
+    heap = Heap(bodies, "skin", friction=0.3)
+    history = Scene(bodies, [heap], ThetaScheme(1.0)).run(until=steps * dt, dt=dt)
+    on_floor = np.abs(heap.coupling.meetings.places[:, 1]) < 1e-9 * BRICK[1]
+    return {
+        "bricks": len(bricks),
+        "reason": history.reason,
+        "speed_at_the_end_m_per_s": max(float(np.abs(b.velocity).max()) for b in bricks),
+        "bearing_points": int(history["heap.bearing"][-1]),
+        "weight_error": float(abs(heap.force[on_floor, 1].sum()) / (len(bricks) * G) - 1),
+        "iterations_a_row": float(history["newton"][1:].mean()),
+        "run_time_s": history.run_time,
+        "time_a_step_s": history.run_time / steps,
+    }
+
+
 def outlines(bodies: list[RigidSolid]) -> list[np.ndarray]:
     """The corners of rectangles where they are now, one after the other, (5, 2) in m each."""
     result = []
@@ -150,13 +186,15 @@ def main(quick: bool = False) -> dict[str, Any]:
     for count, until in cases:
         summary[str(count)], _, drawn = fall(count, until)
     draw(drawn, count)
+    summary["wall"] = stands = wall(4 if quick else 32)
     write_summary(RESULTS, summary)
     last = summary[str(count)]
     print(
         f"{count} boxes: {last['reason']}, {last['speed_at_the_end_m_per_s']:.1e} m/s at the end, "
         f"energy gained in a step {max(last['largest_gain_of_energy'], 0):.0e} of it, overlap "
         f"{last['deepest_overlap_of_a_side']:.1e} of a side, {last['iterations_a_row']:.1f} "
-        f"iterations a row, {last['run_time_s']:.0f} s"
+        f"iterations a row, {last['run_time_s']:.0f} s; a wall of {stands['bricks']} bricks: "
+        f"{stands['speed_at_the_end_m_per_s']:.0e} m/s, {stands['time_a_step_s']:.2g} s a step"
     )
     return summary
 

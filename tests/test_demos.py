@@ -120,7 +120,11 @@ def test_heap(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     demo = load("heap")
     demo.main(quick=True)
-    result = json.loads((demo.RESULTS / "summary.json").read_text())["6"]
+    summary = json.loads((demo.RESULTS / "summary.json").read_text())
+    wall = summary["wall"]
+    assert wall["reason"] == "finished" and wall["bearing_points"] >= 2 * wall["bricks"]
+    assert wall["speed_at_the_end_m_per_s"] < 1e-12 and abs(wall["weight_error"]) < 1e-12
+    result = summary["6"]
     assert result["reason"] == "finished"
     assert result["largest_gain_of_energy"] < 1e-5  # by what puts gaps back
     assert result["deepest_overlap_of_a_side"] < 1e-3

@@ -268,6 +268,30 @@ def test_sparse_factors_change_nothing(monkeypatch):
     np.testing.assert_allclose(run(), dense, rtol=0, atol=1e-9)
 
 
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("solver", ["condensed", "monolithic"])
+def test_a_wall_stands(dim, solver):
+    """Bricks across the joints of those below: more forces than the motion determines, in a matrix
+    that has hardly anything on its diagonal."""
+    bricks = []
+    for row in range(4):  # the last one holds the ends of the one below
+        for column in range(5 - row % 2):
+            x = (column + row % 2 / 2) * 0.202
+            low = np.array([x, *(0.0,) * (dim - 2), 0.1 * row])
+            high = low + np.array([0.2, *(0.1,) * (dim - 2), 0.1])
+            bricks.append(body(low, high, f"brick {row} {column}"))
+    ground = body((-1.0,) * dim, (*(2.0,) * (dim - 1), 0.0), "ground", held=True)
+    scene = heap([*bricks, ground], scheme=ThetaScheme(1.0), solver=solver)
+    history = scene.run(until=5e-3, dt=1e-3)
+    assert history.finished and not history.remarks
+    fallen = G * 1e-3  # m/s in a step; where many stick 1e-7 of it is accepted
+    assert max(np.abs(brick.velocity).max() for brick in bricks) < 1e-7 * fallen
+    contact = scene.contacts[0]
+    on_ground = contact.coupling.meetings.places[:, -1] < 1e-6
+    weight = contact.force[on_ground, -1].sum()
+    np.testing.assert_allclose(weight, len(bricks) * G, rtol=1e-7)
+
+
 def test_files_say_where_it_bears(tmp_path):
     """Forces are drawn at the corners that bear, and a run goes on from its files."""
     pyvista = pytest.importorskip("pyvista")

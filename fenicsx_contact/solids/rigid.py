@@ -154,6 +154,7 @@ class RigidSolid(RigidMotion):
             for spring in self.springs:
                 self.inverse = spring.stiffen(self.inverse, self.trial_turn, step.force_rate)
             self.inverse = without(self.inverse, self.held)
+            self._matrix: np.ndarray | None = None
         self.drop_forces()
         self.free_velocity = self.trial_velocity - self.inverse @ self.residual()
 
@@ -208,24 +209,30 @@ class RigidSolid(RigidMotion):
     def owned_range(self, comm: MPI.Comm) -> slice:
         return slice(0, len(self.velocity))  # every process has them all
 
+    @property
+    def _tangent(self) -> np.ndarray:
+        """A of ``A v+ = b + J' f``, made where a solver needs it."""
+        if self._matrix is None:
+            self._matrix = np.linalg.inv(self.inverse + np.diag(self._holding))
+        return self._matrix
+
     def matrix_rows(self, comm: MPI.Comm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         n = len(self.velocity)
         if comm.rank:
             return np.zeros(1, dtype=int), np.empty(0, dtype=int), np.empty(0)
-        matrix = np.linalg.inv(self.inverse + np.diag(self._holding))
-        return np.arange(0, n * n + 1, n), np.tile(np.arange(n), n), matrix.ravel()
+        return np.arange(0, n * n + 1, n), np.tile(np.arange(n), n), self._tangent.ravel()
 
     def residual(self) -> np.ndarray:
         change = self._trial_momentum - self._momentum
         return self._kept * (change / self._inverse_for - self._acting - self._force)
 
     def load_size(self) -> float:
-        free = np.linalg.solve(self.inverse + np.diag(self._holding), self.free_velocity)
+        free = self._tangent @ self.free_velocity
         return float(max(np.abs(free).max(), np.abs(self._force).max()))
 
     def linear_residual(self) -> np.ndarray:
         off = self.trial_velocity - self.free_velocity - self.inverse @ self._force
-        return np.linalg.solve(self.inverse + np.diag(self._holding), off)
+        return np.asarray(self._tangent @ off)
 
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
         rate = step.inertia_force(self._momentum, self._trial_momentum)

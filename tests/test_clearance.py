@@ -86,6 +86,16 @@ def test_a_velocity_law_that_starts_inside_says_so():
     assert contact.pressure == pytest.approx(lame(5e-5), rel=0.05)
 
 
+def test_what_is_inside_is_told_once():
+    """Not again when the scene runs on, whose own steps may have left more."""
+    block = RigidSolid(rectangle((1, 1), (1.0, 1.0)), mass=1.0)
+    floor = HalfSpace((0, 1e-4), (0, 1))
+    scene = Scene([block], [Contact(block, "base", floor, name="floor")])
+    [(time, remark)] = scene.run(until=0.1, dt=0.1).remarks
+    assert time == 0 and "'floor' starts 0.0001 m inside" in remark
+    assert not scene.run(until=0.2, dt=0.1).remarks
+
+
 def blocks(clearance):
     upper = RigidSolid(rectangle((4, 1), (1.0, 1.0)), mass=1.0, name="upper")
     lower = RigidSolid(moved(rectangle((3, 1), (1.4, 1.0)), 0, -1), mass=1.0, name="lower")

@@ -133,7 +133,8 @@ class _Course:
             self.pace.restore(state)
             return
         self.history.append([*self.scene.stepper.row(), *_measure(self.probes)])
-        told = filter(None, map(starts_inside, self.scene.contacts))
+        new = self.scene.contacts if self.scene.time == 0 else ()  # others have told what is so
+        told = filter(None, map(starts_inside, new))
         self.history.remarks += [(self.scene.time, remark) for remark in told]
         if self.files:
             try:

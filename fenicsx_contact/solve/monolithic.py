@@ -14,10 +14,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
 import numpy as np
+from mpi4py import MPI
 
 from ..base.processes import any_of
 from ..base.vectors import largest
-from ..solids import MonolithicSolid
+from ..solids import DeformableSolid, MonolithicSolid
 from ..theory.theta import Step
 from .frozen import FrozenContact
 from .numbering import Numbering, numbered_traces
@@ -33,6 +34,7 @@ class Monolithic(ABC):
         near, patient: as of :class:`~fenicsx_contact.solve.condensed.Condensed`.
         frozen: whether solids and geometry stay as they were linearised.
         held: whether the multipliers stay.
+        rigid: whether no solid deforms.
         rows: scaled residuals of the multipliers, contact by contact.
         added: scaled multipliers, far larger than what they stand for, that were added to tell
             statuses and that the next solution takes away again; None: none.
@@ -43,8 +45,11 @@ class Monolithic(ABC):
 
     def __init__(self, assembly: Assembly) -> None:
         self.assembly = assembly
-        self.comm = assembly.solids[0].mesh.mesh.comm
         self.solids = [s for s in assembly.solids if isinstance(s, MonolithicSolid)]
+        # of rigid bodies every process has all
+        flexible = [s for s in assembly.solids if isinstance(s, DeformableSolid)]
+        self.rigid = not flexible
+        self.comm = flexible[0].mesh.mesh.comm if flexible else MPI.COMM_SELF
         self.parts = [contact.part for contact in assembly.contacts]
         self.places = Numbering(self.solids, self.comm)
         self._traces = [numbered_traces(c, self.solids) for c in assembly.contacts]

@@ -17,7 +17,6 @@ import scipy.sparse as sp
 from mpi4py import MPI
 from scipy.sparse.linalg import splu
 
-from ..solids import DeformableSolid
 from ..solids.factor import Direct
 from ..theory.theta import Step
 from .embedding import Added, Embedding
@@ -36,9 +35,6 @@ class Sparse(Monolithic):
         self._step: Step | None = None
         self._system: _System | None = None
         self._adjacent: dict[int, sp.csr_matrix] = {}
-        # of bodies that have few unknowns each the contacts are the matrix
-        flexible = any(isinstance(solid, DeformableSolid) for solid in self.solids)
-        self._pivots = not flexible and self.comm.size == 1
 
     def begin(self, step: Step) -> tuple[float, np.ndarray]:
         if step is not self._step:
@@ -58,7 +54,7 @@ class Sparse(Monolithic):
     def _solve(self) -> np.ndarray:
         """The whole solution, scaled, on every process; NaN where there is none."""
         contacts = (self._contacts() + self._compliance())[self._rows_here]
-        if self._pivots:
+        if self.rigid:  # the contacts are the matrix
             return self._by(pivoted(self._solid_rows(*contacts.shape) + contacts))
         here = self._system is not None and self._system.holds(contacts)
         old = bool(self.comm.allreduce(here, op=MPI.MIN)) if self.comm.size > 1 else here

@@ -253,11 +253,9 @@ class Scene:
         )
 
     def state(self) -> dict[str, np.ndarray]:
-        """All that a run continues from, by name."""
-        things = self._things()
-        return {
-            f"{of}{name}": value for of, thing in things for name, value in thing.state().items()
-        }
+        """All that a run continues from, by name: copies, which stay as they are."""
+        states = [(prefix, thing.state()) for prefix, thing in self._things()]
+        return {f"{of}{name}": np.array(v) for of, state in states for name, v in state.items()}
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave."""

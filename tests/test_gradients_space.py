@@ -204,8 +204,9 @@ def test_a_tilted_block_that_falls_on_a_slope(formulation, theta, scene):
     asked = dict(list(TILTED.items())[:4]) if scene is LOCATED else TILTED  # to be short
     shares = [1e-5] if scene is LOCATED else [1e-5, 1e-6]
     result = check(build, asked, until, 6e-3, everything, shares=shares)
-    slips = result.history["c.slipping"]
-    assert slips.max() == 2 or (scene is not LOCATED and slips.max() >= 1)
+    assert result.history["c.slipping"].max() >= 1
+    impacts = (result.history["dt"] == 0).sum()
+    assert scene is not LOCATED or impacts >= 6  # of one corner after the other
 
 
 def filled(points):

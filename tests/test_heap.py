@@ -21,6 +21,7 @@ from fenicsx_contact import (
     ThetaScheme,
     name_facets,
 )
+from fenicsx_contact.base import compat
 from fenicsx_contact.solve import surface_problem
 
 HELD = {
@@ -290,6 +291,68 @@ def test_a_wall_stands(dim, solver):
     on_ground = contact.coupling.meetings.places[:, -1] < 1e-6
     weight = contact.force[on_ground, -1].sum()
     np.testing.assert_allclose(weight, len(bricks) * G, rtol=1e-7)
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-9, 1e-3])
+@pytest.mark.parametrize("counts", [(3, 3), (2, 2, 2), (3, 3, 1)], ids=str)
+def test_cubes_in_a_block(counts, gap):
+    """Where edges of eight meet each has others on three sides and across the corner. Tangents were
+    kept from one meeting to the next in its place, though its normal may be along them."""
+    dim = len(counts)
+    cubes = []
+    for place in np.ndindex(*counts):
+        low = (0.1 + gap) * np.array(place, dtype=float)
+        cubes.append(body(low, low + 0.1, f"cube {place}"))
+    ground = body((-1.0,) * dim, (*(2.0,) * (dim - 1), 0.0), "ground", held=True)
+    history = heap([*cubes, ground], scheme=ThetaScheme(1.0)).run(until=0.1, dt=5e-3)
+    assert history.finished, history.reason
+    assert max(np.abs(cube.velocity).max() for cube in cubes) < 1e-7 * G * 5e-3
+
+
+def joined(rectangles, name, **solid):
+    """A body of rectangles (low x, low y, high x, high y) that share corners."""
+    corners = sorted({(x, y) for a, b, c, d in rectangles for x in (a, c) for y in (b, d)})
+    number = {corner: i for i, corner in enumerate(corners)}
+    cells = [[number[x, y] for y in (b, d) for x in (a, c)] for a, b, c, d in rectangles]
+    mesh = compat.create_mesh(
+        MPI.COMM_SELF, np.array(cells), np.array(corners, dtype=float), "quadrilateral"
+    )
+    named = name_facets(mesh, {"skin": lambda x: np.full(x.shape[1], True)})
+    return RigidSolid(named, mass=1.0, name=name, **solid)
+
+
+BIN = [(0, 0, 0.1, 0.1), (0.1, 0, 0.9, 0.1), (0.9, 0, 1, 0.1), (0, 0.1, 0.1, 0.8)]
+BIN = [*BIN, (0.9, 0.1, 1, 0.8)]
+
+
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+def test_a_body_that_is_not_convex(theta):
+    """A box falls into a bin that is one body: as into one of three. A corner met one face of each
+    body only, the one from which it is farthest, and the box sank in by 7 mm."""
+    places, parts = [], [[BIN], [[(0, 0, 1, 0.1)], [(0, 0.1, 0.1, 0.8)], [(0.9, 0.1, 1, 0.8)]]]
+    for each in parts:
+        walls = [joined(part, f"wall {i}", held=HELD[2]) for i, part in enumerate(each)]
+        start = {"gravity": down(2), "velocity": (1.5, 0), "spin": 2.0}
+        box = joined([(0.45, 0.4, 0.65, 0.6)], "box", **start)
+        scene = heap([*walls, box], 0.2, ThetaScheme(theta))
+        history = scene.run(until=1.2, dt=5e-3)
+        assert history.finished and not history.remarks, history.reason
+        assert np.abs(box.velocity).max() < 1e-9 and abs(box.rotation) < 1e-8
+        places.append(box.place)
+    np.testing.assert_allclose(places[0], places[1], atol=1e-9)
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap", "lagrange"])
+def test_what_fits_an_inner_corner_rests_there(law):
+    corner = [(0, 0, 0.1, 0.1), (0.1, 0, 0.25, 0.1), (0, 0.1, 0.1, 0.2)]
+    angle = joined(corner, "angle", gravity=down(2))
+    box = joined([(0.1, 0.1, 0.2, 0.2)], "box", gravity=down(2))
+    ground = joined([(-1, -1, 1, 0)], "ground", held=HELD[2])
+    scheme = ThetaScheme(0.5 if law == "velocity" else 1.0)
+    history = heap([angle, box, ground], scheme=scheme, formulation=law).run(until=0.2, dt=2e-3)
+    assert history.finished and not history.remarks, history.reason
+    np.testing.assert_allclose(box.place, 0.15, atol=1e-9)
+    assert abs(box.rotation) < 1e-9
 
 
 def test_files_say_where_it_bears(tmp_path):

@@ -157,14 +157,14 @@ def right_11_ironing(of):
 
 def right_12_geometric_fixed_point(of):
     factors = [of["factor"](of["rounds"][R][0]) for R in of["radii"]]
-    assert 0.01 < factors[0] < 0.1 and factors[2] < factors[1] / 4 < factors[0] / 8
+    assert 0.01 < factors[2] < factors[1] / 2 < factors[0] / 2 < 0.1
     for R in of["radii"]:
         (frozen, by_rounds), (residuals, at_once) = of["rounds"][R], of["together"][R]
         assert by_rounds.finished and at_once.finished
-        assert (np.diff(np.log(frozen)) < np.log(0.1)).all()  # each round falls, by the same factor
+        assert (np.diff(np.log(frozen)) < np.log(0.2)).all()  # each round falls, by the same factor
         assert residuals[-1] < 1e-10 and residuals[-2] < 100 * residuals[-3] ** 2
         forces = by_rounds["drum.force_y"][-1], at_once["drum.force_y"][-1]
-        assert forces[0] == pytest.approx(forces[1], rel=1e-4)
+        assert forces[0] == pytest.approx(forces[1], rel=1e-7)
 
 
 def right_13_located_impacts(of):

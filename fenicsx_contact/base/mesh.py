@@ -74,6 +74,12 @@ class NamedMesh:
         return ""
 
     @property
+    def grain(self) -> float:
+        """The largest extent of a cell of this process along an axis, m."""
+        corners = self.mesh.geometry.x[compat.cell_geometry(self.mesh)]
+        return float(np.ptp(corners, axis=1).max(initial=0.0))
+
+    @property
     def dim(self) -> int:
         """Dimension of space."""
         return self.mesh.geometry.dim

@@ -25,3 +25,9 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         np.subtract(a[..., j] * b[..., k], a[..., k] * b[..., j], out=result[..., i])
     return result
+
+
+def across(normal: np.ndarray) -> np.ndarray:
+    """Unit vectors (n, 3) orthogonal to these normals, by the axis that is least along each."""
+    result = cross(np.eye(3)[np.abs(normal).argmin(axis=1)], normal)
+    return np.asarray(result / np.sqrt(dot(result, result))[:, None])

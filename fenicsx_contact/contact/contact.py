@@ -24,6 +24,7 @@ from .pairing import Master, acting_points, check_master, couple, worn
 from .results import SurfaceResults
 from .scales import Scales
 from .springs import TangentialSprings
+from .statuses import at_once, kept
 from .surface import Surface
 from .surfaces import surface_of
 
@@ -156,7 +157,7 @@ class Contact(SurfaceResults):
         if decide := getattr(self.formulation, "closed", None):
             allowed = allowed & decide(self.coupling.gaps(), self.tolerance)
         if not closing:
-            allowed = allowed & self.touching()
+            allowed = allowed & (self.touching() if step.dt else self._arrived())
         if not step.dt and not self.formulation.percussive:
             allowed = np.zeros(self.surface.size, dtype=bool)
         self.candidates.begin(allowed, self.gap)
@@ -179,6 +180,12 @@ class Contact(SurfaceResults):
         stays = dot(self.jump, self.coupling.normals()) >= -self.resolution
         at = (self.gap > self.tolerance) | ((self.gap >= -self.tolerance) & stays)
         return self.chosen & ((self.status > 0) | at)
+
+    def _arrived(self) -> np.ndarray:
+        """Points that touch, and others that arrive in the same instant."""
+        approach, touches = dot(self.jump, self.coupling.normals()), self.touching()
+        fresh = touches & (self.status == 0) & (approach > self.resolution)
+        return touches | at_once(touches, fresh, self.gap, approach, self.tolerance)
 
     def linearise(self, step: Step, exact: bool = False, kept: bool = False) -> None:
         """Take up the trial states of the solids: operators, normals and gaps; if ``exact`` with
@@ -242,17 +249,6 @@ class Contact(SurfaceResults):
         self.coupling.follow()
         self.trial_jump = self.coupling.jump("trial_velocity")
 
-    def _statuses(self, step: Step, resolution: float) -> np.ndarray:
-        """Statuses to be kept; what moves along the surface by less than ``resolution``,
-        m/s, sticks, and a point whose force would move it by less is open, whatever round-off says
-        where hardly anything presses."""
-        status = self.trial_status
-        if status.max() > 1:
-            along = self.trial_jump - dot(self.trial_jump, self.normal)[:, None] * self.normal
-            status = np.where(dot(along, along) <= resolution**2, np.minimum(status, 1.0), status)
-        hardly = self.units(step)[0] * self.equations.weight * resolution
-        return np.where(np.abs(dot(self.force, self.normal)) <= hardly, 0.0, status)
-
     def accept(self, force: np.ndarray, step: Step, resolution: float) -> None:
         """Keep what the next step starts from.
 
@@ -265,7 +261,9 @@ class Contact(SurfaceResults):
         fastest = largest(self.coupling.velocities("trial_velocity"))
         self.resolution = resolution = max(resolution, ROUND_OFF * fastest)
         self.force = self.coupling.force(force)
-        self.status = self._statuses(step, resolution)
+        hardly = self.units(step)[0] * self.equations.weight * resolution
+        presses = np.abs(dot(self.force, self.normal)) > hardly
+        self.status = kept(self.trial_status, presses, self.trial_jump, self.normal, resolution)
         self._springs.accept(step, self.force, self.normal, self.status == 1)
         self.memory.advance(self.equations, self.trial_jump, step.dt)
         self.coupling.accept()

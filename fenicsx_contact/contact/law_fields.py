@@ -34,6 +34,11 @@ class Teller(Protocol):
 
     @property
     def coupling(self) -> Any: ...
+
+    chosen: np.ndarray
+    gap: np.ndarray
+    tolerance: float
+
     def touching(self) -> np.ndarray: ...
 
 
@@ -66,6 +71,7 @@ class LawFields:
     """
 
     dt: Any
+    _weight: Any
     jump_t: Any
     start_slip: Any
     tangential: Callable[[Any], Any]
@@ -143,7 +149,10 @@ class LawFields:
         """1 where a point touches as time begins to pass, else 0; such points are asked."""
 
         def tell(contact: Teller, step: Step) -> np.ndarray:
-            self.held = contact.touching() & bool(step.loaded)
+            at = contact.touching()
+            if not step.scheme.inertia:  # nothing leaves by itself
+                at = at | (contact.chosen & (contact.gap >= -contact.tolerance))
+            self.held = at & bool(step.loaded)
             return self.held.astype(float)
 
         return self._function(tell, self.surface.scalar())
@@ -222,6 +231,8 @@ class LawFields:
         return evolve(old, self.elapsed)
 
     def wears(self, name: str, evolve: Callable[[Any, Any], Any]) -> None:
-        """A remembered depth [m], 0 at the start, by which the surface recedes."""
-        self.state(name, 0.0, evolve)
+        """A remembered depth [m], 0 at the start, by which the surface recedes: the mean over the
+        area of a point, of which a master may cover a share only, where the pressure acts."""
+        share = 1.0 if self._weight is None else self._weight
+        self.state(name, 0.0, lambda depth, time: depth + share * (evolve(depth, time) - depth))
         self.memory.recess = self.memory.values[name]

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, fields
+from math import sqrt
 
 import numpy as np
 
@@ -63,6 +64,7 @@ class MortarJump(Coupling):
         self._shape = (self.pairing.total, sides[0].dim)
         self._n = self.pairing.n
         self._start = self._end = self._places()
+        self._foreseen = 0.0
         self.faces = self._find() or faces_anywhere(*sides, *self._split())
         self.follow()
 
@@ -91,10 +93,11 @@ class MortarJump(Coupling):
             self._ending.stand(self.pairing.stance)
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
-        way = step.dt * largest(self.velocities("velocity"))
+        # an impact is seen as far away as the step that it precedes
+        self._foreseen = way = step.horizon * largest(self.velocities("velocity"))
         stance = self._standing.find(self._start, way, bears)
         if stance.same(self.pairing.stance):
-            return False
+            return self._look(way)
         self._end, self._way, was = self._start, way, self.pairing.stance
         self._stand(was)  # a step that failed has led it elsewhere
         before = self._depths()
@@ -102,6 +105,16 @@ class MortarJump(Coupling):
         if (self._depths() > np.maximum(before, self.equations.fields.surface.extent)).any():
             self._stand(was)
             raise StepFailed("two solids are folded into each other, deeper than one is large")
+        return True
+
+    def _look(self, way: float) -> bool:
+        """Seek partners so far away as nodes that are about to go a way, m, may meet them in the
+        step; whether that is farther than they were sought. What has none there is not met."""
+        pair = self.pairing
+        if pair.paired.all() or 2 * sqrt(self._shape[1]) * way <= pair.reach.min():
+            return False
+        self._end, self._way = self._start, way
+        pair.update(self._start, way)
         return True
 
     def _stand(self, stance: Stance) -> None:
@@ -114,7 +127,7 @@ class MortarJump(Coupling):
             trace.follow()
         self._end = self._places()
         moved = self._end - self._start
-        self._way = float(np.abs(moved).max())
+        self._way = max(self._foreseen, float(np.abs(moved).max()))
         places = self._end if self._share == 1 else self._start + self._share * moved
         self.pairing.update(places, self._way)
 

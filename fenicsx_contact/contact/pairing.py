@@ -134,13 +134,13 @@ def couple(
 def _means(
     solid: Solid, facets: str, equations: SurfaceEquations
 ) -> tuple[DeformableTrace | None, np.ndarray | float]:
-    """The trace of a solid of second degree in space by its means over the facets, if what acts
-    there acts on areas, and how far these bulge: an even pressure does not act at the corners of
-    triangles at all. In the plane corners and middles bear, by Simpson's rule, without means."""
+    """The trace of a solid of second degree in space by its means over the facets, unless points
+    are named, and how far these bulge: an even pressure does not act at the corners of triangles at
+    all. In the plane corners and middles bear, by Simpson's rule, without means."""
     surface = equations.fields.surface
     if not isinstance(solid, DeformableSolid) or solid.degree == 1 or solid.dim == 2:
         return None, 0.0
-    if equations.weight is not surface.area:
+    if not (equations.weight is surface.area or equations.weight.all()):
         return None, 0.0
     side = side_of(solid, facets, surface)
     share = surface.site_area / surface.area[surface.site_nodes]

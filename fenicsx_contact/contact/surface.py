@@ -22,7 +22,7 @@ from mpi4py import MPI
 from ..base import compat
 from ..base.cells import degree_of
 from ..base.glued import glued_space
-from ..base.vectors import cross, dot
+from ..base.vectors import across, cross, dot
 from ..theory.friction import FrictionBound
 from .law_fields import LawFields
 
@@ -257,17 +257,18 @@ class SurfaceFields(LawFields):
         """Set the normals (n, d); a first tangent, where friction needs one, stays as it was."""
         self.normal.x.array[:] = normal.ravel()
         if self._tangent is not None and not self._framed:
-            self._framed = True
-            # the coordinate axis least aligned with n gives it
-            first = cross(np.eye(3)[np.abs(normal).argmin(axis=1)], normal)
-            self.set_tangent(first / np.linalg.norm(first, axis=1)[:, None])
+            self.begin_frame(normal, np.ones(len(normal), dtype=bool))
+
+    def begin_frame(self, normal: np.ndarray, where: np.ndarray) -> None:
+        """Choose the first tangents anew at some points, (n,) of bool."""
+        if self._tangent is not None:
+            self.set_tangent(np.where(where[:, None], across(normal), self.tangent))
 
     def set_tangent(self, tangent: np.ndarray) -> None:
-        """Set the first tangents (n, 3), about which the frames turn as little as they can: the
-        components of tau keep their meaning while normals turn."""
+        """Set the first tangents (n, 3); frames turn about them as little as they can, so that the
+        components of tau keep their meaning."""
         if self._tangent is not None:
-            self._framed = True
-            self._tangent.x.array[:] = tangent.ravel()
+            self._framed, self._tangent.x.array[:] = True, tangent.ravel()
 
     def keep_frame(self) -> None:
         """The frames as they are now are those from which the next step starts."""
@@ -284,9 +285,8 @@ class SurfaceFields(LawFields):
     @property
     def tangent(self) -> np.ndarray:
         """The first tangents as they were set, (n, 3); empty where nothing needs them."""
-        if self._tangent is None:
-            return np.empty((0, 3))
-        return self._tangent.x.array.reshape(-1, 3).copy()
+        values = np.empty(0) if self._tangent is None else self._tangent.x.array
+        return values.reshape(-1, 3).copy()
 
     def frame(self) -> tuple[np.ndarray, np.ndarray]:
         """Normals (n, d) and tangents (d - 1, n, d); no tangents where nothing needs them."""

@@ -36,6 +36,8 @@ class BalancedSolid(MonolithicSolid):
     inertia: Mass
     applied: Loads | None
     weight: np.ndarray
+    #: How far nodes of a cell are apart, m, where forces tell a deformation from 1 by what it is.
+    grain: float = 0.0
     _pull: np.ndarray
     _momentum: np.ndarray
     _force: np.ndarray
@@ -90,9 +92,9 @@ class BalancedSolid(MonolithicSolid):
 
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
         terms = self._balance(step)
-        # a stress-free body in flight has no forces but round-off, of its momentum and of K u; one
-        # that only contact holds may not fly
-        moved = np.abs(self.trial_displacement)
+        # a stress-free body in flight has no forces but round-off, of its momentum and of K u, or
+        # of K x where strains are differences from 1; one that only contact holds may not fly
+        moved = self.grain + np.abs(self.trial_displacement)
         for damper in self.dampers:
             moved = moved + damper.time * np.abs(self.trial_velocity)
         strained = np.abs(self.vectors.diagonal(self.last_stiffness)) * moved

@@ -79,6 +79,7 @@ class HyperelasticSolid(DeformableSolid):
         swelling = self.vectors.places.ravel()
         swollen = self._sum(swelling @ self.multiply(self._tangent, swelling))
         self._noise = ROUND_OFF * abs(swollen)  # of the energy, the difference of such terms
+        self.grain = mesh.grain
         if self.damping.beta:
             beta = self.damping.beta
             self.dampers.append(ViscousStress(self, self._energy, beta, self.volume))

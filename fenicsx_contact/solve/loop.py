@@ -16,8 +16,7 @@ import numpy as np
 
 from ..base.checks import StepFailed
 from ..base.overflow import diverging
-from ..base.vectors import largest
-from ..contact.trial import candidate_force, nonlinearity
+from ..contact.trial import nonlinearity
 from ..solids import DeformableSolid
 from ..theory.theta import Step
 from .condensed import Condensed
@@ -29,6 +28,7 @@ from .multipliers import ROUGH
 from .newton import Newton, NotConverged, Solution
 from .problem import Assembly, Clock, scale_of
 from .sparse import Sparse
+from .speeds import Speeds
 from .statics import free_motion
 from .surface_problem import SLOW
 from .turns import Turns
@@ -73,14 +73,12 @@ class StepSolver:
         self._all, self._newton = problem, newton
         self._settles = geometry == "fixed point"
         self._floating = floating
-        self._comm = problem.solids[0].mesh.mesh.comm
-        self._bodies = [s for s in problem.solids if isinstance(s, DeformableSolid)]
-        self._start: tuple[Step | None, float, float] = None, 0.0, 0.0
+        self._speeds = Speeds(problem.solids, problem.contacts, floating, newton.tolerance)
         self.errors: list[float] = []
         self.reached = self._pushed = 0.0
         self.system = SYSTEMS[solver](problem)
         # whether velocities without contact are known, which deformable solids have to solve for
-        self._foresees = isinstance(self.system, Condensed) or not self._bodies
+        self._foresees = isinstance(self.system, Condensed) or not self._speeds.bodies
         if floating:
             self.system.hold(floating)
         for solid in problem.solids:
@@ -142,7 +140,7 @@ class StepSolver:
         if first:
             self._pushed = max((c.push(c.force, step) for c in self._all.contacts), default=0.0)
         if not self._foresees:
-            speed = scale_of(self._speed(step))
+            speed = scale_of(self._speeds.typical(step))
             self._all.set_scale(step, speed)
             return speed
         free, contacts = self.system.free(), self._all.contacts
@@ -190,7 +188,7 @@ class StepSolver:
             clock("solids")
             near = self.system.near
             self._see(step, exact=near == np.inf, kept=plain)
-            self._all.set_scale(step, scale_of(self._speed(step)))
+            self._all.set_scale(step, scale_of(self._speeds.typical(step)))
             clock("pairing")
             error, force = self.system.begin(step)
             errors.append(error)
@@ -235,41 +233,6 @@ class StepSolver:
         solids take longest: ``kept``, those of last time."""
         for contact in self._all.contacts:
             contact.linearise(step, exact or len(contact.solids) == 1, kept)
-
-    def _speed(self, step: Step) -> float:
-        """The largest speed at the contacts, m/s, or one that inertia knew as the step began, or
-        that which their forces resolve, or else, at the start of a drive, anywhere in the solids; 0
-        where nothing moves yet."""
-        speed, (brought, pushed) = self._fastest("trial_velocity"), self._brought(step)
-        if step.scheme.inertia:
-            speed = max(speed, brought)
-            if not pushed:  # a first step
-                each = (c.push(candidate_force(c), step) for c in self._all.contacts)
-                pushed = max(each, default=0.0)
-        loaded = max((solid.load_speed() for solid in self._floating), default=0.0)
-        if speed or pushed or loaded:
-            return max(speed, SLOW * pushed, loaded)
-        inside = [largest(b.trial_velocity) for b in self._bodies]
-        return max(map(max, self._comm.allgather([0.0, *inside])))
-
-    def _fastest(self, which: str) -> float:
-        return max((largest(c.coupling.speeds(which)) for c in self._all.contacts), default=0.0)
-
-    def _brought(self, step: Step) -> tuple[float, float]:
-        """The largest speed at the contacts at the start of the step, m/s, which an impact stops,
-        or difference of velocities within a solid, which after an impact is yet to arrive there;
-        and the one that the forces of the last step stand for."""
-        if step is not self._start[0]:
-            bounds = np.full((2, len(self._bodies), 3), -np.inf)
-            for i, body in enumerate(self._bodies):
-                for sign, bound in zip((1.0, -1.0), bounds):
-                    v = sign * body.velocity.reshape(-1, body.dim)
-                    bound[i, : body.dim] = v.max(axis=0, initial=-np.inf)
-            high, low = np.max(self._comm.allgather(bounds), axis=0)
-            brought = max(self._fastest("velocity"), float((high + low).max(initial=0.0)))
-            pushed = max((c.push(c.force, step) for c in self._all.contacts), default=0.0)
-            self._start = step, brought, pushed
-        return self._start[1:]
 
     def _advance(self, step: Step, clock: Clock) -> None:
         """One correction, shortened where it would invert an element."""

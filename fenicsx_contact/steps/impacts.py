@@ -29,8 +29,8 @@ from .trial import Trial
 #: A body comes to rest by infinitely many impacts; after so many in one step the rest of the step
 #: is crossed by the plain scheme.
 MAX_IMPACTS = 8
-#: Flights until an arrival is found, at most, and the share of a step below which instants are one.
-MAX_FLIGHTS, INSTANT = 50, 1e-13
+#: Flights until an arrival is found, at most: the bracket may be halved to round-off.
+MAX_FLIGHTS = 50
 
 #: A flight: its trial state, and of the deepest point there the gap, its rate, and where it began.
 Flight = tuple[Trial, float, float, float]
@@ -65,8 +65,10 @@ class UniformImpacts:
         """Take up a state that :meth:`state` gave."""
 
 
-def _accept(stepper: StepTaker, step: Step, remarks: list[str]) -> list[float]:
-    trial = stepper.attempt(step)
+def _accept(
+    stepper: StepTaker, step: Step, remarks: list[str], closing: bool = True
+) -> list[float]:
+    trial = stepper.attempt(step, closing)
     remarks.extend(trial.remarks)
     return stepper.accept(trial)
 
@@ -108,7 +110,8 @@ class LocatedImpacts:
 
     def _strike(self, stepper: StepTaker, dt: float, remarks: list[str]) -> list[float]:
         self._rates = None
-        return _accept(stepper, Step(0.0, self._scheme, stepper.time, dt), remarks)
+        # what is still open, however near, has an instant of its own
+        return _accept(stepper, Step(0.0, self._scheme, stepper.time, dt), remarks, closing=False)
 
     def _fly(self, stepper: StepTaker, length: float, whole: float) -> Flight:
         """A part of the whole step as if no open point could close."""
@@ -148,7 +151,7 @@ def _arrive(fly: Callable[[float], Flight], flight: Flight, tolerance: float) ->
             new = 0.5 * (low + high)
         trial, gap, _, _ = fly(new)
         low, high = (new, high) if gap < 0 else (low, new)
-        if abs(gap) <= tolerance or high - low <= INSTANT * whole:
+        if abs(gap) <= tolerance or not low < 0.5 * (low + high) < high:
             break
         (a, gap_a), (b, gap_b) = points[-2:]
         points.append((new, gap))

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from math import inf
 
 import numpy as np
 
@@ -71,13 +70,13 @@ class Stepper:
         )
         self._neighbours = Neighbours(self._every)
         self._arrange()
-        self._linear = not any(solid.shiftable for solid in self.solids)
-        pairs = [contact.coupling for contact in self.contacts if len(contact.solids) > 1]
-        means = any(coupling.by_means for coupling in pairs)
-        # above which errors a step is solved again about where solids were put back
-        self._again = inf if not pairs else GEOMETRY_TOLERANCE if means else ACCEPTED
-        self.times: dict[str, float] = {}
-        self.time = 0.0
+        self._linear = not any(s.shiftable for s in solids)
+        self._pairs = [c.coupling for c in self.contacts if len(c.solids) > 1]
+        means = any(coupling.by_means for coupling in self._pairs)
+        # above which errors a step is solved again about where solids were put back; what errs
+        # before obstacles as nothing may close is an impact that was missed
+        self._again = GEOMETRY_TOLERANCE if means else ACCEPTED
+        self.times, self.time = dict[str, float](), 0.0
         self.work, self.balance = np.zeros(5), 0.0
         self.energies = self.sum_energies()
         self.most = self.energies[0] + abs(self.energies[1])
@@ -125,6 +124,7 @@ class Stepper:
                 self._guess(step, rates)
             clock("pairing")
             trial, certificate, moved = self._solved(step, closing, clock)
+            moved = moved and (closing or bool(self._pairs))
             while moved and certificate.worst > self._again:  # as long as it gains
                 last, tried = certificate, trial
                 for look in self.rounds:

@@ -241,7 +241,7 @@ class Heap(Contact):
         points, cells, owner, last = [], [], [], 0
         for body, side in enumerate(sides):
             pick = SIMPLICES.get(side.cell, [[0, 1]])
-            for _ in range(PLACES):
+            for _ in range(PLACES[side.dim]):
                 points.append(side.nodes)
                 cells.append(side.corners[:, pick].reshape(-1, side.dim) + last)
                 owner.append(np.full(len(cells[-1]), body))
@@ -261,7 +261,8 @@ class Heap(Contact):
     def begin(self, step: Step) -> None:
         super().begin(step)
         fresh = self.coupling.fresh  # type: ignore[attr-defined]
-        if fresh.any():  # what bore there was another meeting
+        if fresh.any():  # what bore there was another meeting, maybe across the tangents kept
+            self.equations.fields.begin_frame(self.coupling.normals(), fresh)
             self.status = np.where(fresh, 0.0, self.status)
             values, first = self.equations.values, self.equations.jumps
             values[first:].reshape(-1, len(fresh))[:, fresh] = 0.0

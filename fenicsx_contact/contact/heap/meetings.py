@@ -24,9 +24,9 @@ from ..mortar.matrices import DENSE, Matrix, used_columns
 from .search import Features, shares
 from .shape import Shape
 
-#: Cost: places of points for each node of a body: a corner may lie between two others, and if more
-#: meet the step stops.
-PLACES = 2
+#: Cost: places of points for each node of a body in the plane and in space: so many others may meet
+#: in a corner where all are squares or cubes; if there are more the step stops.
+PLACES = {2: 3, 3: 7}
 
 
 class Alone:
@@ -107,8 +107,9 @@ class Meetings:
             mine = self.slots[self._shape.body[node]]
             mine = mine[free[mine]]
             if not len(mine):
+                most = PLACES[self._shape.dim]
                 raise StepFailed(
-                    f"a body meets others at more than {PLACES} points for each of its nodes"
+                    f"a body meets others at more than {most} points for each of its nodes"
                 )
             place = mine[np.lexsort((self._homes[mine] != node, busy[mine]))[0]]
             source[place], free[place], fresh[place] = k, False, True

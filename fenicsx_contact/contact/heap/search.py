@@ -4,8 +4,10 @@
 A corner meets a face if it lies over it, and if the body behind it does not reach through the plane
 of the face (else the corner is not what is nearest). Of several faces of one body that counts from
 which it is farthest: where bodies touch, the others lie aside, however deep the corner is behind
-them. Two edges meet if they cross, and if both bodies lie on their sides of the plane that they
-span. Who is over what may change in the step: it is asked at its start and where velocities lead.
+them; from which it will be, where it is as far from several. But faces that see each other, as
+those in an inner corner do, count each for itself. Two edges meet if they cross, and if both bodies
+lie on their sides of the plane that they span. Who is over what may change in the step: it is asked
+at its start and where velocities lead.
 """
 
 from __future__ import annotations
@@ -34,8 +36,8 @@ class Features:
     """Corners before faces, and crossing edges.
 
     Attributes:
-        key: one for each, (k,), that stays while the same corner meets the same body, or the same
-            two edges each other.
+        key: one for each, (k,), that stays while the same corner meets the same part of a body, or
+            the same two edges each other.
         mine: the nodes of the edge, or the corner twice, (k, 2), and ``theirs``: of the other edge
             twice or the face, (k, 3), of which the plane has two.
         face: number of the face, or -1 for edges, (k,).
@@ -155,15 +157,39 @@ class Search:
         bodies = pairs[pair]
         deep = -WALL * s.thin[bodies].min(axis=1)
         over &= (height <= places.reach[pair]) & (height >= deep)
-        corner, face, height, bodies = (a[over] for a in (corner, face, height, bodies))
-        key = corner * len(s.slices) + bodies[:, 1]
-        order = np.lexsort((face, -height, key))
+        corner, face, height = (a[over] for a in (corner, face, height))
+        key = corner * s.parts + s.part[face]
+        ahead = self._heights(corner, face, places.end)
+        same = SAME * s.sizes[s.owner[face]]
+        # of those as far the one that will be farther: where corners meet it is not known
+        order = np.lexsort((face, -ahead, -np.round(height / same), key))
         order = order[np.unique(key[order], return_index=True)[1]]
+        order = order[self._not_aside(corner[order], face[order], height[order], x)]
         corner, face = corner[order], face[order]
         none = np.ones(len(order))
         theirs = s.outline[face][:, [0, 1, -1 if s.dim == 2 else 2]]
         mine = np.stack([corner, corner], axis=1)
         return Features(key[order], mine, theirs, face, none, height[order])
+
+    def _not_aside(
+        self, corner: np.ndarray, face: np.ndarray, height: np.ndarray, x: np.ndarray
+    ) -> np.ndarray:
+        """Which of these faces of bodies in several parts, each below a corner, see all others of
+        the same body from which it is farther."""
+        s, which = self._shape, np.arange(len(corner))
+        groups = Ragged(corner * len(s.slices) + s.owner[face], which, len(x) * len(s.slices))
+        one, other = groups.of(corner * len(s.slices) + s.owner[face])
+        farther = height[other] > height[one]
+        one, other = one[farther], other[farther]
+        nodes = s.outline[face[one]]
+        rise = np.stack([self._heights(n, face[other], x) for n in nodes.T]).max(axis=0, initial=0)
+        aside = rise <= SAME * s.sizes[s.owner[face[one]]]
+        return np.setdiff1d(which, one[aside])
+
+    def _heights(self, node: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """How high nodes are above the planes of faces, m."""
+        normal = self._shape.normals(x)[face]
+        return dot(x[node] - x[self._shape.outline[face, 0]], normal) / np.sqrt(dot(normal, normal))
 
     def _over(self, corner: np.ndarray, face: np.ndarray, x: np.ndarray) -> tuple:
         """How high corners are above the planes of faces, and whether they lie over these with the
@@ -201,7 +227,7 @@ class Search:
         deep = -WALL * s.thin[bodies].min(axis=1)
         cross &= (height <= places.reach[pair]) & (height >= deep)
         mine, theirs, height, turn = (a[cross] for a in (mine, theirs, height, turn))
-        key = len(x) * len(s.slices) + mine * len(s.ends) + theirs
+        key = len(x) * s.parts + mine * len(s.ends) + theirs
         ends = s.ends[theirs][:, [0, 1, 1]]
         return Features(key, s.ends[mine], ends, np.full(len(key), -1), turn, height)
 

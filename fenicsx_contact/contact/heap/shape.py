@@ -51,6 +51,8 @@ class Shape:
             each body.
         outline: nodes of the facets, of quadrilaterals of their halves, (F, d); ``sign``: +1 where
             they turn outwards; ``owner``: the body of each.
+        part: of which part of its body each facet is, (F,): of a convex body there is one, else one
+            for each of its faces; ``parts``: how many there are in all.
         faces: numbers of the facets of each body; ``corners``, ``edges``: likewise, of the nodes
             that are corners and of rows of ``ends``.
         beside: for each node the other nodes of its facets.
@@ -87,17 +89,26 @@ class Shape:
         which = self._corners()
         self.corners = Ragged(self.body[which], which, bodies)
         self.edges = Ragged(self.body[self.ends[:, 0]], np.arange(len(self.ends)), bodies)
-        unit, _ = unit_and_length(self.normals(self.nodes))
-        # a facet is at most so far from the nodes of its body behind it
         self.thin = np.full(bodies, np.inf)
+        self._measure()
+
+    def _measure(self) -> None:
+        """How thin bodies are, and their parts."""
+        unit, _ = unit_and_length(self.normals(self.nodes))
+        self.part, self.parts = np.empty(len(unit), dtype=np.int64), 0
         for b, at in enumerate(self.slices):
             mine = self.faces.values[self.faces.first[b] :][: self.faces.count[b]]
-            rise = (self.nodes[at] @ unit[mine].T) - (
-                self.nodes[self.outline[mine, 0]] * unit[mine]
-            ).sum(axis=1)
+            level = (self.nodes[self.outline[mine, 0]] * unit[mine]).sum(axis=1)
+            rise = self.nodes[at] @ unit[mine].T - level
+            same = SAME * self.sizes[b]
+            # a facet is at most so far from the nodes of its body behind it
             behind = -rise.min(axis=0)
-            solid = behind > SAME * self.sizes[b]
-            self.thin[b] = behind[solid].min() if solid.any() else self.sizes[b]
+            self.thin[b] = behind[behind > same].min(initial=self.sizes[b])
+            self.part[mine] = self.parts
+            if (rise > same).any():
+                plane = np.round(np.column_stack([unit[mine], level / self.sizes[b]]) / SAME)
+                self.part[mine] += np.unique(plane, axis=0, return_inverse=True)[1].ravel()
+            self.parts = int(self.part[mine].max(initial=self.parts)) + 1
 
     def normals(self, x: np.ndarray) -> np.ndarray:
         """Outward normals of the facets, as long as their area is large, from places (N, d)."""

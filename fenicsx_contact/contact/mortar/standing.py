@@ -96,6 +96,9 @@ class Standing:
         heights, foot = np.full(corners.size, np.inf), np.full(corners.size, -1)
         heights[ray[hits]], foot[ray[hits]] = height[hits], below[hits]
         every, lowest = np.arange(len(asked)), heights.reshape(-1, c).argmin(axis=1)
+        # whose corners are level lies on all of them
+        low = np.sort(heights.reshape(-1, c), axis=1)
+        bent = low[:, d - 1] > low[:, 0] + EDGE * side.sizes[asked]
         heights, foot = (each.reshape(-1, c)[every, lowest] for each in (heights, foot))
 
         # and sharp corners of that above it
@@ -109,7 +112,8 @@ class Standing:
         np.minimum.at(rivals, of[over], -height[over])
 
         ends = self._edges[corners[every, lowest]]
-        stands = np.flatnonzero((ends[:, 0] >= 0) & (heights < rivals - EDGE * side.sizes[asked]))
+        stands = bent & (ends[:, 0] >= 0) & (heights < rivals - EDGE * side.sizes[asked])
+        stands = np.flatnonzero(stands)
         edge = xs[ends[stands, 1]] - xs[ends[stands, 0]]
         return self._stance(xs, asked[stands], foot[stands], edge, heights[stands], bears)
 

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What round-off must not decide: which points a step ends with, and which arrive together."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..base.vectors import dot, largest
+
+
+def kept(
+    status: np.ndarray,
+    presses: np.ndarray,
+    jump: np.ndarray,
+    normal: np.ndarray,
+    resolution: float,
+) -> np.ndarray:
+    """Statuses to be kept (n,): what moves along the surface by less than ``resolution``, m/s,
+    sticks, and what hardly presses is open."""
+    if status.max() > 1:
+        along = jump - dot(jump, normal)[:, None] * normal
+        still = dot(along, along) <= resolution**2
+        status = np.where(still, np.minimum(status, 1.0), status)
+    return np.where(presses, status, 0.0)
+
+
+def at_once(
+    touches: np.ndarray, fresh: np.ndarray, gap: np.ndarray, approach: np.ndarray, tolerance: float
+) -> np.ndarray:
+    """Points that arrive in the same instant as ``fresh`` ones of those that touch, (n,) of bool.
+
+    Where a face lands flat its points arrive at once, but one within the tolerance [m] leaves the
+    gaps [m] of others open by as much more as they are faster, w_n [m/s].
+    """
+    off = tolerance + largest(gap[touches])
+    instant = off / approach[fresh].min(initial=np.inf)
+    return gap + instant * approach >= -tolerance

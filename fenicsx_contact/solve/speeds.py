@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Against which speed the residuals of a step are judged."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..base.vectors import largest
+from ..contact.contact import Contact
+from ..contact.trial import candidate_force
+from ..solids import DeformableSolid, Solid
+from ..theory.theta import Step
+from .surface_problem import SLOW
+
+
+class Speeds:
+    """The largest speed at the contacts, and what stands for one where hardly anything moves there.
+
+    Args:
+        solids, contacts: of a scene.
+        floating: solids that only contact holds, in a scene without inertia.
+        tolerance: of Newton's method.
+
+    Attributes:
+        bodies: the solids that deform.
+    """
+
+    def __init__(
+        self,
+        solids: Sequence[Solid],
+        contacts: Sequence[Contact],
+        floating: Sequence[DeformableSolid],
+        tolerance: float,
+    ) -> None:
+        self._contacts, self._floating, self._tolerance = contacts, floating, tolerance
+        self._comm = solids[0].mesh.mesh.comm
+        self.bodies = [s for s in solids if isinstance(s, DeformableSolid)]
+        self._start: tuple[Step | None, float, float] = None, 0.0, 0.0
+
+    def typical(self, step: Step) -> float:
+        """The largest speed at the contacts in the trial state, m/s, or one that inertia knew as
+        the step began, or that which their forces resolve; without inertia, where a contact between
+        bodies that are driven may rest, that which speeds in the solids do, and what round-off of
+        places is worth. 0 where nothing moves yet."""
+        speed, (brought, pushed) = self._fastest("trial_velocity"), self._brought(step)
+        if step.scheme.inertia:
+            speed = max(speed, brought)
+            if not pushed:  # a first step
+                each = (c.push(candidate_force(c), step) for c in self._contacts)
+                pushed = max(each, default=0.0)
+        loaded = max((solid.load_speed() for solid in self._floating), default=0.0)
+        known = speed or pushed or loaded
+        speed = max(speed, SLOW * pushed, loaded)
+        if step.scheme.inertia and known:
+            return speed
+        fastest = [0.0, *(largest(body.trial_velocity) for body in self.bodies)]
+        inside = max(map(max, self._comm.allgather(fastest)))
+        speed = max(speed, SLOW * inside if known else inside)
+        if step.scheme.inertia:
+            return speed
+        noise = max((contact.noise for contact in self._contacts), default=0.0)
+        return max(speed, noise / (step.span * self._tolerance))
+
+    def _fastest(self, which: str) -> float:
+        return max((largest(c.coupling.speeds(which)) for c in self._contacts), default=0.0)
+
+    def _brought(self, step: Step) -> tuple[float, float]:
+        """The largest speed at the contacts at the start of the step, m/s, which an impact stops,
+        or difference of velocities within a solid, which after an impact is yet to arrive there;
+        and the one that the forces of the last step stand for."""
+        if step is not self._start[0]:
+            bounds = np.full((2, len(self.bodies), 3), -np.inf)
+            for i, body in enumerate(self.bodies):
+                for sign, bound in zip((1.0, -1.0), bounds):
+                    v = sign * body.velocity.reshape(-1, body.dim)
+                    bound[i, : body.dim] = v.max(axis=0, initial=-np.inf)
+            high, low = np.max(self._comm.allgather(bounds), axis=0)
+            brought = max(self._fastest("velocity"), float((high + low).max(initial=0.0)))
+            pushed = max((c.push(c.force, step) for c in self._contacts), default=0.0)
+            self._start = step, brought, pushed
+        return self._start[1:]

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What round-off must not decide: faces that are level, interfaces and solids at rest, no load."""
+
+import dolfinx
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fenicsx_contact import (
+    Adhesive,
+    Contact,
+    ElasticSolid,
+    GeneralisedAlpha,
+    HalfSpace,
+    HyperelasticSolid,
+    QuasiStatic,
+    Scene,
+    ThetaScheme,
+    name_facets,
+    neo_hookean,
+    st_venant_kirchhoff,
+)
+
+E = 1e6  # Pa
+TURNS = [0.3, 1.0, 3.0]
+
+
+def turned(angle):
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
+def block(cells, width, height, at, R):
+    """A block of quadrilaterals whose base is in the middle at a place, all turned by R."""
+    kind = dolfinx.mesh.CellType.quadrilateral
+    ends = [np.array([-width / 2, 0.0]), np.array([width / 2, height])]
+    mesh = dolfinx.mesh.create_rectangle(MPI.COMM_SELF, ends, list(cells), kind)
+    named = name_facets(
+        mesh,
+        {
+            "base": lambda x: np.isclose(x[1], 0),
+            "top": lambda x: np.isclose(x[1], height),
+        },
+    )
+    mesh.geometry.x[:, :2] = (mesh.geometry.x[:, :2] + at) @ R.T
+    return named
+
+
+def solid(mesh, stiffness=E, nu=0.3, soft=False, **others):
+    if soft:
+        return HyperelasticSolid(mesh, energy=neo_hookean(stiffness, nu), density=1e3, **others)
+    given = {"youngs_modulus": stiffness, "poisson_ratio": nu, "density": 1e3}
+    return ElasticSolid(mesh, **given, **others)
+
+
+def pressed_and_dragged(angle, law):
+    """Forces on a block that is pressed on a larger one, then dragged, as seen from where it was
+    turned, (2, 2) in N."""
+    R = turned(angle)
+    lower = solid(block((5, 2), 1.0, 0.4, (0, -0.4), R), name="lower", fixed=["base"])
+
+    def top(t):
+        return tuple(R @ [0.03 * max(0, t - 1), -0.03 * min(t, 1)])
+
+    mesh = block((3, 2), 0.5, 0.3, (0.1, 0.01), R)
+    upper = solid(mesh, 3 * E, name="upper", prescribed={"top": top})
+    contact = Contact(upper, "base", (lower, "top"), law, friction=0.3, name="c")
+    history = Scene([lower, upper], [contact], QuasiStatic()).run(until=2, dt=0.5)
+    assert history.finished, history.reason
+    forces = np.array([history["c.force_x"], history["c.force_y"]]).T @ R
+    return forces[[2, -1]]
+
+
+@pytest.mark.parametrize("law", ["gap", "velocity"])
+def test_flat_faces_are_the_same_in_any_frame(law):
+    """Corners of a face that is parallel to what is below are level: whether it stands on one of
+    them was for round-off to say, and forces differed by 2 %."""
+    forces = pressed_and_dragged(0.0, law)
+    for angle in TURNS:
+        np.testing.assert_allclose(pressed_and_dragged(angle, law), forces, rtol=1e-9)
+
+
+@pytest.mark.parametrize("soft", [False, True])
+@pytest.mark.parametrize("law", ["gap", "velocity"])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("angle", [0.0, 0.3])
+def test_an_interface_that_does_not_move(soft, law, friction, angle):
+    """Blocks that are pressed together from both sides: the speed there is round-off, and no scale
+    for residuals."""
+    R = turned(angle)
+    nu, way = 0.0, 0.003
+    below, above = ({k: lambda t, s=s: tuple(R @ [0, s * way * t])} for k, s in SIDES)
+    lower = solid(
+        block((3, 2), 1.0, 0.5, (0, -0.5), R), nu=nu, soft=soft, prescribed=below, name="a"
+    )
+    upper = solid(block((4, 2), 1.0, 0.5, (0, 0), R), nu=nu, soft=soft, prescribed=above, name="b")
+    contact = Contact(upper, "base", (lower, "top"), law, friction=friction, name="c")
+    history = Scene([lower, upper], [contact], QuasiStatic()).run(until=1, dt=1)
+    assert history.finished, history.reason
+    assert history["newton"][-1] <= 6
+    force = np.hypot(history["c.force_x"][-1], history["c.force_y"][-1])
+    assert force == pytest.approx(2 * way * E, rel=5e-3 if soft else 1e-9)
+
+
+SIDES = (("base", 1), ("top", -1))
+
+
+@pytest.mark.parametrize("soft", [False, True])
+@pytest.mark.parametrize("angle", [0.0, 0.3, 0.7])
+def test_steps_in_which_nothing_happens(soft, angle):
+    """Loads that begin late: all before is round-off, over which nothing is to be judged."""
+    R = turned(angle)
+    lower = solid(block((5, 2), 1.0, 0.4, (0, -0.4), R), soft=soft, fixed=["base"], name="a")
+    late = {"top": lambda t: tuple(R @ [0, -0.002 * max(0.0, t - 3)])}
+    upper = solid(block((3, 2), 0.5, 0.3, (0, 0), R), soft=soft, prescribed=late, name="b")
+    contact = Contact(upper, "base", (lower, "top"), "gap", friction=0.3, name="c")
+    history = Scene([lower, upper], [contact], QuasiStatic()).run(until=5, dt=1)
+    assert history.finished and not history.remarks, history.reason
+    assert history["newton"].max() <= 8
+    assert np.hypot(history["c.force_x"], history["c.force_y"])[-1] > 1e3
+
+
+@pytest.mark.parametrize(
+    "scheme", [ThetaScheme(1.0), GeneralisedAlpha(0.0)], ids=["theta", "alpha"]
+)
+@pytest.mark.parametrize("geometry", ["newton", "fixed point"])
+@pytest.mark.parametrize("energy", [neo_hookean, st_venant_kirchhoff])
+def test_a_soft_solid_comes_to_rest(scheme, geometry, energy):
+    """Its strains are told as differences from 1, and so are its forces: they end in round-off of
+    that, whatever its displacements are."""
+    mesh = block((6, 2), 0.8, 0.3, (0, 0), np.eye(2))
+    released = {"displacement": lambda x: np.stack([0 * x[0], 0.01 * x[1]]), "fixed": ["base"]}
+    body = HyperelasticSolid(mesh, energy=energy(1e11, 0.3), density=1e3, **released)
+    scene = Scene([body], [], scheme, geometry=geometry, allow_free=True)
+    history = scene.run(until=10, dt=0.25)
+    assert history.finished and not history.remarks, history.reason
+    assert history["strain"][-1] < 1e-8 * history["strain"][0]
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7])
+@pytest.mark.parametrize("rate", [0.01, 0.0101])
+def test_glue_holds_whether_or_not_a_step_ends_without_load(angle, rate):
+    """Pressed, then drawn: by one rate a step ends where nothing presses, its gaps round-off."""
+    R = turned(angle)
+    lower = solid(block((7, 2), 1.6, 0.4, (0, -0.4), R), name="a", fixed=["base"])
+
+    def top(t):
+        return tuple(R @ [0, -0.002 * min(t, 1) + rate * max(0, t - 1)])
+
+    mesh = block((4, 2), 0.5, 0.3, (-0.05, 0), R)
+    upper = solid(mesh, 2 * E, name="b", prescribed={"top": top})
+    contact = Contact(upper, "base", (lower, "top"), Adhesive(1e3, "gap"), name="c")
+    history = Scene([lower, upper], [contact], QuasiStatic()).run(until=1.4, dt=0.01, shortest=0.01)
+    force = (np.array([history["c.force_x"], history["c.force_y"]]).T @ R)[:, 1]
+    assert -force.min() == pytest.approx(400, rel=0.07)
+
+
+def test_a_state_stays_as_it_is():
+    """What a scene continues from is a copy: what it does later was booked there, too."""
+    mesh = block((3, 2), 0.5, 0.3, (0, 0), np.eye(2))
+    body = solid(mesh, gravity=(0, -9.81), velocity=(0.5, -0.2))
+    contact = Contact(body, "base", HalfSpace((0, 0), (0, 1)), friction=0.3, name="c")
+    scene = Scene([body], [contact])
+    start = scene.state()
+    kept = {name: values.copy() for name, values in start.items()}
+    first = scene.run(until=0.01, dt=1e-3)
+    for name, values in start.items():
+        np.testing.assert_array_equal(values, kept[name], name)
+    scene.restore(start)
+    again = scene.run(until=0.01, dt=1e-3)
+    for name in first.columns:
+        np.testing.assert_array_equal(first[name], again[name], name)

@@ -63,7 +63,7 @@ class NodalJump(Coupling):
             return
         super().begin(step)
         self._step, x = step, self._start_positions
-        new = self.wall.velocity(x, step.start, step.start + BRIEF * step.horizon)
+        new = self._velocity_at(x, step.start, BRIEF * step.horizon)
         self._before = new if self._before is None else self._before
         late = step.implicitness
         self._struck = (1 - late) * new + late * self._before
@@ -81,10 +81,16 @@ class NodalJump(Coupling):
         late, end = step.implicitness, step.end
         velocity = np.zeros(self._shape)
         if late < 1:
-            velocity += (1 - late) * self.wall.velocity(x, end - BRIEF * step.dt, end)
+            velocity += (1 - late) * self._velocity_at(x, end, -BRIEF * step.dt)
         if late:
             velocity += late * self.wall.velocity(x, step.start, end)
         return velocity
+
+    def _velocity_at(self, x: np.ndarray, time: float, brief: float) -> np.ndarray:
+        """Velocities of the obstacle at an instant, by what follows in a brief time, s, or, if that
+        is negative, by what went before: of second order in it."""
+        one, two = (self.wall.velocity(x, *sorted((time, time + k * brief))) for k in (1.0, 2.0))
+        return np.asarray(2 * one - two)
 
     def follow(self) -> None:
         self._seen = None

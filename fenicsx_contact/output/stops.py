@@ -173,7 +173,7 @@ STOPS = {
         ),
         Stop(
             "goes unseen",
-            "bodies go farther than it was known what they may meet",
+            "bodies go farther than it was known what they may meet, or than half of a thin one",
             "in a `Heap`, a step in which bodies go farther than half of the thinner of them, or "
             "than their speeds foretold",
             "smaller steps",

@@ -82,7 +82,9 @@ class HeapJump(Coupling):
     @property
     def blocked(self) -> str:
         if self._search.blind(self._start, self._end - self._start, self._foreseen):
-            return "bodies go farther than it was known what they may meet"
+            return (
+                "bodies go farther than it was known what they may meet, or than half of a thin one"
+            )
         return ""
 
     def swallowed(self, most: float) -> str:

@@ -103,12 +103,17 @@ class Search:
 
     def blind(self, x: np.ndarray, way: np.ndarray, foreseen: np.ndarray) -> bool:
         """Whether two bodies went so far, by the ways (N, d) of their nodes, that they might have
-        met otherwise than was asked for those that were ``foreseen``."""
+        met otherwise than was asked for those that were ``foreseen``, or where they came near each
+        other gone through a thin one."""
         s = self._shape
         pairs, _ = self._pairs(x, way)
         gone, known = (self.ways(each)[pairs].sum(axis=1) for each in (way, foreseen))
         size, thin = (each[pairs].min(axis=1) for each in (s.sizes, s.thin))
-        return bool((gone > np.minimum(CLOSE * size + AHEAD * known, WALL * thin)).any())
+        low, high = Places(x, x + way, self._starts).boxes
+        a, b = pairs.T
+        meets = ((low[a] <= high[b]) & (low[b] <= high[a])).all(axis=1)
+        far = gone > CLOSE * size + AHEAD * known
+        return bool((far | (meets & (gone > WALL * thin))).any())
 
     def ways(self, way: np.ndarray) -> np.ndarray:
         """The longest way of a node of each body, (B,)."""

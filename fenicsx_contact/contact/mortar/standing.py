@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base.constants import SAME, SHARP
+from ...base.constants import ROUND_OFF, SAME, SHARP
+from ...base.vectors import largest
 from .partners import EDGE, FACING, intersect, inverses
 from .ridges import Ridges
 from .search import FACETS, Near, Spheres, first_of_each, in_tubes
@@ -96,9 +97,9 @@ class Standing:
         heights, foot = np.full(corners.size, np.inf), np.full(corners.size, -1)
         heights[ray[hits]], foot[ray[hits]] = height[hits], below[hits]
         every, lowest = np.arange(len(asked)), heights.reshape(-1, c).argmin(axis=1)
-        # whose corners are level lies on all of them
+        # whose corners are level to round-off lies on all of them
         low = np.sort(heights.reshape(-1, c), axis=1)
-        bent = low[:, d - 1] > low[:, 0] + EDGE * side.sizes[asked]
+        bent = low[:, d - 1] > low[:, 0] + ROUND_OFF * largest(places)
         heights, foot = (each.reshape(-1, c)[every, lowest] for each in (heights, foot))
 
         # and sharp corners of that above it

@@ -5,10 +5,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from corpus_meshes import moved
 from problems import bar_at_wall, rocking, sliding_elastic, squeezed, stacked
-from scenes import rectangle
+from scenes import FLOOR, G, rectangle
 
-from fenicsx_contact import Contact, HalfSpace, HyperelasticSolid, InputError, Scene, neo_hookean
+from fenicsx_contact import (
+    Contact,
+    HalfSpace,
+    Heap,
+    HyperelasticSolid,
+    InputError,
+    RigidSolid,
+    Scene,
+    ThetaScheme,
+    name_facets,
+    neo_hookean,
+)
 
 
 def test_free_jumps_that_are_round_off():
@@ -97,3 +109,25 @@ def test_friction_rows_that_are_augmented_by_next_to_nothing(tangential):
     # the certificate took a row that says what a multiplier is for a speed: times 1e8 and more
     problem = sliding_elastic(normal_augmentation=1e4, tangential_augmentation=tangential)
     assert problem.error(problem.run()) < problem.bound
+
+
+@pytest.mark.parametrize("ratio", [1e4, 1e5])
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+@pytest.mark.parametrize("heap", [False, True])
+def test_a_heavy_block_on_a_light_one(ratio, friction, heap):
+    """How forces through the light one change says little of it and all of the heavy one: careful
+    steps, which yield, came no nearer, and runs stopped as they began."""
+    skin = {"skin": lambda x: np.full(x.shape[1], True)}
+    meshes = [moved(rectangle((1, 1), (1.0, 1.0)), *at) for at in ((0, 0), (0.1, 1))]
+    meshes = [name_facets(mesh.mesh, skin) for mesh in meshes] if heap else meshes
+    given = zip(meshes, (1.0, ratio), ("light", "heavy"))
+    below, above = (RigidSolid(m, mass=w, gravity=(0, -G), name=n) for m, w, n in given)
+    contacts = [Contact(below, "skin" if heap else "base", FLOOR, friction=friction, name="floor")]
+    if heap:
+        contacts.append(Heap([below, above], "skin", friction=friction))
+    else:
+        contacts.append(Contact(above, "base", (below, "top"), friction=friction, name="pair"))
+    history = Scene([below, above], contacts, ThetaScheme(1.0)).run(until=0.05, dt=2e-3)
+    assert history.finished, history.reason
+    assert max(np.abs(body.velocity).max() for body in (below, above)) < 1e-6 * G * 2e-3
+    assert history["floor.force_y"][-1] == pytest.approx((1 + ratio) * G, rel=1e-6)

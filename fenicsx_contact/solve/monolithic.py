@@ -95,7 +95,8 @@ class Monolithic(ABC):
     def iterate(self, step: Step) -> bool:
         """Solve, and move the solids; False if the system is singular."""
         if self.hyperstatic and not self.held:
-            self._yielding.next(max(largest(rows) for rows in self.rows))
+            statuses = np.concatenate([part.statuses() for part in self.parts])
+            self._yielding.next(max(largest(rows) for rows in self.rows), statuses)
             self._softness = self._yielding.compliance
         changes, multipliers = self._change()
         finite = all(np.isfinite(each).all() for each in (*changes, multipliers))

@@ -25,9 +25,13 @@ class Statuses:
         """A step begins."""
         self._history: list[np.ndarray] = []
 
+    def now(self) -> np.ndarray:
+        """Statuses of all points of all contacts."""
+        return np.concatenate([part.statuses() for part in self.parts])
+
     def remember(self) -> np.ndarray:
-        """Statuses of all points of all contacts, which are kept."""
-        self._history.append(np.concatenate([part.statuses() for part in self.parts]))
+        """The same, which are kept."""
+        self._history.append(self.now())
         return self._history[-1]
 
     def flips(self) -> str:

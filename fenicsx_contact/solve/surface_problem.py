@@ -167,7 +167,7 @@ class SurfaceSystem(Statuses):
         if not self.hyperstatic or self._centre.size:
             return self._iterate()
         first, before = self._yielding.first, self.worst
-        self._yielding.next(before)
+        self._yielding.next(before, self.now())
         self._compliance = self._yielding.compliance
         if not first:
             return self._iterate()

@@ -10,6 +10,8 @@ is large, with which the method still converges quadratically where solutions ar
 
 from __future__ import annotations
 
+import numpy as np
+
 #: The compliance of a plain step (scaled), which picks the multipliers nearest to the last ones;
 #: that of solids that deform, of which only held nodes need it.
 COMPLIANCE, FIRM = 1e-8, 1e-12
@@ -19,6 +21,8 @@ YIELDING = 1e-6, 1e-3
 #: The error counts by so much; by so many times more after a step that made it worse, and so many
 #: times less after one that did not, down to the first.
 CAUTION, MORE, LESS = 1e-4, 100.0, 10.0
+#: Cost: so many careful steps that do not halve the error while no status changes are enough.
+CREEPS = 5
 
 
 class Yielding:
@@ -36,10 +40,15 @@ class Yielding:
         """Begin anew, with a plain step."""
         self.compliance, self.first = COMPLIANCE, True
         self._last, self._stuck, self._caution = 0.0, 0, CAUTION
+        self._statuses, self._crept = np.empty(0), 0
 
-    def next(self, error: float) -> None:
-        """Take up the error before an iteration, scaled. Where two of the least steps gained
-        nothing rows contradict each other: a plain one finds the point that has to open."""
+    def next(self, error: float, statuses: np.ndarray) -> None:
+        """Take up the error before an iteration, scaled, and the statuses of all points. Where two
+        of the least steps gained nothing rows contradict each other: a plain one finds the point
+        that has to open. So does one where careful ones gained little though no status changed:
+        light bodies below heavy ones yield by as much as these are heavier."""
+        same, self._statuses = np.array_equal(statuses, self._statuses), statuses
+        self._crept = self._crept + 1 if same and 2 * error > self._last else 0
         if not self.first:
             least, most = YIELDING
             gained = self.compliance > least or 2 * error <= self._last
@@ -47,5 +56,6 @@ class Yielding:
             more = MORE if error > self._last else 1 / LESS
             self._caution = max(CAUTION, more * self._caution)
             careful = min(max(self._caution * error, least), most)
-            self.compliance = COMPLIANCE if self._stuck > 1 else careful
+            plain = self._stuck > 1 or self._crept > CREEPS
+            self.compliance = COMPLIANCE if plain else careful
         self.first, self._last = False, error

@@ -93,8 +93,9 @@ class MortarJump(Coupling):
             self._ending.stand(self.pairing.stance)
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
-        # an impact is seen as far away as the step that it precedes
-        self._foreseen = way = step.horizon * largest(self.velocities("velocity"))
+        way = step.horizon * largest(self.velocities("velocity"))
+        # an impact is seen as far away as the step that it precedes, if that is far
+        self._foreseen = way if 2 * sqrt(self._shape[1]) * way > self.pairing.sight else 0.0
         stance = self._standing.find(self._start, way, bears)
         if stance.same(self.pairing.stance):
             return self._look(way)

@@ -68,7 +68,7 @@ class Pairing:
         pieces, brink: what is integrated, and where it ends with the master, on these.
         dual, inverse_mass: of each of these, psi = phi @ dual, (m, corners, corners).
         shares: psi_i w / a_i at the points, (p, g, corners), and share: 1 / a_i, (n,).
-        reach: how far from each node partners were sought, (n,) in m.
+        reach: how far from each node partners were sought, (n,) in m; ``sight``: at least.
         stance: how the slave's facets stand on the master's.
         admits: which of these may meet.
     """
@@ -80,6 +80,7 @@ class Pairing:
         self.dense = (self.total * slave.dim) ** 2 <= DENSE
         self._sizes = np.zeros(self.n)  # of the largest facet at each node
         np.maximum.at(self._sizes, slave.corners, slave.sizes[:, None])
+        self.sight = FACETS * float(self._sizes.min())
         self.admits = admits = admission(slave, master)
         self.shared = Shares(slave, comm)
         self._common = (

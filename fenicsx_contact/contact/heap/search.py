@@ -182,6 +182,8 @@ class Search:
         """Which of these faces of bodies in several parts, each below a corner, see all others of
         the same body from which it is farther."""
         s, which = self._shape, np.arange(len(corner))
+        if s.parts == len(s.slices):  # all are convex
+            return which
         groups = Ragged(corner * len(s.slices) + s.owner[face], which, len(x) * len(s.slices))
         one, other = groups.of(corner * len(s.slices) + s.owner[face])
         farther = height[other] > height[one]

@@ -169,3 +169,35 @@ def test_a_state_stays_as_it_is():
     again = scene.run(until=0.01, dt=1e-3)
     for name in first.columns:
         np.testing.assert_array_equal(first[name], again[name], name)
+
+
+def cornered(friction, scheme):
+    """A block is pushed into a corner of floor and wall, whose point is in both contacts."""
+    kind = dolfinx.mesh.CellType.quadrilateral
+    ends = [np.array([-0.5, 0.0]), np.array([0.5, 0.5])]
+    mesh = dolfinx.mesh.create_rectangle(MPI.COMM_SELF, ends, [4, 3], kind)
+    sides = {
+        "base": lambda x: np.isclose(x[1], 0),
+        "top": lambda x: np.isclose(x[1], 0.5),
+        "left": lambda x: np.isclose(x[0], -0.5),
+        "right": lambda x: np.isclose(x[0], 0.5),
+    }
+    pushed = {"left": lambda t: (1e4 * t, 0)}
+    held = {"top": lambda t: (None, -0.004 * t)}
+    body = solid(name_facets(mesh, sides), tractions=pushed, prescribed=held)
+    floor = Contact(body, "base", HalfSpace((0, 0), (0, 1)), "gap", friction, name="floor")
+    wall = Contact(body, "right", HalfSpace((0.5, 0), (-1, 0)), "gap", friction, name="wall")
+    return Scene([body], [floor, wall], scheme).run(until=2, dt=1.0, shortest=0.2)
+
+
+def test_forces_that_balance_each_other_in_a_corner_are_refused():
+    """Where frictions, multiplied, are 1 a point may wedge, by any force: 1e14 N were accepted
+    where 1e4 act."""
+    history = cornered(1.0, QuasiStatic())
+    assert not history.finished and "wedge a point" in history.reason
+    assert "frictions, multiplied" in history.advice
+    assert np.abs(history["floor.force_y"]).max() < 1e6
+    for friction, scheme in ((0.9, QuasiStatic()), (1.2, ThetaScheme(1.0))):
+        history = cornered(friction, scheme)
+        assert history.finished, history.reason
+        assert np.abs(history["floor.force_y"]).max() < 1e5

@@ -128,6 +128,14 @@ STOPS = {
             '`solver="monolithic"`; smaller steps; report it',
         ),
         Stop(
+            "a point wedges",
+            "no certificate: forces of contact ... wedge a point: all that acts is less than "
+            "their error",
+            "a point of a solid is in two contacts whose frictions, multiplied, are 1 or more: its "
+            "two forces may balance each other, however large they are",
+            "less friction in the corner; facets that do not share the point; a `ThetaScheme(1.0)`",
+        ),
+        Stop(
             "energy",
             "no certificate: contacts would have given ... of the energy",
             "a law that makes energy: an own one, `Restitution` in oblique impacts with friction "

@@ -38,6 +38,8 @@ class BalancedSolid(MonolithicSolid):
     weight: np.ndarray
     #: How far nodes of a cell are apart, m, where forces tell a deformation from 1 by what it is.
     grain: float = 0.0
+    #: The largest of the forces at a node that act in the trial state, N.
+    acts: float = 0.0
     _pull: np.ndarray
     _momentum: np.ndarray
     _force: np.ndarray
@@ -111,7 +113,8 @@ class BalancedSolid(MonolithicSolid):
         acting = [contact, inertia, *others[1:], reaction]
         own = [largest(term) for term in (total, *acting)]
         residual, *sizes = np.max(self.comm.allgather(own), axis=0)
-        return float(residual / max(sizes)) if max(sizes) > noise else 0.0
+        self.acts = float(max(sizes))
+        return float(residual / self.acts) if self.acts > noise else 0.0
 
     def works(self, step: Step) -> tuple[float, float, float, float]:
         mean, held = step.mean(self.velocity, self.trial_velocity), self.fixed_unknowns

@@ -13,7 +13,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..base.constants import SAME
+from ..base.vectors import largest
+from ..contact.contact import Contact
 from ..contact.trial import candidate_force, trial_work, violation
+from ..solids.balance import BalancedSolid
 from ..solve.problem import Assembly
 from ..theory.theta import Step
 
@@ -34,11 +37,13 @@ class Certificate:
             them.
         given: energy that the contacts have given since the start, over the largest so far; 0 where
             they took.
+        wedged: the contact whose forces at a point balance each other, whatever acts, or nothing.
     """
 
     momentum: float
     contact: float
     given: float
+    wedged: str = ""
 
     @property
     def worst(self) -> float:
@@ -52,6 +57,11 @@ class Certificate:
             entry = getattr(self, what)
             if not entry <= ACCEPTED:  # NaN is not
                 return f"no certificate: relative error of {what} {entry:.2g}, above {ACCEPTED:g}"
+        if self.wedged:
+            return (
+                f"no certificate: forces of contact {self.wedged!r} wedge a point: all that acts "
+                "is less than their error"
+            )
         if not self.given <= GIVEN:
             return f"no certificate: contacts would have given {self.given:.2g} of the energy"
         return ""
@@ -78,4 +88,13 @@ def certify(
         max(problem.imbalances(step, problem.solids, SAME * force), default=0.0),
         max((violation(contact, step, force) for contact, force in acting), default=0.0),
         max(worked, 0.0) / size if energy else 0.0,
+        next((c.name for c, pushes in acting if _wedges(problem, c, largest(pushes))), ""),
     )
+
+
+def _wedges(problem: Assembly, contact: Contact, largest_force: float) -> bool:
+    """Whether all that acts at the nodes of a solid, contacts in sum among it, is less than an
+    error that is accepted of one force of a contact: another takes that up at the same point."""
+    solids = [solid for solid in contact.solids if isinstance(solid, BalancedSolid)]
+    error = ACCEPTED * largest_force
+    return any(error > max(solid.acts, problem.noise(solid)) for solid in solids)

@@ -97,9 +97,11 @@ class Standing:
         heights, foot = np.full(corners.size, np.inf), np.full(corners.size, -1)
         heights[ray[hits]], foot[ray[hits]] = height[hits], below[hits]
         every, lowest = np.arange(len(asked)), heights.reshape(-1, c).argmin(axis=1)
-        # whose corners are level to round-off lies on all of them
+        # whose corners are level to round-off lies on all of them, unless it stands on one already
         low = np.sort(heights.reshape(-1, c), axis=1)
-        bent = low[:, d - 1] > low[:, 0] + ROUND_OFF * largest(places)
+        bent = bears[corners].any(axis=1) | (
+            low[:, d - 1] > low[:, 0] + ROUND_OFF * largest(places)
+        )
         heights, foot = (each.reshape(-1, c)[every, lowest] for each in (heights, foot))
 
         # and sharp corners of that above it

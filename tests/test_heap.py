@@ -306,7 +306,8 @@ def test_cubes_in_a_block(counts, gap):
     ground = body((-1.0,) * dim, (*(2.0,) * (dim - 1), 0.0), "ground", held=True)
     history = heap([*cubes, ground], scheme=ThetaScheme(1.0)).run(until=0.1, dt=5e-3)
     assert history.finished, history.reason
-    assert max(np.abs(cube.velocity).max() for cube in cubes) < 1e-7 * G * 5e-3
+    # 1e-7 is accepted of each row, and a cube meets its neighbours by some ten
+    assert max(np.abs(cube.velocity).max() for cube in cubes) < 1e-6 * G * 5e-3
 
 
 def joined(rectangles, name, **solid):

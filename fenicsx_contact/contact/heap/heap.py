@@ -10,6 +10,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...base import checks, compat
+from ...base.constants import SHARP
+from ...base.vectors import dot
 from ...solids import RigidSolid, Solid
 from ...theory.formulations import Formulation
 from ...theory.friction import Coulomb, FrictionBound
@@ -51,7 +53,7 @@ class HeapJump(Coupling):
         self.part = self._part = PairedEquations(self.equations, self.meetings)  # type: ignore[arg-type]
         self.traces = [s.trace(shape.nodes[at]) for s, at in zip(self.solids, shape.slices)]
         self._start = self._end = self._places()
-        self.fresh = np.zeros(self.meetings.n, dtype=bool)
+        self.fresh = self.turned = np.zeros(self.meetings.n, dtype=bool)
         self._meet(np.zeros_like(self._start), self.fresh)
         self.meetings.update(self._start)
 
@@ -65,9 +67,12 @@ class HeapJump(Coupling):
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
         way = step.horizon * self.velocities("velocity").reshape(self._start.shape)
+        before = self.meetings.normal.copy()
         changed = self._meet(way, bears)
         self.meetings.update(self._start)
-        return changed
+        # before another face of a body, or another body, tangents kept may be along the normal
+        self.turned = self.fresh | (dot(before, self.meetings.normal) < SHARP)
+        return changed or bool(self.turned.any())
 
     def follow(self) -> None:
         for trace in self.traces:
@@ -262,9 +267,10 @@ class Heap(Contact):
 
     def begin(self, step: Step) -> None:
         super().begin(step)
-        fresh = self.coupling.fresh  # type: ignore[attr-defined]
-        if fresh.any():  # what bore there was another meeting, maybe across the tangents kept
-            self.equations.fields.begin_frame(self.coupling.normals(), fresh)
+        fresh, turned = self.coupling.fresh, self.coupling.turned  # type: ignore[attr-defined]
+        if turned.any():
+            self.equations.fields.begin_frame(self.coupling.normals(), turned)
+        if fresh.any():  # what bore there was another meeting
             self.status = np.where(fresh, 0.0, self.status)
             values, first = self.equations.values, self.equations.jumps
             values[first:].reshape(-1, len(fresh))[:, fresh] = 0.0

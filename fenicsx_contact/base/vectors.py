@@ -31,3 +31,9 @@ def across(normal: np.ndarray) -> np.ndarray:
     """Unit vectors (n, 3) orthogonal to these normals, by the axis that is least along each."""
     result = cross(np.eye(3)[np.abs(normal).argmin(axis=1)], normal)
     return np.asarray(result / np.sqrt(dot(result, result))[:, None])
+
+
+def beside(normal: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Unit vectors (n, 3) orthogonal to these normals, as near as can be to some others."""
+    result = vectors - dot(vectors, normal)[:, None] * normal
+    return np.asarray(result / np.sqrt(dot(result, result))[:, None])

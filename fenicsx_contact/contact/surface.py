@@ -22,7 +22,7 @@ from mpi4py import MPI
 from ..base import compat
 from ..base.cells import degree_of
 from ..base.glued import glued_space
-from ..base.vectors import across, cross, dot
+from ..base.vectors import across, beside, cross, dot
 from ..theory.friction import FrictionBound
 from .law_fields import LawFields
 
@@ -268,7 +268,8 @@ class SurfaceFields(LawFields):
         """Set the first tangents (n, 3); frames turn about them as little as they can, so that the
         components of tau keep their meaning."""
         if self._tangent is not None:
-            self._framed, self._tangent.x.array[:] = True, tangent.ravel()
+            self._framed = True
+            self._tangent.x.array[:] = tangent.ravel()
 
     def keep_frame(self) -> None:
         """The frames as they are now are those from which the next step starts."""
@@ -278,9 +279,7 @@ class SurfaceFields(LawFields):
     def _first(self, normal: np.ndarray) -> np.ndarray:
         """The first tangents (n, 3) at these normals."""
         assert self._tangent is not None
-        first = self._tangent.x.array.reshape(-1, 3)
-        first = first - np.einsum("ij,ij->i", first, normal)[:, None] * normal
-        return np.asarray(first / np.linalg.norm(first, axis=1)[:, None])
+        return beside(normal, self._tangent.x.array.reshape(-1, 3))
 
     @property
     def tangent(self) -> np.ndarray:

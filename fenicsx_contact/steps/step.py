@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from math import inf
 
 import numpy as np
 
@@ -71,13 +72,13 @@ class Stepper:
         self._neighbours = Neighbours(self._every)
         self._arrange()
         self._linear = not any(s.shiftable for s in solids)
-        self._pairs = [c.coupling for c in self.contacts if len(c.solids) > 1]
-        means = any(coupling.by_means for coupling in self._pairs)
-        # above which errors a step is solved again about where solids were put back; what errs
-        # before obstacles as nothing may close is an impact that was missed
-        self._again = GEOMETRY_TOLERANCE if means else ACCEPTED
-        self.times, self.time = dict[str, float](), 0.0
-        self.work, self.balance = np.zeros(5), 0.0
+        pairs = [c.coupling for c in self.contacts if len(c.solids) > 1]
+        # above which errors a step is solved again about where solids were put back, and a flight,
+        # which before obstacles errs by an impact that it missed
+        self._again = GEOMETRY_TOLERANCE if any(p.by_means for p in pairs) else ACCEPTED
+        self._flies_again = self._again if pairs else inf
+        self.times: dict[str, float] = {}
+        self.time, self.balance, self.work = 0.0, 0.0, np.zeros(5)
         self.energies = self.sum_energies()
         self.most = self.energies[0] + abs(self.energies[1])
         self.watchers: list[Callable[[Trial], None]] = []
@@ -124,8 +125,8 @@ class Stepper:
                 self._guess(step, rates)
             clock("pairing")
             trial, certificate, moved = self._solved(step, closing, clock)
-            moved = moved and (closing or bool(self._pairs))
-            while moved and certificate.worst > self._again:  # as long as it gains
+            enough = self._again if closing else self._flies_again
+            while moved and certificate.worst > enough:  # as long as it gains
                 last, tried = certificate, trial
                 for look in self.rounds:
                     look(tried)
@@ -292,9 +293,8 @@ class Stepper:
         self, dt: float = 0.0, newton: int = 0, geometry: int = 0, certificate: float = 0.0
     ) -> list[float]:
         """The row of the history that stands for the present state."""
-        kinetic, strain, potential = self.energies
-        row = [self.time, dt, kinetic, strain, potential, *self.work, self.balance]
-        row += [certificate, newton, geometry]
+        books = *self.energies, *self.work, self.balance
+        row = [self.time, dt, *books, certificate, newton, geometry]
         for contact in self._every:
             row += [*contact.force.sum(axis=0), *counts(contact), contact.depth()]
         return row

@@ -105,7 +105,7 @@ class HeapJump(Coupling):
         return ""
 
     def normals(self) -> np.ndarray:
-        return self.meetings.normal
+        return self.meetings.normal.copy()
 
     def to_jump(self, velocities: np.ndarray) -> np.ndarray:
         return self.meetings.jumps(velocities).reshape(self.meetings.n, -1)

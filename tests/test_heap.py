@@ -356,6 +356,20 @@ def test_what_fits_an_inner_corner_rests_there(law):
     assert abs(box.rotation) < 1e-9
 
 
+def test_more_than_there_is_room_for_is_refused():
+    """Wedges like slices of a cake, of which each meets all others at the tip."""
+    turns = np.linspace(0, 2 * np.pi, 15)
+    rim = np.column_stack([np.cos(turns), np.sin(turns)])
+    slices = []
+    for i in range(14):
+        x = np.vstack([np.zeros(2), rim[i : i + 2]])
+        mesh = compat.create_mesh(MPI.COMM_SELF, np.array([[0, 1, 2]]), x, "triangle")
+        named = name_facets(mesh, {"skin": lambda x: np.full(x.shape[1], True)})
+        slices.append(RigidSolid(named, mass=1.0, name=f"slice {i}"))
+    with pytest.raises(InputError, match=r"solids: .* more than 3 points for each of its nodes"):
+        Heap(slices, "skin")
+
+
 def test_files_say_where_it_bears(tmp_path):
     """Forces are drawn at the corners that bear, and a run goes on from its files."""
     pyvista = pytest.importorskip("pyvista")

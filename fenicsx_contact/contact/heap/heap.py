@@ -198,8 +198,9 @@ class Heap(Contact):
     Its columns in the history are sums over these points.
 
     Raises:
-        InputError: what is not rigid, one body, or one twice, different dimensions; a law without
-            multipliers, with a memory or that pulls, friction that is not one number.
+        InputError: what is not rigid, one body, or one twice, different dimensions, more that meet
+            in one corner than there is room for; a law without multipliers, with a memory or that
+            pulls, friction that is not one number.
     """
 
     def __init__(
@@ -263,7 +264,10 @@ class Heap(Contact):
         return surface
 
     def _couple(self, other: Any) -> Coupling:
-        return HeapJump(self, self._sides)
+        try:
+            return HeapJump(self, self._sides)
+        except checks.StepFailed as failure:  # more meet than there is room for
+            raise checks.InputError(f"solids: {failure}") from None
 
     def begin(self, step: Step) -> None:
         super().begin(step)

@@ -18,6 +18,7 @@ CODE = [
     "fenicsx_contact/theory/weak_form.py",
     "fenicsx_contact/theory/formulations.py",
     "fenicsx_contact/theory/theta.py",
+    "fenicsx_contact/contact/surface_fields.py",
     "demos/equation_7.py",
     "demos/own_laws.py",
 ]

@@ -39,9 +39,13 @@ class Candidates:
         self._limit: np.ndarray | None = None
         self.renew()
 
-    def begin(self, allowed: np.ndarray, gap: np.ndarray) -> None:
-        """All that are allowed, (n,) of bool, once they are chosen; ``gap``: at the start of the
-        step, (n,) in m."""
+    def begin(self, allowed: np.ndarray, gap: np.ndarray, tolerance: float, step: Step) -> None:
+        """All that are allowed, (n,) of bool, and by the formulation, once they are chosen;
+        ``gap``: at the start of the step, (n,) in m, told up to a tolerance, m."""
+        if decide := getattr(self._formulation, "closed", None):
+            allowed = allowed & decide(self._coupling.gaps(), tolerance)
+        if not step.dt and not self._formulation.percussive:
+            allowed = np.zeros(len(allowed), dtype=bool)
         self.allowed, self._gap = allowed, gap
         self.earlier: list[tuple[np.ndarray, np.ndarray]] = []
         self._asked = np.ones(len(allowed), dtype=bool)

@@ -20,13 +20,14 @@ from .candidates import Candidates
 from .clearance import Clearance
 from .equations import SurfaceEquations
 from .jump import Coupling
-from .pairing import Master, acting_points, check_master, couple, worn
+from .pairing import Master, acting_points, check_master, couple, turning, worn
 from .results import SurfaceResults
 from .scales import Scales
 from .springs import TangentialSprings
 from .statuses import at_once, kept
 from .surface import Surface
 from .surfaces import surface_of
+from .turning import start_normals
 
 
 class Contact(SurfaceResults):
@@ -98,9 +99,8 @@ class Contact(SurfaceResults):
         self.chosen, weight = acting_points(self.surface, self.formulation, facets)
         if self._paired and weight is self.surface.area:
             weight = weight.copy()  # by what of it is paired
-        self.equations = SurfaceEquations(
-            self.surface, self.formulation, self.friction_law, self.chosen, weight, augmentation
-        )
+        rows = self.formulation, self.friction_law, self.chosen, weight, augmentation
+        self.equations = SurfaceEquations(self.surface, *rows, turning(other))
         self.memory = self.equations.fields.memory
         self.coupling = coupling = self._couple(other)
         coupling.keep_apart(clearance)
@@ -133,6 +133,7 @@ class Contact(SurfaceResults):
     def _start(self) -> None:
         """Frame from which the next step starts, and round-off of the distances in it."""
         self.noise = ROUND_OFF * largest(self.coupling.positions())
+        self._start_normal = self.coupling.normals()
         if not self.coupling.fixed_normal:
             self.equations.fields.keep_frame()
 
@@ -153,14 +154,8 @@ class Contact(SurfaceResults):
         if self.coupling.driven:
             self.jump = self.coupling.jump("velocity")
         self.coupling.follow()
-        allowed = self.chosen
-        if decide := getattr(self.formulation, "closed", None):
-            allowed = allowed & decide(self.coupling.gaps(), self.tolerance)
-        if not closing:
-            allowed = allowed & (self.touching() if step.dt else self._arrived())
-        if not step.dt and not self.formulation.percussive:
-            allowed = np.zeros(self.surface.size, dtype=bool)
-        self.candidates.begin(allowed, self.gap)
+        asked = self.chosen if closing else self.touching() if step.dt else self._arrived()
+        self.candidates.begin(asked & self.chosen, self.gap, self.tolerance, step)
 
     def screen(self, free: np.ndarray, step: Step) -> None:
         """Narrow the candidates to points that bore, or would do what the law forbids without
@@ -219,9 +214,12 @@ class Contact(SurfaceResults):
         # what less than the resolved speed would close is closed, and what round-off opened
         closed = max(self.resolution * step.horizon, self.noise)
         self._start_gap = np.where((gap < 0) & (gap >= -closed), 0.0, gap)
-        start = dot(self.jump, self.normal)  # as the operators of this step see it
-        self.start_jump_n = np.where(np.abs(start) <= self.resolution, 0.0, start)
         self._told, e = step, self.equations
+        touches = (self.status > 0) | (self.gap >= -self.tolerance)
+        share = self.coupling.end_share(step)
+        normals = start_normals(e.fields, self._start_normal, self.normal, touches, share)
+        start = dot(self.jump, normals)
+        self.start_jump_n = np.where(np.abs(start) <= self.resolution, 0.0, start)
         e.gap[:], e.start_jump_n[:] = self._start_gap, self.start_jump_n
         e.fields.set_start_slip(self.jump, self.normal, self.resolution)
         self.candidates.renew()
@@ -261,10 +259,12 @@ class Contact(SurfaceResults):
         fastest = largest(self.coupling.velocities("trial_velocity"))
         self.resolution = resolution = max(resolution, ROUND_OFF * fastest)
         self.force = self.coupling.force(force)
+        self.force_normal = self.equations.fields.mean_normal()
         hardly = self.units(step)[0] * self.equations.weight * resolution
         presses = np.abs(dot(self.force, self.normal)) > hardly
         self.status = kept(self.trial_status, presses, self.trial_jump, self.normal, resolution)
-        self._springs.accept(step, self.force, self.normal, self.status == 1)
+        friction = self.force - self.normal_forces(self.normal)
+        self._springs.accept(step, friction, self.status == 1)
         self.memory.advance(self.equations, self.trial_jump, step.dt)
         self.coupling.accept()
         self.gap, self.jump = self.coupling.gaps(), self.coupling.arrived(self.trial_jump)
@@ -279,6 +279,7 @@ class Contact(SurfaceResults):
             "stretch": self._springs.stretch,
             "tangent": self.equations.fields.tangent,
             "last": np.array([self.resolution, self.moved]),
+            **({} if self.force_normal is None else {"force_normal": self.force_normal}),
             **self.memory.state(),
             **self._scales.state(),
             **self.coupling.state(),
@@ -288,6 +289,7 @@ class Contact(SurfaceResults):
         """Take up a state that :meth:`state` gave; the solid has been restored before."""
         self.equations.values = np.array(state["unknowns"])
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
+        self.force_normal = state.get("force_normal")
         self._springs.stretch = np.array(state["stretch"])
         self.resolution, self.moved = map(float, state["last"])
         self.memory.restore(state)

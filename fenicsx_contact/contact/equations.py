@@ -18,7 +18,8 @@ from ..theory.formulations import Formulation
 from ..theory.friction import FrictionBound
 from .memory import at_points
 from .mortar.matrices import placed
-from .surface import Surface, SurfaceFields
+from .surface import Surface
+from .surface_fields import SurfaceFields
 from .tangent import PointRows, SurfaceTangent
 from .unknowns import SurfaceUnknowns
 
@@ -33,6 +34,7 @@ class SurfaceEquations(SurfaceUnknowns):
         chosen: the points that the formulation acts on, (n,) of bool.
         weight: what a point weighs in the integrals: its area, or 1, (n,).
         augmentation: pure numbers that multiply rho_n and rho_t.
+        turning: whether normals change on the way of a step.
 
     Attributes:
         gap, start_jump_n, normal: what the form reads as d_n, as w_n at the start of the step and
@@ -51,10 +53,11 @@ class SurfaceEquations(SurfaceUnknowns):
         chosen: np.ndarray,
         weight: np.ndarray,
         augmentation: tuple[float, float],
+        turning: bool = False,
     ) -> None:
         n, d = surface.points.shape
         share = None if weight is surface.nodal_area else weight / surface.nodal_area
-        self.fields = k = SurfaceFields(surface, friction, formulation.multipliers, share)
+        self.fields = k = SurfaceFields(surface, friction, formulation.multipliers, share, turning)
         form, status = formulation.form(k)
         self._residual = compat.VectorAssembler(finite_form(form))
         self._status = compat.PointExpression(status, surface.scalars)

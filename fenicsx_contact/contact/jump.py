@@ -155,6 +155,10 @@ class Coupling(ABC):
         """Mean velocities in the step of what moves as it is told, (n, d)."""
         return 0.0
 
+    def end_share(self, step: Step) -> float:
+        """What the normals at the end of a step count in the mean along which forces act."""
+        return (1 + step.implicitness) / 2
+
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically, beside the solids'."""
         return {}

@@ -55,7 +55,7 @@ def places(contact: Teller, step: Step) -> np.ndarray:
 
 
 class LawFields:
-    """The base of :class:`~fenicsx_contact.contact.surface.SurfaceFields` for interface laws.
+    """The base of the fields of a surface (surface_fields.py) for interface laws.
 
     Laws are read where the scheme takes the forces of contacts: at the end of a step by theta = 1,
     in its midst by theta = 1/2, with which they are of second order.

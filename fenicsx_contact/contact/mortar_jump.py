@@ -212,6 +212,9 @@ class MortarJump(Coupling):
         velocities = self.velocities("trial_velocity")
         self._part.linearise(velocities, exact, self._share * step.gap_rate, share, kept)
 
+    def end_share(self, step: Step) -> float:
+        return super().end_share(step) if self._share == 1 else 1.0  # or normals are half-way
+
     def accept(self) -> None:
         super().accept()
         self._start = self._end

@@ -7,7 +7,7 @@ import numpy as np
 import ufl
 
 from ..base import compat
-from .surface import SurfaceFields
+from .surface_fields import SurfaceFields
 
 
 class ParameterTangents:

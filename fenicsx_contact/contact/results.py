@@ -29,24 +29,35 @@ class SurfaceResults:
     solid: Solid
     surface: Surface
     friction_law: FrictionBound | None
+    #: along which its normal forces acted in the last step, (n, d); None: along the normals
+    force_normal: np.ndarray | None = None
+
+    def normal_forces(self, normal: np.ndarray) -> np.ndarray:
+        """Normal forces on the solid, (n, d) in N, where these are its normals, (n, d); the rest
+        of ``force`` is friction, across them."""
+        along = normal if self.force_normal is None else self.force_normal
+        return dot(self.force, along)[:, None] * along
 
     @property
     def traction(self) -> np.ndarray:
         """Traction of the contact on its solid, (n, d) in Pa."""
-        area = self.chosen.astype(float) if self.formulation.at_points else self.coupling.area
-        return self.force / np.where(area > 0, area, np.inf)[:, None]
+        return self._per_area(self.force)
 
     @property
     def pressure(self) -> np.ndarray:
         """Contact pressure, (n,) in Pa: > 0 where it presses, 0 where it is open (< 0 where an
         adhesive pulls)."""
-        return 0.0 - dot(self.traction, self.coupling.normals())
+        along = self.coupling.normals() if self.force_normal is None else self.force_normal
+        return 0.0 - dot(self.traction, along)
 
     @property
     def friction_traction(self) -> np.ndarray:
         """Traction of friction on its solid, (n, d) in Pa: what of the traction is tangential."""
-        normals = self.coupling.normals()
-        return self.traction - dot(self.traction, normals)[:, None] * normals
+        return self.traction - self._per_area(self.normal_forces(self.coupling.normals()))
+
+    def _per_area(self, force: np.ndarray) -> np.ndarray:
+        area = self.chosen.astype(float) if self.formulation.at_points else self.coupling.area
+        return force / np.where(area > 0, area, np.inf)[:, None]
 
     @property
     def multiplier(self) -> np.ndarray | None:

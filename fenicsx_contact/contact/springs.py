@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base.vectors import dot
 from ..theory.formulations import Formulation
 from ..theory.theta import Step
 from .equations import SurfaceEquations
@@ -45,12 +44,12 @@ class TangentialSprings:
         k.force_rate.value = weight * step.gap_rate
         self._equations.refresh()
 
-    def accept(self, step: Step, force: np.ndarray, normal: np.ndarray, sticks: np.ndarray) -> None:
-        """Keep the stretch at the end of a step from its forces (n, d) in N: elastic where points
-        stick, (n,) of bool, returned on slip."""
+    def accept(self, step: Step, friction: np.ndarray, sticks: np.ndarray) -> None:
+        """Keep the stretch at the end of a step from its friction (n, d) in N: elastic where
+        points stick, (n,) of bool, returned on slip."""
         if not self._slips:
             return
         each = self._stiffness * np.where(self._equations.weight > 0, self._equations.weight, 1.0)
-        held = -(force - dot(force, normal)[:, None] * normal) / each[:, None]
+        held = -friction / each[:, None]
         stuck = self.stretch + (held - self.stretch) / (step.scheme.force_weight or 1.0)
         self.stretch = np.where(sticks[:, None], stuck, held)

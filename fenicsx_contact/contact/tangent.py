@@ -16,7 +16,7 @@ import ufl
 from ..base import compat
 from .mortar.matrices import Matrix
 from .parameters import ParameterTangents
-from .surface import SurfaceFields
+from .surface_fields import SurfaceFields
 
 
 class PointRows(NamedTuple):

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..base.vectors import dot
 from ..theory.theta import Step
 from .contact import Contact
 
@@ -18,12 +17,12 @@ def work(
     """Work of the contact on its solids in the step that was accepted, J, from their mean
     velocities (by id): of the normal and of the friction forces on the jumps, which both are
     losses, and of what drives the other side."""
-    force, normal, span = contact.force, contact.normal, step.span
+    force, span = contact.force, step.span
     if not force.any():
         return 0.0, 0.0, 0.0
     jump = contact.coupling.mean_jump(means, step)
     total = span * float(np.vdot(force, jump))
-    pressed = span * float(dot(force, normal) @ dot(jump, normal))
+    pressed = span * float(np.vdot(contact.normal_forces(contact.normal), jump))
     if not contact.coupling.driven:
         return pressed, total - pressed, 0.0
     driven = span * float((force * contact.coupling.carried(step)).sum())

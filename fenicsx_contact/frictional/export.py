@@ -28,15 +28,16 @@ def frictional_problem(scene: Scene, dt: float) -> FrictionalProblem:
     solved it is the problem at which this ended: one for a collection. Friction in it is that of
     the velocities at the end (3), the step's but where slips turn round (3'). Where points are
     struck at the start of the step it is the impact that comes first, whose forces are impulses;
-    impacts within a step are not located.
+    impacts within a step are not located. Where normals turn in the step W is not quite symmetric,
+    as forces act along their mean.
 
     Args:
         scene: whose solver is "condensed": it forms W.
         dt: length of the step, s.
 
     Returns:
-        The problem, with the points in the order of ``points`` and their frames: the normal away
-        from the obstacle, tangents.
+        The problem, with the points in the order of ``points`` and the frames of forces on them:
+        the normal away from the obstacle, tangents.
 
     Raises:
         InputError: a solver that forms no W, springs or other laws than Signorini's, a law of
@@ -87,19 +88,19 @@ def _problem(scene: Scene, step: Step) -> FrictionalProblem:
     """That of the step that was attempted."""
     system = scene.stepper.surfaces
     dim = scene.solids[0].dim
-    rows, offsets, mu, frames, points = [], [], [], [], {}
+    rows, spreads, offsets, mu, frames, points = [], [], [], [], [], {}
     for contact in scene.stepper.contacts:
         e = contact.equations
         bearing = e.weight[e.candidates] > 0  # others face nothing: no force acts there
-        normal = contact.normal[e.candidates][bearing]
-        # the opening, -w . n, and any tangents
-        frame = np.linalg.qr(normal[:, :, None], mode="complete")[0].swapaxes(1, 2)
-        frame[:, 0] = -normal
+        asked = e.candidates[bearing]
+        frame = _frames(*e.fields.frame())[asked]
+        along = _frames(*e.fields.frame(e.fields.mean_normal()))[asked]
         J = contact.part.jump_operator()
         if J is None:
             J = np.eye(len(e.active_jumps))
         J = J.reshape(len(bearing), dim, J.shape[1])[bearing]
-        rows.append((frame @ J).reshape(normal.size, J.shape[2]))
+        for directions, all_rows in ((frame, rows), (along, spreads)):
+            all_rows.append((directions @ J).reshape(frame.shape[0] * dim, J.shape[2]))
         carried = e.carried.reshape(-1, dim)[e.candidates][bearing]
         offset = -np.einsum("pij,pj->pi", frame, carried)
         limit = contact.candidates.limit(step)
@@ -107,14 +108,14 @@ def _problem(scene: Scene, step: Step) -> FrictionalProblem:
         offset[:, 0] += limit[e.candidates][bearing]
         offsets.append(offset.ravel())
         law = contact.friction_law
-        mu.append(np.full(len(normal), law.mu if isinstance(law, Coulomb) else 0.0))
-        frames.append(frame)
-        points[contact.name] = e.candidates[bearing]
+        mu.append(np.full(len(asked), law.mu if isinstance(law, Coulomb) else 0.0))
+        frames.append(along)
+        points[contact.name] = asked
     if not sum(map(len, mu)):
         raise checks.InputError(f"dt = {step.horizon!r}: nothing may bear in this step")
     G = block_diag(*rows)
     return FrictionalProblem(
-        G @ system.W @ G.T,
+        G @ system.W @ block_diag(*spreads).T,
         G @ system.free + np.concatenate(offsets),
         np.concatenate(mu),
         dim,
@@ -123,3 +124,11 @@ def _problem(scene: Scene, step: Step) -> FrictionalProblem:
         frames=np.concatenate(frames),
         points=points,
     )
+
+
+def _frames(normal: np.ndarray, tangents: np.ndarray) -> np.ndarray:
+    """Directions of openings, -w . n, and of slips, (n, d, d); any tangents if there are none."""
+    frames = np.linalg.qr(normal[:, :, None], mode="complete")[0].swapaxes(1, 2)
+    frames[:, 0] = -normal
+    frames[:, 1 : 1 + len(tangents)] = tangents.swapaxes(0, 1)
+    return np.asarray(frames)

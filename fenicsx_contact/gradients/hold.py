@@ -168,7 +168,8 @@ class ObstacleBearing:
         w_old, C = rows.start_jump[points], rows.bend[points]
         rest, rate = step.dt - step.gap_rate, step.gap_rate
         starts = rows.reads_start[points]
-        start = dot(w_old, n) * starts
+        n_old, C_old = rows.old_normal[points], rows.old_bend[points]
+        start = dot(w_old, n_old) * starts
         self.G = np.einsum("pi,pij->pj", n, J)
         self._J, self._C, self._n = J, C, n
         self._arms = Arms(rows.at.arms[1].arms[points])
@@ -180,11 +181,14 @@ class ObstacleBearing:
         self.q = np.einsum("pi,pij->pj", slope, J) - rate * (
             np.einsum("pi,pij->pj", n, H) + np.einsum("pi,pij->pj", w, turned)
         )
-        self.q -= rest * np.einsum("p,pi,pij->pj", starts, w_old, turned)
+        late = starts * ~rows.turns[points]
+        self.q -= rest * np.einsum("p,pi,pij->pj", late, w_old, turned)
         self.v = -rate * self.G
         away = np.einsum("pi,pij->pj", rows.old_slope[points], J_old)
-        self.q_old = -away - rest * starts[:, None] * np.einsum("pi,pij->pj", n, H_old)
-        self.v_old = -rest * starts[:, None] * np.einsum("pi,pij->pj", n, J_old)
+        came = np.einsum("pi,pij->pj", n_old, H_old)
+        came += np.einsum("pi,pij->pj", w_old, C_old @ J_old)
+        self.q_old = -away - rest * starts[:, None] * came
+        self.v_old = -rest * starts[:, None] * np.einsum("pi,pij->pj", n_old, J_old)
         theta = step.scheme.position_rate
         self.dt = -(theta * dot(w, n) + (1 - theta) * start)
         self.by = np.zeros((len(points), len(parameters)))
@@ -194,9 +198,12 @@ class ObstacleBearing:
             self.moved.append(None if change is None else -change[1][points])
             if change is not None:
                 closer, turned = (-each[points] for each in change)  # gaps and normals of the slave
-                before = rows.closer(parameter, rows.old_places)[points]
-                self.by[:, i] = closer - before - rate * dot(w, turned)
-                self.by[:, i] -= rest * starts * dot(w_old, turned)
+                before = parameter.wall(contact, rows.old_places)
+                assert before is not None
+                closer_before, turned_before = (-each[points] for each in before)
+                turned_before = np.where(rows.turns[points][:, None], turned_before, turned)
+                self.by[:, i] = closer - closer_before - rate * dot(w, turned)
+                self.by[:, i] -= rest * starts * dot(w_old, turned_before)
 
     def bent(self, turned: np.ndarray) -> np.ndarray:
         """Change of G where the normals turn."""

@@ -42,7 +42,7 @@ class PairBearing:
         self._n, self._J = rows.normal[points], _dense(rows.pair.operator)[self._at]
         self._turn = _dense(rows.rates.normal)[self._at].reshape(len(points), d, -1)
         self._place = _together([each.new for each in self._nodes], "place")
-        rises = self._along(self._J)
+        rises = _along(self._n, self._J)
         self.G = rises @ self._place
 
         w, w_old, starts = rows.jump[points], rows.start_jump[points], rows.reads_start[points]
@@ -50,26 +50,24 @@ class PairBearing:
         # of the clearance that is kept and the like pairings know nothing
         more = coupling.gaps() - coupling.pairing.gap  # type: ignore[attr-defined]
         gap = (rows.pair.gap + more - contact.gap)[points]
-        n = self._n
-        self.off = gap - rate * dot(w, n) - rest * starts * dot(w_old, n)
-        towards = rate * w + rest * starts[:, None] * w_old
+        n, turns = self._n, rows.turns[points][:, None]
+        then, early = rows.before(), rest * starts[:, None]
+        n_old = np.where(turns, rows.then.normal[points], n)
+        self.off = gap - rate * dot(w, n) - rest * starts * dot(w_old, n_old)
+        towards = rate * w + early * ~turns * w_old
         by_places = _dense(rows.rates.gap)[points] - np.einsum("pi,pij->pj", towards, self._turn)
-        by_places -= rate * self._along(_dense(rows.rates.jump(rows.velocities))[self._at])
+        by_places -= rate * _along(self._n, _dense(rows.rates.jump(rows.velocities))[self._at])
         bend = _together([each.new for each in self._nodes], "bend")
         self.q, self.v = by_places @ self._place - rate * rises @ bend, -rate * self.G
-        then, early = rows.before(), rest * starts[:, None]
-        rises = self._along(_dense(rows.then.operator)[self._at])
+        rises = _along(n_old, _dense(rows.then.operator)[self._at])
         by_places = -_dense(then.gap)[points]
-        by_places -= early * self._along(_dense(then.jump(rows.old_velocities))[self._at])
+        by_places -= early * _along(n_old, _dense(then.jump(rows.old_velocities))[self._at])
+        by_places -= early * _along(turns * w_old, _dense(then.normal)[self._at])
         place, bend = (_together([e.old for e in self._nodes], name) for name in ("place", "bend"))
         self.q_old, self.v_old = by_places @ place - early * rises @ bend, -early * rises @ place
         self.dt = np.zeros(len(points))  # instants are not located between two solids
         self.by = np.zeros((len(points), len(parameters)))
         self.moved: list[np.ndarray | None] = [None] * len(parameters)
-
-    def _along(self, matrix: np.ndarray) -> np.ndarray:
-        """The components along the normals of rows (k d, ...), (k, ...)."""
-        return np.einsum("pi,pij->pj", self._n, matrix.reshape(*self._n.shape, -1))
 
     def bent(self, turned: np.ndarray) -> np.ndarray:
         """Change of G where the normals turn."""
@@ -91,13 +89,19 @@ class PairBearing:
         rows, way = self._rows, self._place @ u
         seen = (self._J @ way).reshape(self._n.shape)
         moved = _dense(rows.rates.jump(way.reshape(rows.velocities.shape)))[self._at]
-        by_places = self._along(moved) + np.einsum("pi,pij->pj", seen, self._turn)
+        by_places = _along(self._n, moved) + np.einsum("pi,pij->pj", seen, self._turn)
         spins, first = [], 0
         for each in self._nodes:
             size = each.new.place.shape[1]
             spins.append(each.arms[1].kinematics(u[first : first + size][rows.normal.shape[1] :]))
             first += size
-        return np.asarray(by_places @ self._place + self._along(self._J) @ _together(spins, "bend"))
+        bend = _together(spins, "bend")
+        return np.asarray(by_places @ self._place + _along(self._n, self._J) @ bend)
+
+
+def _along(directions: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """The components along directions (k, d) of rows (k d, ...), (k, ...)."""
+    return np.einsum("pi,pij->pj", directions, matrix.reshape(*directions.shape, -1))
 
 
 def _together(kinematics: Sequence[Kinematics], name: str) -> np.ndarray:

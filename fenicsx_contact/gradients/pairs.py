@@ -80,7 +80,7 @@ class PairRows(ContactRows):
         self._J = sp.csr_matrix(self.pair.operator)
         self._turning = sp.csr_matrix(self.rates.jump(self.velocities))
         self.jump = (self._J @ self.velocities.ravel()).reshape(-1, d)
-        self.start_jump, self.normal = contact.jump, contact.normal
+        self.start_jump, self.normal, self.turns = contact.jump, contact.normal, self._turns()
         self.places = self._places[: len(contact.normal)]
         self._refuse_edges()
 
@@ -122,17 +122,21 @@ class PairRows(ContactRows):
         share = float(self.contact.formulation.gap_share)
         gap, n, rate = G[:, :, :1], self.normal[p][:, None], share * self.step.gap_rate
         by_jump = T[:, :, :d] - rate * gap * n
-        by_normal = G[:, :, 1:] + start * self.start_jump[p][:, None]
+        turns = self.turns[p][:, None, None]
+        by_normal = G[:, :, 1:] + start * ~turns * self.start_jump[p][:, None]
         by_normal = by_normal - rate * gap * self.jump[p][:, None]
+        by_old_normal = (start * self.start_jump[p][:, None] + self._turned[p]) * turns
         before = gap * self._reads_gap[p][:, None, None]
         places = self.components(p)
         J, moving = self._J[places], self._turning[places]
         by_gap, turned = (sp.csr_matrix(each) for each in (self.rates.gap, self.rates.normal))
 
-        by_start = start * n + self._slip[p]
-        starts = bool(before.any() or by_start.any())
-        if starts:  # the gaps and jumps that there were
+        starts = bool(before.any() or start.any() or self._slip[p].any() or by_old_normal.any())
+        if starts:  # the gaps, jumps and normals that there were
             rates = self.before()
+            old_normal = np.where(turns, self.then.normal[p][:, None], n)
+            by_start = start * old_normal + self._slip[p]
+            turned_normals = sp.csr_matrix(rates.normal)[places]
             J_then = sp.csr_matrix(self.then.operator)[places]
             turned_then = sp.csr_matrix(rates.jump(self.old_velocities))[places]
             gap_then = sp.csr_matrix(rates.gap)[p]
@@ -149,6 +153,7 @@ class PairRows(ContactRows):
                 return
             then = diagonal(by_start[:, rows])
             by_places = then @ turned_then + diagonal(before[:, rows]) @ gap_then
+            by_places += diagonal(by_old_normal[:, rows]) @ turned_normals
             both = zip(self.nodes, self.sides(then @ J_then), self.sides(by_places))
             for i, (nodes, velocities, places_) in enumerate(both):
                 yield from zip(self.keys("v_old", "q_old", i), nodes.old.by(velocities, places_))

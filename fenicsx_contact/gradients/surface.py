@@ -47,6 +47,8 @@ class ContactRows:
             to its gaps; ``old_places``, ``places``: at both, (n, d) in m.
         at: the points.
         normal, bend: normals of the slave at the end, and their derivatives by the places.
+        turns: where forces act along a mean of these and the normals at the start; ``old_normal``:
+            along which jumps at the start count, ``old_bend``: derivatives of those at the start.
         slope, old_slope: derivatives of the gaps by the places at the end and at the start: the
             normals, where the obstacle tells true distances.
         jump, start_jump: at the end and at the start; ``reads_start``: 1 where the law reads that.
@@ -62,6 +64,7 @@ class ContactRows:
         self.motions: Sequence[Motion] = [motion]
         self._by_start: list[ByField] = []  # made when a law first reads it, for copies, too
         self._by_slip: list[ByVector] = []
+        self._by_normal: list[ByVector] = []
         self._d = contact.surface.dim
         self._more = contact.equations.fields.components - self._d  # multipliers of a point
 
@@ -119,14 +122,31 @@ class ContactRows:
             if not self._by_slip:
                 self._by_slip.append(ByVector(self.contact, e.fields.start_slip))
             self._slip = self._by_slip[0]() * slips[:, None, None]
+        self._turned = np.zeros_like(self._slip)  # by the normals at the start
+        if e.fields.start_normal is not None:
+            if not self._by_normal:
+                self._by_normal.append(ByVector(self.contact, e.fields.start_normal))
+            self._turned = self._by_normal[0]()
 
     def _normals(self, start: np.ndarray) -> None:
         """What the obstacle is at the start and the end, and how that depends on the places."""
         wall = self.contact.coupling.wall  # type: ignore[attr-defined]
         self.normal, self.old_places = self.contact.normal, start
         self.slope, self.old_slope = (-wall.slopes(x, 0.0) for x in (self.places, start))
-        bend = wall.curvature(self.places, 0.0)
-        self.bend = np.zeros((*start.shape, self._d)) if bend is None else -bend
+        self.turns = self._turns()
+        old = self.normal if wall.flat else -wall.normals(start, 0.0)
+        self.old_normal = np.where(self.turns[:, None], old, self.normal)
+        bends = (wall.curvature(x, 0.0) for x in (self.places, start))
+        flat = np.zeros((*start.shape, self._d))
+        self.bend, old_bend = (flat if bend is None else -bend for bend in bends)
+        self.old_bend = np.where(self.turns[:, None, None], old_bend, 0.0)
+
+    def _turns(self) -> np.ndarray:
+        """Where the jump at the start counts along the normal there, (n,) of bool."""
+        k = self.contact.equations.fields
+        if k.start_normal is None:
+            return np.zeros(self.contact.surface.size, dtype=bool)
+        return np.asarray(k.end_share.x.array < 1)
 
     @contextmanager
     def other(self, points: np.ndarray, values: np.ndarray) -> Iterator[ContactRows]:
@@ -157,9 +177,12 @@ class ContactRows:
         by_jump = T[:, :, :d] - rate * gap * n
         slope, old_slope = self.slope[p][:, None, :], self.old_slope[p][:, None, :]
         by_place = share * gap * slope - rate * gap * (w @ C) + G[:, :, 1:] @ C
-        by_place = by_place + start * (self.start_jump[p][:, None, :] @ C)
-        by_start = start * n + self._slip[p]
+        arriving = start * ~self.turns[p][:, None, None]
+        by_place = by_place + arriving * (self.start_jump[p][:, None, :] @ C)
+        by_start = start * self.old_normal[p][:, None, :] + self._slip[p]
         by_gap = gap * self._reads_gap[p][:, None, None] * old_slope
+        turned = start * self.start_jump[p][:, None, :] + self._turned[p]
+        by_gap = by_gap + turned @ self.old_bend[p]
         result = {"m": (square(T[:, d:, d:]), -square(T[:, :d, d:]))}
 
         def told(weights: Callable[[slice], Any]) -> tuple[Any, Any]:
@@ -187,8 +210,12 @@ class ContactRows:
             if self._reads_gap[p].any():
                 gap += self._reads_gap[p] * self.closer(parameter, self.old_places)[p]
             result += G[:, :, 0] * gap[:, None] + np.einsum("pci,pi->pc", G[:, :, 1:], turned)
-            started = dot(self.start_jump[p], turned) * self.reads_start[p]
+            before = parameter.wall(self.contact, self.old_places)
+            assert before is not None
+            at_start = np.where(self.turns[p][:, None], -before[1][p], turned)
+            started = dot(self.start_jump[p], at_start) * self.reads_start[p]
             result += self._start[p] * started[:, None]
+            result += np.einsum("pci,pi->pc", self._turned[p], at_start)
         return result[:, d:].ravel(), -result[:, :d].ravel()
 
     def closer(self, parameter: Parameter, places: np.ndarray) -> np.ndarray:

@@ -49,7 +49,7 @@ class Guide:
             along the guide, or one that does not begin at zero.
     """
 
-    flat = False
+    flat, encloses = False, True
 
     def __init__(
         self,

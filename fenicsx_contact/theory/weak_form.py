@@ -23,7 +23,8 @@ class ContactFields(Protocol):
     """What the form of a contact is written in: fields and constants on its surface.
 
     Attributes:
-        velocity_jump: w, m/s, an unknown; ``jump_n``, ``jump_t`` its parts, with test functions.
+        velocity_jump: w, m/s, an unknown; ``jump_n``, ``jump_t`` its parts. Of the test functions
+            parts are those along which forces act: where normals turn in a step, along their mean.
         multiplier: lam, Pa (N at points), an unknown; None for springs.
         traction: tau, d - 1 components, Pa (N), an unknown; None without friction or multipliers.
         normal, gap: n and d_n [m, positive: penetration], coefficients; ``x``: reference

@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Normals that turn on the way of a step: round walls, walls and solids that turn. Forces along the
+mean normal make theta = 1/2 of second order there, where one normal made it of first."""
+
+import meshio
+import numpy as np
+import pytest
+import ufl
+from scenes import G
+from scipy.integrate import solve_ivp
+
+from fenicsx_contact import (
+    Circle,
+    Contact,
+    LevelSet,
+    RigidSolid,
+    Scene,
+    Sphere,
+    ThetaScheme,
+    mesh_from_file,
+    name_facets,
+)
+
+TIP = np.array([[0.0, 0.0], [0.02, 0.05], [-0.02, 0.05]])  # m
+SPIN = 3.0  # 1/s
+
+
+def named(path, points, kind, cells, where=lambda x: np.full(x.shape[1], True)):
+    points = np.asarray(points, dtype=float)
+    points = np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))])
+    meshio.Mesh(points, [(kind, np.array(cells))]).write(path)
+    mesh = mesh_from_file(path).mesh
+    return name_facets(mesh, {"skin": where})
+
+
+def upper_side(x):
+    return np.isclose(x[1], 0)
+
+
+def tip(path, place, velocity=(0.0, 0.0), gravity=G):
+    """A mass that touches with one corner only, and where that is."""
+    mesh = named(path / "tip.vtu", np.asarray(place) + TIP, "triangle", [[0, 1, 2]])
+    held, g = ["turning"], (0, -gravity)
+    return RigidSolid(mesh, mass=1.0, gravity=g, held=held, velocity=velocity, name="tip")
+
+
+def corner(mass):
+    return mass.place - TIP.mean(axis=0)
+
+
+def orders(errors):
+    """Orders of convergence as steps are halved."""
+    errors = np.abs(np.asarray(errors))
+    return np.log2(errors[:-1] / errors[1:])
+
+
+def swing(angle, speed, mu, until):
+    """Angle and angular speed of a point mass in a hollow of 1 m."""
+
+    def rates(t, y):
+        return y[1], -G * np.sin(y[0]) - mu * (G * np.cos(y[0]) + y[1] ** 2) * np.sign(y[1])
+
+    return solve_ivp(rates, (0, until), (angle, speed), rtol=1e-11, atol=1e-12).y[:, -1]
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap", "lagrange"])
+@pytest.mark.parametrize("mu", [0.0, 0.2])
+def test_a_mass_swings_in_a_hollow(law, mu, tmp_path):
+    """By one normal it lost 4 % of its energy in 600 steps and sank in by 5 mm."""
+    angle, speed, until = 0.8, 0.0 if mu == 0 else -1.0, 1.5 if mu == 0 else 0.5
+    exact = swing(angle, speed, mu, until)
+    errors = []
+    for dt in (1e-2, 5e-3, 2.5e-3):
+        along = np.array([np.cos(angle), np.sin(angle)])
+        mass = tip(tmp_path, (np.sin(angle), -np.cos(angle)), speed * along)
+        contact = Contact(mass, "skin", Circle((0, 0), 1.0, inside=True), law, friction=mu)
+        history = Scene([mass], [contact]).run(until=until, dt=dt)
+        assert history.finished and not history.remarks
+        x, v = corner(mass), mass.velocity[:2]
+        assert abs(np.hypot(*x) - 1) < 1e-8
+        errors.append([np.arctan2(x[0], -x[1]) - exact[0], np.hypot(*v) - abs(exact[1])])
+        if not mu:
+            energy = v @ v / 2 + G * (x[1] + np.cos(angle))
+            assert abs(energy) < 3 * dt**2
+            assert abs(contact.friction_traction).max() < 1e-12 * contact.pressure.max()
+        else:
+            pressure, friction = contact.pressure.max(), contact.friction_traction
+            assert np.hypot(*friction.T).max() == pytest.approx(mu * pressure, rel=1e-10)
+    assert np.abs(errors[-1]).max() < 3e-5
+    assert (orders(errors) > 1.9).all()
+
+
+def test_a_mass_slides_down_a_dome(tmp_path):
+    """Its velocity went to and fro about the tangent, as it may fall back as fast as it left."""
+    start, errors = 0.2, []
+    for dt in (1e-2, 5e-3, 2.5e-3):
+        mass = tip(tmp_path, (np.sin(start), np.cos(start)))
+        contact = Contact(mass, "skin", Circle((0, 0), 1.0))
+        scene = Scene([mass], [contact])
+        for _ in range(round(0.4 / dt)):
+            list(scene.step(dt))
+            assert contact.status.any()
+        x, v = corner(mass), mass.velocity[:2]
+        assert abs(v @ x) < 2 * dt**2
+        errors.append(v @ v / 2 + G * (x[1] - np.cos(start)))
+    assert abs(errors[-1]) < 2e-5
+    assert (orders(errors) > 1.8).all()
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+@pytest.mark.parametrize("turns", ["wall", "bar"])
+def test_a_mass_rides_on_what_turns(turns, law, tmp_path):
+    """Without friction it is driven outwards: r = r0 cosh(w t) + v0/w sinh(w t). By one normal it
+    sank by 5 mm into a bar, steps of 10 ms, and was 5 mm behind."""
+    first, speed, until, errors = 0.3, 1.0, 0.25, []
+    for dt in (1e-2, 5e-3, 2.5e-3):
+        mass = tip(tmp_path, (first, 0), (speed, SPIN * first), gravity=0.0)
+        solids = [mass]
+        if turns == "wall":
+            master = LevelSet(
+                lambda x, t: x[1] * ufl.cos(SPIN * t) - x[0] * ufl.sin(SPIN * t), dim=2
+            )
+        else:
+            corners = [(-1, -0.1), (1, -0.1), (1, 0), (-1, 0)]
+            mesh = named(tmp_path / "bar.vtu", corners, "quad", [[0, 1, 2, 3]], upper_side)
+            drift = np.array([0.05 * SPIN, 0])  # the middle of the upper side stays where it is
+            bar = RigidSolid(mesh, mass=1e9, spin=SPIN, velocity=drift, name="bar")
+            solids, master = [mass, bar], (bar, "skin")
+        contact = Contact(mass, "skin", master, law)
+        scene = Scene(solids, [contact])
+        history = scene.run(until=until, dt=dt)
+        assert history.finished and not history.remarks
+        turned = SPIN * until
+        along = np.array([np.cos(turned), np.sin(turned)])
+        across = np.array([-along[1], along[0]])
+        x = corner(mass) - (bar.place if turns == "bar" else 0)
+        top = 0.05 if turns == "bar" else 0.0
+        assert abs(x @ across - top) < 1e-8
+        exact = first * np.cosh(turned) + speed / SPIN * np.sinh(turned)
+        errors.append(x @ along - exact)
+    assert abs(errors[-1]) < 5e-6
+    assert (orders(errors) > 1.9).all()
+
+
+def test_a_mass_goes_round_in_a_bowl(tmp_path):
+    """At constant height, by v² = g R sin² a / cos a: in space."""
+    angle = 0.7
+    radius, speed = np.sin(angle), np.sqrt(G * np.sin(angle) ** 2 / np.cos(angle))
+    until, errors = 0.5, []
+    shape = np.array([[0, 0, 0], [0.02, 0, 0.05], [-0.01, 0.02, 0.05], [-0.01, -0.02, 0.05]])
+    for dt in (1e-2, 5e-3, 2.5e-3):
+        points = np.array([radius, 0, -np.cos(angle)]) + shape
+        mesh = named(tmp_path / "tip.vtu", points, "tetra", [[0, 1, 2, 3]])
+        held = [f"turning about {axis}" for axis in "xyz"]
+        mass = RigidSolid(mesh, mass=1.0, gravity=(0, 0, -G), held=held, velocity=(0, speed, 0))
+        contact = Contact(mass, "skin", Sphere((0, 0, 0), 1.0, inside=True))
+        history = Scene([mass], [contact]).run(until=until, dt=dt)
+        assert history.finished and not history.remarks
+        x = mass.place - shape.mean(axis=0)
+        turned = speed / radius * until
+        exact = radius * np.array([np.cos(turned), np.sin(turned)])
+        errors.append(np.linalg.norm(x[:2] - exact))
+        assert abs(x[2] + np.cos(angle)) < 2 * dt**2
+    assert errors[-1] < 3e-4
+    assert (orders(errors) > 1.9).all()
+
+
+def test_by_theta_1_forces_act_along_the_normal_of_the_end(tmp_path):
+    mass = tip(tmp_path, (np.sin(0.5), -np.cos(0.5)), (-np.cos(0.5), -np.sin(0.5)))
+    contact = Contact(mass, "skin", Circle((0, 0), 1.0, inside=True))
+    scene = Scene([mass], [contact], ThetaScheme(1.0))
+    for _ in range(5):
+        list(scene.step(1e-2))
+        at = contact.status > 0
+        pushed, normal = contact.force[at][0], contact.normal[at][0]
+        assert abs(pushed[0] * normal[1] - pushed[1] * normal[0]) < 1e-9 * np.hypot(*pushed)
+
+
+def test_results_are_those_of_the_step_after_a_restart(tmp_path):
+    def made():
+        mass = tip(tmp_path, (np.sin(0.5), -np.cos(0.5)), (-np.cos(0.5), -np.sin(0.5)))
+        hollow = Circle((0, 0), 1.0, inside=True)
+        contact = Contact(mass, "skin", hollow, friction=0.3)
+        return Scene([mass], [contact]), contact
+
+    first, contact = made()
+    for _ in range(7):
+        list(first.step(1e-2))
+    second, again = made()
+    second.restore(first.state())
+    np.testing.assert_array_equal(again.pressure, contact.pressure)
+    np.testing.assert_array_equal(again.friction_traction, contact.friction_traction)
+    for scene in (first, second):
+        list(scene.step(1e-2))
+    np.testing.assert_array_equal(again.force, contact.force)
+
+
+@pytest.mark.parametrize("angle", [45, 90, 135, 170])
+def test_at_an_edge_normals_turn_by_any_angle(angle, tmp_path):
+    """A mass goes over the edge of a wedge; what its forces act along is always a direction."""
+    slope = np.deg2rad(angle) / 2
+    n = np.array([np.sin(slope), np.cos(slope)])
+    wedge = LevelSet(lambda x, t: n[1] * x[1] + n[0] * abs(x[0]), dim=2)
+    along = np.array([n[1], n[0]])
+    mass = tip(tmp_path, -0.05 * along, 2.0 * along)
+    contact = Contact(mass, "skin", wedge)
+    history = Scene([mass], [contact]).run(until=0.1, dt=1e-2)
+    assert history.finished
+    assert np.isfinite(mass.velocity).all() and np.isfinite(contact.pressure).all()

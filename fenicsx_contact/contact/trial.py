@@ -12,8 +12,9 @@ from .contact import Contact
 
 def nonlinearity(contact: Contact, step: Step) -> tuple[float, float, float]:
     """Follow the solids to their trial states, which have just been computed; by how much the
-    jumps [m/s], also as normals turned, and gaps [m] there differ from the linearised ones over
-    the candidates, and the largest speed [m/s] of a point."""
+    jumps [m/s] and gaps [m] there differ from the linearised ones over the candidates, and the
+    largest speed [m/s] of a point. Where normals turned jumps differ, and so do forces, which are
+    worth the speeds that they give."""
     contact.follow()
     points = contact.equations.candidates
     if not len(points):
@@ -21,8 +22,10 @@ def nonlinearity(contact: Contact, step: Step) -> tuple[float, float, float]:
     linear = contact.equations.values[: contact.equations.jumps].reshape(contact.normal.shape)
     jump = largest((contact.trial_jump - linear)[points])
     if not (contact.coupling.fixed_normal or contact.coupling.encloses):  # a guide's are predicted
-        turned = contact.coupling.normals() - contact.normal
-        jump = max(jump, largest(dot(linear, turned)[points]))
+        turned = (contact.coupling.normals() - contact.normal)[points]
+        force = np.linalg.norm(candidate_force(contact).reshape(turned.shape), axis=1)
+        off = contact.push(force * np.linalg.norm(turned, axis=1), step)
+        jump = max(jump, largest(dot(linear[points], turned)), off)
     gap = 0.0
     if contact.formulation.gap_share:
         expected = contact.end_gap + step.gap_rate * dot(linear, contact.normal)

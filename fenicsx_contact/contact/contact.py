@@ -107,13 +107,13 @@ class Contact(SurfaceResults):
         coupling.recess = worn(self.memory, self.formulation)
         self.solids, self.traces, self.part = coupling.solids, coupling.traces, coupling.part
         self.force, self.status = np.zeros(self.surface.points.shape), np.zeros(self.surface.size)
-        self.trial_status = self.status
         self.candidates = Candidates(self.equations, self.coupling, self.formulation)
         self._springs = TangentialSprings(self.equations, self.formulation)
         self._scales = Scales(self.coupling, self.surface.size)
         self.resolution, self.moved = 0.0, 1.0
         self._told: Step | None = None  # of whose start the equations know
         self._set_normal(self.coupling.normals())
+        self.trial_status, self.force_normal = self.status, self.normal
         self.locate()
 
     def _meant(self, solid: Solid, facets: str, master: Master) -> Master:
@@ -263,8 +263,7 @@ class Contact(SurfaceResults):
         hardly = self.units(step)[0] * self.equations.weight * resolution
         presses = np.abs(dot(self.force, self.normal)) > hardly
         self.status = kept(self.trial_status, presses, self.trial_jump, self.normal, resolution)
-        friction = self.force - self.normal_forces(self.normal)
-        self._springs.accept(step, friction, self.status == 1)
+        self._springs.accept(step, self.force - self.normal_forces, self.status == 1)
         self.memory.advance(self.equations, self.trial_jump, step.dt)
         self.coupling.accept()
         self.gap, self.jump = self.coupling.gaps(), self.coupling.arrived(self.trial_jump)
@@ -277,9 +276,10 @@ class Contact(SurfaceResults):
             "status": self.status,
             "force": self.force,
             "stretch": self._springs.stretch,
+            "normal": self.normal,
             "tangent": self.equations.fields.tangent,
             "last": np.array([self.resolution, self.moved]),
-            **({} if self.force_normal is None else {"force_normal": self.force_normal}),
+            "force_normal": self.force_normal,
             **self.memory.state(),
             **self._scales.state(),
             **self.coupling.state(),
@@ -289,7 +289,8 @@ class Contact(SurfaceResults):
         """Take up a state that :meth:`state` gave; the solid has been restored before."""
         self.equations.values = np.array(state["unknowns"])
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
-        self.force_normal = state.get("force_normal")
+        self._set_normal(state["normal"])
+        self.force_normal = np.array(state["force_normal"])
         self._springs.stretch = np.array(state["stretch"])
         self.resolution, self.moved = map(float, state["last"])
         self.memory.restore(state)

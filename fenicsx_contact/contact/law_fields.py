@@ -233,6 +233,11 @@ class LawFields:
     def wears(self, name: str, evolve: Callable[[Any, Any], Any]) -> None:
         """A remembered depth [m], 0 at the start, by which the surface recedes: the mean over the
         area of a point, of which a master may cover a share only, where the pressure acts."""
-        share = 1.0 if self._weight is None else self._weight
+        share = 1.0
+        if self._weight is not None:
+            full = self.surface.scalar()  # what a point weighs that a master covers
+            area = self.surface.area
+            full.x.array[:] = np.where(area > 0, area, np.inf) / self.surface.nodal_area
+            share = self._weight / full
         self.state(name, 0.0, lambda depth, time: depth + share * (evolve(depth, time) - depth))
         self.memory.recess = self.memory.values[name]

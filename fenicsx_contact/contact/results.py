@@ -29,14 +29,13 @@ class SurfaceResults:
     solid: Solid
     surface: Surface
     friction_law: FrictionBound | None
-    #: along which its normal forces acted in the last step, (n, d); None: along the normals
-    force_normal: np.ndarray | None = None
+    #: along which its normal forces acted in the last step, (n, d)
+    force_normal: np.ndarray
 
-    def normal_forces(self, normal: np.ndarray) -> np.ndarray:
-        """Normal forces on the solid, (n, d) in N, where these are its normals, (n, d); the rest
-        of ``force`` is friction, across them."""
-        along = normal if self.force_normal is None else self.force_normal
-        return dot(self.force, along)[:, None] * along
+    @property
+    def normal_forces(self) -> np.ndarray:
+        """Normal forces on the solid, (n, d) in N; the rest of ``force`` is friction."""
+        return dot(self.force, self.force_normal)[:, None] * self.force_normal
 
     @property
     def traction(self) -> np.ndarray:
@@ -47,13 +46,12 @@ class SurfaceResults:
     def pressure(self) -> np.ndarray:
         """Contact pressure, (n,) in Pa: > 0 where it presses, 0 where it is open (< 0 where an
         adhesive pulls)."""
-        along = self.coupling.normals() if self.force_normal is None else self.force_normal
-        return 0.0 - dot(self.traction, along)
+        return 0.0 - dot(self.traction, self.force_normal)
 
     @property
     def friction_traction(self) -> np.ndarray:
         """Traction of friction on its solid, (n, d) in Pa: what of the traction is tangential."""
-        return self.traction - self._per_area(self.normal_forces(self.coupling.normals()))
+        return self._per_area(self.force - self.normal_forces)
 
     def _per_area(self, force: np.ndarray) -> np.ndarray:
         area = self.chosen.astype(float) if self.formulation.at_points else self.coupling.area

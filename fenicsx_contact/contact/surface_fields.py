@@ -175,13 +175,13 @@ class SurfaceFields(LawFields):
         self.start_normal.x.array[:] = normal.ravel()
         self.end_share.x.array[:] = end_share
 
-    def mean_normal(self) -> np.ndarray | None:
-        """Along which normal forces act, (n, d); None: along the normals."""
+    def mean_normal(self) -> np.ndarray:
+        """Along which normal forces act, (n, d)."""
+        d, normal = self.surface.dim, self.normal.x.array
         if self.start_normal is None:
-            return None
-        share = np.repeat(self.end_share.x.array, self.surface.dim)
-        mean = share * self.normal.x.array + (1 - share) * self.start_normal.x.array
-        mean = mean.reshape(-1, self.surface.dim)
+            return normal.reshape(-1, d).copy()
+        share = np.repeat(self.end_share.x.array, d)
+        mean = (share * normal + (1 - share) * self.start_normal.x.array).reshape(-1, d)
         return np.asarray(mean / np.linalg.norm(mean, axis=1)[:, None])
 
     def begin_frame(self, normal: np.ndarray, where: np.ndarray) -> None:
@@ -213,7 +213,7 @@ class SurfaceFields(LawFields):
         return values.reshape(-1, 3).copy()
 
     def frame(self, normal: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Normals (n, d), those of the surface or others, and their tangents (d - 1, n, d); no
+        """Normals (n, d), those of the surface or these, and their tangents (d - 1, n, d); no
         tangents where nothing needs them."""
         d = self.surface.dim
         if normal is None:

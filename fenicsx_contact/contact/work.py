@@ -22,7 +22,7 @@ def work(
         return 0.0, 0.0, 0.0
     jump = contact.coupling.mean_jump(means, step)
     total = span * float(np.vdot(force, jump))
-    pressed = span * float(np.vdot(contact.normal_forces(contact.normal), jump))
+    pressed = span * float(np.vdot(contact.normal_forces, jump))
     if not contact.coupling.driven:
         return pressed, total - pressed, 0.0
     driven = span * float((force * contact.coupling.carried(step)).sum())

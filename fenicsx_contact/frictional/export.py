@@ -99,8 +99,9 @@ def _problem(scene: Scene, step: Step) -> FrictionalProblem:
         if J is None:
             J = np.eye(len(e.active_jumps))
         J = J.reshape(len(bearing), dim, J.shape[1])[bearing]
-        for directions, all_rows in ((frame, rows), (along, spreads)):
-            all_rows.append((directions @ J).reshape(frame.shape[0] * dim, J.shape[2]))
+        shape = len(asked) * dim, J.shape[2]
+        rows.append((frame @ J).reshape(shape))
+        spreads.append((along @ J).reshape(shape))
         carried = e.carried.reshape(-1, dim)[e.candidates][bearing]
         offset = -np.einsum("pij,pj->pi", frame, carried)
         limit = contact.candidates.limit(step)

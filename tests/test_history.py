@@ -246,6 +246,10 @@ def other_scene(**changes):
         {"solid": {"gravity": (0, -9.8)}},
         {"solid": {"degree": 2}},
         {"solid": {"name": "other"}},
+        {"solid": {"tractions": {"top": (0, -10.0)}}},
+        {"solid": {"body_force": (10.0, 0)}},
+        {"solid": {"fixed": ["right"]}},
+        {"solid": {"prescribed": {"left": (lambda t: 0.0, None)}}},
         {"solid": {"velocity": lambda x: np.stack([0.1 + 0 * x[0], 0 * x[1]])}},
         {"scene": {"locate_impacts": True}},
         {"contact": {"friction": 0.3000001}},
@@ -264,6 +268,30 @@ def test_another_scene_is_not_resumed(changes, tmp_path):
         other_scene(**changes).run(6e-3, changes.get("dt", 1e-3), directory=tmp_path, resume=True)
     assert {file: file.read_bytes() for file in tmp_path.iterdir()} == before
     assert len(other_scene().run(6e-3, 1e-3, directory=tmp_path, resume=True)) == 7
+
+
+@pytest.mark.parametrize("load", ["force", "torque"])
+def test_another_load_of_a_rigid_solid_is_not_resumed(load, tmp_path):
+    def pushed(size):
+        push = {"force": (size, 0.0)} if load == "force" else {"torque": size}
+        block = RigidSolid(rectangle(), mass=1.0, gravity=(0, -G), **push)
+        return Scene([block], [Contact(block, "base", FLOOR, friction=0.3)])
+
+    pushed(1.0).run(2e-3, 1e-3, directory=tmp_path)
+    with pytest.raises(InputError, match="another scene"):
+        pushed(50.0).run(3e-3, 1e-3, directory=tmp_path, resume=True)
+    assert pushed(1.0).run(3e-3, 1e-3, directory=tmp_path, resume=True).finished
+
+
+def test_a_mesh_of_other_cells_is_another_scene(tmp_path):
+    def block(cell):
+        numbers = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}
+        solid = ElasticSolid(rectangle((2, 2), cell=cell), **numbers)
+        return Scene([solid], [Contact(solid, "base", FLOOR)])
+
+    block("quadrilateral").run(2e-3, 1e-3, directory=tmp_path)
+    with pytest.raises(InputError, match="another scene"):
+        block("triangle").run(3e-3, 1e-3, directory=tmp_path, resume=True)
 
 
 def test_another_energy_is_not_resumed(tmp_path):

@@ -18,6 +18,7 @@ from petsc4py import PETSc
 
 from ..base import checks
 from ..base.mesh import NamedMesh
+from ..base.told import given
 from ..theory.theta import Step
 from .boundary import Motion, Supports
 from .coefficients import Scalar
@@ -135,6 +136,8 @@ class DeformableSolid(SystemRows, Stressed):
         self.massless = self.comm.allreduce(len(self.inertia.massless)) > 0
         self.weight = np.zeros(self.owned)
         self.parameters = f"density {self.inertia.told}{self.vectors.told}"
+        held = {"fixed": fixed, "prescribed": motions}
+        self.parameters += given(held | {"tractions": tractions, "body force": body_force})
         if gravity is not None:
             acceleration = checks.vector("gravity", gravity, mesh.dim)
             self.parameters += f", gravity {acceleration.tolist()}"

@@ -67,7 +67,7 @@ class PeriodicSpace(VectorSpace):
         onto = stands[np.asarray(blocks.local_to_global(local))]
         super().__init__(mesh, degree, glued_space(apart.space, onto))
         self.joined = frozenset(name for pair in names for name in pair)
-        self.told = "".join(f", {second!r} is {first!r}" for first, second in names)
+        self.told += "".join(f", {second!r} is {first!r}" for first, second in names)
         self.periods = np.array([period for _, period in matches])
         self._set_sites(onto)
         for pair in names:

@@ -18,6 +18,7 @@ from scipy.linalg import lapack
 
 from ..base import checks
 from ..base.mesh import NamedMesh
+from ..base.told import given
 from ..base.vectors import largest
 from ..theory.theta import Step
 from .moments import moments
@@ -93,13 +94,13 @@ class RigidSolid(RigidMotion):
         d, spins = self.dim, 1 if self.dim == 2 else 3
         self.gravity = np.zeros(d) if gravity is None else checks.vector("gravity", gravity, d)
         self._load = np.concatenate([self.mass * self.gravity, np.zeros(spins)])
-        given = force is not None or torque is not None
-        self.applied = [Applied(force, torque, d)] if given else []
+        applied = force is not None or torque is not None
+        self.applied = [Applied(force, torque, d)] if applied else []
         self.springs = to_ground({} if springs is None else springs, self.centre)
         self.held = held_components(held, d)
         names = [components(d)[i] for i in self.held]
         self._held_by = "".join(f", spring {spring.told}" for spring in self.springs)
-        self._held_by += f", held {names}" if names else ""
+        self._held_by += given({"held": names, "force": force, "torque": torque})
         self._holding = np.zeros(d + spins)
         self._holding[self.held] = 1.0
         self._kept = 1.0 - self._holding  # 0 of what is held, whose balance is not asked for

@@ -50,7 +50,6 @@ class VectorSpace:
     """
 
     joined: frozenset[str] = frozenset()
-    told = ""
 
     def __init__(self, mesh: NamedMesh, degree: int, space: Any = None) -> None:
         if checks.whole_number("degree", degree, at_least=1) > 2:
@@ -61,6 +60,8 @@ class VectorSpace:
                 "has straight cells"
             )
         self.mesh, self.degree, self.dim = mesh, degree, mesh.dim
+        many = mesh.mesh.topology.index_map(mesh.dim).size_global
+        self.told = f", {many} cells ({compat.cell_name(mesh.mesh)})"
         self.comm, d = mesh.mesh.comm, mesh.dim
         every = compat.lagrange_space(mesh.mesh, degree, shape=(d,)) if space is None else space
         self.space, self.periods = every, np.empty((0, d))

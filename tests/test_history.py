@@ -249,7 +249,7 @@ def other_scene(**changes):
         {"solid": {"tractions": {"top": (0, -10.0)}}},
         {"solid": {"body_force": (10.0, 0)}},
         {"solid": {"fixed": ["right"]}},
-        {"solid": {"prescribed": {"left": (lambda t: 0.0, None)}}},
+        {"solid": {"prescribed": {"left": (0.0, None)}}},
         {"solid": {"velocity": lambda x: np.stack([0.1 + 0 * x[0], 0 * x[1]])}},
         {"scene": {"locate_impacts": True}},
         {"contact": {"friction": 0.3000001}},

@@ -109,6 +109,25 @@ def test_what_comes_from_far_is_struck_as_it_is_from_near(speed, e):
     np.testing.assert_allclose([one.velocity[0], other.velocity[0]], ends, atol=1e-9 * speed)
 
 
+@pytest.mark.parametrize(("corners", "dt"), [(64, 1e-3), (256, 1e-3)])
+@pytest.mark.parametrize("e", [0.01, 0.5, 1.0])
+@pytest.mark.parametrize("located", [False, True])
+def test_a_disc_that_strikes_aslant_leaves_with_spin(corners, dt, e, located, tmp_path):
+    """Corners beside the one that arrived were made to rebound as fast as that: no spin at all."""
+    r, mass, speed, along, mu = 0.1, 2.0, 2.0, 3.0, 0.1
+    angles = -np.pi / 2 + 2 * np.pi * np.arange(corners) / corners
+    ring = r * np.column_stack([np.cos(angles), np.sin(angles)]) + (0, r + 0.0502)
+    mesh = polygon(ring, tmp_path / "disc.vtu")
+    disc = RigidSolid(mesh, mass=mass, velocity=(along, -speed))
+    contact = Contact(disc, "skin", FLOOR, Restitution(e), friction=mu)
+    history = Scene([disc], [contact], locate_impacts=located).run(until=0.03, dt=dt)
+    assert history.finished and not history.remarks
+    impulse = mass * (1 + e) * speed
+    spin = -mu * impulse * r / disc.inertia[0, 0]
+    expected = [along - mu * impulse / mass, e * speed, spin]
+    np.testing.assert_allclose(disc.velocity, expected, rtol=1e-9)
+
+
 def test_a_polygon_rolls_down(tmp_path):
     """By theta = 1 a solid that turns is put back far enough to make the step another one; it is
     solved again, where every step was halved before, and the run stopped."""

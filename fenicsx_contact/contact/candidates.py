@@ -8,6 +8,8 @@ contact itself drives to that is added when it shows.
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 
 from ..base.constants import ROUND_OFF
@@ -46,6 +48,9 @@ class Candidates:
             allowed = allowed & decide(self._coupling.gaps(), tolerance)
         if not step.dt and not self._formulation.percussive:
             allowed = np.zeros(len(allowed), dtype=bool)
+        if step.within < inf:
+            approach = dot(self._coupling.struck_jump(), self._coupling.normals())
+            allowed = allowed & (gap + step.within * approach >= -tolerance)
         self.allowed, self._gap = allowed, gap
         self.earlier: list[tuple[np.ndarray, np.ndarray]] = []
         self._asked = np.ones(len(allowed), dtype=bool)

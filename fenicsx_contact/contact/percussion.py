@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from math import inf
+
 import numpy as np
 
 from ..base.vectors import dot
@@ -27,6 +30,17 @@ def strikes(contact: Contact, step: Step, points: np.ndarray) -> bool:
     free = np.concatenate([t.free_jump() for t in contact.traces])
     change = contact.coupling.loaded(free, _struck_jump(contact))
     return bool((_excess(contact, step) > change)[points].any())
+
+
+def first_arrival(contacts: Iterable[Contact], step: Step) -> float:
+    """After how long the first of the points arrives that start the step too fast, s."""
+    first = inf
+    for contact in contacts:
+        points = approaching(contact, step, contact.chosen)
+        gap = np.minimum(contact.gap, 0.0)[points]
+        approach = dot(_struck_jump(contact), contact.coupling.normals())[points]
+        first = min(first, (-gap / approach).min(initial=inf))
+    return first
 
 
 def _excess(contact: Contact, step: Step) -> np.ndarray:

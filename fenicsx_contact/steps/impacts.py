@@ -7,9 +7,12 @@ would pass their obstacles by the end of the step. The step then is smooth. So a
 same energy whatever the step, no point is left penetrated that would be taken for an approach
 later, and points that bear next to each other share one impact.
 
-By uniform steps the instant of an impact is rounded to the start of a step: first order. Located
-impacts are of second order: cross the step as if no open point could close; if one arrives, find
-when, step exactly there, and let it be struck.
+By uniform steps the instant of an impact is rounded to the start of a step: first order. What
+rebounds is struck in the order in which it would arrive: a point that others have thrown back before
+it arrives does not rebound.
+
+Located impacts are of second order: cross the step as if no open point could close; if one arrives,
+find when, step exactly there, and let it be struck.
 """
 
 from __future__ import annotations
@@ -17,11 +20,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 
 from ..contact.arrivals import arrival
+from ..contact.percussion import first_arrival
 from ..theory.theta import Scheme, Step
 from .taker import StepTaker
 from .trial import Trial
@@ -53,8 +57,14 @@ class UniformImpacts:
             StepFailed: the state is then that of the last good part.
         """
         step = Step(dt, self._scheme, stepper.time)
-        if stepper.struck(step):
-            yield _accept(stepper, Step(0.0, self._scheme, stepper.time, dt), remarks)
+        percussive = [c for c in stepper.contacts if c.formulation.percussive]
+        rebounds = any(getattr(c.formulation, "rebounds", False) for c in percussive)
+        most = MAX_IMPACTS if rebounds else 1
+        for impact in range(1, most + 1):
+            if not stepper.struck(step):
+                break
+            within = first_arrival(percussive, step) if impact < most else inf
+            yield _accept(stepper, Step(0.0, self._scheme, stepper.time, dt, within), remarks)
         yield _accept(stepper, step, remarks)
 
     def state(self) -> dict[str, np.ndarray]:

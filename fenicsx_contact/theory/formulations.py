@@ -34,6 +34,7 @@ class Formulation(Protocol):
         gap_share: which gap the form reads: 0 that of the start of the step, 1 that of its end as
             it depends on w.
         pushes: of one that has it, and True: its normal forces only push.
+        rebounds: of a percussive one that has it, and True: what it strikes leaves again.
 
     Optional is ``closed(predicted_gap, tolerance)``: Su, (n,) of bool, where it is decided before
     the step, from the gaps (n,) [m] at the end of an explicit prediction, equal up to a tolerance

@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import inf
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -116,12 +117,14 @@ class Step:
     instead of over dt, with which nothing moves and no load acts. It looks ``ahead`` over the step
     that follows it: no point may come out of it faster than it would arrive then. A part of a step
     looks ahead over the whole of it: what may arrive in an instant is fast, and other parts follow.
+    An impact may be of those points only that touch, or would arrive ``within`` a time.
     """
 
     dt: float
     scheme: Scheme
     start: float = 0.0
     ahead: float = 0.0
+    within: float = inf
 
     @property
     def end(self) -> float:
@@ -141,7 +144,7 @@ class Step:
     @property
     def coming(self) -> Step:
         """The step in which time passes: that which follows an impact, or the step itself."""
-        return self if self.dt else replace(self, dt=self.ahead, ahead=0.0)
+        return self if self.dt else replace(self, dt=self.ahead, ahead=0.0, within=inf)
 
     # -- position --------------------------------------------------------------------------------
 

@@ -19,10 +19,10 @@ from ..weak_form import ContactFields
 class Restitution(Velocity):
     """The velocity law, whose percussions obey ``w_n^+ + e w_n^- <= 0, lam <= 0``, complementary.
 
-    A percussion strikes the points that start a step faster than the law allows, all at once; the
-    jump before it is that with which the step starts. Between percussions the law is VELOCITY's,
-    so what loads bring to rest stays there. By uniform steps what strikes turns round at the start
-    of the step; located impacts (``locate_impacts=True``) turn round where they touch.
+    A percussion strikes points that start a step faster than the law allows, first those that would
+    arrive first; the jump before it is that with which the step starts. Between percussions the law
+    is VELOCITY's, so what loads bring to rest stays there. By uniform steps what strikes turns round
+    at the start of the step; located impacts (``locate_impacts=True``) turn round where they touch.
 
     e is a property of rigid bodies; a deformable one rebounds by its own waves. With friction and
     e > 0 in oblique impacts of bodies that turn Newton's law can give energy (Kane's paradox);
@@ -46,6 +46,11 @@ class Restitution(Velocity):
     def __post_init__(self) -> None:
         super().__post_init__()
         checks.keep(self, "coefficient", at_least=0, at_most=1)
+
+    @property
+    def rebounds(self) -> bool:
+        """What is struck leaves again."""
+        return self.coefficient > 0
 
     def allowed(self, k: ContactFields) -> Any:
         """What VELOCITY allows, or in a percussion of what is struck the rebound."""

@@ -116,10 +116,11 @@ def test_a_disc_that_strikes_aslant_leaves_with_spin(corners, dt, e, located, tm
     """Corners beside the one that arrived were made to rebound as fast as that: no spin at all."""
     r, mass, speed, along, mu = 0.1, 2.0, 2.0, 3.0, 0.1
     angles = -np.pi / 2 + 2 * np.pi * np.arange(corners) / corners
-    ring = r * np.column_stack([np.cos(angles), np.sin(angles)]) + (0, r + 0.0502)
+    ring = r * np.column_stack([np.cos(angles), np.sin(angles)])
     mesh = polygon(ring, tmp_path / "disc.vtu")
     disc = RigidSolid(mesh, mass=mass, velocity=(along, -speed))
-    contact = Contact(disc, "skin", FLOOR, Restitution(e), friction=mu)
+    floor = HalfSpace((0, -r - 0.0502), (0, 1))
+    contact = Contact(disc, "skin", floor, Restitution(e), friction=mu)
     history = Scene([disc], [contact], locate_impacts=located).run(until=0.03, dt=dt)
     assert history.finished and not history.remarks
     impulse = mass * (1 + e) * speed

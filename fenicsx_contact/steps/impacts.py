@@ -8,8 +8,8 @@ same energy whatever the step, no point is left penetrated that would be taken f
 later, and points that bear next to each other share one impact.
 
 By uniform steps the instant of an impact is rounded to the start of a step: first order. What
-rebounds is struck in the order in which it would arrive: a point that others have thrown back before
-it arrives does not rebound.
+rebounds is struck in the order in which it would arrive: a point that others have thrown back
+before it arrives does not rebound.
 
 Located impacts are of second order: cross the step as if no open point could close; if one arrives,
 find when, step exactly there, and let it be struck.

@@ -20,9 +20,9 @@ class Restitution(Velocity):
     """The velocity law, whose percussions obey ``w_n^+ + e w_n^- <= 0, lam <= 0``, complementary.
 
     A percussion strikes points that start a step faster than the law allows, first those that would
-    arrive first; the jump before it is that with which the step starts. Between percussions the law
-    is VELOCITY's, so what loads bring to rest stays there. By uniform steps what strikes turns round
-    at the start of the step; located impacts (``locate_impacts=True``) turn round where they touch.
+    arrive first; the jump before it is that with which the step starts. Between percussions the
+    law is VELOCITY's, so what loads bring to rest stays there. By uniform steps what strikes turns
+    round at the start of the step, by located impacts (``locate_impacts=True``) where it touches.
 
     e is a property of rigid bodies; a deformable one rebounds by its own waves. With friction and
     e > 0 in oblique impacts of bodies that turn Newton's law can give energy (Kane's paradox);

@@ -24,7 +24,8 @@ class NamedMesh:
 
     Raises:
         InputError: cells of other kinds or degrees, flat, turned over or twice there, nodes that
-            are nowhere, tags that are none.
+            are nowhere, tags that are none or not of facets of the mesh, points that are none or
+            have names of facets.
     """
 
     mesh: Any
@@ -38,14 +39,17 @@ class NamedMesh:
         checks.mapping("points", self.points, "from names to coordinates")
         for name, tag in checks.mapping("names", self.names, "from names to tags").items():
             checks.whole_number(f"names[{name!r}]", tag, at_least=-(2**31))
-        if not hasattr(self.facet_tags, "find"):
-            raise checks.InputError(f"facet_tags = {self.facet_tags!r}: must be MeshTags")
         tdim, gdim = self.mesh.topology.dim, self.mesh.geometry.dim
         if tdim != gdim or gdim not in (2, 3):
             raise checks.InputError(
                 f"mesh of dimension {tdim} in a space of dimension {gdim}: a solid needs a mesh "
                 "of triangles or quadrilaterals in 2D, of tetrahedra or hexahedra in 3D"
             )
+        self._check_tags()
+        for name, place in self.points.items():
+            checks.vector(f"points[{name!r}]", place, gdim)
+            if name in self.names:
+                raise checks.InputError(f"points[{name!r}]: the mesh has facets of this name")
         cell, comm = compat.cell_name(self.mesh), self.mesh.comm
         nodes = max(comm.allgather(compat.cell_geometry(self.mesh).shape[1]))
         if not cells.degree_of(cell, nodes):
@@ -56,6 +60,24 @@ class NamedMesh:
         compat.settle_coordinates(self.mesh)
         if problem := max(comm.allgather(self._problem())):
             raise checks.InputError(f"mesh: {problem}")
+
+    def _check_tags(self) -> None:
+        """Refuse tags that are not of facets of the mesh."""
+        tags, topology, comm = self.facet_tags, self.mesh.topology, self.mesh.comm
+        if not all(hasattr(tags, each) for each in ("find", "dim", "indices")):
+            raise checks.InputError(f"facet_tags = {tags!r}: must be MeshTags")
+        fdim = topology.dim - 1
+        if tags.dim != fdim:
+            raise checks.InputError(
+                f"facet_tags: are of dimension {tags.dim}; must be of facets, of dimension {fdim}"
+            )
+        topology.create_entities(fdim)
+        facets, given = topology.index_map(fdim), np.asarray(tags.indices)
+        there = facets.size_local + facets.num_ghosts
+        if strange := comm.allreduce(int(((given < 0) | (given >= there)).sum())):
+            raise checks.InputError(
+                f"facet_tags: {strange} of them are of facets that the mesh does not have"
+            )
 
     def _problem(self) -> str:
         if not compat.num_local_cells(self.mesh):
@@ -100,10 +122,29 @@ class NamedMesh:
             raise checks.InputError(f"facets = {name!r}: no facet of the mesh bears this name")
         return facets
 
+    def _outer(self, name: str, or_none: bool = False) -> np.ndarray:
+        """Local facets that bear the name, all of which must bound the mesh, or may all be within
+        it."""
+        facets = self.facets(name)
+        owned = facets[facets < self.mesh.topology.index_map(self.dim - 1).size_local]
+        inner = len(np.setdiff1d(owned, self._skin()))
+        inside, every = (self.mesh.comm.allreduce(n) for n in (inner, len(owned)))
+        if inside and not (or_none and inside == every):
+            raise checks.InputError(
+                f"facets = {name!r}: {inside} of these {every} facets are inside the mesh; all "
+                "must be on its boundary"
+            )
+        return facets
+
     def measures(self, *names: str) -> list[ufl.Measure]:
         """Integration over each of these facets, in one form. They are numbered anew: whatever
-        numbers their tags have, equal forms are compiled once."""
-        parts = [self.facets(name) for name in names]
+        numbers their tags have, equal forms are compiled once. Facets inside the mesh give nothing.
+
+        Raises:
+            InputError: the mesh has no such name, or no facet bears it, or some that do bound the
+                mesh and others are inside.
+        """
+        parts = [self._outer(name, or_none=True) for name in names]
         marks = np.repeat(np.arange(1, len(parts) + 1, dtype=np.int32), list(map(len, parts)))
         facets = np.concatenate([np.empty(0, dtype=np.int32), *parts])
         order = np.argsort(facets)
@@ -118,17 +159,23 @@ class NamedMesh:
 
         Returns:
             Points (n, d), cells (m, k), corners first, and the name of the cell.
+
+        Raises:
+            InputError: the mesh has no such name, or no facet bears it, or some that do are inside.
         """
-        return self._gathered(self.facets(name), degree)
+        return self._gathered(self._outer(name), degree)
 
     def skin(self) -> tuple[np.ndarray, np.ndarray, str]:
         """All facets that bound the mesh, whatever their names, likewise, straight."""
+        return self._gathered(self._skin(), 1)
+
+    def _skin(self) -> np.ndarray:
+        """The facets that bound the mesh, of this process."""
         fdim = self.dim - 1
         self.mesh.topology.create_connectivity(fdim, self.dim)
-        every = dolfinx.mesh.locate_entities_boundary(
+        return dolfinx.mesh.locate_entities_boundary(
             self.mesh, fdim, lambda x: np.ones(x.shape[1], dtype=bool)
         )
-        return self._gathered(every, 1)
 
     def _gathered(self, facets: np.ndarray, degree: int) -> tuple[np.ndarray, np.ndarray, str]:
         mesh, comm = self.mesh, self.mesh.comm
@@ -221,8 +268,4 @@ def name_points(mesh: NamedMesh, points: Mapping[str, Sequence[float]]) -> Named
     """
     checks.instance("mesh", mesh, NamedMesh, "a NamedMesh (mesh_from_gmsh, name_facets)")
     points = checks.mapping("points", points, "from names to coordinates")
-    for name, place in points.items():
-        checks.vector(f"points[{name!r}]", place, mesh.dim)
-        if name in mesh.names:
-            raise checks.InputError(f"points[{name!r}]: the mesh has facets of this name")
     return replace(mesh, points={**mesh.points, **points})

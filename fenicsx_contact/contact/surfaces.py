@@ -25,7 +25,7 @@ def surface_of(solid: Solid, facets: str, paired: bool) -> Surface:
             plane bear, too.
 
     Raises:
-        InputError: no facets of that name.
+        InputError: no facets of that name, or some inside the mesh.
     """
     degree = getattr(solid, "degree", 1)
     fields = degree if solid.dim == 2 and not paired else 1

@@ -27,19 +27,6 @@ UFLError: type[Exception] = getattr(ufl, "UFLException", ValueError)
 # -- meshes -------------------------------------------------------------------------------------
 
 
-def gmsh_mesh(model: Any, comm: MPI.Comm, gdim: int) -> tuple[Any, Any]:
-    """The gmsh model (on rank 0) as a distributed mesh and its facet tags."""
-    if VERSION >= (0, 10):
-        from dolfinx.io import gmsh as reader
-
-        data = reader.model_to_mesh(model, comm, 0, gdim=gdim)
-        return data.mesh, data.facet_tags
-    from dolfinx.io import gmshio
-
-    domain, _, facet_tags = gmshio.model_to_mesh(model, comm, 0, gdim=gdim)
-    return domain, facet_tags
-
-
 def create_mesh(
     comm: MPI.Comm, cells: np.ndarray, points: np.ndarray, cell: str, degree: int = 1
 ) -> Any:

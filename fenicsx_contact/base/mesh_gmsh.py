@@ -4,17 +4,18 @@
 from __future__ import annotations
 
 import re
-import tempfile
 from pathlib import Path
 from typing import Any
 
+import dolfinx
 import numpy as np
 from mpi4py import MPI
 
-from . import checks, compat, shipped
+from . import checks, shipped
 from .cells import ALLOWED, NODES
-from .constants import SAME
 from .mesh import NamedMesh
+from .mesh_session import opened
+from .mesh_solid import ReadSolid, distributed
 
 
 def mesh_from_gmsh(
@@ -22,6 +23,12 @@ def mesh_from_gmsh(
 ) -> NamedMesh:
     """A mesh from a gmsh script (``.geo``) or mesh (``.msh``); its physical names are those of
     facets and points. Cells are of first order, or of second (``Mesh.ElementOrder = 2;``).
+
+    The solid is made of all cells in physical groups, each taken once; what belongs to none of
+    them is left out, with the names of facets and the nodes that only that has. A group of facets
+    without a name has its number for one (``"7"``); one of points is taken where it has a name and
+    one point. A session of gmsh that is open already stays as it is; the options that are set there
+    hold for scripts, too.
 
     Args:
         file: path of the file. A bare name that the present folder lacks (``"block.geo"``) is that
@@ -31,10 +38,9 @@ def mesh_from_gmsh(
 
     Raises:
         InputError: no such file, a parameter that the script does not declare, nothing meshed,
-            cells of other types or orders.
+            cells of other types or orders, or distorted; facets in two groups that are not the
+            same, or partly of what is left out; a name for two groups.
     """
-    import gmsh
-
     path, missing = shipped.find(checks.path("file", file))
     if missing:
         raise checks.InputError(f"file = {str(file)!r}: {missing}")
@@ -46,78 +52,70 @@ def mesh_from_gmsh(
             raise checks.InputError(f"{name} = {value!r}: {path.name} declares {known}")
         given.append(f"{name} = {checks.number(name, value)!r};")
 
-    names: dict[str, int] = {}
-    points: dict[str, list[float]] = {}
-    problem = ""
-    if comm.rank == 0:
-        gmsh.initialize(["gmsh", "-v", "1"])
-    try:
-        if comm.rank == 0:
-            problem, names, points = _read(gmsh, path, given)
-        problem, names, points = comm.bcast((problem, names, points))
-        if problem:
-            raise checks.InputError(f"file = {str(file)!r}: {problem}")
-        dim = comm.bcast(gmsh.model.getDimension() if comm.rank == 0 else 0)
-        mesh, tags = compat.gmsh_mesh(gmsh.model if comm.rank == 0 else None, comm, dim)
-    finally:
-        if comm.rank == 0:
-            gmsh.finalize()
-    return NamedMesh(mesh, tags, names, points)
+    def read() -> ReadSolid:
+        with opened(path, given) as model:
+            return _solid(model)
+
+    return distributed(file, comm, read, "let each be in one physical group")
 
 
-def _open(gmsh: Any, path: Path, given: list[str]) -> None:
-    """Open a file, the given parameters set before: DefineConstant leaves them as they are.
+def _solid(model: Any) -> ReadSolid:
+    """The cells of an open model, its named facets and points."""
+    dim = model.getDimension()
+    tags, x, _ = model.mesh.getNodes()
+    order = np.argsort(tags)
+    tags, x = tags[order], x.reshape(-1, 3)[order]
 
-    The command line's -setnumber would outlive finalize() and reach the next mesh.
-    """
-    if path.suffix != ".geo":
-        gmsh.open(str(path))
-        return
-    with tempfile.TemporaryDirectory() as directory:
-        script = Path(directory) / path.name
-        script.write_text("\n".join([*given, f'Include "{path.resolve()}";', ""]))
-        gmsh.open(str(script))
+    def elements(dim: int, *groups: int) -> dict[str, np.ndarray]:
+        """Of each type the elements (m, k), each once, as indices of nodes."""
+        found: dict[str, list[np.ndarray]] = {}
+        for group in groups:
+            for entity in model.getEntitiesForPhysicalGroup(dim, group):
+                for kind, _, nodes in zip(*model.mesh.getElements(dim, entity)):
+                    name, _, _, size, *_ = model.mesh.getElementProperties(kind)
+                    rows = np.searchsorted(tags, nodes).reshape(-1, size)
+                    found.setdefault(name, []).append(rows)
+        return {name: _each_once(np.concatenate(parts)) for name, parts in found.items()}
 
-
-def _read(
-    gmsh: Any, path: Path, given: list[str]
-) -> tuple[str, dict[str, int], dict[str, list[float]]]:
-    """Open and mesh; what is wrong, or nothing, the names of the facets, and points by name."""
-    try:
-        _open(gmsh, path, given)
-        dim = gmsh.model.getDimension()
-        if dim not in (2, 3):
-            return f"holds a mesh of dimension {dim}, not 2 or 3", {}, {}
-        if path.suffix == ".geo":
-            gmsh.model.mesh.generate(dim)
-    except Exception as failure:  # gmsh raises nothing more special
-        return f"gmsh says: {failure}", {}, {}
-    x = gmsh.model.mesh.getNodes()[1].reshape(-1, 3)
-    if dim == 2 and np.ptp(x[:, 2]) > SAME * np.ptp(x, axis=0).max():
-        return "holds a surface in 3D, not a mesh of a solid (in 2D all nodes have one z)", {}, {}
-    if not gmsh.model.getPhysicalGroups(dim):
+    solid = elements(dim, *(group for _, group in model.getPhysicalGroups(dim)))
+    if not solid:
         kind = "Surface" if dim == 2 else "Volume"
-        return f"has no Physical {kind}, which tells what belongs to the solid", {}, {}
-    if strange := _strange(gmsh, dim):
-        return f"has cells of type {strange}; allowed are {ALLOWED}", {}, {}
-    facets = gmsh.model.getPhysicalGroups(dim - 1)
-    names = {gmsh.model.getPhysicalName(group, tag): tag for group, tag in facets}
-    places = {
-        gmsh.model.getPhysicalName(0, tag): gmsh.model.mesh.getNodesForPhysicalGroup(0, tag)[1]
-        for _, tag in gmsh.model.getPhysicalGroups(0)
-    }
-    return "", names, {name: x[:dim].tolist() for name, x in places.items() if len(x) == 3}
+        raise checks.InputError(
+            f"has no cells in a Physical {kind}, which tells what belongs to the solid"
+        )
+    (kind, cells), *others = solid.items()
+    cell = kind.split()[0].lower()
+    if others or cells.shape[1] not in NODES.get(cell, ()):
+        strange = ", ".join(sorted(solid))
+        raise checks.InputError(f"has cells of type {strange}; allowed are {ALLOWED}")
+    kind = getattr(dolfinx.mesh.CellType, cell)
+    read = ReadSolid(x, cells[:, dolfinx.cpp.io.perm_gmsh(kind, cells.shape[1])], cell)
+    for name, group in _groups(model, dim - 1).items():
+        found = read.these(name, list(elements(dim - 1, group).values()), partly=False)
+        if len(found):
+            read.facets[name] = found
+    for name, group in _groups(model, 0).items():
+        place = model.mesh.getNodesForPhysicalGroup(0, group)[1]
+        if len(place) == 3 and model.getPhysicalName(0, group):
+            read.places[name] = place[:dim].tolist()
+    return read
 
 
-def _strange(gmsh: Any, dim: int) -> str:
-    """The types of the cells of the solid, if these are none that make one, or nothing."""
-    model, kinds = gmsh.model, {}
+def _each_once(rows: np.ndarray) -> np.ndarray:
+    """The rows in their order, without those that come again: files of version 2 hold an element
+    once for each of its groups."""
+    return rows[np.sort(np.unique(rows, axis=0, return_index=True)[1])]
+
+
+def _groups(model: Any, dim: int) -> dict[str, int]:
+    """The physical groups of a dimension by name, those without one by their number."""
+    groups: dict[str, int] = {}
     for _, group in model.getPhysicalGroups(dim):
-        for entity in model.getEntitiesForPhysicalGroup(dim, group):
-            for kind in model.mesh.getElementTypes(dim, entity):
-                name, _, _, nodes, *_ = model.mesh.getElementProperties(kind)
-                kinds[name] = nodes in NODES.get(name.split()[0].lower(), ())
-    return "" if len(kinds) == 1 and all(kinds.values()) else ", ".join(sorted(kinds))
+        name = model.getPhysicalName(dim, group) or str(group)
+        if name in groups:
+            raise checks.InputError(f"has two physical groups {name!r} of dimension {dim}")
+        groups[name] = group
+    return groups
 
 
 def _declared(path: Path) -> set[str]:

@@ -11,6 +11,7 @@ import numpy as np
 from ..contact.arrivals import arrival
 from ..scene import Scene
 from ..steps.trial import Trial
+from .edge import Edge
 from .kinks import Kink, alike, kinks
 from .linearise import Linearisation, arriving
 from .surface import ContactRows
@@ -47,11 +48,11 @@ class Edges:
         rows: ContactRows,
         x: np.ndarray | None,
         start: np.ndarray | None,
-        points: np.ndarray,
-        values: np.ndarray,
+        edge: Edge,
     ) -> np.ndarray:
         """Whether the tangent fails the rows of points on the other side of their decision; all of
         them candidates, or none."""
+        points = edge.points
         if x is None or start is None:
             return np.ones(len(points), dtype=bool)
         at = np.flatnonzero(np.isin(rows.points, points))
@@ -63,7 +64,21 @@ class Edges:
             changes["m"] = every[at].reshape(-1, len(self._parameters))
             largest = np.broadcast_to(np.abs(every).max(axis=0), every[at].shape)
             sizes["m"] = largest.reshape(changes["m"].shape)
-        with rows.other(points, values) as other:
+        left, terms = self._left(rows, edge, changes, sizes)
+        if edge.told:  # nothing is missed where what is told there changes nothing
+            here = self._left(rows, edge._replace(told=()), changes, sizes)
+            left, terms = left - here[0], np.maximum(terms, here[1])
+        return ~alike(*(each.reshape(len(points), -1) for each in (left, terms)))
+
+    def _left(
+        self,
+        rows: ContactRows,
+        edge: Edge,
+        changes: dict[str, np.ndarray],
+        sizes: dict[str, np.ndarray],
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """What changes leave of the rows of points there, and the terms that it is left of."""
+        with rows.other(edge) as other:
             by = np.stack([other.by(parameter)[0] for parameter in self._parameters], axis=1)
             derivatives = other.derivatives()
         left, terms = by, np.abs(by)
@@ -71,7 +86,7 @@ class Edges:
             if name in changes:
                 left = left + multipliers @ changes[name]
                 terms = terms + abs(multipliers) @ sizes[name]
-        return ~alike(*(each.reshape(len(points), -1) for each in (left, terms)))
+        return left, terms
 
     def _undetermined(
         self, trial: Trial, x: np.ndarray | None, start: np.ndarray | None

@@ -23,14 +23,16 @@ from ..theory.theta import Step
 from .beams import BeamMotion
 from .blocks import Blocks, LinearStep
 from .kinematics import square
+from .laws import refuse_law
 from .parameters import Parameter
 from .sight import Sight
-from .surface import ContactRows, refuse_law
+from .surface import ContactRows
 
 
 class GuideRows(ContactRows):
     """A beam in a guide; see :class:`~.surface.ContactRows`."""
 
+    decides_at_start = False
     contact: GuideContact
     motion: BeamMotion
 

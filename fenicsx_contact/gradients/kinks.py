@@ -21,6 +21,7 @@ from ..base.vectors import dot, largest
 from ..steps.certificate import ACCEPTED
 from ..steps.trial import Trial
 from ..theory.theta import Step
+from .edge import Edge
 from .surface import ContactRows
 
 #: What a status is.
@@ -54,20 +55,6 @@ def resolved(rows: ContactRows, resolution: float) -> float:
     """The speed below which the step told nothing apart, m/s."""
     own = largest(rows.contact.coupling.velocities("trial_velocity"))
     return max(resolution, ROUND_OFF * own)
-
-
-class Edge(NamedTuple):
-    """Points that a small change of their jumps takes to another status.
-
-    Attributes:
-        points: their numbers, (k,).
-        what: is undecided, (k,).
-        values: the unknowns of the other side.
-    """
-
-    points: np.ndarray
-    what: list[str]
-    values: np.ndarray
 
 
 def weak(rows: ContactRows, speed: float) -> Iterator[Edge]:
@@ -113,6 +100,37 @@ def grazing(rows: ContactRows, trial: Trial, speed: float) -> Iterator[Edge]:
         yield Edge(points, ["open, on the edge of: bears"] * len(points), changed)
 
 
+def beginning(rows: ContactRows, step: Step, speed: float) -> Iterator[Edge]:
+    """Candidates that begin a step exactly on their obstacle, without a normal speed or without a
+    slip, though the step before did not hold them so: a law reads all three by what they are
+    above or below zero."""
+    contact, e = rows.contact, rows.contact.equations
+    if not rows.decides_at_start or not len(rows.points):
+        return
+    k, values, p = e.fields, e.values, rows.points
+    d = contact.surface.dim
+
+    def edge(points: np.ndarray, what: str, field: np.ndarray, change: np.ndarray) -> Edge:
+        there = field.copy()
+        there.reshape(change.shape)[points] += change[points]
+        return Edge(points, [f"begins the step {what}"] * len(points), values, ((field, there),))
+
+    if contact.formulation.gap_share < 1:
+        free, one = contact.status[p] == 0, np.ones(contact.surface.size)
+        gap, start = k.gap.x.array, k.start_jump_n.x.array
+        if len(on := p[free & (gap[p] == 0)]):
+            yield edge(on, "exactly where it touches", gap, -speed * step.horizon * one)
+        if step.limit_rate and len(still := p[free & (start[p] == 0)]):
+            yield edge(still, "without a normal speed", start, -speed * one)
+    slip = k.start_slip.x.array.reshape(-1, d)
+    if k.friction is None or not step.limit_rate:
+        return
+    loose = p[(contact.status[p] != 1) & ~slip[p].any(axis=1)]
+    for along in k.frame()[1] if len(loose) else ():
+        for sign in (1.0, -1.0):
+            yield edge(loose, "without a slip", k.start_slip.x.array, sign * speed * along)
+
+
 def refuse_grazing(rows: ContactRows, at: int, step: Step, resolution: float) -> None:
     """A point that arrives with no more speed than it loses within the tolerance of its place
     may as well not arrive.
@@ -139,7 +157,7 @@ def kinks(
     rows: ContactRows,
     trial: Trial,
     resolution: float,
-    misses: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    misses: Callable[[Edge], np.ndarray],
 ) -> list[Kink]:
     """The kinks of a step.
 
@@ -147,13 +165,14 @@ def kinks(
         rows: of a contact, in the step.
         trial: the step.
         resolution: of its velocities, m/s.
-        misses: whether the tangent fails the rows of points with other unknowns.
+        misses: whether the tangent fails the rows of points on the other side.
     """
     speed = resolved(rows, resolution)
-    edges = [*weak(rows, speed), *([] if trial.arrives else grazing(rows, trial, speed))]
+    edges = [*weak(rows, speed), *beginning(rows, trial.step, speed)]
+    edges += [] if trial.arrives else grazing(rows, trial, speed)
     found: dict[int, str] = {}
     for edge in edges:
-        for point, what, missed in zip(edge.points, edge.what, misses(edge.points, edge.values)):
+        for point, what, missed in zip(edge.points, edge.what, misses(edge)):
             if missed:
                 found.setdefault(int(point), what)
     places = rows.contact.surface.points

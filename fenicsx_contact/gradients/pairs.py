@@ -23,9 +23,10 @@ from ..contact.mortar.rates import Rates
 from ..contact.mortar_jump import MortarJump
 from ..solids import MonolithicTrace
 from .kinematics import diagonal, square
+from .laws import refuse_law
 from .motion import Motion
 from .points import points_of
-from .surface import ContactRows, refuse_law
+from .surface import ContactRows
 
 
 class PairRows(ContactRows):

@@ -161,8 +161,11 @@ def adjoints(
     def look(trial: Trial) -> LinearStep:
         if not trial.again:
             met.clear()
-        step = linear.step(trial)
-        met.extend(edges.kinks(trial, scene.stepper.resolution, None, None))
+        step, start, change = linear.step(trial), None, None
+        if scene.time == first and not part.steps:  # nobody knows how later states change
+            start = begin
+            change = _finite(trial, step.tangent(start))
+        met.extend(edges.kinks(trial, scene.stepper.resolution, change, start))
         return step
 
     def watch(trial: Trial) -> None:

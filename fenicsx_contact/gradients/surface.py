@@ -16,18 +16,17 @@ from typing import Any
 import numpy as np
 
 from ..base import checks
-from ..base.expressions import is_expression
 from ..base.vectors import dot
 from ..contact.contact import Contact
 from ..contact.level_set import LevelSet
 from ..contact.nodal import NodalJump
 from ..contact.obstacle import Circle, Cylinder, HalfSpace, Sphere
 from ..solids import MonolithicTrace
-from ..theory.formulations import Gap, Velocity
-from ..theory.friction import Coulomb, Tresca
 from ..theory.theta import Step
+from .edge import Edge
 from .forms import ByField, ByVector
 from .kinematics import square
+from .laws import refuse_law
 from .motion import Motion
 from .parameters import Parameter
 from .points import points_of
@@ -58,6 +57,9 @@ class ContactRows:
         InputError: what is not supported, by name.
     """
 
+    #: Whether its rows at the start of a step decide by what is zero there.
+    decides_at_start = True
+
     def __init__(self, contact: Contact, motion: Motion) -> None:
         self._refuse(contact)
         self.contact, self.motion = contact, motion
@@ -86,15 +88,18 @@ class ContactRows:
 
     def see(self, step: Step) -> None:
         """Take up the step."""
-        contact, e = self.contact, self.contact.equations
+        e = self.contact.equations
         self.step, self.points = step, e.candidates
         self.unknowns = len(e.active_multipliers)
         self._kinematics()
-        k, share = e.fields, contact.formulation.gap_share
-        # what was put to zero there depends on nothing
+        self._read_start()
+        self._linearise()
+
+    def _read_start(self) -> None:
+        """What the law reads of the start; what was put to zero there depends on nothing."""
+        k, share = self.contact.equations.fields, self.contact.formulation.gap_share
         self._reads_gap = (k.gap.x.array != 0) * (1.0 - share)
         self.reads_start = (k.start_jump_n.x.array != 0).astype(float)
-        self._linearise()
 
     def _kinematics(self) -> None:
         """Places, velocities and normals, and what they depend on."""
@@ -149,17 +154,23 @@ class ContactRows:
         return np.asarray(k.end_share.x.array < 1)
 
     @contextmanager
-    def other(self, points: np.ndarray, values: np.ndarray) -> Iterator[ContactRows]:
-        """The rows of some points with other unknowns, on the other side of a decision; the
-        equations have these unknowns meanwhile."""
+    def other(self, edge: Edge) -> Iterator[ContactRows]:
+        """The rows of some points on the other side of a decision; the equations have the unknowns
+        of that side meanwhile, and their fields what is told there of the start."""
         e, other = self.contact.equations, copy(self)
-        mine = e.values
-        e.values, other.points = values, points
+        mine, told = e.values, [(field, field.copy()) for field, _ in edge.told]
+        e.values, other.points = edge.values, edge.points
+        for field, values in edge.told:
+            field[:] = values
+        if told:
+            other._read_start()
         other._linearise()
         try:
             yield other
         finally:
             e.values = mine
+            for field, values in told:
+                field[:] = values
 
     # -- its rows ---------------------------------------------------------------------------------
 
@@ -273,16 +284,3 @@ class ContactRows:
         columns, rows = self.contact.equations.scales()
         jumps = len(self.points) * self._d
         return (compliance / (columns * rows)[jumps:]).reshape(self._more, -1).T.ravel()
-
-
-def refuse_law(contact: Contact) -> None:
-    """Refuse formulations and laws that are not differentiated."""
-    name = f"gradients: contact {contact.name!r}"
-    if type(contact.formulation) not in (Velocity, Gap):
-        raise checks.InputError(f"{name} has the formulation {contact.formulation.name!r}")
-    law = contact.friction_law
-    if law is not None and type(law) not in (Coulomb, Tresca):
-        raise checks.InputError(f"{name} has the law {type(law).__name__}")
-    number = getattr(law, "mu", getattr(law, "stress", 0.0))
-    if not isinstance(number, float) and not is_expression(number):
-        raise checks.InputError(f"{name} has a law of place or time: {number!r}")

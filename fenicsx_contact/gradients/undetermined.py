@@ -11,6 +11,7 @@ from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
+from .edge import Edge
 from .rigid import RigidMotion
 from .surface import ContactRows
 
@@ -43,9 +44,8 @@ def shifted(
     while np.isfinite(share) and share > 0 and not all(way.keeps(share) for way in ways):
         share *= 0.5
     with ExitStack() as stack:
-        yield [
-            stack.enter_context(way.rows.other(way.rows.points, way.values(share))) for way in ways
-        ]
+        edges = [(way.rows, Edge(way.rows.points, [], way.values(share))) for way in ways]
+        yield [stack.enter_context(rows.other(edge)) for rows, edge in edges]
 
 
 class _Way:

@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The other side of a decision on whose edge points are."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Edge(NamedTuple):
+    """Points that a small change takes to the other side of a decision.
+
+    Attributes:
+        points: their numbers, (k,).
+        what: is undecided, (k,).
+        values: the unknowns of the other side.
+        told: arrays of what the step is told of its start, and what they are there.
+    """
+
+    points: np.ndarray
+    what: list[str]
+    values: np.ndarray
+    told: tuple[tuple[np.ndarray, np.ndarray], ...] = ()

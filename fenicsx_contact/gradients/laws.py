@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The laws of contacts that are differentiated."""
+
+from __future__ import annotations
+
+from ..base import checks
+from ..base.expressions import is_expression
+from ..contact.contact import Contact
+from ..theory.formulations import Gap, Velocity
+from ..theory.friction import Coulomb, Tresca
+
+
+def refuse_law(contact: Contact) -> None:
+    """Refuse formulations and laws that are not differentiated."""
+    name = f"gradients: contact {contact.name!r}"
+    if type(contact.formulation) not in (Velocity, Gap):
+        raise checks.InputError(f"{name} has the formulation {contact.formulation.name!r}")
+    law = contact.friction_law
+    if law is not None and type(law) not in (Coulomb, Tresca):
+        raise checks.InputError(f"{name} has the law {type(law).__name__}")
+    number = getattr(law, "mu", getattr(law, "stress", 0.0))
+    if not isinstance(number, float) and not is_expression(number):
+        raise checks.InputError(f"{name} has a law of place or time: {number!r}")

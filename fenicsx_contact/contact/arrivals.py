@@ -61,9 +61,16 @@ def starts_inside(contact: Contact) -> str:
 
 def went_inside(contact: Contact, depth: float, most: float) -> str:
     """What a reader should know of two solids that went so deep inside each other, m, though a law
-    of velocities held them apart, or nothing; ``most``: how deep a scene may start, as a share of
-    the surface's extent."""
+    of velocities held them apart, or of a rod in its guide, by any law without springs; or nothing.
+    ``most``: how deep a scene may start, as a share of the surface's extent."""
     law = contact.formulation
+    if contact.coupling.encloses:
+        if not law.multipliers or depth <= (accepted := getattr(contact, "deepest", np.inf)):
+            return ""
+        return (
+            f"contact {contact.name!r} went {depth:.3g} m into the walls of its guide, more than "
+            f"the {accepted:.3g} m with which a rod may start: shorter steps go less deep"
+        )
     held = law.multipliers and not law.gap_share and len(contact.solids) > 1
     if not held or depth <= most * contact.surface.extent:
         return ""

@@ -21,7 +21,8 @@ def nonlinearity(contact: Contact, step: Step) -> tuple[float, float, float]:
         return 0.0, 0.0, 0.0
     linear = contact.equations.values[: contact.equations.jumps].reshape(contact.normal.shape)
     jump = largest((contact.trial_jump - linear)[points])
-    if not (contact.coupling.fixed_normal or contact.coupling.encloses):  # a guide's are predicted
+    predicted = contact.coupling.encloses and not in_round_hole(contact)
+    if not (contact.coupling.fixed_normal or predicted):
         turned = (contact.coupling.normals() - contact.normal)[points]
         force = np.linalg.norm(candidate_force(contact).reshape(turned.shape), axis=1)
         off = contact.push(force * np.linalg.norm(turned, axis=1), step)
@@ -32,6 +33,12 @@ def nonlinearity(contact: Contact, step: Step) -> tuple[float, float, float]:
         gap = largest((contact.coupling.gaps() - expected)[points])
         gap = max(0.0, gap - contact.noise)
     return jump, gap, largest(contact.trial_jump)
+
+
+def in_round_hole(contact: Contact) -> bool:
+    """Whether a guide is around it in space: what moves along the wall turns the normal. Those of a
+    guide in the plane are as predicted."""
+    return contact.coupling.encloses and contact.surface.dim == 3
 
 
 def violation(contact: Contact, step: Step, force: np.ndarray) -> float:

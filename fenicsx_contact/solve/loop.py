@@ -3,9 +3,11 @@
 
 Each round linearises the solids and the geometry and then corrects the contact: once, which is
 Newton's method for everything ("newton"), or until it has settled on the frozen geometry, which is
-the paper's geometric fixed point ("fixed point"). Where supports alone do not hold every solid the
-first round of a step settles too: from a start in which nothing touches, one correction knows
-nothing of what will. So do rounds that follow corrections which gain no more (turns.py).
+the paper's geometric fixed point ("fixed point"); in a guide in space, along which normals turn by
+as much as the hole is narrow, Newton's method ends what that does not. Where supports alone do not
+hold every solid the first round of a step settles too: from a start in which nothing touches, one
+correction knows nothing of what will. So do rounds that follow corrections which gain no more
+(turns.py).
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ import numpy as np
 
 from ..base.checks import StepFailed
 from ..base.overflow import diverging
-from ..contact.trial import nonlinearity
+from ..contact.trial import in_round_hole, nonlinearity
 from ..solids import DeformableSolid
 from ..theory.theta import Step
 from .condensed import Condensed
@@ -79,6 +81,8 @@ class StepSolver:
         self.system = SYSTEMS[solver](problem)
         # whether velocities without contact are known, which deformable solids have to solve for
         self._foresees = isinstance(self.system, Condensed) or not self._speeds.bodies
+        # sweeps follow slowly what slides along a narrow hole, or not at all
+        self._turns = self._foresees and any(map(in_round_hole, problem.contacts))
         if floating:
             self.system.hold(floating)
         for solid in problem.solids:
@@ -104,7 +108,7 @@ class StepSolver:
     # -- contact settled on frozen geometry, which is then renewed --------------------------------
 
     def _fixed_point(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
-        iterations, remarks, last = 0, [], np.inf
+        iterations, remarks, last = 0, [], 1.0
         for sweep in range(1, self._newton.max_iterations + 1):
             for solid in self._all.solids:
                 solid.linearise(step)
@@ -126,6 +130,11 @@ class StepSolver:
                 continue
             if error <= GEOMETRY_TOLERANCE or last <= error <= ROUGH * self._newton.tolerance:
                 return solution.force, iterations, sweep, remarks
+            if self._turns and error**2 > last * GEOMETRY_TOLERANCE:  # nor by one more
+                force, more, _, told = self._full(step, clock)
+                iterations, remarks = iterations + more, remarks + told
+                if not any([contact.grow(step) for contact in self._all.contacts]):
+                    return force, iterations, sweep, remarks
             last = error
         raise StepFailed(
             f"the geometric fixed point stalls at a relative error of {error:.3g} after "

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What the points of a rod and the stations of its guide meet: gaps, normals, and what stops the
+rod."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+
+from ..contact.equations import SurfaceEquations
+from ..contact.nodal import NodalJump
+from ..theory.formulations import Formulation
+from ..theory.theta import Step
+from .beam import BeamSolid
+from .guide import Guide
+from .trace import BeamTrace
+from .tube import PairTrace, RodInTube
+
+
+class Guided(Protocol):
+    """What this needs of a :class:`~fenicsx_contact.rods.contact.GuideContact`."""
+
+    solid: BeamSolid | RodInTube
+    equations: SurfaceEquations
+    obstacle: Guide
+    formulation: Formulation
+    stations: np.ndarray
+    deepest: float
+
+
+class GuideCoupling(NodalJump):
+    """Points of a rod and stations of its guide: the stations see it by its slope, too."""
+
+    encloses = True
+
+    def __init__(self, contact: Guided, trace: BeamTrace | PairTrace, turn: np.ndarray) -> None:
+        super().__init__(contact.solid, contact.equations, contact.obstacle, trace)
+        self._guide, self._stations = contact.obstacle, contact.stations
+        self._rod, self._trace, self._turn = contact.solid.rod, trace, turn
+        self._rigid = contact.formulation.multipliers
+        self._deepest, self._void = contact.deepest, trace.void.copy()
+        self._at: np.ndarray | None = None
+        self._when = 0.0
+
+    def _look(self) -> None:
+        """Distances and normals of all points, in the trial state."""
+        x = self._trace.positions()
+        if x is self._at and (self._when == self.time or not self.driven):
+            return
+        self._at, self._when, guide, rows = x, self.time, self._guide, self._stations
+        self._distances = guide.distance(x, self.time).copy()
+        self._outward = guide.normals(x, self.time).copy()
+        recess: Any = (0.0, 0.0)
+        if (outline := self.outline()) is not None:
+            along = self._outward @ guide.direction
+            self._distances += outline[0] * np.sqrt(1 - along * along)
+            recess = outline[0][rows], -outline[1][rows]
+        bent = self._trace.wall_slopes()
+        if bent is not None:
+            self._tilt(bent @ self._rod.frame)
+        # the beam's slopes are by its own s, upwards, and in its own lateral directions
+        slopes = -self._trace.slopes()[rows] @ self._turn
+        self._distances[rows], self._outward[rows] = guide.at_stations(
+            x[rows], slopes, self.time, recess
+        )
+        self._distances[self._trace.void] = guide.far
+
+    def clearance(self) -> np.ndarray:
+        """What the rod has around it at the points where it is straight in the middle of its hole,
+        (n,) in m; the guide's ``far`` where there is no hole, or no rod."""
+        clearance = self._guide.holes(self._trace.positions(), self._stations)[1]
+        clearance[self._trace.void] = self._guide.far
+        if (outline := self.outline()) is not None:
+            clearance += np.where(clearance < self._guide.far, outline[0], 0.0)
+        return clearance
+
+    @property
+    def tight(self) -> str:
+        """Where the rod does not fit into its hole, or ""."""
+        if (outline := self.outline()) is None:
+            return ""
+        clearance = self.clearance()
+        worst = int(clearance.argmin())
+        if clearance[worst] > 0:
+            return ""
+        depth, recess = self._guide.depth(self._trace.positions())[worst], outline[0][worst]
+        hole = clearance[worst] - recess
+        return (
+            f"recess = {recess:.6g}, clearance = {hole:.6g}: their sum must be > 0; "
+            f"at the depth {depth:.6g} m {self._rod.name!r} does not fit into its hole"
+        )
+
+    def outline(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Recess of the rod's surface at the points, m, and its derivative by s, (n,) each; None of
+        a rod that has none."""
+        k = self._rod.matrices
+        if not k.recess.any():
+            return None
+        cell, xi, _ = k.interpolate(self._trace.material)
+        step = np.diff(k.recess)[cell]
+        return k.recess[cell] + xi * step, step / np.diff(k.s)[cell]
+
+    def _tilt(self, slopes: np.ndarray) -> None:
+        """Turn the normals with an elastic tube; its slopes are by s, as vectors (n, d)."""
+        up = self._rod.axis.direction
+        self._outward -= np.einsum("ij,ij->i", self._outward, slopes)[:, None] * up
+        self._outward /= np.linalg.norm(self._outward, axis=1)[:, None]
+
+    def near(self) -> np.ndarray:
+        # a station that the rod has passed meets nothing, though it bore a moment ago
+        return ~self._trace.void
+
+    @property
+    def blocked(self) -> str:
+        """Where the tip would go into the face of a tube or card, the rod is too thick, or beside
+        its hole."""
+        if reason := self.tight:
+            return reason
+        rows, guide = self._stations, self._guide
+        reached = guide.faces & self._void[rows] & ~self._trace.void[rows]
+        within = np.where(reached, self.gaps()[rows], 0.0)
+        worst = int(within.argmax())
+        if within[worst] <= self._deepest:
+            return self._outside()
+        return (
+            f"the tip of {self._rod.name!r} butts at the depth {guide.stations[worst]:.6g} m, "
+            f"{within[worst]:.3g} m beside the hole: align the tubes, or let the hole begin wider "
+            "(clearance = [(depth, clearance), ...])"
+        )
+
+    def _outside(self) -> str:
+        """Where the rod is deeper in a wall than its hole is wide, or "": rigid walls let none."""
+        gaps = self.gaps()
+        if not self._rigid or gaps.max() <= self._deepest:
+            return ""
+        beyond = gaps - np.maximum(self.clearance(), self._deepest)
+        worst = int(beyond.argmax())
+        if beyond[worst] <= 0:
+            return ""
+        depth = self._guide.depth(self._trace.positions())[worst]
+        return (
+            f"{self._rod.name!r} leaves its guide sideways at the depth {depth:.6g} m, "
+            f"{gaps[worst]:.3g} m inside its wall"
+        )
+
+    def accept(self) -> None:
+        super().accept()
+        self._void = self._trace.void.copy()
+
+    def _depths(self) -> np.ndarray:
+        self._look()
+        return -self._distances
+
+    def normals(self) -> np.ndarray:
+        self._look()
+        return -self._outward
+
+    def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
+        super().linearise(step, exact, share, kept)
+        if exact and self._guide.dim == 3:
+            turn = step.gap_rate * self._roundness()
+            gap = -share * np.einsum("pi,pij->pj", self.jump("trial_velocity"), turn)
+            self.equations.tangents.turn(step.gap_rate * gap, turn)
+
+    def _roundness(self) -> np.ndarray:
+        """Derivatives of the normals by the position across the guide, (n, d, d) in 1/m: what moves
+        along a wall in space turns its normal."""
+        x = self._trace.positions() - self._guide.displacement(self.time)
+        off = self._guide.holes(x, self._stations)[0]
+        size = np.hypot(*off.T)
+        along = np.stack([-off[:, 1], off[:, 0]], axis=1) @ self._guide.lateral
+        along /= np.where(size > 0, size, np.inf)[:, None] ** 1.5
+        return along[:, :, None] * along[:, None, :]

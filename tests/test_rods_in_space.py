@@ -7,7 +7,12 @@ import pytest
 from fenicsx_contact import (
     BeamSolid,
     Discrete,
+    Driven,
+    Fall,
+    InputError,
+    Scene,
     Section,
+    ThetaScheme,
     axis_mesh,
 )
 from fenicsx_contact.contact.arrivals import missed, went_inside
@@ -96,3 +101,80 @@ def test_too_long_a_step_is_told():
     way = bent(2, 2e-4, Sine(8e-3, 2.0), 0.3).insert(0.05, step=1e-2).history
     assert way.finished and way["guide.penetration"].max() > 0.05 * 2e-4
     assert "into the walls of its guide" in way.remarks[-1][1]
+
+
+# -- travels -----------------------------------------------------------------------------------
+
+
+def falling(stop=None, bottom=5.0, **law):
+    """A rod of 2 m over a straight tube, its tip at the depth 0."""
+
+    def rod():
+        axis = axis_mesh((0, 0), (0, 1), rod=(2.0, 4))
+        section = Section(mass=3.0, bending=500.0)
+        return BeamSolid(axis, section, gravity=(0, -9.81), law=Fall(stop=stop, **law))
+
+    scheme = ThetaScheme(0.5)
+    return RodDrop(rod, "rod", Guide([Tube(-5, bottom, 2e-3)]), scheme=scheme)
+
+
+def test_when_a_travel_is_passed():
+    """From the start, between rows, next to a turning point, on the way out; NaN where never."""
+    drop = falling(stop=1.0, stop_stiffness=2e4)
+    fall = drop.fall(2.0, 1e-2, to=np.inf)
+    for z in (0.0, 1e-5, 0.3, 0.9):
+        assert fall.time_at(z) == pytest.approx(np.sqrt(2 * z / 9.81), abs=1e-9)
+        assert fall.speed_at(z) == pytest.approx(np.sqrt(2 * z * 9.81), abs=1e-2)
+    top, time = fall.history["travel"].max(), fall.history.time
+    last = time[fall.history["travel"].argmax()]
+    assert last - 1e-2 < fall.time_at(top - 1e-7) <= last == pytest.approx(fall.time_at(top))
+    assert np.isnan(fall.time_at(top + 1e-3)) and np.isnan(fall.time_at(-1e-3))
+    assert np.isnan(fall.speed_at(2 * top))
+    out = drop.withdraw(1.0, step=1e-2)
+    for z in (1.0, 0.905, 0.5, 0.0):
+        assert out.time_at(z) == pytest.approx(2.0 + (1.0 - z) / 0.5, abs=1e-9)
+        assert out.speed_at(z) == pytest.approx(-0.5)
+
+
+def test_a_travel_beyond_the_stop_is_not_reached():
+    drop = falling(stop=0.2, stop_stiffness=2e4)
+    back = drop.fall(2.0, 1e-3, to=3.0).history
+    assert "the stop turned 'beam' back at the travel 0.23" in back.reason and not back.finished
+    assert "before to = 3 m" in back.reason
+    assert drop.fall(2.0, 1e-3, to=0.21).history.finished
+
+
+def test_a_rod_leaves_its_guide():
+    """It is refused where its way is known, and told where it falls."""
+    short = falling(bottom=0.3)
+    for go in (lambda: short.insert(0.4), lambda: short.withdraw(0.4), lambda: short.fall(to=0.4)):
+        with pytest.raises(
+            InputError, match=r"depth 0\.4 m, beyond the end of its guide at 0\.3 m"
+        ):
+            go()
+    fall = short.fall(0.3, 1e-2).history
+    ((time, remark),) = fall.remarks
+    assert remark == "'beam' leaves its guide at the lower end"
+    assert time == pytest.approx(np.sqrt(2 * 0.3 / 9.81), abs=1e-9)
+    assert not falling().fall(0.3, 1e-2).history.remarks
+
+
+def test_a_table_that_ends_within_its_tube():
+    """The clearance goes on as it ends, and the throat is a station."""
+    short = Tube(-3, 3, [(-0.5, 5e-3), (0.0, 1e-3)])
+    whole = Tube(-3, 3, [(-3, 5e-3), (-0.5, 5e-3), (0.0, 1e-3), (3, 1e-3)])
+    assert short.stations() == whole.stations() == [-3, 0, 3]
+    x = np.stack([np.full(50, 3e-4), np.linspace(-3.1, 3.1, 50)], axis=1)
+    np.testing.assert_array_equal(Guide([short]).distance(x), Guide([whole]).distance(x))
+    pressed = BeamSolid(
+        axis_mesh((0, -0.3), (0, 1), rod=(2.0, 3)),
+        Section(mass=3.0, bending=500.0),
+        law=Driven(),
+        lateral_load=lambda s: np.full((1, len(s)), 20.0),
+    )
+    guide = Guide([short])
+    settle(pressed, "rod", guide)
+    contact = GuideContact(pressed, "rod", guide, name="c")
+    history = Scene([pressed], [contact], ThetaScheme(1.0, forces="end")).run(1.0, 2e-2)
+    throat = contact.stations[1]
+    assert history.finished and contact.trace.positions()[throat, 0] == pytest.approx(1e-3)

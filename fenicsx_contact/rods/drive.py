@@ -74,7 +74,7 @@ class Fall:
         water: what the fluid does; None in air.
         drive_friction: constant friction of the drive line, N.
         stop: travel at which the end stop, a spring, is met, m; None: there is none.
-        stop_stiffness: of that spring, N/m.
+        stop_stiffness: of that spring, N/m; the default is for SI units.
         stop_at: place s [m] at which it meets a rod whose axis stretches: the tip.
     """
 

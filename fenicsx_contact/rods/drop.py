@@ -19,21 +19,30 @@ from ..theory.formulations import Formulation
 from ..theory.friction import FrictionBound
 from ..theory.theta import ThetaScheme
 from .beam import BeamSolid
-from .contact import VELOCITY, GuideContact
+from .contact import VELOCITY, GuideContact, refuse_beyond, tip_depth
 from .drive import AxialLaw, Driven
 from .guide import Guide
 from .settle import settle
 
 
 def time_at(history: History, travel: float) -> float:
-    """When a rod first passed a travel, s, by the columns "travel" and "speed" of its history; NaN
-    if it did not. Within a step its acceleration is constant."""
+    """When a rod first passed a travel, in or out, s, by the columns "travel" and "speed" of its
+    history; NaN if no two rows of it enclose that. In between its acceleration is constant."""
     z, v, t = history["travel"], history["speed"], history.time
-    i = int(np.searchsorted(z, travel))
-    if i == len(z):
+    low, high = np.sort([z[:-1], z[1:]], axis=0)
+    near = SAME * float(np.ptp(z))
+    rows = np.flatnonzero((low - near <= travel) & (travel <= high + near))
+    if not len(rows):
         return float("nan")
-    rate, way = (v[i] - v[i - 1]) / (t[i] - t[i - 1]), travel - z[i - 1]
-    return float(t[i - 1] + 2 * way / (v[i - 1] + np.sqrt(v[i - 1] ** 2 + 2 * rate * way)))
+    i = int(rows[0])
+    way = travel - z[i]
+    if abs(way) <= near:
+        return float(t[i])
+    dt = t[i + 1] - t[i]
+    rate = (v[i + 1] - v[i]) / dt
+    start = (z[i + 1] - z[i]) / dt - rate * dt / 2  # with which it comes to the next row
+    root = np.sqrt(max(start**2 + 2 * rate * way, 0.0))
+    return float(t[i] + 2 * way / (start + np.sign(way) * root))
 
 
 @dataclass(frozen=True)
@@ -52,7 +61,7 @@ class Passage:
     contact: GuideContact
 
     def time_at(self, travel: float) -> float:
-        """When the rod passed a travel, s; see :func:`time_at`."""
+        """When the rod first passed a travel, s, NaN if it did not; see :func:`time_at`."""
         return time_at(self.history, travel)
 
     def speed_at(self, travel: float) -> float:
@@ -142,13 +151,17 @@ class RodDrop:
         """Let the rod go.
 
         Args:
-            until: patience, s.
+            until: patience, s; the defaults of all ways are for SI units.
             dt: step, s.
             to: travel at which the drop ends; default: where the rod meets its stop, or the time
-                is up. inf: where the stop has brought it to rest.
+                is up. inf: where the stop has brought it to rest. A stop that turns it back before
+                is the reason of the history.
             watch: called with the contact after each step, a ForceMap say.
+
+        Raises:
+            InputError: a travel ``to`` that is beyond the end of the guide.
         """
-        contact = self._settled()
+        contact = self._settled(to)
         rod = contact.solid.rod
         stop = rod.law.stop if rod.law else None
         turn = np.inf if stop is None else stop
@@ -158,15 +171,24 @@ class RodDrop:
             return rod.travel >= end or (rod.travel > turn and rod.speed < 0)
 
         scene = Scene([contact.solid], [contact], self.scheme)
-        return _passage(scene, until, dt, ends if min(end, turn) < np.inf else None, watch)
+        way = _passage(scene, until, dt, ends if min(end, turn) < np.inf else None, watch)
+        if way.history.finished and turn < end < np.inf and rod.travel < end:
+            way.history.reason = (
+                f"the stop turned {rod.name!r} back at the travel "
+                f"{way.history['travel'].max():.6g} m, before to = {end:.6g} m"
+            )
+        return way
 
     def insert(self, travel: float, *, speed: float = 0.5, step: float = 1e-3) -> Passage:
-        """Push the rod in slowly.
+        """Push the rod in slowly; the defaults are for SI units.
 
         Args:
             travel: how far, m.
             speed: m/s.
             step: way of a step, m.
+
+        Raises:
+            InputError: numbers that are not positive, a travel beyond the end of the guide.
         """
         return self._driven(travel, speed, step)[0]
 
@@ -182,16 +204,19 @@ class RodDrop:
     def _driven(self, travel: float, speed: float, step: float) -> tuple[Passage, Scene]:
         for name, value in (("travel", travel), ("speed", speed), ("step", step)):
             checks.number(name, value, above=0)
-        contact = self._settled(Driven(speed))
+        contact = self._settled(travel, Driven(speed))
         scene = Scene([contact.solid], [contact], ThetaScheme(1.0, forces="end"))
         return _passage(scene, travel / speed, step / speed), scene
 
-    def _settled(self, law: AxialLaw | None = None) -> GuideContact:
-        """The contact of a fresh rod that has come to rest in its guide, driven by a law."""
+    def _settled(self, travel: float | None, law: AxialLaw | None = None) -> GuideContact:
+        """The contact of a fresh rod that has come to rest in its guide, driven by a law, and
+        meant to go to a travel, m, if that is known."""
         rod = checks.instance("rod()", self._rod(), BeamSolid, "a BeamSolid")
         settle(rod, self._stretch, self.guide)
         if law is not None:
             rod.law = law
+        if travel is not None and travel < np.inf:
+            refuse_beyond(rod, self._stretch, self.guide, travel)
         return GuideContact(
             rod, self._stretch, self.guide, self.formulation, self.friction, name="guide"
         )
@@ -232,4 +257,7 @@ def _passage(
         },
         stop_when=stop_when,
     )
+    out = contact.obstacle.bottom - tip_depth(rod, contact.facets, contact.obstacle, 0.0)
+    if np.isfinite(when := time_at(history, out)):
+        history.remarks.append((when, f"{rod.name!r} leaves its guide at the lower end"))
     return Passage(history, rod, contact)

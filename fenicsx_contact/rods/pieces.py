@@ -141,7 +141,7 @@ class Tube:
 
     Args:
         top, bottom: depths, m.
-        clearance: radial, m; or pairs (depth, clearance), linear in between.
+        clearance: radial, m; or pairs (depth, clearance), linear in between, constant beyond.
         curve: of its centre line.
         kinks: depths at which the curve has a kink.
 
@@ -184,7 +184,8 @@ class Tube:
         """Depths and clearances between which the clearance is linear."""
         if not isinstance(self.clearance, float):
             depth, clearance = np.array(self.clearance, dtype=float).T
-            return depth, clearance
+            knots = np.unique([self.top, *depth, self.bottom])
+            return knots, np.interp(knots, depth, clearance)
         return np.array([self.top, self.bottom]), np.full(2, self.clearance, dtype=float)
 
     def stations(self) -> list[float]:

@@ -23,7 +23,7 @@ def told(given: Any) -> str:
     if isinstance(given, Mapping):
         return "{" + ", ".join(f"{told(k)}: {told(v)}" for k, v in given.items()) + "}"
     if isinstance(given, (list, tuple)):
-        return "(" + ", ".join(map(told, given)) + ")"
+        return "[" + ", ".join(map(told, given)) + "]"
     name = getattr(given, "__name__", type(given).__name__)
     values = given if isinstance(given, np.ndarray) else getattr(given, "value", None)
     if values is not None:  # an array, or a Constant
@@ -36,4 +36,4 @@ def told(given: Any) -> str:
 def given(arguments: Mapping[str, Any]) -> str:
     """Those of some arguments that say anything, by their names."""
     every = {name: told(each) for name, each in arguments.items()}
-    return "".join(f", {n} {text}" for n, text in every.items() if text not in ("None", "()", "{}"))
+    return "".join(f", {n} {text}" for n, text in every.items() if text not in ("None", "[]", "{}"))

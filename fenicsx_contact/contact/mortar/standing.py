@@ -96,41 +96,41 @@ class Standing:
         hits = hits[first_of_each(ray[hits])]
         heights, foot = np.full(corners.size, np.inf), np.full(corners.size, -1)
         heights[ray[hits]], foot[ray[hits]] = height[hits], below[hits]
-        every, lowest = np.arange(len(asked)), heights.reshape(-1, c).argmin(axis=1)
-        # whose corners are level to round-off lies on all of them, unless it stands on one already
-        low = np.sort(heights.reshape(-1, c), axis=1)
-        bent = bears[corners].any(axis=1) | (
-            low[:, d - 1] > low[:, 0] + ROUND_OFF * largest(places)
+        heights, foot, noise = (
+            heights.reshape(-1, c),
+            foot.reshape(-1, c),
+            ROUND_OFF * largest(places),
         )
-        heights, foot = (each.reshape(-1, c)[every, lowest] for each in (heights, foot))
+        # whose corners are level to round-off lies on all of them, unless it stands on one already
+        low = np.sort(heights, axis=1)
+        bent = bears[corners].any(axis=1) | (low[:, d - 1] > low[:, 0] + noise)
+        sharp = ((heights <= low[:, :1] + noise) & (self._edges[corners, 0] >= 0)).any(axis=1)
 
         # and sharp corners of that above it
         c = master.corners.shape[1]
         point, of = master.corners[other].ravel(), facet.repeat(c)
-        sharp = self._rivals[point]
-        point, of = point[sharp], of[sharp]
+        rival = self._rivals[point]
+        point, of = point[rival], of[rival]
         xi, height, *_ = intersect(xm[point], unit[of], side, xs, asked[of])
         over = side.holds(xi, EDGE)
         rivals = np.full(len(asked), np.inf)
         np.minimum.at(rivals, of[over], -height[over])
 
-        ends = self._edges[corners[every, lowest]]
-        stands = bent & (ends[:, 0] >= 0) & (heights < rivals - EDGE * side.sizes[asked])
-        stands = np.flatnonzero(stands)
-        edge = xs[ends[stands, 1]] - xs[ends[stands, 0]]
-        return self._stance(xs, asked[stands], foot[stands], edge, heights[stands], bears)
+        stands = bent & sharp & (low[:, 0] < rivals - EDGE * side.sizes[asked])
+        return self._stance(xs, asked[stands], foot[stands], heights[stands], noise, bears)
 
     def _stance(
         self,
         xs: np.ndarray,
         facet: np.ndarray,
         foot: np.ndarray,
-        edge: np.ndarray,
         height: np.ndarray,
+        noise: float,
         bears: np.ndarray,
     ) -> Stance:
-        """That of facets (q,) that stand on those of the master, (q,), with edges (q, d), so high
-        above it, and of those in one plane with them: a flat face stands, or lies, as a whole."""
+        """That of facets (q,) that stand on those of the master, their corners on (q, c) and so
+        high above them, and of those in one plane with them: a flat face stands, or lies, as a
+        whole."""
         side, result = self._slave, Stance(self._none.facet.copy(), self._none.along.copy())
         if not len(facet):
             return result
@@ -139,7 +139,7 @@ class Standing:
         middle = xs[side.corners].mean(axis=1)
         lies = bears[side.corners].sum(axis=1) >= side.dim
         done = np.zeros(len(side.cells), dtype=bool)
-        for i in np.argsort(height, kind="stable"):
+        for i in np.argsort(height.min(axis=1), kind="stable"):
             one = facet[i]
             if done[one]:
                 continue
@@ -149,7 +149,31 @@ class Standing:
             which = np.flatnonzero(level)
             if lies[which].any():
                 continue
+            mine = level[facet]
+            below, edge = self._lowest(
+                xs, side.corners[facet[mine]], foot[mine], height[mine], noise
+            )
             basis = np.moveaxis(np.concatenate([g[:, which], unit[None, which]]), 0, 2)
-            share = (inverses(basis) @ edge[i])[:, :-1]  # in the planes of the facets
-            result.facet[which], result.along[which] = foot[i], share @ side.middle_slopes
+            share = (inverses(basis) @ edge)[:, :-1]  # in the planes of the facets
+            result.facet[which], result.along[which] = below, share @ side.middle_slopes
         return result
+
+    def _lowest(
+        self,
+        xs: np.ndarray,
+        corners: np.ndarray,
+        foot: np.ndarray,
+        height: np.ndarray,
+        noise: float,
+    ) -> tuple[int, np.ndarray]:
+        """The facet of the master below the lowest of these corners, and the edge (d,) on which
+        they stand. Of those that are alike, which round-off must not choose from, the first in
+        space at rest; they all stand on the edge between them."""
+        low = height <= height.min() + noise
+        at, first = np.unique(corners[low], return_index=True)
+        order = np.lexsort(self._slave.nodes[at].T)
+        one = at[order[0]]
+        ends = self._edges[one]
+        if len(at) > 1:
+            ends = one, at[((xs[at] - xs[one]) ** 2).sum(axis=1).argmax()]
+        return foot[low][first[order[0]]], xs[ends[1]] - xs[ends[0]]

@@ -30,7 +30,7 @@ def bent(dim, clearance, curve, friction, law=None):
     return RodDrop(rod, "rod", Guide([Tube(-3, 3, clearance, curve)], zero), friction=friction)
 
 
-@pytest.mark.parametrize(("clearance", "step"), [(5e-4, 1e-2), (2e-4, 4e-3), (2e-4, 1e-3)])
+@pytest.mark.parametrize(("clearance", "step"), [(2e-4, 1e-2), (2e-4, 4e-3), (2e-4, 1e-3)])
 def test_a_plane_tube_in_space_is_a_plane_problem(clearance, step):
     """A rod that is pressed on a round wall is pushed back to its lowest line, as stiffly as the
     hole is narrow: explicitly, that would throw the rod out of it."""

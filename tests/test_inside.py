@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 from corpus_meshes import ring_mesh
 from processes import HANGS, mpirun
-from scenes import box, rectangle
+from scenes import G, box, rectangle
 from test_self_contact import round_ring
 
 from fenicsx_contact import (
+    Circle,
     Contact,
     ElasticSolid,
     InputError,
@@ -203,3 +204,20 @@ def test_no_fast_body_ends_inside_in_silence(d, seed):
         deep = max(deep, deepest(places, other, np.full(len(places), 0.01 * size)))
     remarks = " ".join(text for _, text in history.remarks)
     assert not deep or not history.finished or "inside its master" in remarks, (deep, history)
+
+
+@pytest.mark.parametrize("kind", ["rigid", "elastic"])
+@pytest.mark.parametrize("radius", [0.05, 0.2])
+def test_an_obstacle_inside_a_body_is_refused(kind, radius):
+    """No facet of the body is near it: the body fell as if nothing were there."""
+    mesh = rectangle((8, 8), (1.0, 1.0))
+    if kind == "rigid":
+        body = RigidSolid(mesh, mass=1.0, gravity=(0, -G))
+    else:
+        numbers = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}
+        body = ElasticSolid(mesh, gravity=(0, -G), **numbers)
+    contact = Contact(body, "base", Circle((0.0, 0.5), radius))
+    with pytest.raises(InputError, match=r"the obstacle, .* deep, inside"):
+        Scene([body], [contact])
+    beside = Contact(body, "base", Circle((0.0, -radius), radius))
+    Scene([body], [beside])

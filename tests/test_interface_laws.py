@@ -507,3 +507,40 @@ def test_a_function_of_another_mesh_is_refused():
     friction = fem.Function(compat.lagrange_space(elsewhere))
     with pytest.raises(InputError, match="outside of its mesh"):
         contact_with(friction)
+
+
+@pytest.mark.parametrize("law", ["coulomb", "static-kinetic"])
+def test_a_parameter_that_becomes_negative_ends_the_run(law):
+    """It was asked at the start only, and friction then gave energy."""
+    falling = 0.3, 10.0  # mu = 0.3 - 10 t
+    mu = lambda x, t: falling[0] - falling[1] * t  # noqa: E731
+    body = thrown()
+    friction = mu if law == "coulomb" else StaticKinetic(mu, 0.0)
+    history = Scene([body], [Contact(body, "base", FLOOR, friction=friction)]).run(0.1, 2e-3)
+    assert not history.finished
+    assert "must be finite and >= 0; at [" in history.reason
+    assert history.time[-1] == pytest.approx(0.03, rel=0.05)
+    assert np.isfinite(history["kinetic"]).all()
+
+
+@pytest.mark.parametrize("plane", ["strain", "axisymmetric"])
+@pytest.mark.parametrize("metre", [1.0, 1e3])
+def test_wear_of_a_solid_of_revolution(plane, metre):
+    """Worn depth k/H p s, in any unit of length; it was 2 pi r times that."""
+    inner, outer, wear, hardness, speed = 0.1 * metre, 0.2 * metre, 1e-6, 1e9 / metre, 2.0 * metre
+    mesh = rectangle((4, 2), (outer - inner, 0.05 * metre))
+    mesh.mesh.geometry.x[:, 0] += 0.5 * (inner + outer)
+    ring = ElasticSolid(
+        mesh,
+        youngs_modulus=1e8 / metre,
+        poisson_ratio=0.0,
+        density=1e3 / metre**3,
+        plane=plane,
+        tractions={"top": (0, -1e5 / metre)},
+        prescribed={"left": (0, None), "right": (0, None)},
+    )
+    belt = LevelSet(lambda x, t: x[1], dim=2, velocity=lambda x, t: (speed, 0.0))
+    contact = Contact(ring, "base", belt, "gap", friction=Archard(1e-6, wear, hardness))
+    assert Scene([ring], [contact], QuasiStatic()).run(1.0, 0.1).finished
+    expected = wear / hardness * contact.pressure * speed
+    np.testing.assert_allclose(contact.memory.values["worn"], expected, rtol=1e-5)

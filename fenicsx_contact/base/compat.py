@@ -64,6 +64,12 @@ def cell_name(mesh: Any) -> str:
     return mesh.basix_cell().name if MODERN else mesh.topology.cell_type.name
 
 
+def gmsh_order(cell: str, nodes: int) -> np.ndarray:
+    """Where the nodes of a cell of dolfinx stand among those of gmsh."""
+    kind = getattr(dolfinx.mesh.CellType, cell)
+    return np.asarray(dolfinx.cpp.io.perm_gmsh(kind, nodes))
+
+
 def cell_geometry(mesh: Any) -> np.ndarray:
     """Geometry nodes of the local cells, (m, k)."""
     if VERSION >= (0, 11):

@@ -7,11 +7,10 @@ import re
 from pathlib import Path
 from typing import Any
 
-import dolfinx
 import numpy as np
 from mpi4py import MPI
 
-from . import checks, shipped
+from . import checks, compat, shipped
 from .cells import ALLOWED, NODES
 from .mesh import NamedMesh
 from .mesh_session import opened
@@ -88,8 +87,7 @@ def _solid(model: Any) -> ReadSolid:
     if others or cells.shape[1] not in NODES.get(cell, ()):
         strange = ", ".join(sorted(solid))
         raise checks.InputError(f"has cells of type {strange}; allowed are {ALLOWED}")
-    kind = getattr(dolfinx.mesh.CellType, cell)
-    read = ReadSolid(x, cells[:, dolfinx.cpp.io.perm_gmsh(kind, cells.shape[1])], cell)
+    read = ReadSolid(x, cells[:, compat.gmsh_order(cell, cells.shape[1])], cell)
     for name, group in _groups(model, dim - 1).items():
         found = read.these(name, list(elements(dim - 1, group).values()), partly=False)
         if len(found):

@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Points inside a solid, by all facets that bound it: those of a contact see each other only near
-surfaces, and what lies deeper looks as if it were apart."""
+"""What lies inside a solid, by all facets that bound it: those of a contact see each other, or an
+obstacle, only near surfaces, and what lies deeper looks as if it were apart."""
 
 from __future__ import annotations
 
 import numpy as np
+from mpi4py import MPI
 
+from ..base import compat
 from ..base.cells import NODES
+from ..base.checks import StepFailed
+from ..base.mesh import NamedMesh
 from ..solids import Solid
 from .mortar.search import Near, Spheres
+from .wall import Wall
 
 #: Cost: the direction in which points look for the facets around them, which no symmetry of a mesh
 #: is likely to have: what passes through an edge of two facets is not told from what misses both.
@@ -63,6 +68,25 @@ def within(points: np.ndarray, simplices: np.ndarray) -> np.ndarray:
     shares[whole] = np.linalg.inv(arm[whole])[:, :, 0]
     hit = whole & (shares > 0).all(axis=1) & ((shares * along).sum(axis=1) > 0)
     return np.bincount(ray[hit], minlength=len(x)) % 2 == 1
+
+
+def swallowed(solid: Solid, wall: Wall, most: float) -> float:
+    """How far inside an obstacle, at time 0, the nodes or middles of cells of a solid are at most,
+    in m, where all its boundary is outside: it has swallowed the obstacle; 0 if it has not, or if
+    that is less than ``most``."""
+    mesh = getattr(solid, "mesh", None)
+    if not isinstance(mesh, NamedMesh):
+        return 0.0
+    skin = solid.trace(mesh.skin()[0]).positions()
+    x = mesh.mesh.geometry.x[:, : mesh.dim] + solid.fields()["displacement"]
+    points = np.concatenate([x, x[compat.cell_geometry(mesh.mesh)].mean(axis=1)])
+    try:
+        outside = (wall.distance(skin, 0.0) >= 0).all()
+        depth = -wall.distance(points, 0.0).min(initial=0.0) if outside else 0.0
+    except StepFailed:  # its distances are for points outside
+        depth = 0.0
+    depth = mesh.mesh.comm.allreduce(depth, MPI.MAX)
+    return float(depth) if depth > most else 0.0
 
 
 def _distance(point: np.ndarray, simplices: np.ndarray) -> float:

@@ -83,9 +83,15 @@ class LawFields:
         self.numbers: dict[Any, Any] = {}
         self._constants: list[tuple[Any, Feed]] = []
         self._functions: list[tuple[Any, Feed]] = []
+        self._varying: list[tuple[str, compat.PointExpression]] = []
+        self._asked: Step | None = None  # in which these were
 
     def feed(self, contact: Teller, step: Step) -> bool:
-        """Tell the fields what the step is; whether a constant has changed."""
+        """Tell the fields what the step is; whether a constant has changed.
+
+        Raises:
+            StepFailed: a parameter is negative, or not finite.
+        """
         changed = False
         for constant, told in self._constants:
             value = float(told(contact, step))
@@ -93,7 +99,20 @@ class LawFields:
             constant.value = value
         for function, told in self._functions:
             function.x.array[:] = told(contact, step)
+        if self._varying and self._asked is not step:
+            self._asked = step
+            for name, values in self._varying:
+                if strange := self._strange(at_points(self.surface, values)):
+                    raise checks.StepFailed(f"{name} must be finite and >= 0; {strange}")
         return changed
+
+    def _strange(self, values: np.ndarray) -> str:
+        """Where values at the points (n,) are negative or not finite, or nothing."""
+        fine = np.isfinite(values) & (values >= 0)
+        if fine.all():
+            return ""
+        at = int(fine.argmin())
+        return f"at {self.surface.points[at].tolist()} it is {values[at]}"
 
     def _constant(self, feed: Feed, value: float = 0.0) -> Any:
         constant = self.surface.constant(value)
@@ -170,9 +189,13 @@ class LawFields:
                 anew in every step.
 
         Raises:
-            InputError: it is no scalar, or negative or not finite at the start.
+            InputError: it is no scalar, or negative or not finite at the start; later a step in
+                which it is fails.
         """
-        return self._read(name, value)[0]
+        field, _ = self._read(name, value)
+        if not isinstance(value, Real):
+            self._varying.append((name, compat.PointExpression(field, self.surface.scalars)))
+        return field
 
     def _read(self, name: str, value: Any) -> tuple[Any, np.ndarray | float]:
         """The parameter, and its values at the points at the start."""
@@ -185,11 +208,8 @@ class LawFields:
             start = at_points(self.surface, compat.PointExpression(field, self.surface.scalars))
         except Exception as error:  # of the user's function, of UFL, of the compiler
             raise checks.InputError(f"{refusal}; {error}") from None
-        fine = np.isfinite(start) & (start >= 0)
-        if not fine.all():
-            at = int(fine.argmin())
-            where = self.surface.points[at].tolist()
-            raise checks.InputError(f"{refusal}; at {where} it is {start[at]}")
+        if strange := self._strange(start):
+            raise checks.InputError(f"{refusal}; {strange}")
         return field, start
 
     def _call(self, value: Callable[..., Any]) -> Any:

@@ -13,6 +13,7 @@ from ..solids import Solid, Trace
 from ..solids.trace import DeformableTrace
 from ..theory.theta import Step
 from .equations import SurfaceEquations
+from .inside import swallowed
 from .jump import Coupling
 from .leaps import refuse_leaps
 from .wall import Obstacle, Wall
@@ -190,6 +191,11 @@ class NodalJump(Coupling):
             back = leaves(middle)
             near, far = np.where(back, near, middle), np.where(back, middle, far)
         return np.where(turns, -wall.distance(place(near), time) - self.bulge - self.recess, end)
+
+    def swallowed(self, most: float) -> str:
+        solid = self.solids[0]
+        depth = 0.0 if self.encloses else swallowed(solid, self.wall, most)
+        return f"the obstacle, {depth:.4g} deep, inside {solid.name!r}" if depth else ""
 
     @property
     def reference(self) -> np.ndarray:

@@ -7,29 +7,7 @@ page. Cause and remedy are ``history.advice``.
 
 from __future__ import annotations
 
-import re
-from typing import NamedTuple
-
-
-class Stop(NamedTuple):
-    """Something that a reason may say.
-
-    Attributes:
-        name: by which it is found on the page.
-        says: the words, "..." for what varies.
-        cause, remedy: in Markdown.
-    """
-
-    name: str
-    says: str
-    cause: str
-    remedy: str
-
-    def __call__(self, reason: str) -> bool:
-        """Whether a reason says so."""
-        words = re.escape(self.says.strip(".")).replace(re.escape("..."), ".*?")
-        return re.search(words, reason, re.DOTALL) is not None
-
+from .stop import Stop
 
 #: By section of the page; within a section what is special comes before what is general.
 STOPS = {
@@ -47,6 +25,12 @@ STOPS = {
             "a rod whose axial force bends it is pressed by more than it bears straight: from "
             "where it is more than one motion solves a step so long",
             "shorter steps; they are cut by themselves, but not without end",
+        ),
+        Stop(
+            "parameter",
+            "... must be finite and >= 0; ...",
+            "a parameter of a law that varies in space or time has become negative, or no number",
+            "another function, or an end of the run before that",
         ),
         Stop(
             "row stalls",

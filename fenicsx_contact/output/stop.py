@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Something that the reason of a run may say."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+
+class Stop(NamedTuple):
+    """Something that a reason may say.
+
+    Attributes:
+        name: by which it is found on the page.
+        says: the words, "..." for what varies.
+        cause, remedy: in Markdown.
+    """
+
+    name: str
+    says: str
+    cause: str
+    remedy: str
+
+    def __call__(self, reason: str) -> bool:
+        """Whether a reason says so."""
+        words = re.escape(self.says.strip(".")).replace(re.escape("..."), ".*?")
+        return re.search(words, reason, re.DOTALL) is not None

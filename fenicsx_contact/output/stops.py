@@ -238,6 +238,12 @@ STOPS = {
             "run longer",
         ),
         Stop(
+            "turned back",
+            "the stop turned ... back at the travel ... m, before to = ... m",
+            "a rod was to fall farther than its stop lets it",
+            "a shorter way, or another stop of its `Fall`",
+        ),
+        Stop(
             "cannot be written",
             "... cannot be written: ...",
             "disk full, no permission",

@@ -698,3 +698,31 @@ def test_functions_of_numbers_where_ufl_is_asked_for(name, function, capfd, capl
     """Refused at once, in one message; UFL itself says nothing."""
     refused(lambda: FUNCTIONS[name](function), name.split()[0], "UFL")
     assert not caplog.records and not "".join(capfd.readouterr())
+
+
+def later(t):
+    """A load, or a motion, that is no number after a while."""
+    return 0.0, -10.0 * t if t < 0.01 else np.nan
+
+
+@pytest.mark.parametrize("what", ["force", "tractions", "prescribed", "body_force"])
+def test_a_load_that_becomes_no_number_ends_the_run(what):
+    """Its reason says so, and what went before is kept: it raised out of the run."""
+    if what == "force":
+        body = RigidSolid(rectangle(), mass=1.0, force=later)
+    else:
+        given = {"tractions": {"top": later}, "prescribed": {"top": later}, "body_force": later}
+        numbers = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}
+        body = ElasticSolid(rectangle((2, 2)), **numbers, **{what: given[what]})
+    history = Scene([body], [Contact(body, "base", FLOOR)]).run(0.02, 1e-3)
+    assert not history.finished and "nan" in history.reason and "(see: " in history.reason
+    assert history.time[-1] == pytest.approx(0.01, abs=1e-5)
+    assert np.isfinite(history.rows()).all()
+
+
+def test_gravity_across_an_axis_of_revolution_is_refused():
+    numbers = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}
+    with pytest.raises(InputError, match=r"gravity = .* along the axis of revolution"):
+        mesh = rectangle((2, 2), (0.2, 0.1))
+        mesh.mesh.geometry.x[:, 0] += 0.3
+        ElasticSolid(mesh, plane="axisymmetric", gravity=(1.0, -9.81), **numbers)

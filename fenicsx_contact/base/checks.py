@@ -7,7 +7,8 @@ And the exception of a step that cannot be taken.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -27,6 +28,18 @@ class InputError(ValueError):
 
 class StepFailed(RuntimeError):
     """A step that cannot be taken at its length; the message is the reason."""
+
+
+@contextmanager
+def asked_at(time: float) -> Iterator[None]:
+    """Within it input is asked for what it is at a time, s: what cannot be computed with at the
+    start is refused, later a step fails by it."""
+    try:
+        yield
+    except InputError as error:
+        if time > 0:
+            raise StepFailed(str(error)) from None
+        raise
 
 
 def plain(value: Any) -> Any:

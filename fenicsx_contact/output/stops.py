@@ -27,6 +27,18 @@ STOPS = {
             "shorter steps; they are cut by themselves, but not without end",
         ),
         Stop(
+            "load",
+            "...(...) = ...: must be ... finite number...",
+            "a load or a motion, a function of time, is no number from then on",
+            "another function, or an end of the run before that",
+        ),
+        Stop(
+            "leaves its guide",
+            "... leaves its guide sideways at the depth ... m, ...",
+            "a point of a rod is deeper in a wall than its hole is wide",
+            "shorter steps; `geometry=\"newton\"`",
+        ),
+        Stop(
             "parameter",
             "... must be finite and >= 0; ...",
             "a parameter of a law that varies in space or time has become negative, or no number",

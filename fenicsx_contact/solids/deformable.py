@@ -140,6 +140,10 @@ class DeformableSolid(SystemRows, Stressed):
         self.parameters += given(held | {"tractions": tractions, "body force": body_force})
         if gravity is not None:
             acceleration = checks.vector("gravity", gravity, mesh.dim)
+            if self.revolution and acceleration[0]:
+                raise checks.InputError(
+                    f"gravity = {gravity!r}: must be along the axis of revolution, (0, g)"
+                )
             self.parameters += f", gravity {acceleration.tolist()}"
             self.weight = self.inertia.weight(acceleration)
 
@@ -206,7 +210,8 @@ class DeformableSolid(SystemRows, Stressed):
         self.trial_velocity = self.velocity.copy()
         self._target = None
         if self.supports.moving and step.loaded:
-            self._target = self.supports.values(step.end)
+            with checks.asked_at(step.end):
+                self._target = self.supports.values(step.end)
             way = self._target - self.displacement[self.fixed_unknowns]
             self.trial_velocity[self.fixed_unknowns] = way / step.span
         self._move(step)

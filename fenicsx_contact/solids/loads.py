@@ -115,4 +115,5 @@ class Loads:
 
     def total(self, time: float) -> np.ndarray:
         """The load at a time, for the owned unknowns, N."""
-        return np.sum([part.at(time) for part in self._parts], axis=0)
+        with checks.asked_at(time):
+            return np.sum([part.at(time) for part in self._parts], axis=0)

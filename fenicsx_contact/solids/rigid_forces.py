@@ -39,8 +39,10 @@ class Applied:
 
     def at(self, time: float) -> np.ndarray:
         """Of all unknowns at a time, N and N m."""
-        pull = checks.vector(*_now("force", self._force, time), self._dim)
-        return np.concatenate([pull, angles(*_now("torque", self._torque, time), self._spins)])
+        with checks.asked_at(time):
+            pull = checks.vector(*_now("force", self._force, time), self._dim)
+            turn = angles(*_now("torque", self._torque, time), self._spins)
+        return np.concatenate([pull, turn])
 
 
 def _now(what: str, given: Any, time: float) -> tuple[str, Any]:

@@ -24,9 +24,11 @@ def nonlinearity(contact: Contact, step: Step) -> tuple[float, float, float]:
     predicted = contact.coupling.encloses and not in_round_hole(contact)
     if not (contact.coupling.fixed_normal or predicted):
         turned = (contact.coupling.normals() - contact.normal)[points]
+        jump = max(jump, largest(dot(linear[points], turned)))
         force = np.linalg.norm(candidate_force(contact).reshape(turned.shape), axis=1)
         off = contact.push(force * np.linalg.norm(turned, axis=1), step)
-        jump = max(jump, largest(dot(linear[points], turned)), off)
+        speed = contact.equations.speed
+        jump = max(jump, off * speed / max(speed, contact.push(force, step)))  # in shares of both
     gap = 0.0
     if contact.formulation.gap_share:
         expected = contact.end_gap + step.gap_rate * dot(linear, contact.normal)

@@ -108,13 +108,12 @@ def test_what_falls_alike_without_contact_stays_together(ratio, dt):
     assert history["newton"].max() <= 10
 
 
-@pytest.mark.parametrize("seen", [True, False])
 @pytest.mark.parametrize("point", range(4))
-def test_what_meets_nothing_bears_nothing(point, seen, monkeypatch):
+def test_what_meets_nothing_bears_nothing(point, monkeypatch):
     """The same with one point, asked once: that step is not accepted, and the next one is right.
 
     Asked in every step, short ones too, the block would tip round the point: a solution of a coarse
-    step, wrong only by what is not asked. Where nobody saw how deep it goes the certificate does.
+    step, wrong only by what is not asked.
     """
     narrow, asked = Candidates.narrow, []
 
@@ -126,14 +125,10 @@ def test_what_meets_nothing_bears_nothing(point, seen, monkeypatch):
             self.choose()
 
     monkeypatch.setattr(Candidates, "narrow", first)
-    if not seen:
-        monkeypatch.setattr("fenicsx_contact.steps.step.missed", lambda *_: "")
     problem = stacked(mass_ratio=1e4, dt=1.0, steps=2)
     history = problem.run()
     assert asked and len(history.remarks) == 1
-    why = history.remarks[0][1]
-    assert why.startswith("step halved to 0.5 s")
-    assert seen or point not in (1, 2) or "no certificate: relative error of contact" in why
+    assert history.remarks[0][1].startswith("step halved to 0.5 s")
     assert history.finished and problem.error(history) < problem.bound
 
 

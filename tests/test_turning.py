@@ -12,7 +12,9 @@ from scipy.integrate import solve_ivp
 from fenicsx_contact import (
     Circle,
     Contact,
+    Curve,
     LevelSet,
+    Restitution,
     RigidSolid,
     Scene,
     Sphere,
@@ -207,3 +209,31 @@ def test_at_an_edge_normals_turn_by_any_angle(angle, tmp_path):
     history = Scene([mass], [contact]).run(until=0.1, dt=1e-2)
     assert history.finished
     assert np.isfinite(mass.velocity).all() and np.isfinite(contact.pressure).all()
+
+
+def folded(angle, how):
+    """A floor that goes on as a ramp, one wall."""
+    c, s = float(np.cos(angle)), float(np.sin(angle))
+    if how == "curve":
+        return Curve([(-1, 0), (0, 0), (1, s / c)])
+    return LevelSet(lambda x, t: ufl.min_value(x[1], c * x[1] - s * x[0]), dim=2)
+
+
+@pytest.mark.parametrize("how", ["curve", "level set"])
+@pytest.mark.parametrize("angle", [10, 30, 45, 60, 80])
+@pytest.mark.parametrize(
+    ("law", "located"), [("velocity", False), ("velocity", True), ("e", False)]
+)
+def test_a_fold_is_no_turn(how, angle, law, located, tmp_path):
+    """What comes along a floor strikes the ramp, though both are one wall: a mean normal would let
+    it go up as fast as it came."""
+    angle, speed = np.deg2rad(angle), 2.0
+    mass = tip(tmp_path, (-0.0987, 0.0), (speed, 0.0), gravity=0.0)
+    contact = Contact(mass, "skin", folded(angle, how), Restitution(0.0) if law == "e" else law)
+    scene = Scene([mass], [contact], locate_impacts=located)
+    history = scene.run(until=0.1, dt=5e-3)
+    assert history.finished
+    along = np.array([np.cos(angle), np.sin(angle)])
+    np.testing.assert_allclose(mass.velocity[:2], speed * along[0] * along, atol=1e-9)
+    lost = -0.5 * mass.mass * (speed * along[1]) ** 2
+    assert history["impact"][-1] == pytest.approx(lost, rel=1e-9)

@@ -216,9 +216,8 @@ class Contact(SurfaceResults):
         self._start_gap = np.where((gap < 0) & (gap >= -closed), 0.0, gap)
         self._told, e = step, self.equations
         touches = (self.status > 0) | (self.gap >= -self.tolerance)
-        share = self.coupling.end_share(step)
-        normals = start_normals(e.fields, self._start_normal, self.normal, touches, share)
-        start = dot(self.jump, normals)
+        ends = self._start_normal, self.normal
+        start = dot(self.jump, start_normals(e.fields, self.coupling, step, ends, touches))
         self.start_jump_n = np.where(np.abs(start) <= self.resolution, 0.0, start)
         e.gap[:], e.start_jump_n[:] = self._start_gap, self.start_jump_n
         e.fields.set_start_slip(self.jump, self.normal, self.resolution)

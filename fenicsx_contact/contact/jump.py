@@ -155,6 +155,11 @@ class Coupling(ABC):
         """Mean velocities in the step of what moves as it is told, (n, d)."""
         return 0.0
 
+    def turns(self, old: np.ndarray, new: np.ndarray, step: Step) -> np.ndarray:
+        """Where normals at the start and at the end of a step, (n, d), are those of what turns on
+        the way, (n,) of bool, not of two faces that meet at an edge."""
+        return np.asarray(dot(old, new) > 0)
+
     def end_share(self, step: Step) -> float:
         """What the normals at the end of a step count in the mean along which forces act."""
         return (1 + step.implicitness) / 2

@@ -116,6 +116,15 @@ class NodalJump(Coupling):
             self._normals = -self.wall.normals(self.traces[0].positions(), self.time)
         return self._normals
 
+    def turns(self, old: np.ndarray, new: np.ndarray, step: Step) -> np.ndarray:
+        places = 0.5 * (self._start_positions + self.traces[0].positions())
+        midway = -self.wall.normals(places, 0.5 * (step.start + step.end))
+        # before an edge or behind it that is one of them, along a round wall their mean
+        length = np.linalg.norm(old + new, axis=1)
+        mean = (old + new) / np.where(length > 0, length, 1.0)[:, None]
+        off, before, behind = (dot(each, each) for each in (midway - n for n in (mean, old, new)))
+        return super().turns(old, new, step) & (off <= np.minimum(before, behind))
+
     def to_jump(self, velocities: np.ndarray) -> np.ndarray:
         jump = velocities.reshape(self._shape)
         return jump - self._end if self.driven else jump

@@ -12,26 +12,35 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base.vectors import dot
+from ..theory.theta import Step
+from .jump import Coupling
 from .surface_fields import SurfaceFields
 
 
 def start_normals(
-    fields: SurfaceFields, old: np.ndarray, new: np.ndarray, touches: np.ndarray, end_share: float
+    fields: SurfaceFields,
+    coupling: Coupling,
+    step: Step,
+    normals: tuple[np.ndarray, np.ndarray],
+    touches: np.ndarray,
 ) -> np.ndarray:
     """The normals (n, d) along which jumps at the start of a step count; tells them to the fields.
 
     Those of the end, where forces act along these alone: by theta = 1, at points that do not touch
-    yet, and where a normal turns by more than a right angle, which no wall's does.
+    yet, and beyond an edge, where what comes along one face strikes the other.
 
     Args:
         fields: of the surface.
-        old, new: normals at the start and at the end, (n, d).
+        coupling: what its points meet.
+        step: that is linearised.
+        normals: at the start and at the end, (n, d).
         touches: points that touch at the start, (n,) of bool.
-        end_share: what the normals at the end count in the mean.
     """
+    (old, new), share = normals, coupling.end_share(step)
     if fields.start_normal is None:
         return new
-    turns = touches & (dot(old, new) > 0) & (end_share < 1)
-    fields.set_start_normal(old, np.where(turns, end_share, 1.0))
+    turns = touches & (share < 1)
+    if turns.any():
+        turns &= coupling.turns(old, new, step)
+    fields.set_start_normal(old, np.where(turns, share, 1.0))
     return np.where(turns[:, None], old, new)

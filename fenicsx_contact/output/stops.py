@@ -36,7 +36,7 @@ STOPS = {
             "leaves its guide",
             "... leaves its guide sideways at the depth ... m, ...",
             "a point of a rod is deeper in a wall than its hole is wide",
-            "shorter steps; `geometry=\"newton\"`",
+            'shorter steps; `geometry="newton"`',
         ),
         Stop(
             "parameter",

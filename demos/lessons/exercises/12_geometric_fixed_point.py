@@ -8,7 +8,7 @@ from fenicsx_contact import HalfSpace
 answer = len(press(1.0, "fixed point", HalfSpace((0, 0), (0, 1)))[0])
 
 # %% [markdown]
-# **2.** A drum of radius 0.3: how many rounds? Reach **14**.
+# **2.** A drum of radius 0.3: how many rounds? Reach **15**.
 
 # %%
 answer = len(press(0.3, "fixed point")[0])

@@ -11,12 +11,15 @@ from fenicsx_contact import (
     Contact,
     ElasticSolid,
     HalfSpace,
+    Heap,
+    InputError,
     RigidSolid,
     Scene,
     ThetaScheme,
 )
 from fenicsx_contact.gradients import (
     Centre,
+    Mass,
     NoDerivative,
     ObstacleShift,
     Start,
@@ -127,3 +130,15 @@ def test_what_does_not_hang_on_the_start_has_its_derivative(rigid):
     back = adjoints(scene, 0.05, 5e-3, asked, {"x": Centre(scene.solids[0], (1, 0))})
     assert not forward.kinks and not back.kinks
     assert back["x"][0] == pytest.approx(forward["x"][-1][0], rel=1e-10)
+
+
+def test_a_heap_is_refused_by_name():
+    boxes = []
+    for i in range(2):
+        mesh = rectangle((1, 1), (0.1, 0.1))
+        mesh.mesh.geometry.x[:, 1] += 0.1 * i
+        boxes.append(RigidSolid(mesh, mass=1.0, gravity=(0, -G), name=f"box {i}"))
+    floor = Contact(boxes[0], "base", FLOOR, name="floor")
+    scene = Scene(boxes, [floor, Heap(boxes, name="heap")])
+    with pytest.raises(InputError, match="contact 'heap' is a Heap, which is not differentiated"):
+        tangents(scene, 0.01, 1e-3, {"mass": Mass(boxes[0])})

@@ -144,6 +144,8 @@ class At(_Linear):
         of: str = "place",
     ) -> None:
         checks.instance("solid", solid, DeformableSolid, "a deformable solid")
+        if solid.comm.size > 1:
+            raise checks.InputError(f"At: solid {solid.name!r} is shared by processes; use one")
         self.solid, self._of = solid, checks.choice("of", of, ["place", "velocity"])
         sites, d = solid.vectors.sites, solid.dim
         off = np.linalg.norm(sites - checks.vector("point", point, d), axis=1)

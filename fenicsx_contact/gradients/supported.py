@@ -74,6 +74,11 @@ def rows_of(
     Raises:
         InputError: what is not supported, by name.
     """
+    if not isinstance(contact, GuideContact) and type(contact) is not Contact:
+        kind = type(contact).__name__
+        raise checks.InputError(
+            f"gradients: contact {contact.name!r} is a {kind}, which is not differentiated"
+        )
     if len(motions) > 1:
         if moving_time:
             raise checks.InputError(

@@ -16,6 +16,7 @@ from fenicsx_contact import (
     RigidSolid,
     Scene,
     ThetaScheme,
+    name_facets,
 )
 from fenicsx_contact.gradients import (
     Centre,
@@ -135,10 +136,11 @@ def test_what_does_not_hang_on_the_start_has_its_derivative(rigid):
 def test_a_heap_is_refused_by_name():
     boxes = []
     for i in range(2):
-        mesh = rectangle((1, 1), (0.1, 0.1))
-        mesh.mesh.geometry.x[:, 1] += 0.1 * i
+        mesh = rectangle((1, 1), (0.1, 0.1)).mesh
+        mesh.geometry.x[:, 1] += 0.1 * i
+        mesh = name_facets(mesh, {"skin": lambda x: np.full(x.shape[1], True)})
         boxes.append(RigidSolid(mesh, mass=1.0, gravity=(0, -G), name=f"box {i}"))
-    floor = Contact(boxes[0], "base", FLOOR, name="floor")
-    scene = Scene(boxes, [floor, Heap(boxes, name="heap")])
+    floor = Contact(boxes[0], "skin", FLOOR, name="floor")
+    scene = Scene(boxes, [floor, Heap(boxes, "skin", name="heap")])
     with pytest.raises(InputError, match="contact 'heap' is a Heap, which is not differentiated"):
         tangents(scene, 0.01, 1e-3, {"mass": Mass(boxes[0])})

@@ -358,3 +358,30 @@ def test_what_is_not_supported_is_refused_by_name():
     up = RigidSolid(moved(rectangle(size=(0.2, 0.2)), 0.0, 0.2), mass=1.0, gravity=(0, -G))
     scene = Scene([up, low], [Contact(up, "base", (low, "top"), name="c")])
     refused(scene, {"g": down(scene)}, r"contact 'c', point .* reaches beyond its master")
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.1])
+@pytest.mark.parametrize("formulation", ["velocity", "gap"])
+def test_a_block_slides_along_a_bar_that_turns(formulation, mu):
+    """Forces act by the mean of what both see of each other at the two ends of a step."""
+
+    def build(speed, mu, m):
+        bar = RigidSolid(
+            moved(rectangle((4, 1), (2.0, 0.1)), 0.0, -0.1), mass=3.0, spin=1.0, name="bar"
+        )
+        block = RigidSolid(
+            moved(rectangle(size=(0.2, 0.1)), 0.3, 0.0),
+            mass=m, velocity=(speed - 0.05, 0.3), spin=1.0, gravity=(0, -G), name="block",
+        )  # fmt: skip
+        contact = Contact(block, "base", (bar, "top"), formulation, friction=mu, name="c")
+        return Scene([block, bar], [contact], geometry="newton")
+
+    asked = {
+        "speed": (0.4, lambda s: Start(solid_of(s), velocity=(1, 0))),
+        "m": (1.0, lambda s: Mass(solid_of(s))),
+    }
+    if mu:
+        asked["mu"] = (mu, friction)
+        check(build, asked, 0.06, 2e-3, measured)
+    else:
+        check(lambda speed, m: build(speed, 0.0, m), asked, 0.06, 2e-3, measured)

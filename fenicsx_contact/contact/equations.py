@@ -265,6 +265,10 @@ class SurfaceEquations(SurfaceUnknowns):
         """The unknown velocities are the jumps of the candidates and what is carried."""
         return None
 
+    def force_operator(self) -> None:
+        """Forces on the candidates act on these velocities."""
+        return None
+
     def set_places(self, velocities: np.ndarray) -> None:
         """Set the active velocities."""
         values = self.values

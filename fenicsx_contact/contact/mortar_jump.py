@@ -20,7 +20,7 @@ from .inside import deepest
 from .jump import Coupling
 from .mortar import Pairing, Side
 from .mortar.facing import faces_anywhere
-from .mortar.matrices import square
+from .mortar.matrices import Matrix, square
 from .mortar.passing import passed
 from .mortar.stance import Stance
 from .mortar.standing import Standing
@@ -65,8 +65,11 @@ class MortarJump(Coupling):
         self._n = self.pairing.n
         self._start = self._end = self._places()
         self._foreseen = 0.0
+        self._first: Matrix | None = None  # the operator where a step starts
+        self._mean: Matrix | None = None  # that of which forces act by the mean with the last one
         self.faces = self._find() or faces_anywhere(*sides, *self._split())
         self.follow()
+        self._first = self.pairing.operator
 
     def _places(self) -> np.ndarray:
         return np.concatenate([trace.positions() for trace in self.traces])
@@ -116,12 +119,14 @@ class MortarJump(Coupling):
             return False
         self._end, self._way = self._start, way
         pair.update(self._start, way)
+        self._first = pair.operator
         return True
 
     def _stand(self, stance: Stance) -> None:
         self.pairing.stand(stance)
         self._ending.stand(stance)
         self.pairing.update(self._start, self._way)
+        self._first = self.pairing.operator
 
     def follow(self) -> None:
         for trace in self.traces:
@@ -210,14 +215,24 @@ class MortarJump(Coupling):
 
     def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
         velocities = self.velocities("trial_velocity")
-        self._part.linearise(velocities, exact, self._share * step.gap_rate, share, kept)
+        self._mean = self._first if self._share == 1 else None  # or it is half-way
+        rate = self._share * step.gap_rate
+        self._part.linearise(velocities, exact, rate, share, kept, self._mean)
+
+    def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
+        end, share = super().mean_jump(means, step), self.equations.fields.end_share.x.array
+        if self._mean is None or (share == 1).all():
+            return end
+        flat = np.concatenate([t.mean_jump(means[id(s)]) for s, t in zip(self.solids, self.traces)])
+        start = self.pairing.shared.sum(self._mean @ flat.ravel()).reshape(end.shape)
+        return np.asarray(share[:, None] * end + (1 - share[:, None]) * start)
 
     def end_share(self, step: Step) -> float:
         return super().end_share(step) if self._share == 1 else 1.0  # or normals are half-way
 
     def accept(self) -> None:
         super().accept()
-        self._start = self._end
+        self._start, self._first = self._end, self.pairing.operator
 
     def arrived(self, jump: np.ndarray) -> np.ndarray:
         if self._ending is self.pairing:

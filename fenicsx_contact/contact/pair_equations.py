@@ -65,6 +65,7 @@ class PairedEquations:
         gap_rate: float,
         share: float,
         kept: bool = False,
+        start: Matrix | None = None,
     ) -> None:
         """Take up the pairing where it is now.
 
@@ -75,6 +76,8 @@ class PairedEquations:
             share: of the end of the step in the gap that the law reads.
             kept: whether the last tangent with these derivatives may stand for the present one,
                 as long as the same points see the same nodes.
+            start: J where the step starts: forces act by the mean of both, as along that of the
+                normals.
         """
         e, d, n = self.equations, self._d, self.pairing.n
         self.velocities = velocities.copy()
@@ -84,16 +87,17 @@ class PairedEquations:
         points = e.candidates[self._own]
         jumps = (points[:, None] * d + np.arange(d)).ravel()
         J = pair.operator[jumps]
+        S = J if start is None else self._mean(J, start[jumps], points)
         self.keeps = kept and self._rows is not None and self._of is e.candidates
         if self.keeps:
-            mine = J[:, self.active_places]
-            if not pair.shared.anywhere(nonzero(mine) != nonzero(J)):
-                self._J = mine
+            here = [each[:, self.active_places] for each in (J, S)]
+            if not pair.shared.anywhere(list(map(nonzero, here)) != list(map(nonzero, (J, S)))):
+                self._J, self._spread = here
                 self._set_jumps()
                 return
         self.keeps, self._of = False, e.candidates
         self._rates, self._rows, self._gap_rate = None, None, gap_rate
-        seen = [J]
+        seen = [J, S]
         if exact and len(e.candidates):
             self._rates = rates = Rates(pair)
             full = pair.operator + gap_rate * rates.jump(velocities.reshape(-1, d))
@@ -103,14 +107,23 @@ class PairedEquations:
             gap = share * gap_rate * (rates.gap - along(normal, full) - along(jump, turn))
             seen += [full[jumps], gap[points], turn[jumps]]
         self.active_places = mine = pair.shared.columns(seen)
-        self._J = J[:, mine]
+        self._J, self._spread = J[:, mine], S[:, mine]
         if self._rates:
             # point by point what its equations read: jumps, gap and normal
             order = np.arange(len(jumps)).reshape(-1, d)
             gaps = len(jumps) + np.arange(len(points))[:, None]
             order = np.concatenate([order, gaps, len(jumps) + len(points) + order], axis=1)
-            self._seen = stack([each[:, mine] for each in seen[1:]])[order.ravel()]
+            self._seen = stack([each[:, mine] for each in seen[2:]])[order.ravel()]
         self._set_jumps()
+
+    def _mean(self, end: Matrix, start: Matrix, points: np.ndarray) -> Matrix:
+        """Rows of points by which forces on them act, from those at both ends of a step."""
+        share = self.equations.fields.end_share.x.array[points]
+        if (share == 1).all():
+            return end
+        one = np.eye(self._d)
+        weights = share[:, None, None] * one
+        return by_point(weights, end) + by_point(one - weights, start)
 
     def _set_jumps(self) -> None:
         values = self.equations.values
@@ -142,7 +155,7 @@ class PairedEquations:
         """Their rows: forces J' F_w, then those of the multipliers."""
         e, d = self.equations, self._d
         residual, n = e.active_residual(), len(e.active_jumps)
-        forces = self._J.T @ residual[:n].reshape(-1, d)[self._own].ravel()
+        forces = self._spread.T @ residual[:n].reshape(-1, d)[self._own].ravel()
         return np.concatenate([self.pairing.shared.sum(forces), residual[n:]])
 
     def own(self, comm: MPI.Comm) -> np.ndarray:
@@ -168,15 +181,17 @@ class PairedEquations:
         e, d, rates = self.equations, self._d, self._rates
         tangents = e.tangents.blocks()[e.candidates[asked]]
         if rates is None or frozen:
-            return PointRows(tangents, self._J, self._J)
+            return PointRows(tangents, self._J, self._spread)
         by = e.tangents.parameters()[e.candidates[asked]]
         at_nodes = np.zeros((self.pairing.n, d))
         at_nodes[e.candidates] = e.active_residual()[: len(e.active_jumps)].reshape(-1, d)
         areas = np.array_equal(e.weight, self.pairing.area)  # or they are points
         mine = self.active_places
+        if e.fields.end_share is not None:
+            at_nodes *= e.fields.end_share.x.array[:, None]
         turning = self._gap_rate * rates.spread(at_nodes, areas)[mine][:, mine]
         read = np.concatenate([tangents[:, :, :d], by, tangents[:, :, d:]], axis=2)
-        self._rows = asked, PointRows(read, self._seen, self._J, turning)
+        self._rows = asked, PointRows(read, self._seen, self._spread, turning)
         return self._rows[1]
 
     def _tangent(self, frozen: bool = False) -> Matrix:
@@ -252,3 +267,8 @@ class PairedEquations:
         """Jumps of the candidates from the active velocities."""
         J = self._of_all(self._J, self._d)
         return J if self._dense else J.toarray()
+
+    def force_operator(self) -> np.ndarray:
+        """Its transpose makes forces on the active velocities of those on the candidates."""
+        S = self._of_all(self._spread, self._d)
+        return S if self._dense else S.toarray()

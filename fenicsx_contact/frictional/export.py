@@ -95,13 +95,14 @@ def _problem(scene: Scene, step: Step) -> FrictionalProblem:
         asked = e.candidates[bearing]
         frame = _frames(*e.fields.frame())[asked]
         along = _frames(*e.fields.frame(e.fields.mean_normal()))[asked]
-        J = contact.part.jump_operator()
-        if J is None:
-            J = np.eye(len(e.active_jumps))
-        J = J.reshape(len(bearing), dim, J.shape[1])[bearing]
+        J, S = (
+            (np.eye(len(e.active_jumps)) if each is None else each)
+            for each in (contact.part.jump_operator(), contact.part.force_operator())
+        )
+        J, S = (each.reshape(len(bearing), dim, each.shape[1])[bearing] for each in (J, S))
         shape = len(asked) * dim, J.shape[2]
         rows.append((frame @ J).reshape(shape))
-        spreads.append((along @ J).reshape(shape))
+        spreads.append((along @ S).reshape(shape))
         carried = e.carried.reshape(-1, dim)[e.candidates][bearing]
         offset = -np.einsum("pij,pj->pi", frame, carried)
         limit = contact.candidates.limit(step)

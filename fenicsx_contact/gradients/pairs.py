@@ -169,21 +169,42 @@ class PairRows(ContactRows):
         """What derivatives by two of v, q, ... of a solid are called."""
         return self.key(first, i), self.key(last, i)
 
+    def _share(self) -> np.ndarray:
+        """What the end of the step counts in the mean by which forces act, (n,)."""
+        share = self.contact.equations.fields.end_share.x.array
+        return np.ones(len(share)) if self.contact.coupling.end_share(self.step) == 1 else share
+
+    def _forcing(self) -> sp.csr_matrix:
+        """The operator whose transpose spreads forces on the slave's nodes."""
+        share = self._share()
+        if (share == 1).all():
+            return self._J
+        self.before()
+        end, start = (sp.diags(each.repeat(self._d)) for each in (share, 1 - share))
+        return (end @ self._J + start @ sp.csr_matrix(self.then.operator)).tocsr()
+
     def spreads(self) -> Iterator[tuple[Motion, Any]]:
-        both = self.sides(self._J[self.components(self.points)])
+        both = self.sides(self._forcing()[self.components(self.points)])
         for m, nodes, J in zip(self.motions, self.nodes, both):
             yield m, -(nodes.forces.T @ J.T)
 
     def bent(self) -> Iterator[tuple[Motion, str, Any]]:
-        forces = np.zeros_like(self.normal)
+        forces, share = np.zeros_like(self.normal), self._share()[:, None]
         forces[self.points] = self._force.reshape(-1, self._d)
-        spread = sp.csr_matrix(self.rates.spread(forces, True))  # of forces by their areas
-        at_nodes = (self._J.T @ forces.ravel())[None]
+        spread = sp.csr_matrix(self.rates.spread(share * forces, True))  # of forces by their areas
+        at_nodes = (self._forcing().T @ forces.ravel())[None]
         every = zip(self.motions, self.nodes, self._sides, self.sides(at_nodes))
         for i, (m, nodes, side, (given,)) in enumerate(every):
             yield m, "y", nodes.forces.T @ spread[side]
             for name, block in nodes.turned(given.reshape(-1, self._d)).items():
                 yield m, self.key(name, i), block
+        if (share == 1).all():
+            return
+        spread = sp.csr_matrix(self.before().spread((1 - share) * forces, True))
+        for m, nodes, side in zip(self.motions, self.nodes, self._sides):
+            for i, (theirs, columns) in enumerate(zip(self.nodes, self._sides)):
+                block = nodes.forces.T @ spread[side][:, columns] @ theirs.old.place
+                yield m, self.key("q_old", i), block
 
     def read(self) -> list[tuple[Motion, Any]]:
         return [(m, nodes.new.place) for m, nodes in zip(self.motions, self.nodes)]

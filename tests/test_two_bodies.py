@@ -495,7 +495,9 @@ def sliding(monkeypatch, fresh):
         patched.setattr(SurfaceSystem, "_factored", count)
         if fresh:
             patched.setattr(
-                PairedEquations, "linearise", lambda self, *args: see(self, *args[:4], False)
+                PairedEquations,
+                "linearise",
+                lambda self, *args: see(self, *args[:4], False, *args[5:]),
             )
         history = Scene([upper, lower], [contact]).run(0.01, 5e-4)
     assert history.finished

@@ -168,12 +168,12 @@ class Standing:
     ) -> tuple[int, np.ndarray]:
         """The facet of the master below the lowest of these corners, and the edge (d,) on which
         they stand. Of those that are alike, which round-off must not choose from, the first in
-        space at rest; they all stand on the edge between them."""
+        space at rest, and its edge; where edges meet in it, that between them all."""
         low = height <= height.min() + noise
         at, first = np.unique(corners[low], return_index=True)
         order = np.lexsort(self._slave.nodes[at].T)
         one = at[order[0]]
         ends = self._edges[one]
-        if len(at) > 1:
+        if ends[0] == ends[1] and len(at) > 1:
             ends = one, at[((xs[at] - xs[one]) ** 2).sum(axis=1).argmax()]
         return foot[low][first[order[0]]], xs[ends[1]] - xs[ends[0]]

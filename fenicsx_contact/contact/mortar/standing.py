@@ -150,30 +150,26 @@ class Standing:
             if lies[which].any():
                 continue
             mine = level[facet]
-            below, edge = self._lowest(
-                xs, side.corners[facet[mine]], foot[mine], height[mine], noise
-            )
+            corners = side.corners[facet[mine]]
+            low = height[mine] <= height[mine].min() + noise
+            if (low & bears[corners]).any():  # it stands there already
+                low &= bears[corners]
+            below, edge = self._stood_on(xs, corners[low], foot[mine][low])
             basis = np.moveaxis(np.concatenate([g[:, which], unit[None, which]]), 0, 2)
             share = (inverses(basis) @ edge)[:, :-1]  # in the planes of the facets
             result.facet[which], result.along[which] = below, share @ side.middle_slopes
         return result
 
-    def _lowest(
-        self,
-        xs: np.ndarray,
-        corners: np.ndarray,
-        foot: np.ndarray,
-        height: np.ndarray,
-        noise: float,
+    def _stood_on(
+        self, xs: np.ndarray, corners: np.ndarray, foot: np.ndarray
     ) -> tuple[int, np.ndarray]:
-        """The facet of the master below the lowest of these corners, and the edge (d,) on which
-        they stand. Of those that are alike, which round-off must not choose from, the first in
-        space at rest, and its edge; where edges meet in it, that between them all."""
-        low = height <= height.min() + noise
-        at, first = np.unique(corners[low], return_index=True)
+        """The facet of the master below corners (k,) that are alike, and the edge (d,) on which
+        they stand: of the first in space at rest, for round-off must not choose, and its edge;
+        where edges of space meet in it, that between them all."""
+        at, first = np.unique(corners, return_index=True)
         order = np.lexsort(self._slave.nodes[at].T)
         one = at[order[0]]
         ends = self._edges[one]
-        if ends[0] == ends[1] and len(at) > 1:
+        if ends[0] == ends[1] and self._slave.dim == 3:
             ends = one, at[((xs[at] - xs[one]) ** 2).sum(axis=1).argmax()]
-        return foot[low][first[order[0]]], xs[ends[1]] - xs[ends[0]]
+        return foot[first[order[0]]], xs[ends[1]] - xs[ends[0]]

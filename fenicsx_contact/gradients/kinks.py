@@ -115,7 +115,8 @@ def beginning(rows: ContactRows, step: Step, speed: float) -> Iterator[Edge]:
         there.reshape(change.shape)[points] += change[points]
         return Edge(points, [f"begins the step {what}"] * len(points), values, ((field, there),))
 
-    if contact.formulation.gap_share < 1:
+    # what bears says where the rest of a body touches
+    if contact.formulation.gap_share < 1 and not contact.status.any():
         free, one = contact.status[p] == 0, np.ones(contact.surface.size)
         gap, start = k.gap.x.array, k.start_jump_n.x.array
         if len(on := p[free & (gap[p] == 0)]):

@@ -38,11 +38,9 @@ def time_at(history: History, travel: float) -> float:
     way = travel - z[i]
     if abs(way) <= near:
         return float(t[i])
-    dt = t[i + 1] - t[i]
-    rate = (v[i + 1] - v[i]) / dt
-    start = (z[i + 1] - z[i]) / dt - rate * dt / 2  # with which it comes to the next row
-    root = np.sqrt(max(start**2 + 2 * rate * way, 0.0))
-    return float(t[i] + 2 * way / (start + np.sign(way) * root))
+    rate = (v[i + 1] - v[i]) / (t[i + 1] - t[i])
+    root = np.sqrt(max(v[i] ** 2 + 2 * rate * way, 0.0))
+    return float(t[i] + 2 * way / (v[i] + np.sign(way) * root))
 
 
 @dataclass(frozen=True)

@@ -32,14 +32,21 @@ def strikes(contact: Contact, step: Step, points: np.ndarray) -> bool:
     return bool((_excess(contact, step) > change)[points].any())
 
 
+def rebounding(contacts: Iterable[Contact]) -> bool:
+    """Whether anything that may be struck leaves again: the order of the strikes then counts."""
+    laws = (contact.formulation for contact in contacts)
+    return any(law.percussive and getattr(law, "rebounds", False) for law in laws)
+
+
 def first_arrival(contacts: Iterable[Contact], step: Step) -> float:
     """After how long the first of the points arrives that start the step too fast, s."""
     first = inf
     for contact in contacts:
-        points = approaching(contact, step, contact.chosen)
-        gap = np.minimum(contact.gap, 0.0)[points]
-        approach = dot(_struck_jump(contact), contact.coupling.normals())[points]
-        first = min(first, (-gap / approach).min(initial=inf))
+        if contact.formulation.percussive:
+            points = approaching(contact, step, contact.chosen)
+            gap = np.minimum(contact.gap, 0.0)[points]
+            approach = dot(_struck_jump(contact), contact.coupling.normals())[points]
+            first = min(first, (-gap / approach).min(initial=inf))
     return first
 
 

@@ -25,7 +25,7 @@ from math import inf, sqrt
 import numpy as np
 
 from ..contact.arrivals import arrival
-from ..contact.percussion import first_arrival
+from ..contact.percussion import first_arrival, rebounding
 from ..theory.theta import Scheme, Step
 from .taker import StepTaker
 from .trial import Trial
@@ -57,14 +57,14 @@ class UniformImpacts:
             StepFailed: the state is then that of the last good part.
         """
         step = Step(dt, self._scheme, stepper.time)
-        percussive = [c for c in stepper.contacts if c.formulation.percussive]
-        rebounds = any(getattr(c.formulation, "rebounds", False) for c in percussive)
-        most = MAX_IMPACTS if rebounds else 1
-        for impact in range(1, most + 1):
-            if not stepper.struck(step):
+        for impact in range(1, MAX_IMPACTS + 1):
+            if not stepper.struck(step):  # which wakes contacts
                 break
-            within = first_arrival(percussive, step) if impact < most else inf
+            order = rebounding(stepper.contacts) and impact < MAX_IMPACTS
+            within = first_arrival(stepper.contacts, step) if order else inf
             yield _accept(stepper, Step(0.0, self._scheme, stepper.time, dt, within), remarks)
+            if not order:
+                break
         yield _accept(stepper, step, remarks)
 
     def state(self) -> dict[str, np.ndarray]:

@@ -217,11 +217,9 @@ def test_friction_truth(tmp_path, monkeypatch, capsys):
     assert list(summary["codes"]) == ["ours"] and len(summary["missing"]) == 3
     found = summary["codes"]["ours"]
     assert list(found) == list(demo.SCENES)
-    for name, figures in found.items():
-        # round-off over a short time; forces of a stack are not unique, and a step of it may end
-        # with 1e-8 of the speed that its weight gives it
-        most = 1e-10 if name == "stack" else 1e-12
-        assert figures.get("creep", 0.0) < most and figures.get("lift", 0.0) < 1e-12
+    for figures in found.values():
+        # round-off of places over a short time
+        assert figures.get("creep", 0.0) < 1e-11 and figures.get("lift", 0.0) < 1e-12
     assert found["threshold"]["error"] < 1e-11 and found["against a wall"]["error"] < 1e-11
     # the step in which the cube stops, and turns within a step: of second order in it
     assert found["launched"]["error"] < 1e-5

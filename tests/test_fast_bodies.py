@@ -20,6 +20,8 @@ from fenicsx_contact import (
     Scene,
 )
 from fenicsx_contact.contact.candidates import Candidates
+from fenicsx_contact.contact.trial import candidate_force, violation
+from fenicsx_contact.theory.theta import Step
 
 SIDE, DT, STEPS = 0.2, 1e-3, 4
 LAWS = ["velocity", "gap", "printed", "lagrange", Discrete(stiffness=1e13)]
@@ -130,6 +132,22 @@ def test_what_meets_nothing_bears_nothing(point, monkeypatch):
     assert asked and len(history.remarks) == 1
     assert history.remarks[0][1].startswith("step halved to 0.5 s")
     assert history.finished and problem.error(history) < problem.bound
+
+
+def test_forces_where_nothing_is_faced_are_no_solution(monkeypatch):
+    """The certificate counts as an error what a point bears that has no partner."""
+    lower = RigidSolid(rectangle(size=(0.4, 0.2)), mass=1.0, gravity=(0, -9.81), name="lower")
+    mesh = rectangle(size=(0.2, 0.2))
+    mesh.mesh.geometry.x[:, 1] += 0.2
+    upper = RigidSolid(mesh, mass=1.0, gravity=(0, -9.81), name="upper")
+    seam = Contact(upper, "base", (lower, "top"), name="seam")
+    scene = Scene([lower, upper], [Contact(lower, "base", OBSTACLES["plane"], name="floor"), seam])
+    trial = scene.stepper.attempt(Step(0.1, scene.scheme))
+    force = candidate_force(seam)
+    assert np.abs(force).max() > 0 and trial.certificate < 1e-10
+    assert violation(seam, trial.step, force) < 1e-10
+    monkeypatch.setattr(seam.coupling, "near", lambda: np.zeros(seam.surface.size, dtype=bool))
+    assert violation(seam, trial.step, force) > 1e-2
 
 
 @pytest.mark.parametrize("passes", [0.099, 0.101])

@@ -20,14 +20,14 @@ from .candidates import Candidates
 from .clearance import Clearance
 from .equations import SurfaceEquations
 from .jump import Coupling
-from .pairing import Master, acting_points, check_master, couple, turning, worn
+from .pairing import Master, acting_points, check_master, couple, worn
 from .results import SurfaceResults
 from .scales import Scales
 from .springs import TangentialSprings
 from .statuses import at_once, kept
 from .surface import Surface
 from .surfaces import surface_of
-from .turning import start_normals
+from .turning import start_normals, turning
 
 
 class Contact(SurfaceResults):

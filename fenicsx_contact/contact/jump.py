@@ -148,8 +148,12 @@ class Coupling(ABC):
     def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
         """Nodal jumps from mean velocities of the solids, by id, by the operators whose
         transposes spread the forces."""
+        return self.to_jump(self.mean_velocities(means))
+
+    def mean_velocities(self, means: Mapping[int, np.ndarray]) -> np.ndarray:
+        """Velocities of the traces' points from mean velocities of the solids, by id, flat."""
         parts = [t.mean_jump(means[id(s)]) for s, t in zip(self.solids, self.traces)]
-        return self.to_jump(parts[0] if len(parts) == 1 else np.concatenate(parts))
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
     def carried(self, step: Step) -> np.ndarray | float:
         """Mean velocities in the step of what moves as it is told, (n, d)."""

@@ -220,11 +220,11 @@ class MortarJump(Coupling):
         self._part.linearise(velocities, exact, rate, share, kept, self._mean)
 
     def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
-        end, share = super().mean_jump(means, step), self.equations.fields.end_share.x.array
+        velocities, share = self.mean_velocities(means), self.equations.fields.end_share.x.array
+        end = self.to_jump(velocities)
         if self._mean is None or (share == 1).all():
             return end
-        flat = np.concatenate([t.mean_jump(means[id(s)]) for s, t in zip(self.solids, self.traces)])
-        start = self.pairing.shared.sum(self._mean @ flat.ravel()).reshape(end.shape)
+        start = self.pairing.shared.sum(self._mean @ velocities.ravel()).reshape(end.shape)
         return np.asarray(share[:, None] * end + (1 - share[:, None]) * start)
 
     def end_share(self, step: Step) -> float:

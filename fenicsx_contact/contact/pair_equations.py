@@ -187,8 +187,7 @@ class PairedEquations:
         at_nodes[e.candidates] = e.active_residual()[: len(e.active_jumps)].reshape(-1, d)
         areas = np.array_equal(e.weight, self.pairing.area)  # or they are points
         mine = self.active_places
-        if e.fields.end_share is not None:
-            at_nodes *= e.fields.end_share.x.array[:, None]
+        at_nodes *= e.fields.end_share.x.array[:, None]  # the rest acts by the start
         turning = self._gap_rate * rates.spread(at_nodes, areas)[mine][:, mine]
         read = np.concatenate([tangents[:, :, :d], by, tangents[:, :, d:]], axis=2)
         self._rows = asked, PointRows(read, self._seen, self._spread, turning)

@@ -88,13 +88,6 @@ def acting_points(
     return chosen, chosen.astype(float)
 
 
-def turning(other: Master) -> bool:
-    """Whether normals change on the way of a step as those of one wall do: not at a kink, at which
-    a guide's may."""
-    guides = getattr(other, "encloses", False)
-    return isinstance(other, tuple) or not (guides or getattr(other, "flat", False))
-
-
 def worn(memory: Memory, formulation: Formulation) -> np.ndarray | float:
     """How far the surface has worn back, or a refusal."""
     if formulation.at_points and np.ndim(memory.recess):

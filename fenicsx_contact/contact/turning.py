@@ -10,11 +10,20 @@ nothing. Its work is of third order in the step, and a step taken backwards undo
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..theory.theta import Step
 from .jump import Coupling
 from .surface_fields import SurfaceFields
+
+
+def turning(other: Any) -> bool:
+    """Whether normals before a master change on the way of a step as those of one wall do: not at a
+    kink, at which a guide's may."""
+    guides = getattr(other, "encloses", False)
+    return isinstance(other, tuple) or not (guides or getattr(other, "flat", False))
 
 
 def start_normals(

@@ -127,8 +127,7 @@ class HeapJump(Coupling):
         self._part.linearise(self.velocities("trial_velocity"), False, step.gap_rate, share)
 
     def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
-        parts = [t.mean_jump(means[id(s)]) for s, t in zip(self.solids, self.traces)]
-        jumps = self.meetings.jumps(np.concatenate(parts), acting=True)
+        jumps = self.meetings.jumps(self.mean_velocities(means), acting=True)
         return jumps.reshape(self.meetings.n, -1)
 
     def accept(self) -> None:

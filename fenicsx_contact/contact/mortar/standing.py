@@ -96,11 +96,8 @@ class Standing:
         hits = hits[first_of_each(ray[hits])]
         heights, foot = np.full(corners.size, np.inf), np.full(corners.size, -1)
         heights[ray[hits]], foot[ray[hits]] = height[hits], below[hits]
-        heights, foot, noise = (
-            heights.reshape(-1, c),
-            foot.reshape(-1, c),
-            ROUND_OFF * largest(places),
-        )
+        heights, foot = heights.reshape(-1, c), foot.reshape(-1, c)
+        noise = ROUND_OFF * largest(places)
         # whose corners are level to round-off lies on all of them, unless it stands on one already
         low = np.sort(heights, axis=1)
         bent = bears[corners].any(axis=1) | (low[:, d - 1] > low[:, 0] + noise)

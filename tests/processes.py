@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -17,6 +18,8 @@ from fenicsx_contact.output import storage
 
 #: Seconds after which a process hangs, on any machine.
 HANGS = 600
+
+needs_mpirun = pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
 
 
 def mpirun(code: str, processes: int) -> subprocess.Popen:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Meshes of second degree: bodies that are round have round cells, and what presses is even."""
 
-import shutil
-
 import dolfinx
 import gmsh
 import matplotlib.pyplot as plt
@@ -11,7 +9,7 @@ import numpy as np
 import pytest
 import ufl
 from mpi4py import MPI
-from processes import mpirun, output_of
+from processes import mpirun, needs_mpirun, output_of
 from scenes import FLOOR, FLOOR_3D, half_cylinder, rates, total_energy
 
 from fenicsx_contact import (
@@ -539,7 +537,7 @@ if MPI.COMM_WORLD.rank == 0:
 
 
 @pytest.mark.second
-@pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
+@needs_mpirun
 @pytest.mark.parametrize("d", [2, 3])
 def test_two_processes(d, tmp_path):
     _, file = written(tmp_path, {2: DISC, 3: BALL}[d] % (2, ""))

@@ -4,14 +4,13 @@ stays as it is; facets inside a mesh bear nothing."""
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import dolfinx
 import gmsh
 import numpy as np
 import pytest
-from processes import mpirun, output_of
+from processes import mpirun, needs_mpirun, output_of
 from scenes import rectangle
 from test_mesh_files import area, refused, volume
 
@@ -230,7 +229,7 @@ except BaseException:
 
 
 @pytest.mark.second
-@pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
+@needs_mpirun
 def test_two_processes(tmp_path):
     whole = 2, [LOWER, UPPER], "all"
     files = {

@@ -3,14 +3,13 @@
 
 from __future__ import annotations
 
-import shutil
 from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pytest
 from corpus_meshes import ring_mesh
-from processes import HANGS, mpirun
+from processes import HANGS, mpirun, needs_mpirun
 from scenes import G, box, rectangle
 from test_self_contact import round_ring
 
@@ -151,7 +150,7 @@ except InputError as error:
 """
 
 
-@pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
+@needs_mpirun
 def test_on_two_processes():
     with mpirun(TWO.format(tests=str(Path(__file__).parent)), 2) as process:
         output, _ = process.communicate(timeout=HANGS)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import gmsh
@@ -12,7 +11,7 @@ import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
-from processes import mpirun, output_of
+from processes import mpirun, needs_mpirun, output_of
 
 from fenicsx_contact import InputError, NamedMesh, mesh_from_file, mesh_from_gmsh
 from fenicsx_contact.base import assembly
@@ -371,7 +370,7 @@ except BaseException:
 
 
 @pytest.mark.second
-@pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
+@needs_mpirun
 def test_two_processes(tmp_path):
     for kind in SIZE:
         block(kind).write(tmp_path / f"{kind}.inp")

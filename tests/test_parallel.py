@@ -3,18 +3,17 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from pathlib import Path
 
 import meshio
 import numpy as np
 import pytest
-from processes import mpirun, output_of
+from processes import mpirun, needs_mpirun, output_of
 
 from fenicsx_contact import History, read_history
 
-pytestmark = pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
+pytestmark = needs_mpirun
 
 SCRIPT = """
 import sys, traceback

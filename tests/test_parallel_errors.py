@@ -4,13 +4,12 @@ have nothing to do."""
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
-from processes import HANGS, mpirun, output_of
+from processes import HANGS, mpirun, needs_mpirun, output_of
 
-pytestmark = pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
+pytestmark = needs_mpirun
 
 START = """
 import errno, os, signal, sys

@@ -3,15 +3,13 @@
 
 from __future__ import annotations
 
-import shutil
-
 import numpy as np
 import pytest
-from processes import mpirun, output_of
+from processes import mpirun, needs_mpirun, output_of
 
 from fenicsx_contact import read_history
 
-pytestmark = pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
+pytestmark = needs_mpirun
 
 COUNTS = (1, 3)
 SCRIPT = """

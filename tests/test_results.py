@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from pathlib import Path
 
 import dolfinx
@@ -12,7 +11,7 @@ import meshio
 import numpy as np
 import pytest
 from mpi4py import MPI
-from processes import mpirun, output_of
+from processes import mpirun, needs_mpirun, output_of
 from scenes import FLOOR, FLOOR_3D, G, box, rectangle
 from scipy.optimize import brentq
 
@@ -237,7 +236,7 @@ np.testing.assert_allclose(contact.pressure, P, rtol=1e-9)
 """
 
 
-@pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
+@needs_mpirun
 def test_by_two_processes(tmp_path):
     """Each asks for and writes the stress of its cells; the pressure is whole on both."""
     script = PARALLEL.format(tests=str(Path(__file__).parent), directory=str(tmp_path))

@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
-from processes import mpirun, output_of
+from processes import mpirun, needs_mpirun, output_of
 
-pytestmark = pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
+pytestmark = needs_mpirun
 
 SCRIPT = """
 import sys

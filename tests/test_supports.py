@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import dolfinx
@@ -11,7 +10,7 @@ import numpy as np
 import pytest
 import ufl
 from mpi4py import MPI
-from processes import mpirun, output_of
+from processes import mpirun, needs_mpirun, output_of
 from scenes import box, check_energies, rates, rectangle, total_energy
 from scipy.optimize import brentq
 
@@ -664,7 +663,7 @@ if MPI.COMM_WORLD.rank == 0:
 
 
 @pytest.mark.second
-@pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun here")
+@needs_mpirun
 def test_two_processes_give_the_numbers_of_one(tmp_path):
     found = []
     for n in (1, 2):

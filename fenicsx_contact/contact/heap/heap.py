@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ...base import checks, compat
 from ...base.constants import SHARP
@@ -27,7 +26,7 @@ from ..pair_equations import PairedEquations
 from ..surface import Surface
 from .meetings import PLACES, Meetings
 from .search import Features, Search
-from .shape import Shape
+from .shape import Shape, nodes_at
 
 
 class HeapJump(Coupling):
@@ -47,7 +46,7 @@ class HeapJump(Coupling):
         self._shape = shape = Shape(sides)
         whole = {2: 3, 3: 6}[shape.dim]
         self._search = Search(shape, np.array([len(s.held) == whole for s in self.bodies]))
-        homes = _nodes(shape, contact.surface.points, contact.owners)
+        homes = nodes_at(shape, contact.surface.points, contact.owners)
         self.meetings = Meetings(shape, homes, contact.surface.area)
         # these ask of a pairing what meetings have, too
         self.part = self._part = PairedEquations(self.equations, self.meetings)  # type: ignore[arg-type]
@@ -56,6 +55,7 @@ class HeapJump(Coupling):
         self.fresh = self.turned = np.zeros(self.meetings.n, dtype=bool)
         self._meet(np.zeros_like(self._start), self.fresh)
         self.meetings.update(self._start)
+        self._first = self._last = self.meetings.operator  # where a step starts, and forces act
 
     def _places(self) -> np.ndarray:
         return np.concatenate([trace.positions() for trace in self.traces])
@@ -70,6 +70,7 @@ class HeapJump(Coupling):
         before = self.meetings.normal.copy()
         changed = self._meet(way, bears)
         self.meetings.update(self._start)
+        self._first = self.meetings.operator
         # before another face of a body, or another body, tangents kept may be along the normal
         self.turned = self.fresh | (dot(before, self.meetings.normal) < SHARP)
         return changed or bool(self.turned.any())
@@ -123,12 +124,15 @@ class HeapJump(Coupling):
 
     def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
         # how normals turn is second to what moves: found in the next round
-        self.meetings.act()
-        self._part.linearise(self.velocities("trial_velocity"), False, step.gap_rate, share)
+        velocities, self._last = self.velocities("trial_velocity"), self.meetings.operator
+        start = self._first
+        self._part.linearise(velocities, False, step.gap_rate, share, start=start)
 
     def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
-        jumps = self.meetings.jumps(self.mean_velocities(means), acting=True)
-        return jumps.reshape(self.meetings.n, -1)
+        velocities = self.mean_velocities(means)
+        share = self.equations.fields.end_share.x.array[:, None]
+        start, end = ((J @ velocities).reshape(len(share), -1) for J in (self._first, self._last))
+        return np.asarray(share * end + (1 - share) * start)
 
     def accept(self) -> None:
         super().accept()
@@ -278,15 +282,6 @@ class Heap(Contact):
             values, first = self.equations.values, self.equations.jumps
             values[first:].reshape(-1, len(fresh))[:, fresh] = 0.0
             self.equations.values = values
-
-
-def _nodes(shape: Shape, points: np.ndarray, owners: np.ndarray) -> np.ndarray:
-    """The nodes of the bodies at reference places (n, d) of points that are theirs, (n,)."""
-    result = np.empty(len(points), dtype=np.int64)
-    for body, at in enumerate(shape.slices):
-        mine = owners == body
-        result[mine] = at.start + cKDTree(shape.nodes[at]).query(points[mine])[1]
-    return result
 
 
 def _check(bodies: Sequence[RigidSolid]) -> None:

@@ -177,16 +177,11 @@ class Meetings:
             self._operator = J.toarray() if self.dense else J
         return self._operator
 
-    def jumps(self, velocities: np.ndarray, acting: bool = False) -> np.ndarray:
-        """J v of all nodes, flat; by the J that is ``acting``, if asked for."""
+    def jumps(self, velocities: np.ndarray) -> np.ndarray:
+        """J v of all nodes, flat."""
         v, f = velocities.reshape(self.total, -1), self.features
-        alpha, beta = self._acting if acting else (self.alpha, self.beta)
-        jump = (alpha[:, :, None] * v[f.mine]).sum(axis=1)
-        return np.asarray((jump - (beta[:, :, None] * v[f.theirs]).sum(axis=1)).ravel())
-
-    def act(self) -> None:
-        """Let forces act where these places are."""
-        self._acting = self.alpha, self.beta
+        jump = (self.alpha[:, :, None] * v[f.mine]).sum(axis=1)
+        return np.asarray((jump - (self.beta[:, :, None] * v[f.theirs]).sum(axis=1)).ravel())
 
     def apart(self, changes: np.ndarray) -> np.ndarray:
         """How much changes of the velocities of all nodes, flat, change speeds of approach, of

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from itertools import accumulate
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ...base.constants import SAME
 from ..inside import SIMPLICES
@@ -169,3 +170,12 @@ def _outwards(side: Side) -> np.ndarray:
     """Normals of the facets of a side, (m, d)."""
     flat, every = side.flat, np.arange(len(side.corners))
     return flat.normal(flat.middle_tangents(side.nodes), every)
+
+
+def nodes_at(shape: Shape, points: np.ndarray, owners: np.ndarray) -> np.ndarray:
+    """The nodes of the bodies at reference places (n, d) of points that are theirs, (n,)."""
+    result = np.empty(len(points), dtype=np.int64)
+    for body, at in enumerate(shape.slices):
+        mine = owners == body
+        result[mine] = at.start + cKDTree(shape.nodes[at]).query(points[mine])[1]
+    return result

@@ -4,6 +4,7 @@
 import dolfinx
 import numpy as np
 import pytest
+from matplotlib.path import Path
 from mpi4py import MPI
 from scenes import G, check_energies, rectangle
 
@@ -341,6 +342,70 @@ def test_a_body_that_is_not_convex(theta):
         assert np.abs(box.velocity).max() < 1e-9 and abs(box.rotation) < 1e-8
         places.append(box.place)
     np.testing.assert_allclose(places[0], places[1], atol=1e-9)
+
+
+def wheel(dim, middle, turn):
+    """A wheel of six arms as triangles about its middle, in space as a slab of them."""
+    arm, valley = np.deg2rad(4.6), np.deg2rad(9.0)
+    every = np.arange(6) * np.pi / 3 + turn
+    angles = np.stack([every - arm, every + arm, every + np.pi / 6 - valley], axis=1)
+    angles = np.column_stack([angles, every + np.pi / 6 + valley])
+    rim = np.tile([0.1, 0.1, 0.045, 0.045], 6)[:, None]
+    x = rim * np.column_stack([np.cos(angles.ravel()), np.sin(angles.ravel())])
+    x, n = np.vstack([np.zeros(2), x]) + middle, len(x)
+    cells = np.array([[0, 1 + i, 1 + (i + 1) % n] for i in range(n)])
+    if dim == 3:
+        x = np.vstack([np.column_stack([x, np.full(n + 1, z)]) for z in (0.0, 0.05)])
+        up = cells + n + 1
+        rise = [np.column_stack([cells[:, :i], up[:, i - 1 :]]) for i in (1, 2, 3)]
+        cells = np.concatenate(rise)
+    mesh = compat.create_mesh(MPI.COMM_SELF, cells, x, CELLS[dim][1])
+    return x, name_facets(mesh, {"skin": lambda x: np.full(x.shape[1], True)})
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_wheels_with_arms_turn_each_other(dim):
+    """A corner before one arm was 40 mm behind the far face of another, where nothing is, and the
+    wheels stood still for good."""
+    held = list(HELD[dim])[:-1]
+    outlines, wheels = [], []
+    for middle, turn, driven in (
+        ((0, 0), 0.0, {"spin": 5.0 if dim == 2 else (0, 0, 5.0)}),
+        ((0.17, 0), np.pi / 6, {"torque": -0.02 if dim == 2 else (0, 0, -0.02)}),
+    ):
+        x, mesh = wheel(dim, middle, turn)
+        wheels.append(RigidSolid(mesh, mass=1.0, held=held, name=f"wheel {len(wheels)}", **driven))
+        outlines.append(x[1:25, :2] - middle)
+
+    def overlap():
+        placed = []
+        for solid, outline in zip(wheels, outlines):
+            turn = solid.rotation if dim == 2 else angle(solid)
+            c, s = np.cos(turn), np.sin(turn)
+            placed.append(outline @ np.array([[c, s], [-s, c]]) + solid.place[:2])
+        return max(depth(*placed), depth(*placed[::-1]))
+
+    scene = heap(wheels, 0.0)
+    history = scene.run(until=0.8, dt=2e-3, probes={"overlap": overlap})
+    assert history.finished and not history.remarks
+    assert history["overlap"].max() < 1e-7 and history["heap.penetration"].max() < 1e-7
+    assert np.abs(history["balance"]).max() < 1e-12
+    assert [abs(w.velocity[-1]) > 1 for w in wheels] == [True, True]
+
+
+def angle(solid):
+    """By how much a solid that turns about z has turned."""
+    return np.arctan2(solid._turn[1, 0], solid._turn[0, 0])
+
+
+def depth(points, outline):
+    """How deep the deepest of points is inside an outline."""
+    inside = Path(outline).contains_points(points)
+    a, way = outline, np.roll(outline, -1, axis=0) - outline
+    arm = points[:, None] - a
+    share = np.clip((arm * way).sum(axis=2) / (way**2).sum(axis=1), 0, 1)
+    far = np.linalg.norm(arm - share[:, :, None] * way, axis=2).min(axis=1)
+    return far[inside].max(initial=0.0)
 
 
 @pytest.mark.parametrize("law", ["velocity", "gap", "lagrange"])

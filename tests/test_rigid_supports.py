@@ -94,6 +94,37 @@ def test_a_pendulum_hangs_by_a_stiff_spring():
     assert errors[-1] < 2e-3
 
 
+def test_what_spins_about_a_held_centre_keeps_its_energy():
+    """The weight of a held centre counts for nothing, but without it moments were not balanced:
+    one iteration a step, a certificate of 0, and 2 % of the energy unexplained."""
+    spins = []
+    for weight in (0.0, 1e-6):
+        solid = RigidSolid(
+            box((1, 1, 1), (0.2, 0.4, 0.8)),
+            mass=5.0,
+            spin=(3.0, 6.0, 0.0),
+            rotation=(0.4, 0.3, 0.2),
+            gravity=(0, 0, -weight),
+            held=["x", "y", "z", "turning about z"],
+        )
+        history = run(solid, 5.0, 50)
+        assert history["kinetic"].max() < 1.001 * history["kinetic"][0]
+        spins.append(solid.velocity)
+    np.testing.assert_allclose(*spins, atol=1e-6)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_moments_of_opposite_springs(dim):
+    """Their forces balance but for round-off, against which nothing is to be measured: steps were
+    cut for "a relative error of 0.07"."""
+    mesh = rectangle((1, 1), (0.1, 1.0)) if dim == 2 else box((1, 1, 1), (0.1, 0.1, 1.0))
+    middle = RigidSolid(mesh, mass=1.0).centre
+    up, spin = np.eye(dim)[-1] / 2, 12.0 if dim == 2 else (0, 12.0, 0)
+    springs = {tuple(middle + up): 100.0, tuple(middle - up): 100.0}
+    history = run(RigidSolid(mesh, mass=1.0, spin=spin, springs=springs), 5.0, 500)
+    assert not history.remarks and history["geometry"].max() <= 3
+
+
 @pytest.mark.parametrize("scheme", [ThetaScheme(), GeneralisedAlpha(1.0)])
 def test_forces_and_torques_in_time(scheme):
     """Exact for what is linear in t; their works stand under drive."""

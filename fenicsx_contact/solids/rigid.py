@@ -242,11 +242,10 @@ class RigidSolid(RigidMotion):
         size = (np.abs(self._momentum / step.span) + np.abs(load) + self._terms).tolist()
         if not isfinite(sum(residual)):  # max may pass over NaN
             return inf
-        force = max(size[:d])
-        moment = max(*size[d:], self._radius * force)  # forces at arm's length, too
-        if force <= noise:
-            return 0.0
-        return max(max(residual[:d]) / (force or 1.0), max(residual[d:]) / (moment or 1.0))
+        arm = self._radius  # moments are those of forces there
+        force = max(*size[:d], max(size[d:]) / arm)
+        off = max(*residual[:d], max(residual[d:]) / arm)
+        return off / force if force > noise else 0.0
 
     def accept(self, step: Step) -> None:
         self.memory = step.remember(self.velocity, self.trial_velocity, self._acting, self.memory)

@@ -132,8 +132,7 @@ class Meetings:
         alpha, beta = np.zeros((self.n, 2)), np.zeros((self.n, 3))
         if len(on):
             corner, face = f.mine[on, 0], f.theirs[on]
-            normal = s.normals(x)[f.face[on]]
-            normal /= np.sqrt(dot(normal, normal))[:, None]
+            normal = s.units(x, f.face[on])
             alpha[on, 0] = 1.0
             arm, first = x[corner] - x[face[:, 0]], x[face[:, 1]] - x[face[:, 0]]
             if s.dim == 2:

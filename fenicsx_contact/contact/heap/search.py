@@ -21,6 +21,7 @@ import numpy as np
 from ...base.constants import SAME, SHARP
 from ...base.vectors import dot
 from ..mortar.walls import WALL
+from .between import apart
 from .shape import Ragged, Shape
 
 #: Cost: bodies are asked that are nearer than this share of the smaller, and than so many times
@@ -163,6 +164,11 @@ class Search:
         deep = -WALL * s.thin[bodies].min(axis=1)
         over &= (height <= places.reach[pair]) & (height >= deep)
         corner, face, height = (a[over] for a in (corner, face, height))
+        behind = np.flatnonzero(height < 0)
+        start, to = x[corner[behind]], face[behind]
+        foot = start - height[behind, None] * s.units(x, to)
+        other = apart(s, x, (start, foot), s.owner[to])
+        corner, face, height = (np.delete(a, behind[other]) for a in (corner, face, height))
         key = corner * s.parts + s.part[face]
         ahead = self._heights(corner, face, places.end)
         same = SAME * s.sizes[s.owner[face]]
@@ -195,25 +201,15 @@ class Search:
 
     def _heights(self, node: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.ndarray:
         """How high nodes are above the planes of faces, m."""
-        normal = self._shape.normals(x)[face]
-        return dot(x[node] - x[self._shape.outline[face, 0]], normal) / np.sqrt(dot(normal, normal))
+        return dot(x[node] - x[self._shape.outline[face, 0]], self._shape.units(x, face))
 
     def _over(self, corner: np.ndarray, face: np.ndarray, x: np.ndarray) -> tuple:
         """How high corners are above the planes of faces, and whether they lie over these with the
         bodies behind them."""
         s, p = self._shape, x[corner]
-        normal = s.normals(x)
-        normal = (normal / np.sqrt(dot(normal, normal))[:, None])[face]
-        around = x[s.outline[face]]
-        height = dot(p - around[:, 0], normal)
-        over = np.ones(len(corner), dtype=bool)
-        k = around.shape[1]
-        for i in range(k):
-            a, b = around[:, i], around[:, (i + 1) % k]
-            edge = b - a
-            # in the plane from either end to the other
-            inwards = edge if s.dim == 2 else np.cross(normal, edge) * s.sign[face][:, None]
-            over &= dot(p - a, inwards) >= -SAME * dot(inwards, inwards)
+        normal = s.units(x, face)
+        height = dot(p - x[s.outline[face, 0]], normal)
+        over = s.holds(p, face, x)
         row, node = s.beside.of(corner[over])
         which = np.flatnonzero(over)[row]
         arm = x[node] - p[which]
@@ -233,10 +229,20 @@ class Search:
         bodies = pairs[pair]
         deep = -WALL * s.thin[bodies].min(axis=1)
         cross &= (height <= places.reach[pair]) & (height >= deep)
+        behind = np.flatnonzero(cross & (height < 0))
+        ends = self._nearest(mine[behind], theirs[behind], x)
+        for body in bodies[behind].T:
+            cross[behind[apart(s, x, ends, body)]] = False
         mine, theirs, height, turn = (a[cross] for a in (mine, theirs, height, turn))
         key = len(x) * s.parts + mine * len(s.ends) + theirs
         ends = s.ends[theirs][:, [0, 1, 1]]
         return Features(key, s.ends[mine], ends, np.full(len(key), -1), turn, height)
+
+    def _nearest(self, mine: np.ndarray, theirs: np.ndarray, x: np.ndarray) -> tuple:
+        """Where edges are nearest to each other, on either."""
+        (a, b), (c, d) = ((x[i] for i in self._shape.ends[edge].T) for edge in (mine, theirs))
+        share, other = shares(a, b - a, c, d - c)
+        return a + share[:, None] * (b - a), c + other[:, None] * (d - c)
 
     def _cross(self, mine: np.ndarray, theirs: np.ndarray, x: np.ndarray) -> tuple:
         """How far edges are apart, how their cross product shows, and whether they are what is
@@ -263,8 +269,7 @@ class Search:
                 arm = x[s.wings[edge, i]] - start
                 cross &= dot(arm, way) <= _THROUGH * np.sqrt(dot(arm, arm))
         # and no face beside them that is farther from all of the other edge
-        faces = s.normals(x)
-        faces /= np.sqrt(dot(faces, faces))[:, None]
+        faces = s.units(x, np.arange(len(s.outline)))
         for edge, ends in ((theirs, (a, b)), (mine, (c, d))):
             for i in (0, 1):
                 f = s.flanks[edge, i]

@@ -15,8 +15,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...base.constants import SAME
+from ...base.vectors import dot
 from ..inside import SIMPLICES
 from ..mortar.side import Side, unit_and_length
+from ..mortar.walls import Walls
 
 
 class Ragged:
@@ -60,6 +62,7 @@ class Shape:
         ends: nodes of the edges that jut out, (E, 2), none in the plane; ``flanks``: the facets
             beside each, (E, 2); ``wings``: of either the node that is farthest from it, (E, 2).
         sizes: the diameter of each body, and ``thin``, how thin it may be, at least, (B,) in m.
+        convex: bodies that are, (B,) of bool.
     """
 
     def __init__(self, sides: Sequence[Side]) -> None:
@@ -90,10 +93,10 @@ class Shape:
         which = self._corners()
         self.corners = Ragged(self.body[which], which, bodies)
         self.edges = Ragged(self.body[self.ends[:, 0]], np.arange(len(self.ends)), bodies)
-        self.thin = np.full(bodies, np.inf)
-        self._measure()
+        self.thin, self.convex = np.full(bodies, np.inf), np.full(bodies, True)
+        self._measure(sides)
 
-    def _measure(self) -> None:
+    def _measure(self, sides: Sequence[Side]) -> None:
         """How thin bodies are, and their parts."""
         unit, _ = unit_and_length(self.normals(self.nodes))
         self.part, self.parts = np.empty(len(unit), dtype=np.int64), 0
@@ -107,6 +110,8 @@ class Shape:
             self.thin[b] = behind[behind > same].min(initial=self.sizes[b])
             self.part[mine] = self.parts
             if (rise > same).any():
+                self.convex[b] = False
+                self.thin[b] = min(self.sizes[b], Walls(sides[b]).least())
                 plane = np.round(np.column_stack([unit[mine], level / self.sizes[b]]) / SAME)
                 self.part[mine] += np.unique(plane, axis=0, return_inverse=True)[1].ravel()
             self.parts = int(self.part[mine].max(initial=self.parts)) + 1
@@ -119,6 +124,23 @@ class Shape:
             return np.stack([t[:, 1], -t[:, 0]], axis=1) * self.sign[:, None]
         normal = np.cross(a[:, 1] - a[:, 0], a[:, 2] - a[:, 0])
         return normal * self.sign[:, None]
+
+    def units(self, x: np.ndarray, face: np.ndarray) -> np.ndarray:
+        """Those of facets (k,), of length 1."""
+        normal = self.normals(x)[face]
+        return np.asarray(normal / np.sqrt(dot(normal, normal))[:, None])
+
+    def holds(self, p: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Whether places p (k, d) lie over or below faces (k,), (k,) of bool."""
+        normal, around = self.units(x, face), x[self.outline[face]]
+        result, k = np.ones(len(face), dtype=bool), self.dim
+        for i in range(k):
+            a, b = around[:, i], around[:, (i + 1) % k]
+            edge = b - a
+            # in the plane from either end to the other
+            inwards = edge if k == 2 else np.cross(normal, edge) * self.sign[face][:, None]
+            result &= dot(p - a, inwards) >= -SAME * dot(inwards, inwards)
+        return result
 
     def _corners(self) -> np.ndarray:
         """Nodes at which the surface bends outwards, or where it ends; takes up the edges."""

@@ -39,7 +39,7 @@ class Others:
 
     def __init__(self, slave: Side, master: Side) -> None:
         self._sizes = slave.sizes
-        self._walls = _Walls(slave), _Walls(master)
+        self._walls = Walls(slave), Walls(master)
 
     def __call__(self, facet: np.ndarray, other: np.ndarray, away: np.ndarray) -> np.ndarray:
         """Whether facets (q,) may meet others ``away`` [m] along their normals, (q,) of bool."""
@@ -70,7 +70,7 @@ class Others:
         return sum(wall.mean() for wall in self._walls) / 2
 
 
-class _Walls:
+class Walls:
     """How far behind the facets of a side another of its own ends the undeformed body."""
 
     def __init__(self, side: Side) -> None:
@@ -83,6 +83,10 @@ class _Walls:
         if len(new):
             self._thickness[new] = self._seek(new)
         return self._thickness[facet]
+
+    def least(self) -> float:
+        """Of all facets the least, m."""
+        return float(self(np.arange(len(self._thickness))).min())
 
     def mean(self) -> float:
         """Of the facets that have another behind them, m."""

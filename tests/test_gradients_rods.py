@@ -73,12 +73,13 @@ def drop(
     buoyancy=WATER.buoyancy,
     mass=4.6,
     height=0.0,
+    line=0.0,
     **scene,
 ):
     """A short rod that falls in water through two cards into an S with a dashpot."""
     water = replace(WATER, before=drag, mass=added, buoyancy=buoyancy)
     rod = beam(
-        law=Fall(water),
+        law=Fall(water, drive_friction=line),
         sections=Section(mass=3.0 * mass / 4.6, bending=40.0 * stiffness),
         masses=[(1.2, mass / 4.6)],
         displacement=lambda s: aside + 0 * s[None],
@@ -126,6 +127,7 @@ OTHERS = {
     "wider": (1e-4, lambda s: Widening(s.contacts[0])),
     "drag": (WATER.before, lambda s: DriveLaw(s.solids[0], "water.before")),
     "added": (WATER.mass, lambda s: DriveLaw(s.solids[0], "water.mass")),
+    "line": (1.0, lambda s: DriveLaw(s.solids[0], "drive_friction")),
     "buoyancy": (WATER.buoyancy, lambda s: DriveLaw(s.solids[0], "water.buoyancy")),
     "mass": (4.6, lambda s: Mass(s.solids[0])),
     "height": (1e-2, lambda s: Start(s.solids[0], place=(0, 1))),

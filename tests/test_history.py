@@ -29,6 +29,8 @@ from fenicsx_contact import (
     History,
     HyperelasticSolid,
     InputError,
+    LevelSet,
+    Moved,
     Newton,
     RigidSolid,
     Scene,
@@ -268,6 +270,31 @@ def test_another_scene_is_not_resumed(changes, tmp_path):
         other_scene(**changes).run(6e-3, changes.get("dt", 1e-3), directory=tmp_path, resume=True)
     assert {file: file.read_bytes() for file in tmp_path.iterdir()} == before
     assert len(other_scene().run(6e-3, 1e-3, directory=tmp_path, resume=True)) == 7
+
+
+def told_in_time(kind, by):
+    """A block that meets in time what differs only by a number of a function."""
+    obstacle, friction, given = FLOOR, 0.3, {}
+    if kind == "force":
+        given = {"force": lambda t: (by * t, 0)}
+    elif kind == "belt":
+        obstacle = LevelSet(lambda x, t: x[1], 2, velocity=lambda x, t: (by, 0.0))
+    elif kind == "moved":
+        obstacle = Moved(FLOOR, lambda t: (by * t, 0))
+    elif kind == "friction":
+        friction = lambda x: by + 0.1 * x[0]  # noqa: E731
+    solid = RigidSolid(rectangle(), mass=10.0, gravity=(0, -9.81), **given)
+    return Scene([solid], [Contact(solid, "base", obstacle, friction=friction)])
+
+
+@pytest.mark.parametrize("kind", ["force", "belt", "moved", "friction"])
+def test_what_differs_only_later_is_another_scene(kind, tmp_path):
+    """Functions were told by their names: a run went on with other loads, belts, friction."""
+    told_in_time(kind, 0.1).run(4e-3, 1e-3, directory=tmp_path)
+    with pytest.raises(InputError, match=r"directory = .* holds a run of another scene"):
+        told_in_time(kind, 0.2).run(8e-3, 1e-3, directory=tmp_path, resume=True)
+    again = told_in_time(kind, 0.1).run(8e-3, 1e-3, directory=tmp_path, resume=True)
+    assert again.finished and len(again) == 9
 
 
 @pytest.mark.parametrize("load", ["force", "torque"])

@@ -620,6 +620,8 @@ def test_where(where):
 
 def test_parts_of_a_named_mesh():
     mesh = rectangle()
+    other = rectangle((2, 2))
+    refused(lambda: NamedMesh(mesh.mesh, other.facet_tags, other.names), "of another mesh")
     refused(lambda: NamedMesh("mesh", mesh.facet_tags, mesh.names), "mesh = 'mesh'")
     refused(lambda: NamedMesh(mesh.mesh, None, mesh.names), "facet_tags = None")
     refused(lambda: NamedMesh(mesh.mesh, mesh.facet_tags, {"a": "b"}), "names['a'] = 'b'")

@@ -544,3 +544,32 @@ def test_wear_of_a_solid_of_revolution(plane, metre):
     assert Scene([ring], [contact], QuasiStatic()).run(1.0, 0.1).finished
     expected = wear / hardness * contact.pressure * speed
     np.testing.assert_allclose(contact.memory.values["worn"], expected, rtol=1e-5)
+
+
+def test_what_remembers_by_the_name_of_another_is_refused():
+    """The first of the two stood still, and friction was 0.1 + 2 way for 0.2 + 2 way."""
+
+    class Way:
+        def bound(self, k, pressure, status):
+            way = k.state("way", 0.0, lambda old, time: old + k.slip_speed * time)
+            return (0.1 + way) * pressure
+
+        def describe(self):
+            return "0.1 + way"
+
+    class Both(Way):
+        def bound(self, k, pressure, status):
+            return sum(Way().bound(k, pressure, status) for _ in range(2))
+
+    slide(Way(), 0.01)
+    with pytest.raises(InputError, match="name = 'way': two laws of a contact"):
+        slide(Both(), 0.01)
+
+    class Worn(Way):
+        def bound(self, k, pressure, status):
+            for name in ("one", "other"):
+                k.wears(name, lambda depth, time: depth + 1e-9 * k.slip_speed * time)
+            return 0.1 * pressure
+
+    with pytest.raises(InputError, match="name = 'other': a law of the contact wears"):
+        slide(Worn(), 0.01)

@@ -6,6 +6,7 @@ import json
 import os
 import time
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import problems
@@ -230,7 +231,7 @@ def test_a_batch_goes_on(tmp_path):
     lines = file.read_text().splitlines()
     assert len(lines) == 5 and {**cases[0], "half": 0.0}.items() <= first[0].items()
     file.write_text("\n".join(lines[:4]) + "\n" + lines[4][:9])  # killed while it wrote
-    lost = json.loads(lines[4])["x"]
+    lost = json.loads(lines[4])["case"]["x"]
     others = [{"x": 3.0, "kind": "b"}, *reversed(cases)]
     again = batch(halved, others, file, processes=1, progress=False)
     assert [line["half"] for line in again] == [1.5, 2, 1.5, 1, 0.5, 0]
@@ -240,6 +241,36 @@ def test_a_batch_goes_on(tmp_path):
     with pytest.raises(TypeError):
         batch(halved, [{"x": None, "kind": "a"}], file, processes=1, progress=False)
     assert len(file.read_text().splitlines()) == 6
+
+
+def summed(a, b=10):
+    return {"sum": np.int64(a + b)}
+
+
+def test_a_batch_tells_cases_by_all_of_their_names(tmp_path):
+    """Those of other names that were on file stood for them."""
+    file = str(tmp_path / "lines.jsonl")
+
+    def run(*cases):
+        return [line["sum"] for line in batch(summed, cases, file, processes=1, progress=False)]
+
+    assert run({"a": 1, "b": 2}, {"b": 3, "a": 1}) == [3, 4]
+    assert run({"a": 1}, {"a": 1}) == [11, 11] and run({"a": 1}) == [11]
+    assert len(Path(file).read_text().splitlines()) == 3
+    with pytest.raises(InputError, match=r"cases\[1\]: is of \['a', 'b'\], cases\[0\] of \['a'\]"):
+        run({"a": 1}, {"a": 1, "b": 7})
+    (tmp_path / "other").write_text('{"a": 1}\n')
+    with pytest.raises(InputError, match="is none of a batch"):
+        batch(summed, [], tmp_path / "other")
+
+
+def test_ladders_and_rates_of_what_does_not_vary_are_refused():
+    with pytest.raises(InputError, match="dt = 3: is what varies"):
+        ladder("dt", [1, 2], dt=3)
+    samples = [Sample("m", {"n": n}, 1 / n, steps=1) for n in (1, 2)]
+    assert rate(samples, "n") == pytest.approx(1)
+    with pytest.raises(InputError, match="over = 'bananas'"):
+        rate(samples, "bananas")
 
 
 def test_what_is_shipped():

@@ -77,6 +77,13 @@ def cell_geometry(mesh: Any) -> np.ndarray:
     return np.asarray(mesh.geometry.dofmap) if MODERN else _table(mesh.geometry.dofmap)
 
 
+def tags_of(tags: Any, mesh: Any) -> bool:
+    """Whether tags are of entities of this mesh, not of another one."""
+    of = getattr(tags, "topology", None) or getattr(getattr(tags, "mesh", None), "topology", None)
+    mine, theirs = (getattr(each, "_cpp_object", each) for each in (mesh.topology, of))
+    return theirs is None or theirs is mine
+
+
 def num_local_cells(mesh: Any) -> int:
     """Number of cells this process owns."""
     return mesh.topology.index_map(mesh.topology.dim).size_local

@@ -71,6 +71,8 @@ class NamedMesh:
             raise checks.InputError(
                 f"facet_tags: are of dimension {tags.dim}; must be of facets, of dimension {fdim}"
             )
+        if not compat.tags_of(tags, self.mesh):
+            raise checks.InputError("facet_tags: are of the facets of another mesh")
         topology.create_entities(fdim)
         facets, given = topology.index_map(fdim), np.asarray(tags.indices)
         there = facets.size_local + facets.num_ghosts

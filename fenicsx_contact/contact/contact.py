@@ -110,7 +110,7 @@ class Contact(SurfaceResults):
         self.candidates = Candidates(self.equations, self.coupling, self.formulation)
         self._springs = TangentialSprings(self.equations, self.formulation)
         self._scales = Scales(self.coupling, self.surface.size)
-        self.resolution, self.moved = 0.0, 1.0
+        self.resolution, self.moved = ROUND_OFF * largest(coupling.velocities("velocity")), 1.0
         self._told: Step | None = None  # of whose start the equations know
         self._set_normal(self.coupling.normals())
         self.trial_status, self.force_normal = self.status, self.normal

@@ -253,6 +253,10 @@ class LawFields:
     def wears(self, name: str, evolve: Callable[[Any, Any], Any]) -> None:
         """A remembered depth [m], 0 at the start, by which the surface recedes: the mean over the
         area of a point, of which a master may cover a share only, where the pressure acts."""
+        if np.ndim(self.memory.recess):
+            raise checks.InputError(
+                f"name = {name!r}: a law of the contact wears its surface already"
+            )
         share = 1.0
         if self._weight is not None:
             full = self.surface.scalar()  # what a point weighs that a master covers

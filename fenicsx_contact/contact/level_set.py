@@ -128,7 +128,8 @@ class LevelSet:
         return self._at("velocity", points, time)
 
     def __repr__(self) -> str:
-        return f"LevelSet({self._phi}, dim={self.dim})"
+        drift = self._motion and f", velocity={self._drift(*self._terminals)}"
+        return f"LevelSet({self._phi}, dim={self.dim}{drift or ''})"
 
 
 def _constants(phi: Any) -> list[fem.Constant]:

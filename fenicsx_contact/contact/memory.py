@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..base import compat
+from ..base import checks, compat
 
 
 class Points(Protocol):
@@ -49,7 +49,13 @@ class Memory:
         self._rules: dict[str, compat.PointExpression] = {}
 
     def field(self, name: str, start: np.ndarray | float) -> Any:
-        """A new field with these values, (n,) or one number."""
+        """A new field with these values, (n,) or one number; InputError if there is one of that
+        name."""
+        if name in self.values:
+            raise checks.InputError(
+                f"name = {name!r}: two laws of a contact remember something by that name; each "
+                "field needs one of its own"
+            )
         field = self._surface.scalar()
         self.values[name] = field.x.array
         self.values[name][:] = start

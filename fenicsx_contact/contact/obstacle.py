@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..base import checks
+from ..base.told import told
 from .wall import Obstacle, Wall
 
 
@@ -181,4 +182,4 @@ class Moved:
         return (last - first) / (end - start) + self._wall.velocity(points - last, start, end)
 
     def __repr__(self) -> str:
-        return f"Moved({self._wall.describe()})"
+        return f"Moved({self._wall.describe()}, {told(self._motion)})"

@@ -21,7 +21,8 @@ from .parameters import OfSolid, Parameter, among
 
 
 class DriveLaw(OfSolid):
-    """A number of the law that drives a beam along its axis.
+    """A number of the law that drives a beam along its axis, which an own law must read whenever it
+    is asked: of what a constructor made of it nothing is known.
 
     Args:
         solid: the beam.

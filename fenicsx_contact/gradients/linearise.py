@@ -67,11 +67,10 @@ class Linearisation:
         self._v: dict[int, slice] = {}
         self._s: dict[int, slice] = {}
         self.size = 0
-        pairs = any(len(contact.solids) > 1 for contact in scene.contacts)
         for m in self.motions:
             self._q[id(m)], self.size = _next(self.size, m.size)
             self._v[id(m)], self.size = _next(self.size, m.size)
-            if pairs and isinstance(m, RigidMotion):
+            if isinstance(m, RigidMotion):
                 self._s[id(m)], self.size = _next(self.size, m.size)
         self._t, self.size = _next(self.size, 1)
 

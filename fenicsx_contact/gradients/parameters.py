@@ -4,7 +4,7 @@ one unit changes there; everywhere else it changes nothing."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from typing import Any
 
 import numpy as np
@@ -109,9 +109,9 @@ class Law(Parameter):
     """
 
     def __init__(self, contact: Contact, name: Any = "friction") -> None:
+        self.contact = checks.instance("contact", contact, Contact, "a Contact")
         numbers = contact.equations.fields.numbers
-        self.contact = contact
-        if name not in numbers:
+        if not isinstance(name, Hashable) or name not in numbers:
             raise checks.InputError(f"name = {name!r}: must be one of {[*map(str, numbers)]}")
         self._derivative = ByConstant(contact, numbers[name])
 

@@ -83,4 +83,6 @@ class Adjoints(_OneSided):
     def one_sided(self, name: str) -> np.ndarray:
         """Derivatives of a quantity or functional by the parameters, (parameters,), of one side if
         need be."""
+        if name not in self._gradients:
+            raise KeyError(f"{name!r}: there are {', '.join(self._gradients)}")
         return self._gradients[name]

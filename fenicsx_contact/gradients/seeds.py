@@ -50,6 +50,21 @@ class Row(NamedTuple):
     explicit: np.ndarray | None
 
 
+def _asked(
+    what: str, functional: Functional, history: History
+) -> tuple[float, dict[str, np.ndarray]]:
+    """The value of a functional and its derivatives, or a refusal."""
+    given = checks.called(what, functional, history)
+    if not isinstance(given, tuple) or len(given) != 2:
+        raise checks.InputError(
+            f"{what} gives {given!r}: must be its value, and its derivatives by quantities by name"
+        )
+    weights = checks.mapping(f"{what}: derivatives", given[1], "of arrays by name")
+    rows = len(history)
+    told = {k: checks.vector(f"{what}: derivatives {k!r}", w, rows) for k, w in weights.items()}
+    return checks.number(f"{what}: value", given[0]), told
+
+
 class Seeds:
     """What functionals put into an adjoint: a probe of the run along which it goes back.
 
@@ -94,7 +109,7 @@ class Seeds:
         self.values = {name: float(history[name][-1]) for name in quantities}
         every: list[Mapping[str, np.ndarray]] = [{name: end} for name in quantities]
         for name, functional in self._functionals.items():
-            self.values[name], weights = functional(history)
+            self.values[name], weights = _asked(f"functionals[{name!r}]", functional, history)
             for column in weights:
                 if column not in quantities and column != "time":
                     raise checks.InputError(

@@ -19,6 +19,7 @@ from ..base import checks
 from ..base.constants import SAME
 from ..output.history import History
 from ..scene import Scene
+from ..steps.run import span
 from ..steps.trial import Trial
 from .bearing import OfContact
 from .blocks import LinearStep
@@ -33,6 +34,7 @@ from .seeds import Functional, Seeds, explicit, gradient
 
 #: The column of a run that the seeds of an adjoint write, and no one reads.
 _SEEDS = "seeds of the adjoint"
+_QUANTITY = "a quantity (gradients.quantities)"
 
 
 def tangents(
@@ -145,9 +147,9 @@ def adjoints(
     quantities = _checked(scene, parameters, quantities)
     linear = Linearisation(scene, list(parameters.values()))
     edges = Edges(scene, linear)
-    dt, first = checks.number("dt", dt, above=0), scene.time
+    (until, dt), first = span(scene.time, until, dt), scene.time
     room = checks.number("room", room, at_least=0)
-    count = max(1, round((checks.number("until", until) - first) / dt))
+    count = max(1, round((until - first) / dt))
     each = (
         isqrt(count - 1) + 1 if every is None else checks.whole_number("every", every, at_least=1)
     )
@@ -231,6 +233,7 @@ def _checked(
         checks.instance(f"parameters[{name!r}]", parameter, Parameter, what)
     given: dict[str, Quantity] = dict(checks.mapping("quantities", quantities, "of quantities"))
     for name, quantity in given.items():
+        checks.offers(f"quantities[{name!r}]", quantity, Quantity, _QUANTITY)
         if not any(quantity.solid is solid for solid in scene.solids):
             raise checks.InputError(f"quantities[{name!r}]: its solid is not in the scene")
         if isinstance(quantity, OfContact):

@@ -12,8 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
 
-import numpy as np
-
 from ..base import checks
 from .water import Water
 
@@ -136,7 +134,7 @@ class Fall:
         if self.drive_friction:
             inertia = mass + self.added_mass(travel)
             driving = inertia * speed / dt + mass * gravity + sum(f.value for f in forces)
-            held = float(np.clip(driving, -self.drive_friction, self.drive_friction))
+            held = max(-self.drive_friction, min(driving, self.drive_friction))
             forces.append(AxialForce("drive line", -held))
         return forces
 

@@ -74,9 +74,6 @@ def move_mass_inwards(
     near[fixed // d] = 0.0
     behind = np.flatnonzero(near)
     places = np.concatenate(comm.allgather(x[behind]))
-    # of the many ways to spread the mass the same, however many processes there are
-    order = np.concatenate(comm.allgather(vectors.numbers[behind * d])).argsort()
-    places = places[order]
     if not len(places):
         raise checks.InputError("mass_redistribution: no free nodes behind the boundary")
     origin = places.mean(axis=0)
@@ -91,13 +88,14 @@ def move_mass_inwards(
     # No mass is taken there, so that the matrix stays positive: the total is restored, the centre
     # and the moments of inertia as far as masses further inside can restore them, to O(h²). With
     # the moments about what was lost the least squares are those of masses of any total but 0, so
-    # the total may be set afterwards.
+    # the total may be set afterwards. Of the many ways to spread it that which is smallest: no
+    # other is the same for all numberings, and symmetric where the body is.
     f = np.column_stack([np.ones(len(places)), (places - origin) / size])
     pairs = [(a, b) for a in range(d + 1) for b in range(a, d + 1)]
     off = [f[:, a] * f[:, b] - lost[a, b] / lost[0, 0] for a, b in pairs[1:]]
-    gained, _ = nnls(np.array([f[:, 0], *off]), np.eye(len(pairs))[0])
+    rows = np.array([f[:, 0], *off])
+    gained = _smallest(rows, rows @ nnls(rows, np.eye(len(pairs))[0])[0])
     gained *= lost[0, 0] / gained.sum()
-    gained[order] = gained.copy()
     first = sum(comm.allgather(len(behind))[: comm.rank])
     added = np.zeros(vectors.owned)
     for k in range(d):
@@ -106,6 +104,29 @@ def move_mass_inwards(
     diagonal.setArray(diagonal.array_r + added)
     mass.setDiagonal(diagonal)
     diagonal.destroy()
+
+
+def _smallest(rows: np.ndarray, sums: np.ndarray) -> np.ndarray:
+    """The smallest g >= 0 of those with these sums ``rows g``: g = max(0, rows' y), where y is the
+    minimum of g . g / 2 - sums . y, sought by Newton's method down to round-off."""
+
+    def at(y: np.ndarray) -> tuple[np.ndarray, float]:
+        g = np.maximum(y @ rows, 0.0)
+        return g, float(g @ g / 2 - sums @ y)
+
+    y = np.zeros(len(sums))
+    y[0] = 1.0  # all alike
+    g, value = at(y)
+    while True:
+        bears = rows[:, g > 0]
+        way = np.linalg.lstsq(bears @ bears.T, sums - rows @ g, rcond=ROUND_OFF**0.5)[0]
+        falls, share = float(way @ (sums - rows @ g)), 1.0
+        while at(y + share * way)[1] > value - share * falls / 4 and share > ROUND_OFF:
+            share /= 2
+        new, lower = at(y + share * way)
+        if not lower < value:
+            return g
+        y, g, value = y + share * way, new, lower
 
 
 def relax(

@@ -71,19 +71,10 @@ def run(
     stop_when: Callable[[], bool] | None,
 ) -> History:
     """See :meth:`fenicsx_contact.scene.Scene.run`."""
-    dt = checks.number("dt", dt, above=0)
-    until = checks.number("until", until)
+    until, dt = span(scene.time, until, dt)
     shortest = checks.number("shortest", shortest, above=0, at_most=1)
     checks.whole_number("fields_every", fields_every, at_least=0)
     checks.truth("resume", resume)
-    if until <= scene.time:
-        raise checks.InputError(f"until = {until!r}: must be > {scene.time:g}, the present time")
-    if until + dt / 2 == until:
-        raise checks.InputError(f"dt = {dt!r}: is lost in the round-off of until = {until!r}")
-    if dt > (until - scene.time) * (1 + 1e-9):
-        raise checks.InputError(
-            f"dt = {dt!r}: must be <= {until - scene.time:g}, the length of the run"
-        )
     _check_probes(scene, probes)
     if progress is not None:
         checks.truth("progress", progress)
@@ -106,6 +97,18 @@ def run(
         course.begin(resume, _fingerprint(scene, dt, step_error))
         course.go(until, fields_every, stop_when, progress)
     return history
+
+
+def span(now: float, until: float, dt: float) -> tuple[float, float]:
+    """When a run ends and its step, as numbers, or a refusal."""
+    dt, until = checks.number("dt", dt, above=0), checks.number("until", until)
+    if until <= now:
+        raise checks.InputError(f"until = {until!r}: must be > {now:g}, the present time")
+    if until + dt / 2 == until:
+        raise checks.InputError(f"dt = {dt!r}: is lost in the round-off of until = {until!r}")
+    if dt > (until - now) * (1 + 1e-9):
+        raise checks.InputError(f"dt = {dt!r}: must be <= {until - now:g}, the length of the run")
+    return until, dt
 
 
 class _Course:

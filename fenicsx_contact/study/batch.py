@@ -12,6 +12,8 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
+from ..base import checks
+
 
 def batch(
     function: Callable[..., Mapping[str, Any]],
@@ -28,47 +30,66 @@ def batch(
 
     Args:
         function: at the top of a module; from a case, by name, to results, by other names.
-        cases: numbers or texts, by the same names each.
-        file: of JSON lines, appended to: a case and its results each.
+        cases: numbers or texts, by the same names each; what stands there twice is run once.
+        file: of JSON lines, appended to: a case and its results each, all of one function.
         processes: how many; default: one for each core.
         progress: show a bar; default: if a person watches.
 
     Returns:
-        The lines of the cases, in their order.
+        The cases with their results, in their order.
 
     Raises:
+        InputError: cases of different names; a file of something else.
         Exception: what the function raised; other cases that are done by then are on file.
     """
     from tqdm import tqdm
 
-    names = list(cases[0]) if cases else []
-
-    def key(line: Mapping[str, Any]) -> str:
-        return json.dumps([line.get(name) for name in names])
-
-    known = {key(line): line for line in _lines(file)}
-    todo = [case for case in cases if key(case) not in known]
+    file = checks.path("file", file)
+    for i, case in enumerate(cases):
+        if set(case) != set(cases[0]):
+            raise checks.InputError(
+                f"cases[{i}]: is of {sorted(case)}, cases[0] of {sorted(cases[0])}; all need the "
+                "same names"
+            )
+    known = {_key(case): results for case, results in _lines(file)}
+    todo = {_key(case): case for case in cases if _key(case) not in known}
     file.parent.mkdir(parents=True, exist_ok=True)
     show = sys.stderr.isatty() if progress is None else progress
     fork = multiprocessing.get_context("fork")
     with ProcessPoolExecutor(processes or os.cpu_count(), fork) as pool, file.open("a") as out:
-        found = {pool.submit(function, **case): case for case in todo}
+        found = {pool.submit(function, **case): case for case in todo.values()}
         done = len(cases) - len(todo)
         try:
             for each in tqdm(as_completed(found), total=len(cases), initial=done, disable=not show):
-                line = {**found[each], **each.result()}
-                known[key(line)] = line
-                out.write(json.dumps(line) + "\n")
+                case, results = found[each], dict(each.result())
+                known[_key(case)] = results
+                line = {"case": case, "results": results}
+                out.write(json.dumps(line, default=_listed) + "\n")
                 out.flush()
         finally:
             pool.shutdown(cancel_futures=True)  # who is stopped does not wait for all the others
-    return [known[key(case)] for case in cases]
+    return [{**case, **known[_key(case)]} for case in cases]
 
 
-def _lines(file: Path) -> list[dict[str, Any]]:
-    """The whole lines of a file; one that a kill cut short is taken out."""
+def _listed(value: Any) -> Any:
+    """What numpy gives as Python's own numbers."""
+    if not hasattr(value, "tolist"):
+        raise TypeError(f"{value!r} is no number or text")
+    return value.tolist()
+
+
+def _key(case: Mapping[str, Any]) -> str:
+    return json.dumps(case, sort_keys=True, default=_listed)
+
+
+def _lines(file: Path) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+    """Cases and their results; a line that a kill cut short is taken out."""
     lines = file.read_text().splitlines(keepends=True) if file.is_file() else []
     if lines and not lines[-1].endswith("\n"):
         file.write_text("".join(lines[:-1]))
         lines.pop()
-    return [json.loads(line) for line in lines]
+    try:
+        found = map(json.loads, lines)
+        return [(line["case"], line["results"]) for line in found]
+    except (ValueError, LookupError, TypeError):
+        raise checks.InputError(f"file = {str(file)!r}: is none of a batch") from None

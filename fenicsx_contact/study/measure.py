@@ -20,6 +20,8 @@ Setting = Mapping[str, Any]
 
 def ladder(name: str, values: Sequence[Any], **fixed: Any) -> list[dict[str, Any]]:
     """Settings that differ in one argument, coarse to fine."""
+    if name in fixed:
+        raise InputError(f"{name} = {fixed[name]!r}: is what varies")
     return [{name: value, **fixed} for value in values]
 
 
@@ -144,7 +146,11 @@ def pareto(samples: Iterable[Sample]) -> list[Sample]:
 
 def rate(samples: Iterable[Sample], over: str = "steps") -> float:
     """Order of convergence: minus the slope of log(error) over log(steps), fitted; or over another
-    setting, by name, that varies. NaN where fewer than two samples have an error."""
+    setting, by name, that varies. NaN where fewer than two samples have an error; InputError if no
+    setting has that name."""
+    samples = list(samples)
+    if over != "steps" and samples and not any(over in s.setting for s in samples):
+        raise InputError(f"over = {over!r}: must be 'steps' or the name of a setting")
     good = [s for s in samples if np.isfinite(s.error) and s.error > 0]
     sizes = [s.setting.get(over, s.steps) for s in good]
     if len(set(sizes)) < 2:

@@ -7,6 +7,7 @@ from typing import Any
 
 from ..base import checks
 from ..base.expressions import is_expression
+from ..base.told import told as given
 
 #: A number >= 0; or a function of the place [m], and of the time [s] if it has a second argument,
 #: in UFL; or UFL on the mesh of the slave: of its coordinates, a dolfinx Function, a Constant. A
@@ -40,5 +41,4 @@ def told(value: Parameter) -> str:
     """In a few words, without an address in memory."""
     if not varies(value):
         return f"{value:g}"
-    name = getattr(value, "__name__", None)
-    return name or (str(value) if is_expression(value) else type(value).__name__)
+    return str(value) if is_expression(value) else given(value)

@@ -171,6 +171,28 @@ def test_a_friction_that_depends_on_the_place(law):
     assert "glue" in scene.describe()
 
 
+@pytest.mark.parametrize(
+    "bound, why",
+    [
+        (lambda k, p, S: None, "its bound raises"),
+        (lambda k, p, S: k.jump_t, "must be a scalar in UFL"),
+        (lambda k, p, S: max(p, 1.0), "its bound raises"),
+        (lambda k, p, S: k.slip * p, "its bound raises AttributeError"),
+        (lambda k, p, S: np.exp(p), "its bound raises"),
+    ],
+)
+def test_a_law_of_friction_that_gives_no_bound_is_refused(bound, why):
+    class Wrong:
+        def bound(self, k, pressure, S):
+            return bound(k, pressure, S)
+
+        def describe(self):
+            return "wrong"
+
+    with pytest.raises(InputError, match=rf"friction = .*Wrong.*{why}"):
+        thrown(friction=Wrong())
+
+
 def test_a_friction_that_depends_on_the_speed():
     """A rigid block slides to rest: v' = -mu(v) g. No stress turns it: it is flat."""
     friction = Stribeck(0.4, 0.2, 0.5)

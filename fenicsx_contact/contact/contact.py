@@ -102,8 +102,7 @@ class Contact(SurfaceResults):
         rows = self.formulation, self.friction_law, self.chosen, weight, augmentation
         self.equations = SurfaceEquations(self.surface, *rows, turning(other))
         self.memory = self.equations.fields.memory
-        self.coupling = coupling = self._couple(other)
-        coupling.keep_apart(clearance)
+        self.coupling = coupling = self._couple(other, clearance)
         coupling.recess = worn(self.memory, self.formulation)
         self.solids, self.traces, self.part = coupling.solids, coupling.traces, coupling.part
         self.force, self.status = np.zeros(self.surface.points.shape), np.zeros(self.surface.size)
@@ -119,8 +118,8 @@ class Contact(SurfaceResults):
     def _meant(self, solid: Solid, facets: str, master: Master) -> Master:
         return check_master(solid, facets, master)
 
-    def _couple(self, other: Master) -> Coupling:
-        return couple(self.solid, self.facets, self.equations, other, self.formulation)
+    def _couple(self, other: Master, clearance: Clearance) -> Coupling:
+        return couple(self.solid, self.facets, self.equations, other, self.formulation, clearance)
 
     def _make_surface(self) -> Surface:
         return surface_of(self.solid, self.facets, self._paired)
@@ -134,6 +133,7 @@ class Contact(SurfaceResults):
         """Frame from which the next step starts, and round-off of the distances in it."""
         self.noise = ROUND_OFF * largest(self.coupling.positions())
         self._start_normal = self.coupling.normals()
+        self._springs.begin(self._start_normal, self.coupling.positions())
         if not self.coupling.fixed_normal:
             self.equations.fields.keep_frame()
 
@@ -205,7 +205,7 @@ class Contact(SurfaceResults):
         if k.feed(self, step):
             self.equations.refresh()
         self.equations.set_rates(share * step.gap_rate, step.span, step.limit_rate, step.horizon)
-        self._springs.linearise(step, self.gap, self.jump)
+        self._springs.linearise(step, self.gap, self.jump, self.coupling.positions())
         self.coupling.linearise(step, exact, share, kept)
 
     def _tell(self, step: Step) -> None:

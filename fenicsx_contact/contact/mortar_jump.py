@@ -53,11 +53,13 @@ class MortarJump(Coupling):
         equations: SurfaceEquations,
         facets: str,
         moves: bool,
+        kind: type[Pairing] = Pairing,
     ) -> None:
         self.solids, self.equations = list(solids), equations
         self._facets, self._moves = facets, moves
         self._comm = solids[0].mesh.mesh.comm
-        self.pairing = self._ending = Pairing(*sides, self._comm)
+        self._kind = kind
+        self.pairing = self._ending = kind(*sides, self._comm)
         self.traces = [solid.trace(side.nodes) for solid, side in zip(solids, sides)]
         self._standing = Standing(*sides)
         self.part = self._part = PairedEquations(equations, self.pairing)
@@ -92,7 +94,7 @@ class MortarJump(Coupling):
         super().begin(step)
         self._share = step.place_share if self._moves else 1.0
         if self._share < 1 and self._ending is self.pairing:
-            self._ending = Pairing(self.pairing.slave, self.pairing.master, self._comm)
+            self._ending = self._kind(self.pairing.slave, self.pairing.master, self._comm)
             self._ending.stand(self.pairing.stance)
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:

@@ -99,7 +99,7 @@ class PairedEquations:
         self._rates, self._rows, self._gap_rate = None, None, gap_rate
         seen = [J, S]
         if exact and len(e.candidates):
-            self._rates = rates = Rates(pair)
+            self._rates = rates = getattr(pair, "rates", None) or Rates(pair)
             full = pair.operator + gap_rate * rates.jump(velocities.reshape(-1, d))
             turn = gap_rate * rates.normal
             normal = e.fields.normal.x.array.reshape(n, d)

@@ -13,10 +13,13 @@ from ..base.constants import SAME
 from ..solids import DeformableSolid, Solid
 from ..solids.trace import DeformableTrace
 from ..theory.formulations import Formulation
+from .clearance import Clearance
 from .equations import SurfaceEquations
 from .jump import Coupling
 from .memory import Memory
 from .mortar import bulges, means
+from .mortar.carried import Carried
+from .mortar.mortar import Pairing
 from .mortar_jump import MortarJump, side_of
 from .nodal import NodalJump
 from .surface import Surface
@@ -104,12 +107,14 @@ def couple(
     equations: SurfaceEquations,
     other: Master,
     formulation: Formulation,
+    clearance: Clearance = None,
 ) -> Coupling:
     """What joins the points of the facets to what they may meet, or a refusal."""
     if not isinstance(other, tuple):
         trace, bulge = _means(solid, facets, equations)
         coupling = NodalJump(solid, equations, other, trace, bulge)
         coupling.wall.check(coupling.positions())
+        coupling.keep_apart(clearance)
         return coupling
     master, theirs = other
     surface = equations.fields.surface
@@ -121,13 +126,16 @@ def couple(
     side = side_of(solid, facets, surface)
     itself = master is solid and theirs == facets  # may be far from touching, flat even
     sides = side, side if itself else side_of(master, theirs)
-    pair = MortarJump((solid, master), sides, equations, theirs, not formulation.gap_share)
+    stay_apart = clearance is not None or not formulation.multipliers
+    kind = Carried if equations.fields.friction and stay_apart else Pairing
+    pair = MortarJump((solid, master), sides, equations, theirs, not formulation.gap_share, kind)
     # of what is inside another a scene says how deep
     if not (pair.faces or itself or pair.swallowed(SAME * surface.extent)):
         raise checks.InputError(
             f"master = ({master.name!r}, {theirs!r}): nowhere faces {facets!r} of "
             f"{solid.name!r}; the outward normals of the two must point at each other"
         )
+    pair.keep_apart(clearance)
     return pair
 
 

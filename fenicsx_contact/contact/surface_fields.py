@@ -11,7 +11,7 @@ from dolfinx import fem
 
 from ..base import compat
 from ..base.vectors import across, beside, cross, dot
-from ..theory.friction import FrictionBound
+from ..theory.friction import Asked, FrictionBound
 from .law_fields import LawFields
 from .surface import Surface
 
@@ -49,7 +49,7 @@ class SurfaceFields(LawFields):
         turning: bool = False,
     ) -> None:
         super().__init__(surface)
-        self.friction = friction
+        self.friction = None if friction is None else Asked(friction)
         d = surface.dim
         n_mult = int(multipliers)
         n_traction = (d - 1) * int(multipliers and friction is not None)

@@ -21,8 +21,9 @@ def torques(
         scene.run(1.0, 1e-3, probes=torques(contact, about=(0, 0)))
 
     adds the column ``<contact>.torque`` in 2D, ``<contact>.torque_x``, ``_y`` and ``_z`` in 3D:
-    N m (per m in 2D), of the mean forces in the step at the places at its end; in an impact, a row
-    with ``dt`` = 0, N m s.
+    N m (per m in 2D), of the mean forces in the step at the places at its end (by theta = 1/2 they
+    act half-way: of a solid that turns or slides on the sum of these is its change of angular
+    momentum to first order only); in an impact, a row with ``dt`` = 0, N m s.
 
     Args:
         contact: the contact.

@@ -30,8 +30,10 @@ class Obstacle(Protocol):
     * ``slopes(points, time)``: derivatives of the distances by the position, (n, d). Without it
       they are the normals, as of every true distance;
     * ``velocity(points, start, end)``: mean velocity of the obstacle's material beside the points
-      between two times, (n, d) in m/s; or ``velocity(points, time)``. Without it an obstacle that
-      moves does so along its normals;
+      between two times, (n, d) in m/s, at the second of which it is there; asked for a thousandth
+      of a step, too, of which differences of places are round-off. Or ``velocity(points, time)``,
+      which by theta = 1 is of first order where it turns. Without it an obstacle that moves does so
+      along its normals;
     * ``flat``: whether the normal is the same everywhere and always; default: no;
     * ``moving``: whether anything depends on time; default: if there is a velocity, or if the
       distance asks for the time.

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from ..base import checks
 from ..contact.contact import Contact
+from ..contact.mortar.carried import Carried
 from ..rods import GuideContact
 from ..rods.beam import BeamSolid
 from ..solids import ElasticSolid, HyperelasticSolid, RigidSolid, Solid
@@ -84,6 +85,10 @@ def rows_of(
             raise checks.InputError(
                 f"gradients: contact {contact.name!r} is between two solids, in a scene with "
                 "located impacts"
+            )
+        if isinstance(contact.coupling.pairing, Carried):  # type: ignore[attr-defined]
+            raise checks.InputError(
+                f"gradients: contact {contact.name!r} has a clearance, and friction across it"
             )
         _refuse_hinged(contact, motions)
         return PairRows(contact, motions)

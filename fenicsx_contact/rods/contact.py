@@ -121,7 +121,7 @@ class GuideContact(Contact):
         self._turn = self.solid.rod.frame @ guide.lateral.T
         return surface
 
-    def _couple(self, other: Any) -> GuideCoupling:
+    def _couple(self, other: Any, clearance: Any) -> GuideCoupling:
         rod = self.solid.rod
         s = rod.axis.along(self.surface.points)
         within = rod.axis.stretch(self.facets)

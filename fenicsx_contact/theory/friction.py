@@ -11,6 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
+import ufl
+
 from ..base import checks
 from .laws import Expr
 from .parameter import Parameter, keep_parameter, parameter, told, varies
@@ -86,6 +88,35 @@ class Tresca:
     def describe(self) -> str:
         """The stress."""
         return f"friction up to {told(self.stress)}"
+
+
+class Asked:
+    """A law that is asked for its bound, and refused by name where it gives none.
+
+    Args:
+        law: the law.
+
+    Raises:
+        InputError: the law raises something, or gives what is no scalar.
+    """
+
+    def __init__(self, law: FrictionBound) -> None:
+        self._law, self.describe = law, law.describe
+
+    def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
+        """That of the law."""
+        what = f"friction = {self._law!r}: its bound"
+        try:
+            given = ufl.as_ufl(self._law.bound(k, pressure, S))
+        except (checks.InputError, checks.StepFailed):
+            raise
+        except Exception as problem:  # of a user's function
+            raise checks.InputError(
+                f"{what} raises {type(problem).__name__}: {problem}"
+            ) from problem
+        if given.ufl_shape:
+            raise checks.InputError(f"{what} is {given}: must be a scalar in UFL")
+        return given
 
 
 def friction_bound(value: Any) -> FrictionBound | None:

@@ -266,7 +266,7 @@ class Heap(Contact):
         surface.extent = min(float(np.ptp(side.nodes, axis=0).max()) for side in sides)
         return surface
 
-    def _couple(self, other: Any) -> Coupling:
+    def _couple(self, other: Any, clearance: Any) -> Coupling:
         try:
             return HeapJump(self, self._sides)
         except checks.StepFailed as failure:  # more meet than there is room for

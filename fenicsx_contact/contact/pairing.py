@@ -126,8 +126,8 @@ def couple(
     side = side_of(solid, facets, surface)
     itself = master is solid and theirs == facets  # may be far from touching, flat even
     sides = side, side if itself else side_of(master, theirs)
-    stay_apart = clearance is not None or not formulation.multipliers
-    kind = Carried if equations.fields.friction and stay_apart else Pairing
+    rubs_apart = clearance is not None and equations.fields.friction
+    kind = Carried if rubs_apart or not formulation.multipliers else Pairing
     pair = MortarJump((solid, master), sides, equations, theirs, not formulation.gap_share, kind)
     # of what is inside another a scene says how deep
     if not (pair.faces or itself or pair.swallowed(SAME * surface.extent)):

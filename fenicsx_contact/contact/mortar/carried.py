@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Jumps across a gap that is not closed, as springs and meshes with a clearance have it.
+"""Jumps across gaps that are not closed: of springs, and of meshes with a clearance between them.
 
-The two points of a pair are a gap d_n n apart. Where both solids turn together their velocities
-differ, by ``d_n dn/dt``, though nothing slips. What slips is the rest,
+**Normal ones** are the rates of the gaps, all of them: besides what rises along the normals, means
+change because their weights move with the surfaces. The forces, by the transpose, are then the
+gradients of what springs store in these gaps: they give back what they took.
 
-    w - d_n N v,        dn/dt = N v,
+**Tangential ones** are what slips. The two points of a pair are a gap d_n n apart; where both
+solids turn together their velocities differ by ``d_n dn/dt``, though nothing slips, so
 
-and its transpose gives friction across a gap the moment that balances it: ``N' d_n`` turns the
-facets by what the arm between the two forces is. Normal jumps stay as they are, for n . N = 0.
+    w - d_n N v,        dn/dt = N v.
+
+Its transpose gives friction across a gap the moment that balances it: ``N' d_n`` turns the facets
+by what the arm between the two forces is.
 """
 
 from __future__ import annotations
@@ -20,7 +24,7 @@ from .rates import Rates
 
 
 class Carried(Pairing):
-    """A pairing whose jumps are those of what turns with it.
+    """A pairing whose jumps are those of gaps, and of what turns with them.
 
     Attributes:
         rates: in its present places.
@@ -30,4 +34,5 @@ class Carried(Pairing):
         super()._operate()
         self.rates = Rates(self)
         apart = np.where(self.paired, self.gap, 0.0)[:, None, None] * np.eye(self.slave.dim)
-        self.operator = self.operator - by_point(apart, self.rates.normal)
+        moved = self.at_normals(self.rates.gap - self.rises)
+        self.operator = self.operator + moved - by_point(apart, self.rates.normal)

@@ -81,6 +81,18 @@ def went_inside(contact: Contact, depth: float, most: float) -> str:
     )
 
 
+def struck_apart(contact: Contact, most: float) -> str:
+    """What a reader should know of two rigid solids that began to push each other while they were
+    apart, farther than ``most``, a share of the surface's extent; or nothing."""
+    if (apart := contact.coupling.apart) <= most * contact.surface.extent:
+        return ""
+    return (
+        f"contact {contact.name!r} began to push while its solids were {apart:.3g} m apart: its "
+        "gaps are means over facets, which near corners are not those of the bodies. Let rigid "
+        "bodies that meet at corners be a Heap, or give them smaller facets"
+    )
+
+
 def depth(contact: Contact) -> float:
     """Gap [m] in the trial state of the deepest point that was open at the start of the step."""
     opened = contact.chosen & ~contact.touching()

@@ -32,6 +32,7 @@ class Coupling(ABC):
         by_means: whether gaps are means over facets, which are others where solids are put back.
         blocked: why the slave cannot go on like that, in the followed state, or "".
         time: of the trial state, s.
+        apart: how far what bears was from what it meets, at most, when it began to, m.
         recess: how far the surface has worn back, (n,) in m, or 0.
     """
 
@@ -43,6 +44,7 @@ class Coupling(ABC):
     encloses = False
     by_means = False
     time = 0.0
+    apart = 0.0
     recess: np.ndarray | float = 0.0
 
     @property

@@ -25,6 +25,7 @@ from .mortar.passing import passed
 from .mortar.stance import Stance
 from .mortar.standing import Standing
 from .pair_equations import PairedEquations
+from .strikes import Strikes
 from .surface import Surface
 
 
@@ -66,7 +67,7 @@ class MortarJump(Coupling):
         self._shape = (self.pairing.total, sides[0].dim)
         self._n = self.pairing.n
         self._start = self._end = self._places()
-        self._foreseen = 0.0
+        self._foreseen, self._strikes = 0.0, Strikes(solids, self._n)
         self._first: Matrix | None = None  # the operator where a step starts
         self._mean: Matrix | None = None  # that of which forces act by the mean with the last one
         self.faces = self._find() or faces_anywhere(*sides, *self._split())
@@ -99,6 +100,7 @@ class MortarJump(Coupling):
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
         way = step.horizon * largest(self.velocities("velocity"))
+        self.apart = self._strikes.see(bears, self.pairing, self._start, way)
         # an impact is seen as far away as the step that it precedes, if that is far
         self._foreseen = way if 2 * sqrt(self._shape[1]) * way > self.pairing.sight else 0.0
         stance = self._standing.find(self._start, way, bears)

@@ -49,7 +49,7 @@ class SurfaceFields(LawFields):
         turning: bool = False,
     ) -> None:
         super().__init__(surface)
-        self.friction = None if friction is None else Asked(friction)
+        self.friction: FrictionBound | None = None if friction is None else Asked(friction)
         d = surface.dim
         n_mult = int(multipliers)
         n_traction = (d - 1) * int(multipliers and friction is not None)

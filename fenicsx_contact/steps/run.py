@@ -17,7 +17,7 @@ from ..base import checks
 from ..base.checks import StepFailed
 from ..base.overflow import diverging
 from ..base.processes import any_of
-from ..contact.arrivals import starts_inside, went_inside
+from ..contact.arrivals import starts_inside, struck_apart, went_inside
 from ..contact.contact import Contact
 from ..output.history import History
 from ..output.stops import hint
@@ -174,8 +174,8 @@ class _Course:
         bar.close()
         for contact in scene.contacts:
             depth = float(history[f"{contact.name}.penetration"].max())
-            if remark := went_inside(contact, depth, scene.deepest):
-                history.remarks.append((scene.time, remark))
+            told = went_inside(contact, depth, scene.deepest), struck_apart(contact, scene.deepest)
+            history.remarks += [(scene.time, remark) for remark in told if remark]
         history.reason += hint(history.reason)
         history.times = dict(scene.stepper.times)
         if self.files:

@@ -101,7 +101,7 @@ class Asked:
     """
 
     def __init__(self, law: FrictionBound) -> None:
-        self._law, self.describe = law, law.describe
+        self._law = law
 
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """That of the law."""
@@ -117,6 +117,10 @@ class Asked:
         if given.ufl_shape:
             raise checks.InputError(f"{what} is {given}: must be a scalar in UFL")
         return given
+
+    def describe(self) -> str:
+        """As the law does."""
+        return self._law.describe()
 
 
 def friction_bound(value: Any) -> FrictionBound | None:

@@ -10,16 +10,21 @@ import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
-from scenes import rectangle
+from scenes import FLOOR, rectangle
 
 from fenicsx_contact import (
+    Contact,
     ElasticSolid,
+    EnergyMomentum,
+    HyperelasticSolid,
     InputError,
     NamedMesh,
     QuasiStatic,
     RigidSolid,
     Scene,
+    ThetaScheme,
     name_facets,
+    st_venant_kirchhoff,
 )
 from fenicsx_contact.base import compat
 
@@ -187,3 +192,105 @@ def test_other_expressions_are_refused(name):
 
 
 # -- the house --
+
+
+# -- what is held and touches, what moves --
+
+
+@pytest.mark.parametrize(
+    "solver, scheme",
+    [
+        ("monolithic", QuasiStatic()),
+        ("condensed", ThetaScheme(0.5)),
+        ("monolithic", ThetaScheme(0.5)),
+        ("condensed", ThetaScheme(1.0)),
+        ("monolithic", ThetaScheme(1.0)),
+    ],
+)
+def test_supports_bear_what_acts_on_their_nodes(scheme, solver):
+    """A block is drawn over a floor by its sides, the corners of which rub: forces on what is held
+    were missing from reactions, from the drive and from the books."""
+    drawn = {side: lambda t: (0.1 * t, None) for side in ("left", "right")}
+    block = ElasticSolid(
+        rectangle((2, 2), (1.0, 1.0)),
+        youngs_modulus=1e7,
+        poisson_ratio=0.0,
+        density=10.0,
+        tractions={"top": (0, -1e3)},
+        prescribed=drawn,
+    )
+    contact = Contact(block, "base", FLOOR, "gap", friction=0.2, name="c")
+    scene = Scene([block], [contact], scheme, solver=solver)
+    history = scene.run(1.0, 0.1 if not scheme.inertia else 0.02)
+    assert history.finished
+    assert np.abs(history["balance"]).max() < 1e-8 * history["drive"][-1]
+    assert history["drive"][-1] == pytest.approx(-history["friction"][-1], rel=0.02)
+    if not scheme.inertia or scheme.theta == 1:
+        reaction = (block.reaction("left") + block.reaction("right"))[0]
+        assert reaction == pytest.approx(-history["c.force_x"][-1], rel=1e-6)
+        assert reaction == pytest.approx(200, rel=1e-3)
+
+
+def test_what_is_pressed_by_its_own_contact_surface():
+    """A die whose surface in contact is what is moved bears what it presses with."""
+    below = rectangle((4, 2), (0.4, 0.2))
+    below.mesh.geometry.x[:, 1] -= 0.2
+    die, slab = (
+        ElasticSolid(mesh, **ELASTIC, prescribed=held, name=name)
+        for mesh, held, name in (
+            (rectangle((2, 2), (0.2, 0.2)), {"base": lambda t: (0, -0.01 * t)}, "die"),
+            (below, {"base": (0, 0)}, "slab"),
+        )
+    )
+    contact = Contact(die, "base", (slab, "top"), "gap", name="c")
+    history = Scene([die, slab], [contact], QuasiStatic()).run(1.0, 0.25)
+    assert history.finished
+    assert slab.reaction("base")[1] > 1e3
+    np.testing.assert_allclose(die.reaction("base"), -slab.reaction("base"), rtol=1e-6, atol=1e-3)
+    assert abs(history["balance"][-1]) < 1e-6 * history["strain"][-1]
+    assert history["drive"][-1] > history["strain"][-1]
+
+
+def test_a_node_of_the_contact_may_be_held():
+    """The usual way to hold what else only contact holds: refused, for a point that wedges."""
+    for held in ({"fixed": [(0.0, 0.0)]}, {"prescribed": {(0.0, 0.0): (0, None)}}):
+        block = solid(tractions={"top": (0, -1e3)}, **held)
+        scene = Scene([block], [Contact(block, "base", FLOOR, "gap", name="c")], QuasiStatic())
+        history = scene.run(1.0, 0.5)
+        assert history.finished and not history.remarks
+        width = np.ptp(block.mesh.mesh.geometry.x[:, 0])
+        up = history["c.force_y"][-1] + block.reaction((0.0, 0.0))[1]
+        assert up == pytest.approx(1e3 * width, rel=1e-6)
+
+
+@pytest.mark.parametrize("scheme", [ThetaScheme(0.5), EnergyMomentum()])
+def test_supports_that_move_are_of_the_order_of_the_scheme(scheme):
+    """A bar is shaken at its end: what is held went at the mean velocity of a step, half a step
+    behind the rest, which was of first order, and gave energy."""
+    E, rho, size, omega, until = 1e4, 100.0, 0.01, 7.0, 0.5
+    last, works = [], []
+    for steps in (50, 100, 200):
+        shaken = {"left": lambda t: (size * (1 - np.cos(omega * t)), 0), "base": (None, 0)}
+        if scheme.describe() == ThetaScheme(0.5).describe():
+            bar = ElasticSolid(
+                rectangle((1, 1), (1.0, 0.1)),
+                youngs_modulus=E,
+                poisson_ratio=0.0,
+                density=rho,
+                prescribed={**shaken, "top": (None, 0)},
+            )
+        else:
+            bar = HyperelasticSolid(
+                rectangle((1, 1), (1.0, 0.1)),
+                energy=st_venant_kirchhoff(E, 0.0),
+                density=rho,
+                prescribed={**shaken, "top": (None, 0)},
+            )
+        history = Scene([bar], [], scheme).run(until, until / steps)
+        assert history.finished
+        last.append(bar.fields()["displacement"][:, 0].max())
+        works.append(history["drive"][-1])
+        assert abs(history["scheme"][-1]) < 2e-3 * abs(works[-1])
+    for values in (last, works):
+        one, two = np.abs(np.diff(values))
+        assert two < one / 3

@@ -337,3 +337,50 @@ def test_a_constant_that_a_derivative_does_not_hold():
     slope = ufl.diff(first + 0.25 * second * unknown, unknown)
     values = compat.PointExpression(slope, compat.lagrange_space(MESH.mesh))()
     np.testing.assert_allclose(values, 1.25, rtol=1e-15)
+
+
+def loads(mesh):
+    """Pressures on the top, 1e4 Pa at first, and what doubles them."""
+    p, f = fem.Constant(mesh, 1e4), fem.Function(compat.lagrange_space(mesh, 1, (2,)))
+    f.x.array[1::2] = -1e4
+    return {
+        "normal": (-p * ufl.FacetNormal(mesh), p),
+        "vector": (ufl.as_vector((0.0, -p)), p),
+        "function": (f, f),
+        "of x": (lambda x: (0 * x[0], -p + 0 * x[0]), p),
+    }
+
+
+@pytest.mark.parametrize("kind", ["normal", "vector", "function", "of x"])
+def test_loads_follow_what_they_are_given_by(kind):
+    """Constants and Functions in them were read once, when the solid was made."""
+    named = rectangle((2, 2), (1.0, 1.0))
+    load, given = loads(named.mesh)[kind]
+    data = {"youngs_modulus": 1e6, "poisson_ratio": 0.0, "density": 1.0}
+    solid = ElasticSolid(named, fixed=["base"], tractions={"top": load}, **data)
+    scene = Scene([solid], [], QuasiStatic())
+    for times in (1, 2):
+        assert scene.run(float(times), 1.0).finished
+        down = solid.fields()["displacement"][:, 1].min()
+        assert down == pytest.approx(-0.01 * times, rel=1e-9)
+        if hasattr(given, "value"):
+            given.value *= 2
+        else:
+            given.x.array[:] *= 2
+
+
+@pytest.mark.parametrize("load", [lambda x: (0 * x[0], 0 * x[0]), ufl.zero(2)])
+def test_a_load_that_is_zero_in_ufl(load):
+    given = {"youngs_modulus": 1e6, "poisson_ratio": 0.0, "density": 1.0, "fixed": ["base"]}
+    solid = ElasticSolid(rectangle(), tractions={"top": load}, body_force=load, **given)
+    assert Scene([solid], [], QuasiStatic()).run(1.0, 1.0).finished
+    assert not solid.fields()["displacement"].any()
+
+
+def test_a_load_whose_time_has_a_default_follows_it():
+    named = rectangle((2, 2), (1.0, 1.0))
+    data = {"youngs_modulus": 1e6, "poisson_ratio": 0.0, "density": 1.0}
+    load = {"top": lambda x, t=1.0: (0 * x[0], -1e4 * t + 0 * x[0])}
+    solid = ElasticSolid(named, fixed=["base"], tractions=load, **data)
+    assert Scene([solid], [], QuasiStatic()).run(2.0, 1.0).finished
+    assert solid.fields()["displacement"][:, 1].min() == pytest.approx(-0.02, rel=1e-9)

@@ -163,14 +163,17 @@ def test_who_is_far_away_does_not_matter():
     np.testing.assert_allclose(forces(scene)[3], (0, G), atol=1e-8)
 
 
-def test_edges_that_cross():
-    """A bar on its edge rests on another, across: in space nothing but edges meets."""
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_edges_that_cross(n):
+    """A bar on its edge rests on another, across: in space nothing but edges meets. Where both had
+    a node (n = 2) nothing did, and it fell through, silently."""
     size, turn = 0.2, np.pi / 4
-    low = body((-0.5, -0.1, -0.1), (0.5, 0.1, 0.1), "low", held=True, rotation=(turn, 0, 0))
+    half = np.array([0.5, 0.1, 0.1])
+    low = body(-half, half, "low", n=n, held=True, rotation=(turn, 0, 0))
     height = size * np.sqrt(2)
     middle = np.array([0.0, 0.0, height])
     half = np.array([0.1, 0.5, 0.1])
-    up = body(middle - half, middle + half, "up", rotation=(0, turn, 0))
+    up = body(middle - half, middle + half, "up", n=n, rotation=(0, turn, 0))
     scene = heap([low, up])
     history = scene.run(until=0.1, dt=2e-3)
     assert history.finished, history.reason

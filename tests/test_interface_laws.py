@@ -573,3 +573,19 @@ def test_what_remembers_by_the_name_of_another_is_refused():
 
     with pytest.raises(InputError, match="name = 'other': a law of the contact wears"):
         slide(Worn(), 0.01)
+
+
+@pytest.mark.parametrize("dt, located", [(2e-3, False), (2e-4, False), (2e-2, True), (2e-3, True)])
+def test_wear_does_not_hang_on_the_step(dt, located):
+    """By the velocity law, whose points are struck again as they wear: impacts wore nothing, and
+    points that bear nothing did, 240 times too much where impacts are located."""
+    k, hardness, until = 1e-3, 1e2, 0.1
+    mesh = rectangle((4, 1), (1.0, 0.02))
+    solid = RigidSolid(mesh, mass=MASS, gravity=(0, -G), velocity=(2.0, 0.0))
+    floor = Archard(0.1, k, hardness)
+    contact = Contact(solid, "base", FLOOR, "velocity", friction=floor, name="c")
+    history = Scene([solid], [contact], locate_impacts=located).run(until, dt)
+    assert history.finished
+    worn = (contact.memory.values["worn"] * contact.surface.area).sum()
+    way = solid.place[0] - solid.centre[0]
+    assert worn == pytest.approx(k * MASS * G * way / hardness, rel=0.03)

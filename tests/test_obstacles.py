@@ -556,3 +556,21 @@ def test_a_distance_that_fails_stops_the_run_with_a_reason():
     floor = LevelSet(lambda x, t: x[1] - 0.1 + ufl.sqrt(0.015 - t), 2)
     history = Scene([block], [Contact(block, "base", floor)]).run(0.1, 1e-2)
     assert not history.finished and "an obstacle is nan at the point" in history.reason
+
+
+def test_a_time_that_has_a_default_counts():
+    """A floor that rises stood still where its distance was written ``(points, time=0.0)``."""
+
+    class Lift:
+        dim = 2
+
+        def distance(self, points, time=0.0):
+            return points[:, 1] - 0.1 * time**2
+
+        def normals(self, points, time=0.0):
+            return np.tile([0.0, 1.0], (len(points), 1))
+
+    solid = RigidSolid(rectangle(), mass=1.0, gravity=(0, -G))
+    start = solid.place[1]
+    history = Scene([solid], [Contact(solid, "base", Lift())]).run(0.5, 5e-3)
+    assert history.finished and solid.place[1] - start == pytest.approx(0.025, rel=1e-6)

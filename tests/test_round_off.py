@@ -258,3 +258,38 @@ def test_what_is_glued_and_turns_stays(spin):
     history = Scene([block, bar], [contact]).run(0.5, 5e-3)
     assert history.finished
     assert np.linalg.norm(block.place) == pytest.approx(0.55, rel=1e-3)
+
+
+@pytest.mark.parametrize("unit", [1e9, 1e-10])
+def test_no_speed_is_slow_in_itself(unit):
+    """The same in seconds of another length. Steps without candidates resolved 1e-9 m/s, whatever
+    went on, and an impulse counted as a force of a second."""
+
+    def fall(unit):
+        solid = RigidSolid(rectangle((1, 1), (1.0, 0.5)), mass=1.0, gravity=(0, -G / unit**2))
+        floor = HalfSpace((0, -3e-3), (0, 1))
+        history = Scene([solid], [Contact(solid, "base", floor, name="c")]).run(
+            0.2 * unit, 2e-3 * unit, probes={"y": lambda: solid.place[1]}
+        )
+        assert history.finished
+        return history["y"]
+
+    def slide(unit):
+        solid = ElasticSolid(
+            rectangle((4, 3), (1.0, 0.5)),
+            youngs_modulus=1e6 / unit**2,
+            poisson_ratio=0.3,
+            density=1e3,
+            gravity=(0, -G / unit**2),
+            velocity=(0.5 / unit, -0.3 / unit),
+            displacement=(0, 3e-3),
+        )
+        floor = HalfSpace((0, -3e-3), (0, 1))
+        scene = Scene([solid], [Contact(solid, "base", floor, friction=0.3, name="c")])
+        history = scene.run(0.2 * unit, 2e-3 * unit)
+        assert history.finished
+        return history["kinetic"] * unit**2
+
+    np.testing.assert_allclose(fall(unit), fall(1.0), rtol=1e-9)
+    ours, theirs = slide(unit), slide(1.0)
+    np.testing.assert_allclose(ours, theirs, atol=1e-7 * theirs.max())

@@ -78,6 +78,18 @@ class Candidates:
         self.choose()
         return True
 
+    def told(self, jump: np.ndarray, step: Step) -> np.ndarray:
+        """Jumps (n, d) for laws that read them at all points: where nothing could bear, none that
+        would press."""
+        e, limit = self._equations, self.limit(step)
+        others = np.ones(len(jump), dtype=bool)
+        others[e.candidates] = False
+        if limit is None:
+            limit = -self._coupling.gaps() / step.horizon
+        normal = e.normal.reshape(jump.shape)
+        off = np.where(others, np.maximum(dot(jump, normal) - limit + e.speed, 0.0), 0.0)
+        return np.asarray(jump - off[:, None] * normal)
+
     def renew(self) -> None:
         """What the law reads of the step has changed."""
         self._limit_of: Step | None = None

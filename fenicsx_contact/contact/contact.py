@@ -22,7 +22,7 @@ from .equations import SurfaceEquations
 from .jump import Coupling
 from .pairing import Master, acting_points, check_master, couple, worn
 from .results import SurfaceResults
-from .scales import Scales
+from .scales import Scaled, Scales
 from .springs import TangentialSprings
 from .statuses import at_once, kept
 from .surface import Surface
@@ -30,7 +30,7 @@ from .surfaces import surface_of
 from .turning import start_normals, turning
 
 
-class Contact(SurfaceResults):
+class Contact(Scaled, SurfaceResults):
     """A contact between the named facets of a solid (slave) and what they may touch (master).
 
     Args:
@@ -108,9 +108,10 @@ class Contact(SurfaceResults):
         self.force, self.status = np.zeros(self.surface.points.shape), np.zeros(self.surface.size)
         self.candidates = Candidates(self.equations, self.coupling, self.formulation)
         self._springs = TangentialSprings(self.equations, self.formulation)
-        self._scales = Scales(self.coupling, self.surface.size)
+        self.scales = Scales(self.coupling, self.surface.size)
         self.resolution, self.moved = ROUND_OFF * largest(coupling.velocities("velocity")), 1.0
         self._told: Step | None = None  # of whose start the equations know
+        self.force_of = 1.0  # how long the step took of which the forces are, s
         self._set_normal(self.coupling.normals())
         self.trial_status, self.force_normal = self.status, self.normal
         self.locate()
@@ -227,16 +228,6 @@ class Contact(SurfaceResults):
         self.normal = np.ascontiguousarray(normal)
         self.equations.fields.set_normal(self.normal)
 
-    def units(self, step: Step) -> np.ndarray:
-        """The pressures that stop 1 m/s of each point alone within the step, (2, n)."""
-        return self._scales.units(self.normal, self.equations.weight, step)
-
-    def push(self, force: np.ndarray, step: Step) -> float:
-        """The speed that forces on the points (N) would give to one alone, m/s."""
-        if size := largest(force):
-            self.units(step)
-        return size * self._scales.mobility
-
     def start(self, free: np.ndarray) -> None:
         """Starting values of a step, from the velocities of the points without contact, flat."""
         self.equations.start(self.jump.ravel(), self.coupling.to_jump(free).ravel())
@@ -257,13 +248,15 @@ class Contact(SurfaceResults):
         self.equations.release()
         fastest = largest(self.coupling.velocities("trial_velocity"))
         self.resolution = resolution = max(resolution, ROUND_OFF * fastest)
-        self.force = self.coupling.force(force)
+        self.force, self.force_of = self.coupling.force(force), step.dt
         self.force_normal = self.equations.fields.mean_normal()
         hardly = self.units(step)[0] * self.equations.weight * resolution
         presses = np.abs(dot(self.force, self.normal)) > hardly
         self.status = kept(self.trial_status, presses, self.trial_jump, self.normal, resolution)
         self._springs.accept(step, self.force - self.normal_forces, self.status == 1)
-        self.memory.advance(self.equations, self.trial_jump, step.dt)
+        if self.memory.values:
+            told = self.candidates.told(self.trial_jump, step)
+            self.memory.advance(self.equations, told, step.dt)
         self.coupling.accept()
         self.gap, self.jump = self.coupling.gaps(), self.coupling.arrived(self.trial_jump)
         self._start()
@@ -280,7 +273,7 @@ class Contact(SurfaceResults):
             "last": np.array([self.resolution, self.moved]),
             "force_normal": self.force_normal,
             **self.memory.state(),
-            **self._scales.state(),
+            **self.scales.state(),
             **self.coupling.state(),
         }
 
@@ -292,8 +285,9 @@ class Contact(SurfaceResults):
         self.force_normal = np.array(state["force_normal"])
         self._springs.stretch = np.array(state["stretch"])
         self.resolution, self.moved = map(float, state["last"])
+        self.force_of = self.moved
         self.memory.restore(state)
-        self._scales.restore(state)
+        self.scales.restore(state)
         self.coupling.restore(state)
         self.locate()
         self.equations.fields.set_tangent(np.array(state["tangent"]))

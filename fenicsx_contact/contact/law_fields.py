@@ -238,16 +238,19 @@ class LawFields:
         mirror.x.array[:] = values()
         return self._function(lambda contact, step: values(), mirror)
 
-    def state(self, name: str, start: Any, evolve: Callable[[Any, Any], Any]) -> Any:
+    def state(
+        self, name: str, start: Any, evolve: Callable[[Any, Any], Any], struck: bool = False
+    ) -> Any:
         """A field that the law remembers, as it is at the time at which the law is read.
 
         Args:
             name: of the field, in ``contact.memory.values`` and in what a run saves.
             start: its values at the very start, whatever :meth:`field` takes.
             evolve: what it becomes, in UFL, from what it was and after a time [s].
+            struck: in impacts, too: by the impulse for the pressure, in a second.
         """
         old = self.memory.field(name, self._read(name, start)[1])
-        self.memory.rule(name, evolve(old, self.dt))
+        self.memory.rule(name, evolve(old, self.dt), struck)
         return evolve(old, self.elapsed)
 
     def wears(self, name: str, evolve: Callable[[Any, Any], Any]) -> None:
@@ -263,5 +266,9 @@ class LawFields:
             area = self.surface.area
             full.x.array[:] = np.where(area > 0, area, np.inf) / self.surface.nodal_area
             share = self._weight / full
-        self.state(name, 0.0, lambda depth, time: depth + share * (evolve(depth, time) - depth))
+
+        def worn(depth: Any, time: Any) -> Any:
+            return depth + share * (evolve(depth, time) - depth)
+
+        self.state(name, 0.0, worn, struck=True)  # impulses wear, too
         self.memory.recess = self.memory.values[name]

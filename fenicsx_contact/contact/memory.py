@@ -47,6 +47,7 @@ class Memory:
         self.recess: np.ndarray | float = 0.0
         self._starts: dict[str, np.ndarray] = {}
         self._rules: dict[str, compat.PointExpression] = {}
+        self._struck: set[str] = set()
 
     def field(self, name: str, start: np.ndarray | float) -> Any:
         """A new field with these values, (n,) or one number; InputError if there is one of that
@@ -62,18 +63,23 @@ class Memory:
         self._starts[name] = self.values[name].copy()
         return field
 
-    def rule(self, name: str, new: Any) -> None:
-        """What a field becomes when a step is accepted, in UFL."""
+    def rule(self, name: str, new: Any, struck: bool = False) -> None:
+        """What a field becomes when a step is accepted, in UFL, or also when an impact is; that
+        counts as a step of a second, of which its impulses are the forces."""
         self._rules[name] = compat.PointExpression(new, self._surface.scalars)
+        if struck:
+            self._struck.add(name)
 
     def advance(self, equations: Unknowns, jump: np.ndarray, dt: float) -> None:
         """A step of ``dt`` seconds is accepted, with these jumps (n, d) [m/s] at all points, also
-        where there are no equations: all fields become what their rules say, but in an impact."""
-        if not self._rules or not dt:
+        where there are no equations: all fields become what their rules say; in an impact those
+        that it changes."""
+        rules = {name: r for name, r in self._rules.items() if dt or name in self._struck}
+        if not rules:
             return
         solved = equations.values
         equations.values = np.concatenate([jump.ravel(), solved[jump.size :]])
-        new = {name: at_points(self._surface, rule) for name, rule in self._rules.items()}
+        new = {name: at_points(self._surface, rule) for name, rule in rules.items()}
         equations.values = solved
         for name, values in new.items():
             self.values[name][:] = values

@@ -7,7 +7,9 @@ from math import frexp
 
 import numpy as np
 
+from ..base.vectors import largest
 from ..theory.theta import Step
+from .equations import SurfaceEquations
 from .jump import Coupling
 
 #: Weight of gaps and jumps between two solids beside the multipliers in what decides who bears and
@@ -56,6 +58,36 @@ class Scales:
         """Take up a state that :meth:`state` gave."""
         self._units, self._span = np.array(state["units"]), 0.0
         self._octave, self.mobility = map(float, state["octave"])
+
+
+class Scaled:
+    """What a contact says of its scales.
+
+    Attributes:
+        scales: of its points.
+        force_of: how long the step took of which its forces are, s; 0 of a percussion.
+    """
+
+    scales: Scales
+    force_of: float
+    normal: np.ndarray
+    force: np.ndarray
+    equations: SurfaceEquations
+
+    def units(self, step: Step) -> np.ndarray:
+        """The pressures that stop 1 m/s of each point alone within the step, (2, n)."""
+        return self.scales.units(self.normal, self.equations.weight, step)
+
+    def push(self, force: np.ndarray, step: Step) -> float:
+        """The speed that forces on the points (N) would give to one alone, m/s."""
+        if size := largest(force):
+            self.units(step)
+        return size * self.scales.mobility
+
+    def pushed(self, step: Step) -> float:
+        """That of the forces of the last step; those of a percussion are impulses."""
+        last = self.force_of if bool(self.force_of) != bool(step.dt) else step.span
+        return (last or 1.0) / step.span * self.push(self.force, step)
 
 
 def inverse(flexible: np.ndarray) -> np.ndarray:

@@ -36,7 +36,7 @@ class Obstacle(Protocol):
       along its normals;
     * ``flat``: whether the normal is the same everywhere and always; default: no;
     * ``moving``: whether anything depends on time; default: if there is a velocity, or if the
-      distance asks for the time.
+      distance takes a time.
     """
 
     dim: int
@@ -165,12 +165,11 @@ def _parameters(function: Callable) -> list[inspect.Parameter] | None:
 def _timed(
     function: Callable, flat: bool = False
 ) -> tuple[Callable[[np.ndarray, float], np.ndarray], bool]:
-    """The function of points as one of points and time, and whether it insists on the time; what is
+    """The function of points as one of points and time, and whether it asks for the time; what is
     ``flat`` is affine in places, which are not so large that it would overflow."""
     parameters = _parameters(function)
     asks = parameters is None or len(parameters) > 1
     answer = function if asks else lambda points, time: function(points)
-    insists = bool(asks and parameters and parameters[1].default is inspect.Parameter.empty)
 
     def asked(points: np.ndarray, time: float) -> np.ndarray:
         if not largest(points) <= checks.LARGEST:  # of an iterate that diverges
@@ -180,7 +179,7 @@ def _timed(
         with told():
             return answer(points, time)
 
-    return asked, insists
+    return asked, bool(asks and parameters)
 
 
 def _mean(velocity: Callable) -> Callable[[np.ndarray, float, float], np.ndarray]:

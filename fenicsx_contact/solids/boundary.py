@@ -134,6 +134,13 @@ class Supports:
         now, then, later = (self.values(k * span) for k in (0, 1, 2))
         return (4 * (then - now) - (later - now)) / (2 * span)
 
+    def speed(self, end: float, dt: float) -> np.ndarray:
+        """Velocities of the held unknowns at the end of a step of ``dt`` seconds, m/s, by a share
+        of it that went before, of second order in that."""
+        span = BRIEF * dt
+        now, then, before = (self.values(end - k * span) for k in (0, 1, 2))
+        return (4 * (now - then) - (now - before)) / (2 * span)
+
     def values(self, time: float) -> np.ndarray:
         """Displacements of the held unknowns at a time, m.
 

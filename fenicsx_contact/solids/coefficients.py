@@ -38,13 +38,15 @@ def is_field(value: Any) -> bool:
 
 
 def arguments(function: Callable) -> list[str]:
-    """The names of the arguments that a function needs; those of one that hides them are ``t``."""
+    """The names of the arguments that a function needs, or that are called t or time, for which it
+    has a default; those of one that hides them are ``t``."""
     try:
         given = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):
         return ["t"]
     by_place = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    needed = [p.name for p in given if p.kind in by_place and p.default is p.empty]
+    asked = [p for p in given if p.kind in by_place]
+    needed = [p.name for p in asked if p.default is p.empty or p.name in ("t", "time")]
     return needed or ["t"]
 
 

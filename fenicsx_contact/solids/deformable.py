@@ -212,8 +212,11 @@ class DeformableSolid(SystemRows, Stressed):
         if self.supports.moving and step.loaded:
             with checks.asked_at(step.end):
                 self._target = self.supports.values(step.end)
-            way = self._target - self.displacement[self.fixed_unknowns]
-            self.trial_velocity[self.fixed_unknowns] = way / step.span
+                late, way = step.implicitness, self._target - self.displacement[self.fixed_unknowns]
+                speed = late * way / step.span
+                if late < 1:
+                    speed += (1 - late) * self.supports.speed(step.end, step.dt)
+            self.trial_velocity[self.fixed_unknowns] = speed
         self._move(step)
 
     def _move(self, step: Step) -> None:

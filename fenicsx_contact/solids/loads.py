@@ -19,7 +19,7 @@ from .vector_space import VectorSpace
 
 #: d numbers, a Constant, a Function, an expression in UFL (of tractions with ``FacetNormal``, too),
 #: or a function of t, of x, of x and t; of one argument that is of x whose argument is called x.
-#: Fields that do not depend on t are read once.
+#: Constants and Functions count as they are when a step begins.
 Load = Any
 
 
@@ -56,7 +56,15 @@ class _InSpace:
 
     def __init__(self, what: str, given: Field, form: Any, vectors: VectorSpace) -> None:
         self._what, self._field, self._form, self._vectors = what, given, form, vectors
+        constants = ufl.algorithms.analysis.extract_constants(given.expression)
+        functions = ufl.algorithms.extract_coefficients(given.expression)
+        self._given = [*(c.value for c in constants), *(f.x.array for f in functions)]
+        self._read = self._now()
         self._load = self._assembled(0.0)
+
+    def _now(self) -> np.ndarray:
+        """What it is given by, which may change."""
+        return np.concatenate([np.empty(0), *map(np.ravel, self._given)])
 
     def _assembled(self, time: float) -> np.ndarray:
         self._field.at(time)
@@ -67,7 +75,13 @@ class _InSpace:
         return load
 
     def at(self, time: float) -> np.ndarray:
-        return self._load if self._field.steady else self._assembled(time)
+        if not self._field.steady:
+            return self._assembled(time)
+        if self._given:
+            now = self._now()
+            if max(self._vectors.comm.allgather(not np.array_equal(now, self._read))):
+                self._read, self._load = now, self._assembled(time)
+        return self._load
 
 
 class Loads:
@@ -108,7 +122,10 @@ class Loads:
             raise checks.InputError(f"{what}: none of these facets is on the boundary of the mesh")
         if _varies_in_space(what, value):
             given = field(what, value, vectors.mesh, (d,), measure.integral_type() != "cell")
-            of = compiled(self._breadth * ufl.dot(given.expression, test) * measure)
+            density = self._breadth * ufl.dot(given.expression, test)
+            if isinstance(density, ufl.constantvalue.Zero):
+                return
+            of = compiled(density * measure)
             self._parts.append(_InSpace(what, given, of, vectors))
         else:
             self._parts.append(_Uniform(what, value, units))

@@ -96,7 +96,7 @@ class DeformableTrace(MonolithicTrace):
         self._held = (self._operator - self._spreading.T).tocsr()
         # points that are nodes see components: where one process has them no product is needed
         self._picked = _picked(self._operator) if self._comm.size == 1 else None
-        self._pushed = _picked(self._spreading.T.tocsr())
+        self._pushing = self._operator.T.tocsr()  # of what is held supports bear it
         # the same in the numbers of all unknowns, on every process; held ones do not answer
         parts = self._comm.allgather((rows[free], vectors.first + columns[free]))
         row, column = (np.concatenate(each) for each in zip(*parts))
@@ -213,11 +213,11 @@ class DeformableTrace(MonolithicTrace):
         return self._whole
 
     def spread(self, force: np.ndarray) -> None:
-        if self._pushed is None:
-            self._solid.push(self._spreading @ force)
+        if self._picked is None:
+            self._solid.push(self._pushing @ force)
             return
-        pushed = np.zeros(self._spreading.shape[0])
-        pushed[self._pushed] = force
+        pushed = np.zeros(self._pushing.shape[0])
+        pushed[self._picked] = force
         self._solid.push(pushed)
 
 

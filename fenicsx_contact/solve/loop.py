@@ -61,6 +61,7 @@ class StepSolver:
     Attributes:
         errors: the relative error before each round of the last step, and at its end.
         reached: the largest error of any row of the contacts, at its end.
+        speed: the typical one there, m/s; 0 where nothing moved.
         system: the linear systems.
     """
 
@@ -77,7 +78,7 @@ class StepSolver:
         self._floating = floating
         self._speeds = Speeds(problem.solids, problem.contacts, floating, newton.tolerance)
         self.errors: list[float] = []
-        self.reached = self._pushed = 0.0
+        self.reached = self.speed = self._pushed = 0.0
         self.system = SYSTEMS[solver](problem)
         # whether velocities without contact are known, which deformable solids have to solve for
         self._foresees = isinstance(self.system, Condensed) or not self._speeds.bodies
@@ -147,20 +148,25 @@ class StepSolver:
         for contact in self._all.contacts:
             contact.linearise(step, exact=not dense and len(contact.solids) == 1)
         if first:
-            self._pushed = max((c.push(c.force, step) for c in self._all.contacts), default=0.0)
+            self._pushed = max((c.pushed(step) for c in self._all.contacts), default=0.0)
         if not self._foresees:
-            speed = scale_of(self._speeds.typical(step))
-            self._all.set_scale(step, speed)
-            return speed
+            return self._scale(step, self._speeds.typical(step))
         free, contacts = self.system.free(), self._all.contacts
         new = [(c, free[part]) for c, part in zip(contacts, self._all.parts)] if first else []
         for contact, velocities in new:
             contact.screen(velocities, step)
-        speed = scale_of(max(self._all.fastest(free), SLOW * self._pushed))
-        self._all.set_scale(step, speed)
+        speed = max(self._all.fastest(free), SLOW * self._pushed) or self._speeds.known()
+        speed = self._scale(step, speed)
         for contact, velocities in new:
             contact.start(velocities)
         return speed
+
+    def _scale(self, step: Step, speed: float) -> float:
+        """Let rows be scaled by about this speed, m/s, or any if there is none; that scale."""
+        scale = scale_of(speed)
+        self.speed = scale if speed else 0.0
+        self._all.set_scale(step, scale)
+        return scale
 
     def _settle(self, step: Step, first: bool) -> Solution:
         frozen, known = self.system.freeze(step), {}
@@ -197,7 +203,7 @@ class StepSolver:
             clock("solids")
             near = self.system.near
             self._see(step, exact=near == np.inf, kept=plain)
-            self._all.set_scale(step, scale_of(self._speeds.typical(step)))
+            self._scale(step, self._speeds.typical(step))
             clock("pairing")
             error, force = self.system.begin(step)
             errors.append(error)

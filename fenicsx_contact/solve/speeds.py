@@ -63,6 +63,10 @@ class Speeds:
         noise = max((contact.noise for contact in self._contacts), default=0.0)
         return max(speed, noise / (step.span * self._tolerance))
 
+    def known(self) -> float:
+        """The largest speed at the contacts at the start of the step, m/s."""
+        return self._fastest("velocity")
+
     def _fastest(self, which: str) -> float:
         return max((largest(c.coupling.speeds(which)) for c in self._contacts), default=0.0)
 
@@ -78,6 +82,6 @@ class Speeds:
                     bound[i, : body.dim] = v.max(axis=0, initial=-np.inf)
             high, low = np.max(self._comm.allgather(bounds), axis=0)
             brought = max(self._fastest("velocity"), float((high + low).max(initial=0.0)))
-            pushed = max((c.push(c.force, step) for c in self._contacts), default=0.0)
+            pushed = max((c.pushed(step) for c in self._contacts), default=0.0)
             self._start = step, brought, pushed
         return self._start[1:]

@@ -244,7 +244,7 @@ class Stepper:
         """Errors of the velocities, m/s, with which Newton's method may end the step that was
         attempted last."""
         reached = max(self._tolerance, self._method.reached)
-        return LOOSE * reached * max((c.equations.speed for c in self.contacts), default=0.0)
+        return LOOSE * reached * self._method.speed
 
     @property
     def krylov(self) -> list[int]:

@@ -12,6 +12,8 @@ from collections.abc import Sequence
 from itertools import accumulate
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ...base.constants import SAME
@@ -59,8 +61,9 @@ class Shape:
         faces: numbers of the facets of each body; ``corners``, ``edges``: likewise, of the nodes
             that are corners and of rows of ``ends``.
         beside: for each node the other nodes of its facets.
-        ends: nodes of the edges that jut out, (E, 2), none in the plane; ``flanks``: the facets
-            beside each, (E, 2); ``wings``: of either the node that is farthest from it, (E, 2).
+        ends: nodes of the edges that jut out, (E, 2), as far as they go straight on, none in the
+            plane; ``flanks``: facets beside each, (E, 2); ``wings``: of either the node that is
+            farthest from it, (E, 2).
         sizes: the diameter of each body, and ``thin``, how thin it may be, at least, (B,) in m.
         convex: bodies that are, (B,) of bool.
     """
@@ -163,8 +166,30 @@ class Shape:
             return ends[juts, 0]
         self.ends = ends[juts]
         self.flanks = np.stack([a[juts], b[juts]], axis=1)
+        bends = self._bends()
+        self._join(bends, unit)
         self.wings = np.stack([self._wing(each, self.ends) for each in self.flanks.T], axis=1)
-        return self._bends()
+        return np.unique(self.ends)
+
+    def _join(self, bends: np.ndarray, unit: np.ndarray) -> None:
+        """Let pieces of an edge be one, that go straight on at a node between the same two faces,
+        given the nodes where they do not and the normals of the facets."""
+        n = len(self.ends)
+        node, piece = self.ends.ravel(), np.repeat(np.arange(n), 2)
+        order = np.argsort(node, kind="stable")
+        one, other = piece[order[:-1]], piece[order[1:]]
+        at = node[order[:-1]]
+        meet = (at == node[order[1:]]) & ~np.isin(at, bends)
+        (a, b), (c, d) = (self.flanks[each].T for each in (one, other))
+        beside = [np.abs(unit[x] - unit[y]).max(axis=1) <= SAME for x, y in ((a, c), (b, d))]
+        across = [np.abs(unit[x] - unit[y]).max(axis=1) <= SAME for x, y in ((a, d), (b, c))]
+        meet &= (beside[0] & beside[1]) | (across[0] & across[1])
+        joints = (np.ones(meet.sum()), (one[meet], other[meet]))
+        edges, of = connected_components(coo_matrix(joints, (n, n)), directed=False)
+        ends, first = np.empty((edges, 2), dtype=np.int64), np.unique(of, return_index=True)[1]
+        nodes, times = np.unique(np.column_stack([of[piece], node]), axis=0, return_counts=True)
+        ends[:] = nodes[times == 1, 1].reshape(-1, 2)  # by edge: where no other piece goes on
+        self.ends, self.flanks = ends, self.flanks[first]
 
     def _wing(self, facet: np.ndarray, ends: np.ndarray) -> np.ndarray:
         """The node of each facet that is farthest from its edge."""

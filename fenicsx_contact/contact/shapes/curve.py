@@ -33,6 +33,7 @@ class Curve:
     """
 
     flat = False
+    moving = False
     dim = 2
 
     def __init__(self, points: Any, smooth: bool = False) -> None:

@@ -52,6 +52,7 @@ class Triangulated:
     """
 
     flat = False
+    moving = False
     dim = 3
 
     def __init__(self, surface: str | Path | meshio.Mesh, smooth: bool = False) -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import re
@@ -785,3 +786,29 @@ def test_columns_go_elsewhere(tmp_path):
     assert [[float(x) for x in row.split(",")] for row in rows] == history.rows().tolist()
     assert list(history.table()) == ["time", "a.force_x"]
     assert history.table()["time"].tolist() == [0.0, 0.1]
+
+
+def test_names_with_commas_are_quoted_in_a_file(tmp_path):
+    """Columns after them went by the names of others."""
+    scene = rocking_block()
+    history = scene.run(2e-3, 1e-3, probes={"a,b": lambda: 1.0, 'say "so"': lambda: 2.0})
+    with history.save_csv(tmp_path / "h.csv").open(newline="") as file:
+        names, *rows = csv.reader(file)
+    assert names == list(history.columns)
+    np.testing.assert_array_equal(np.array(rows, dtype=float), history.rows())
+
+
+def test_impulses_are_those_of_the_contact(tmp_path):
+    scene = rocking_block()
+    name = scene.contacts[0].name
+    history = scene.run(2e-3, 1e-3, probes={f"{name}.force_by_hand": lambda: 1.0})
+    assert history.impulse(name).shape == (len(history), 2)
+
+
+def test_fields_of_an_earlier_run_do_not_stay(tmp_path):
+    """A run without fields in its place, resumed with some, took up the frames of the first."""
+    elastic_block().run(4e-3, 1e-3, directory=tmp_path, fields_every=1)
+    elastic_block().run(2e-3, 1e-3, directory=tmp_path)
+    elastic_block().run(4e-3, 1e-3, directory=tmp_path, resume=True, fields_every=1)
+    times = [time for time, _ in json.loads((tmp_path / "fields" / "times.json").read_text())]
+    assert min(times) >= 2e-3 - 1e-12

@@ -60,7 +60,8 @@ class FieldWriter:
         self._solids, self._contacts = solids, contacts
         self._comm = solids[0].mesh.mesh.comm
         self._path = directory / "fields"
-        self._path.mkdir(parents=True, exist_ok=True)
+        with writing(self._path):
+            self._path.mkdir(parents=True, exist_ok=True)
         # a process without cells of a solid writes nothing of it
         self._parts: dict[str, list[int]] = {contact.name: [0] for contact in contacts}
         for solid in solids:
@@ -115,6 +116,9 @@ class FieldWriter:
         )  # asks every process
         if self._comm.rank == 0:
             drawn = {name: values[surface.site_nodes] for name, values in data.items()}
+            if len(surface.sites) > surface.size:  # places of one node share its force
+                shares = surface.site_area / surface.nodal_area[surface.site_nodes]
+                drawn["force"] = shares[:, None] * drawn["force"]
             self._write(contact.name, number, surface.sites, cells, drawn)
 
     def _write(

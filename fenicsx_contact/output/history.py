@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -130,7 +132,8 @@ class History:
 
     def impulse(self, contact: str) -> np.ndarray:
         """Impulse of a contact on its solid since the start, (rows, d) in N s."""
-        forces = [c for c in self.columns if c.startswith(f"{contact}.force_")]
+        names = [f"{contact}.force_{axis}" for axis in "xyz"]
+        forces = [name for name in names if name in self.columns]
         if not forces:
             raise KeyError(f"{contact!r}: no such contact")
         rates = np.stack([self[c] for c in forces], axis=1)
@@ -151,7 +154,9 @@ class History:
         """
         path = Path(path)
         path.parent.mkdir(parents=True, exist_ok=True)
-        np.savetxt(path, self.rows(), "%.17g", ",", header=",".join(self.columns), comments="")
+        names = io.StringIO()
+        csv.writer(names, lineterminator="").writerow(self.columns)  # commas in names are quoted
+        np.savetxt(path, self.rows(), "%.17g", ",", header=names.getvalue(), comments="")
         return path
 
     def summary(self) -> dict[str, Any]:

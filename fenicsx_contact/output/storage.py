@@ -82,7 +82,7 @@ class RunDirectory:
 
     def _begin(self, history: History, fingerprint: str) -> None:
         with writing(self.path):
-            for old in (LAST, BEFORE, "history.f64", "end.json"):
+            for old in (LAST, BEFORE, "history.f64", "end.json", "fields/times.json"):
                 (self.path / old).unlink(missing_ok=True)
         head = {"columns": history.columns, "scene": fingerprint}
         replace_file(self.path / "history.json", json.dumps(head, indent=1).encode())

@@ -133,4 +133,5 @@ class Loads:
     def total(self, time: float) -> np.ndarray:
         """The load at a time, for the owned unknowns, N."""
         with checks.asked_at(time):
-            return np.sum([part.at(time) for part in self._parts], axis=0)
+            nothing = np.zeros(self._vectors.owned)
+            return np.sum([nothing, *(part.at(time) for part in self._parts)], axis=0)

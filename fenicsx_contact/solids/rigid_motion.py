@@ -118,7 +118,8 @@ class RigidMotion(MonolithicSolid):
 
     @property
     def rotation(self) -> float | np.ndarray:
-        """The rotation since the reference placement: rad in 2D, a rotation vector in 3D."""
+        """The rotation since the reference placement: rad in 2D, in (-pi, pi]; a rotation vector in
+        3D."""
         if self.dim == 2:
             return float(np.arctan2(self._turn[1, 0], self._turn[0, 0]))
         return Rotation.from_matrix(self._turn).as_rotvec()

@@ -28,7 +28,6 @@ class HalfSpace:
     """
 
     flat = True
-    moving = False
 
     def __init__(self, point: Sequence[float], normal: Sequence[float]) -> None:
         self.dim, self.point = checks.point("point", point)
@@ -50,7 +49,6 @@ class _Round:
     """Points nearer to a centre than a radius, or all others; across ``axis`` if there is one."""
 
     flat = False
-    moving = False
 
     def __init__(
         self,

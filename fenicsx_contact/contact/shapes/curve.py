@@ -33,7 +33,6 @@ class Curve:
     """
 
     flat = False
-    moving = False
     dim = 2
 
     def __init__(self, points: Any, smooth: bool = False) -> None:

@@ -37,7 +37,6 @@ class Polyhedron:
     """
 
     flat = False
-    moving = False
 
     def __init__(self, half_spaces: Sequence[HalfSpace], rounding: float = 0.0) -> None:
         spaces = checks.sequence("half_spaces", half_spaces, HalfSpace, "half-spaces")

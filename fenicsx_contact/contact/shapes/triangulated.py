@@ -52,7 +52,6 @@ class Triangulated:
     """
 
     flat = False
-    moving = False
     dim = 3
 
     def __init__(self, surface: str | Path | meshio.Mesh, smooth: bool = False) -> None:

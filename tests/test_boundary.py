@@ -294,3 +294,21 @@ def test_supports_that_move_are_of_the_order_of_the_scheme(scheme):
     for values in (last, works):
         one, two = np.abs(np.diff(values))
         assert two < one / 3
+
+
+@pytest.mark.parametrize("stiffness", [1e2, 1.0])
+def test_what_stands_on_weak_springs_is_pressed(stiffness):
+    """Their compliance hid that of the points: a jump row stalled, by the solver of the default."""
+    above = rectangle((3, 2), (0.3, 0.2))
+    below = rectangle((5, 2), (0.6, 0.2))
+    below.mesh.geometry.x[:, 1] -= 0.2
+    upper = solid_of(above, "upper", springs={"top": stiffness}, tractions={"top": (0, -500.0)})
+    lower = solid_of(below, "lower", fixed=["base"])
+    contact = Contact(upper, "base", (lower, "top"), "gap", name="c")
+    history = Scene([upper, lower], [contact], QuasiStatic()).run(1.0, 0.5)
+    assert history.finished and not history.remarks
+    assert history["c.force_y"][-1] == pytest.approx(150.0, rel=1e-2)
+
+
+def solid_of(mesh, name, **others):
+    return ElasticSolid(mesh, **{**ELASTIC, "name": name, **others})

@@ -312,7 +312,7 @@ def test_a_belt_drags_a_block_along(law, elastic):
 @pytest.mark.parametrize("theta", [0.5, 1.0])
 @pytest.mark.parametrize("law", ["velocity", "gap"])
 def test_a_lift(theta, law):
-    """A block rides on a floor that swings: it goes its way, to the order of the scheme."""
+    """A block rides on a floor that swings: it goes its way."""
     high, pulse = 0.02, 10.0
 
     def lag(dt):
@@ -328,11 +328,7 @@ def test_a_lift(theta, law):
         assert gap < dt**2 / 6 * high * pulse**2 + 1e-12
         return gap
 
-    lags = [lag(dt) for dt in (0.02, 0.01, 0.005)]
-    if law == "gap" or theta == 1.0:
-        assert max(lags) < 1e-12
-    else:
-        assert rates(lags).min() > 1.8
+    assert max(lag(dt) for dt in (0.02, 0.01)) < 1e-12
 
 
 def test_a_circle_moved_into_a_block():

@@ -47,8 +47,9 @@ def choose(
         geometry = "newton" if pairs or floats or (large and deformable) else "fixed point"
     if solver is None:
         nonlinear = any(not solid.linear for solid in deformable)
-        # what only contact holds in equilibrium has no compliance of its own
-        floats = not scheme.inertia and not all(stands(solid) for solid in solids)
+        # what only contact holds in equilibrium has no compliance of its own, or, on weak springs,
+        # one in which that of its points is lost
+        floats = not scheme.inertia and not all(stands(s, springs=False) for s in solids)
         in_space = sum(solid.unknowns for solid in deformable if solid.dim == 3)
         # the tangent of a nonlinear solid in motion serves for many steps, and so does a compliance
         keeps = scheme.inertia and (geometry == "fixed point" or places <= SMALL_SURFACE)

@@ -57,9 +57,10 @@ def refuse_free(solids: Sequence[Any], contacts: Sequence[Contact]) -> None:
         )
 
 
-def stands(solid: Any) -> bool:
-    """Whether the supports of a deformable solid leave it no rigid motion."""
-    values = np.linalg.eigvalsh(Motions(solid).held())
+def stands(solid: Any, springs: bool = True) -> bool:
+    """Whether the supports of a deformable solid leave it no rigid motion; with its springs, or
+    without, which may be weak."""
+    values = np.linalg.eigvalsh(Motions(solid).held(springs))
     return bool(values[0] > FREE * values[-1])
 
 
@@ -93,15 +94,15 @@ class Motions:
         turns = ["turning"] if d == 2 else [f"turning about {axis}" for axis in axes]
         self.names = [f"moving along {axis}" for axis in axes] + turns
 
-    def held(self) -> np.ndarray:
-        """How the supports resist each motion, (motions, motions)."""
+    def held(self, springs: bool = True) -> np.ndarray:
+        """How the supports resist each motion, (motions, motions), with springs or without."""
         solid = self._solid
         held = solid.fixed_unknowns
         rows = self(solid.vectors.places[held // solid.dim])
         rows = rows[np.arange(len(held)), held % solid.dim]
         gram = rows.T @ rows
         every = self(solid.vectors.places).reshape(solid.owned, -1)
-        for foundation in solid.foundations:
+        for foundation in solid.foundations if springs else ():
             against = np.stack([foundation.times(column) for column in every.T], axis=1)
             gram += every.T @ against / foundation.stiffest
         gram = np.array(solid.comm.allreduce(gram))

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import ufl
-from scenes import FLOOR, G, box, energy_size, rates, rectangle, total_energy
+from scenes import FLOOR, G, box, energy_size, rectangle, total_energy
 
 from fenicsx_contact import (
     Circle,

@@ -134,7 +134,7 @@ class Contact(Scaled, SurfaceResults):
         """Frame from which the next step starts, and round-off of the distances in it."""
         self.noise = ROUND_OFF * largest(self.coupling.positions())
         self._start_normal = self.coupling.normals()
-        self._springs.begin(self._start_normal, self.coupling.positions())
+        self._springs.begin(self._start_normal, self.coupling.positions)
         if not self.coupling.fixed_normal:
             self.equations.fields.keep_frame()
 
@@ -206,7 +206,7 @@ class Contact(Scaled, SurfaceResults):
         if k.feed(self, step):
             self.equations.refresh()
         self.equations.set_rates(share * step.gap_rate, step.span, step.limit_rate, step.horizon)
-        self._springs.linearise(step, self.gap, self.jump, self.coupling.positions())
+        self._springs.linearise(step, self.gap, self.jump, self.coupling.positions)
         self.coupling.linearise(step, exact, share, kept)
 
     def _tell(self, step: Step) -> None:

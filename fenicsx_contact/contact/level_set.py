@@ -128,7 +128,7 @@ class LevelSet:
         return self._at("velocity", points, time)
 
     def __repr__(self) -> str:
-        drift = self._motion and f", velocity={self._drift(*self._terminals)}"
+        drift = self._motion and f", velocity={self._drift(*self._terminals[:2])}"
         return f"LevelSet({self._phi}, dim={self.dim}{drift or ''})"
 
 

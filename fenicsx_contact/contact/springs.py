@@ -10,6 +10,8 @@ Laws with multipliers remember nothing of the kind.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..theory.formulations import Formulation
@@ -39,11 +41,14 @@ class TangentialSprings:
         self._mate = np.zeros(surface.size, dtype=np.int64)  # another node of a cell of each
         self._mate[surface.cell_nodes] = np.roll(surface.cell_nodes, 1, axis=1)
 
-    def begin(self, normal: np.ndarray, places: np.ndarray) -> None:
-        """A step starts with these normals and places (n, d)."""
-        self._start = normal, places
+    def begin(self, normal: np.ndarray, places: Callable[[], np.ndarray]) -> None:
+        """A step starts with these normals and at these places, (n, d)."""
+        if self._slips:
+            self._start = normal, places()
 
-    def linearise(self, step: Step, gap: np.ndarray, jump: np.ndarray, places: np.ndarray) -> None:
+    def linearise(
+        self, step: Step, gap: np.ndarray, jump: np.ndarray, places: Callable[[], np.ndarray]
+    ) -> None:
         """Tell the law the gap (n,) [m] and jump (n, d) [m/s] with which the step starts, and take
         up where it leads, (n, d)."""
         if not self._there:
@@ -55,7 +60,7 @@ class TangentialSprings:
         if self._slips:
             normal, first = self._start
             frames = k.frame(normal)[1], k.frame()[1]
-            angle = self._angles(frames, first, places)
+            angle = self._angles(frames, first, places())
             there = (1 + step.implicitness) / 2 * angle
             way = weight * (step.dt - step.gap_rate) * jump
             stretch, way = (along(frames[0], each) for each in (self.stretch, way))

@@ -179,10 +179,11 @@ def _timed(
         with told():
             return answer(points, time)
 
-    # nothing of ours that has a default for the time depends on it without saying so
+    if not asks or not parameters:
+        return asked, False
+    # what is ours and has a default for the time does not depend on it without saying so
     ours = getattr(function, "__module__", "").startswith(__name__.partition(".")[0])
-    insists = parameters and parameters[1].default is inspect.Parameter.empty if asks else False
-    return asked, bool(insists or (asks and parameters and not ours))
+    return asked, parameters[1].default is inspect.Parameter.empty or not ours
 
 
 def _mean(velocity: Callable) -> Callable[[np.ndarray, float, float], np.ndarray]:

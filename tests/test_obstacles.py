@@ -570,3 +570,20 @@ def test_a_time_that_has_a_default_counts():
     start = solid.place[1]
     history = Scene([solid], [Contact(solid, "base", Lift())]).run(0.5, 5e-3)
     assert history.finished and solid.place[1] - start == pytest.approx(0.025, rel=1e-6)
+
+
+@pytest.mark.parametrize("wrong", ["raises", "none", "short"])
+def test_a_motion_that_fails_later_stops_the_run(wrong):
+    """It raised out of the run, and what was computed was lost; loads stop it with their reason."""
+
+    def motion(t):
+        if t > 0.015:
+            if wrong == "raises":
+                raise ValueError("mine")
+            return None if wrong == "none" else (0.0,)
+        return (0.0, 0.0)
+
+    block = RigidSolid(rectangle(), mass=1.0, gravity=(0, -G))
+    history = Scene([block], [Contact(block, "base", Moved(FLOOR, motion))]).run(0.03, 5e-3)
+    assert not history.finished and len(history) == 4
+    assert "an obstacle raises InputError: motion(" in history.reason

@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -82,28 +83,31 @@ class Wall:
         Raises:
             StepFailed: there is none.
         """
-        return _finite("distance", self._distance(points, time), points)
+        with _asked(time):
+            return _finite("distance", self._distance(points, time), points)
 
     def normals(self, points: np.ndarray, time: float) -> np.ndarray:
         """Outward unit normals, (n, d); raises likewise."""
-        return _finite("normal", self._normals(points, time), points)
+        with _asked(time):
+            return _finite("normal", self._normals(points, time), points)
 
     def slopes(self, points: np.ndarray, time: float) -> np.ndarray:
         """Derivatives of the distances by the position, (n, d)."""
-        return _finite("slope", self._slopes(points, time), points)
+        with _asked(time):
+            return _finite("slope", self._slopes(points, time), points)
 
     def curvature(self, points: np.ndarray, time: float) -> np.ndarray | None:
         """Derivatives of the normals, (n, d, d) in 1/m; None where they vanish or are not known."""
-        return self._curvature(points, time) if self._curvature else None
+        with _asked(time):
+            return self._curvature(points, time) if self._curvature else None
 
     def velocity(self, points: np.ndarray, start: float, end: float) -> np.ndarray:
         """Mean velocity of what is beside the points between two times, (n, d) in m/s."""
         if not self.moving:
             return np.zeros(points.shape)
         if self._velocity:
-            with told():
-                answer = self._velocity(points, start, end)
-            return _finite("velocity", answer, points)
+            with told(), _asked(end):
+                return _finite("velocity", self._velocity(points, start, end), points)
         closer = self.distance(points, end) - self.distance(points, start)
         return -(closer / (end - start))[:, None] * self.normals(points, end)
 
@@ -149,6 +153,21 @@ class Wall:
         """The obstacle, without an address in memory."""
         plain = type(self.obstacle).__repr__ is object.__repr__
         return type(self.obstacle).__name__ if plain else repr(self.obstacle)
+
+
+@contextmanager
+def _asked(time: float) -> Iterator[None]:
+    """Within it an obstacle is asked for what it is at a time, s: later than the start a step fails
+    by what it raises."""
+    try:
+        yield
+    except checks.StepFailed:
+        raise
+    except Exception as problem:
+        if time > 0:
+            name = type(problem).__name__
+            raise checks.StepFailed(f"an obstacle raises {name}: {problem}") from problem
+        raise
 
 
 def _parameters(function: Callable) -> list[inspect.Parameter] | None:

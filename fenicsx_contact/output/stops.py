@@ -15,8 +15,8 @@ STOPS = {
         Stop(
             "no equilibrium",
             "no equilibrium: contacts cannot hold ... against ...",
-            "in statics: the loads on the body, which no support holds against this motion, are "
-            "outside of all that its contacts can bear: it slides, tips over or is pulled off",
+            "in statics: loads on a body that no support holds against this motion are outside of "
+            "what its contacts can bear: it slides, tips over or is pulled off",
             "less load, more friction or a support; with inertia (`ThetaScheme(1.0)`) it moves",
         ),
         Stop(
@@ -48,16 +48,14 @@ STOPS = {
             "row stalls",
             "a ... row stalls at a scaled residual of ...",
             "a row of a contact: which, and with which points, follows",
-            "smaller steps; `tangential_augmentation=0.1`; less friction: near the angle of "
-            "friction there may be two solutions; in statics a `ThetaScheme(1.0)`, or a side or a "
-            "spring that holds the body",
+            "smaller steps; `tangential_augmentation=0.1`; less friction: near its angle there may "
+            "be two solutions; in statics a `ThetaScheme(1.0)`, or a spring that holds the body",
         ),
         Stop(
             "contact stalls",
             "the contact problem stalls at a relative error of ...",
             "on frozen geometry the contact has no solution that the method of multipliers finds",
-            "smaller steps; in statics a `ThetaScheme(1.0)`, or a side or a spring that holds the "
-            "body",
+            "smaller steps; in statics a `ThetaScheme(1.0)`, or a spring that holds the body",
         ),
         Stop(
             "fixed point stalls",
@@ -106,8 +104,7 @@ STOPS = {
             "... after ... Newton iterations...",
             "Newton's method, its fallback on frozen geometry and the method of multipliers gain "
             "no more. What stands before it tells more",
-            "smaller steps; in statics a `ThetaScheme(1.0)`, or a side or a spring that holds the "
-            "body",
+            "smaller steps; in statics a `ThetaScheme(1.0)`, or a spring that holds the body",
         ),
         Stop(
             "no status changes",
@@ -212,6 +209,12 @@ STOPS = {
             "the ... of an obstacle is ... at the point ...",
             "an own obstacle gave NaN or infinity there",
             "define its distance and normals everywhere near",
+        ),
+        Stop(
+            "obstacle raises",
+            "an obstacle raises ...: ...",
+            "a function of an own obstacle, or of a motion, failed at that time",
+            "let it give its values at all times of the run",
         ),
         Stop(
             "obstacle jumps",

@@ -34,6 +34,7 @@ from fenicsx_contact.rods import (
     settle,
     time_at,
 )
+from fenicsx_contact.rods.drive import AxialForce
 
 DEMOS = Path(__file__).resolve().parent.parent / "demos"
 
@@ -496,3 +497,20 @@ def test_motions_of_a_guide_that_make_no_sense():
     rod, contact = shaken(lambda t: (0.0, t))
     with pytest.raises(InputError, match="across the guide"):
         Scene([rod], [contact]).run(0.1, 1e-3)
+
+
+def test_a_drive_that_gives_no_number_stops_the_run():
+    """A row of NaN was accepted, and the rod then "left its guide"."""
+
+    class Lost(Fall):
+        def forces(self, travel, speed, mass, gravity, dt):
+            return [AxialForce("lost", 0.0 if travel < 0.02 else np.nan)]
+
+    axis = axis_mesh((0, -0.2), (0, 1), rod=(4.0, 20))
+    section = Section(mass=2.0, bending=850.0)
+    rod = BeamSolid(axis, section, gravity=(0, -9.81), law=Lost(), name="rod")
+    guide = Guide([Tube(-6.0, 6.0, 8e-4)])
+    scene = Scene([rod], [GuideContact(rod, "rod", guide, name="g")])
+    history = scene.run(0.2, 5e-3)
+    assert not history.finished and "force 'lost'" in history.reason
+    assert "3 finite numbers" in history.reason and np.isfinite(history.rows()).all()

@@ -9,6 +9,7 @@ takes the one at which it holds the beam away.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import isfinite
 
 import numpy as np
 
@@ -79,6 +80,7 @@ class AxialMotion:
             if state not in seen:  # of an axis that does not stretch there is but one
                 at = z + ahead * speed
                 seen[state] = self.law.forces(at, speed, self.mass, self.gravity, dt)
+                _check(seen[state], at)
             found += [force for force in seen[state] if force.at == place]
         return found
 
@@ -188,3 +190,12 @@ class AxialMotion:
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave."""
         self.taken = dict(zip(map(str, state["taken.names"]), map(float, state["taken"])))
+
+
+def _check(forces: Sequence[AxialForce], travel: float) -> None:
+    """Let a step fail by the forces of an own law that are no numbers."""
+    for force in forces:
+        given = force.value, force.by_speed, force.by_travel
+        if not isfinite(sum(given)):
+            with checks.asked_at(np.inf):  # of a step: it fails by them
+                checks.vector(f"force {force.name!r}({travel:g})", given, 3)

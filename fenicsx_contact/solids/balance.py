@@ -40,6 +40,8 @@ class BalancedSolid(MonolithicSolid):
     grain: float = 0.0
     #: The largest of the forces at a node that act in the trial state, N.
     acts: float = 0.0
+    #: Displacements of what is held at the end of the step, m; None where nothing moves it.
+    _target: np.ndarray | None
     _pull: np.ndarray
     _momentum: np.ndarray
     _force: np.ndarray
@@ -118,14 +120,19 @@ class BalancedSolid(MonolithicSolid):
 
     def works(self, step: Step) -> tuple[float, float, float, float]:
         mean, held = step.mean(self.velocity, self.trial_velocity), self.fixed_unknowns
+        moved = mean.copy()  # what is moved goes its way whatever its velocities at both ends
+        if self._target is not None:
+            moved[held] = (self.trial_displacement - self.displacement)[held] / step.span
         contact, inertia, *others = self._balance(step)
         self._acting = -(others[0] + others[1]) if others else np.zeros(self.owned)
         self._reaction = (contact + (inertia - self._acting))[held]
-        pulled = step.work(mean, step.loaded * self._pull) if self.applied else 0.0
+        pulled = step.work(moved, step.loaded * self._pull) if self.applied else 0.0
+        driven = step.work(mean[held], self._reaction)
+        driven += step.work((mean - moved)[held], self._acting[held])
         return (
             self.vectors.sum(mean @ (self._trial_momentum - self._momentum)),
-            self.vectors.sum(step.work(mean, self._acting)),
-            self.vectors.sum(step.work(mean[held], self._reaction)),
+            self.vectors.sum(step.work(moved, self._acting)),
+            self.vectors.sum(driven),
             self.vectors.sum(pulled),
         )
 

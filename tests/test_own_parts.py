@@ -80,6 +80,23 @@ class Penalty:
         return None
 
 
+@pytest.mark.parametrize(
+    "form, why",
+    [
+        (lambda k: k.integral(k.jump_nn * k.test_jump_n), "AttributeError"),
+        (lambda k: k.integral(k.jump_n * k.test_jump_n), "must give a form in UFL and the status"),
+        (lambda k: (k.jump_n, 1.0), "must give a form in UFL and the status"),
+    ],
+)
+def test_a_formulation_that_writes_no_form_is_refused(form, why):
+    class Wrong(Penalty):
+        def form(self, k):
+            return form(k)
+
+    with pytest.raises(InputError, match=f"formulation = .*{why}"):
+        thrown(Wrong(1e8))
+
+
 class Shim:
     """The law of displacements before a floor that has a shim on it: with multipliers."""
 

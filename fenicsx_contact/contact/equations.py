@@ -58,7 +58,7 @@ class SurfaceEquations(SurfaceUnknowns):
         n, d = surface.points.shape
         share = None if weight is surface.nodal_area else weight / surface.nodal_area
         self.fields = k = SurfaceFields(surface, friction, formulation.multipliers, share, turning)
-        form, status = formulation.form(k)
+        form, status = k.form_of(formulation)
         self._residual = compat.VectorAssembler(finite_form(form))
         self._status = compat.PointExpression(status, surface.scalars)
 

@@ -9,8 +9,9 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from ..base import compat
+from ..base import checks, compat
 from ..base.vectors import across, beside, cross, dot
+from ..theory.formulations import Formulation
 from ..theory.friction import Asked, FrictionBound
 from .law_fields import LawFields
 from .surface import Surface
@@ -97,6 +98,23 @@ class SurfaceFields(LawFields):
         self._weight = surface.scalar() if weight is not None else None
         if self._weight is not None:
             self._weight.x.array[:] = weight
+
+    def form_of(self, formulation: Formulation) -> tuple[ufl.Form, Any]:
+        """What a formulation writes with these fields, its form and the status of a point.
+
+        Raises:
+            InputError: it raises something, or gives something else.
+        """
+        try:
+            form, status = formulation.form(self)
+            return form + ufl.Form([]), ufl.as_ufl(status)
+        except (checks.InputError, checks.StepFailed):
+            raise
+        except Exception as problem:  # of a user's class
+            raise checks.InputError(
+                f"formulation = {formulation!r}: its form raises {type(problem).__name__}: "
+                f"{problem}; it must give a form in UFL and the status of a point"
+            ) from problem
 
     def constant(self, value: float) -> Any:
         """A new constant."""

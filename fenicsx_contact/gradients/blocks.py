@@ -165,10 +165,10 @@ class LinearStep:
         right = first[:, None] * right
         result = lu_solve(self._factors, right, int(transposed))
         change, falls = np.inf, True
-        while falls:  # down to round-off
+        while falls:  # down to round-off, which in what no row tells falls by hardly anything
             correction = lu_solve(self._factors, right - matrix @ result, int(transposed))
             before, change = change, float(np.abs(correction).max(initial=0.0))
-            falls = change < before
+            falls = change < before / 2
             result = result + correction if falls else result
         return last[:, None] * result
 

@@ -129,6 +129,17 @@ def called(what: str, function: Callable, *arguments: Any) -> Any:
         ) from problem
 
 
+@contextmanager
+def naming(what: str) -> Iterator[None]:
+    """Within it what a user's own part raises is an :class:`InputError` that names it."""
+    try:
+        yield
+    except (InputError, StepFailed):
+        raise
+    except Exception as problem:
+        raise InputError(f"{what} raises {type(problem).__name__}: {problem}") from problem
+
+
 def is_function(value: Any) -> TypeGuard[Callable[..., Any]]:
     """Whether it is to be called; UFL may be called, too, but for other ends."""
     return callable(value) and not isinstance(value, ufl.core.expr.Expr)

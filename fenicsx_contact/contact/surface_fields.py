@@ -105,16 +105,10 @@ class SurfaceFields(LawFields):
         Raises:
             InputError: it raises something, or gives something else.
         """
-        try:
+        gives = "which must give a form in UFL and the status of a point"
+        with checks.naming(f"formulation = {formulation!r}: its form, {gives},"):
             form, status = formulation.form(self)
             return form + ufl.Form([]), ufl.as_ufl(status)
-        except (checks.InputError, checks.StepFailed):
-            raise
-        except Exception as problem:  # of a user's class
-            raise checks.InputError(
-                f"formulation = {formulation!r}: its form raises {type(problem).__name__}: "
-                f"{problem}; it must give a form in UFL and the status of a point"
-            ) from problem
 
     def constant(self, value: float) -> Any:
         """A new constant."""

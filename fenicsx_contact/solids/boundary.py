@@ -122,24 +122,21 @@ class Supports:
         self.values(0.0)  # refuse now what can be refused
 
     def starting_speed(self, shortest: float) -> np.ndarray:
-        """Velocities of the held unknowns at the start, m/s: a one-sided difference of second
-        order.
+        """Velocities of the held unknowns at the start, m/s.
 
         Args:
             shortest: the shortest time that the solid knows, s; infinite: they start at rest.
         """
         if not self.moving or shortest == np.inf:
             return np.zeros(len(self.unknowns))
-        span = BRIEF * shortest
-        now, then, later = (self.values(k * span) for k in (0, 1, 2))
-        return (4 * (then - now) - (later - now)) / (2 * span)
+        return self.speed(0.0, shortest)
 
-    def speed(self, end: float, dt: float) -> np.ndarray:
-        """Velocities of the held unknowns at the end of a step of ``dt`` seconds, m/s, by a share
-        of it that went before, of second order in that."""
+    def speed(self, time: float, dt: float) -> np.ndarray:
+        """Velocities of the held unknowns at a time, m/s, by a share of ``dt`` seconds that follow,
+        or, if they are negative, went before: of second order in that."""
         span = BRIEF * dt
-        now, then, before = (self.values(end - k * span) for k in (0, 1, 2))
-        return (4 * (now - then) - (now - before)) / (2 * span)
+        now, then, later = (self.values(time + k * span) for k in (0, 1, 2))
+        return (4 * (then - now) - (later - now)) / (2 * span)
 
     def values(self, time: float) -> np.ndarray:
         """Displacements of the held unknowns at a time, m.

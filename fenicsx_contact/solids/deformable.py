@@ -215,7 +215,7 @@ class DeformableSolid(SystemRows, Stressed):
                 late, way = step.implicitness, self._target - self.displacement[self.fixed_unknowns]
                 speed = late * way / step.span
                 if late < 1:
-                    speed += (1 - late) * self.supports.speed(step.end, step.span)
+                    speed += (1 - late) * self.supports.speed(step.end, -step.span)
             self.trial_velocity[self.fixed_unknowns] = speed
         self._move(step)
 

@@ -106,14 +106,8 @@ class Asked:
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """That of the law."""
         what = f"friction = {self._law!r}: its bound"
-        try:
+        with checks.naming(what):
             given = ufl.as_ufl(self._law.bound(k, pressure, S))
-        except (checks.InputError, checks.StepFailed):
-            raise
-        except Exception as problem:  # of a user's function
-            raise checks.InputError(
-                f"{what} raises {type(problem).__name__}: {problem}"
-            ) from problem
         if given.ufl_shape:
             raise checks.InputError(f"{what} is {given}: must be a scalar in UFL")
         return given

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..base import checks
 from ..base.expressions import is_expression
-from ..base.told import told as given
+from ..base.told import told as in_words
 
 #: A number >= 0; or a function of the place [m], and of the time [s] if it has a second argument,
 #: in UFL; or UFL on the mesh of the slave: of its coordinates, a dolfinx Function, a Constant. A
@@ -41,4 +41,4 @@ def told(value: Parameter) -> str:
     """In a few words, without an address in memory."""
     if not varies(value):
         return f"{value:g}"
-    return str(value) if is_expression(value) else given(value)
+    return str(value) if is_expression(value) else in_words(value)

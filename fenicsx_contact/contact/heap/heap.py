@@ -125,8 +125,7 @@ class HeapJump(Coupling):
     def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
         # how normals turn is second to what moves: found in the next round
         velocities, self._last = self.velocities("trial_velocity"), self.meetings.operator
-        start = self._first
-        self._part.linearise(velocities, False, step.gap_rate, share, start=start)
+        self._part.linearise(velocities, False, step.gap_rate, share, start=self._first)
 
     def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
         velocities = self.mean_velocities(means)

@@ -185,11 +185,10 @@ class Shape:
         across = [np.abs(unit[x] - unit[y]).max(axis=1) <= SAME for x, y in ((a, d), (b, c))]
         meet &= (beside[0] & beside[1]) | (across[0] & across[1])
         joints = (np.ones(meet.sum()), (one[meet], other[meet]))
-        edges, of = connected_components(coo_matrix(joints, (n, n)), directed=False)
-        ends, first = np.empty((edges, 2), dtype=np.int64), np.unique(of, return_index=True)[1]
+        of = connected_components(coo_matrix(joints, (n, n)), directed=False)[1]
         nodes, times = np.unique(np.column_stack([of[piece], node]), axis=0, return_counts=True)
-        ends[:] = nodes[times == 1, 1].reshape(-1, 2)  # by edge: where no other piece goes on
-        self.ends, self.flanks = ends, self.flanks[first]
+        self.ends = nodes[times == 1, 1].reshape(-1, 2)  # by edge: where no other piece goes on
+        self.flanks = self.flanks[np.unique(of, return_index=True)[1]]
 
     def _wing(self, facet: np.ndarray, ends: np.ndarray) -> np.ndarray:
         """The node of each facet that is farthest from its edge."""

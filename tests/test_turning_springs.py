@@ -11,6 +11,7 @@ from fenicsx_contact import (
     Compliance,
     Contact,
     Discrete,
+    ElasticSolid,
     HyperelasticSolid,
     QuasiStatic,
     RigidSolid,
@@ -148,3 +149,28 @@ def test_a_box_on_springs_goes_round_with_a_turntable():
         angle = np.arctan2(solid.place[1], solid.place[0])
         ahead.append((angle - SPIN * until + np.pi) % (2 * np.pi) - np.pi)
     assert np.abs(ahead).max() < 3e-3
+
+
+@pytest.mark.parametrize("dim, degree", [(2, 1), (2, 2), (3, 1)])
+def test_supports_bear_what_springs_are_said_to(dim, degree):
+    """Across a wavy surface the history told the forces of the law, along the mean normals, 5 % off
+    the sum of those that act, along the gradients of the gaps."""
+    sizes = ((9, 2), (1.0, 0.2)), ((4, 2), (0.3, 0.2))
+    if dim == 3:
+        sizes = ((6, 2, 2), (1.0, 0.4, 0.2)), ((3, 2, 1), (0.3, 0.2, 0.2))
+    low, high = (rectangle(*size) if dim == 2 else box(*size) for size in sizes)
+    x, up = low.mesh.geometry.x, dim - 1
+    x[:, up] += np.where(x[:, up] > 0.19, 0.01 * np.sin(9 * x[:, 0]), 0.0)
+    moved(high, 0.31, *((0.0,) if dim == 3 else ()), 0.2101)
+    given = {"poisson_ratio": 0.3, "density": 1.0, "degree": degree}
+    down = lambda t: (0.05 * t, *(0.0,) * (dim - 2), -0.02 * t)  # noqa: E731
+    lower = ElasticSolid(low, youngs_modulus=1e6, fixed=["base"], name="low", **given)
+    upper = ElasticSolid(high, youngs_modulus=3e6, prescribed={"top": down}, name="up", **given)
+    springs = Discrete(stiffness=1e6)
+    contact = Contact(upper, "base", (lower, "top"), springs, friction=0.2, name="c")
+    history = Scene([lower, upper], [contact], QuasiStatic()).run(1.0, 0.25)
+    told = np.array([history[f"c.force_{a}"][-1] for a in "xyz"[:dim]])
+    assert history.finished and told[-1] > 10.0
+    for solid, side, sign in ((upper, "top", -1), (lower, "base", 1)):
+        np.testing.assert_allclose(solid.reaction(side), sign * told, atol=1e-7 * told[-1])
+    assert np.abs(contact.force.sum(axis=0) - told).max() > 1e-3 * told[-1]

@@ -55,7 +55,8 @@ class Contact(Scaled, SurfaceResults):
         moved: length of the step, s, of which the multipliers are: the last one, or one tried.
         noise: distances below it, m, are round-off of the places.
         candidates: of the step.
-        status, force: of the last step: 0 open, 1 stick, 2 slip; mean on the solid, N.
+        status, force: of the last step: 0 open, 1 stick, 2 slip; mean on the solid, N; ``borne``:
+            by its nodes, others where springs between solids act on those beside, too.
         memory: what its laws remember; empty if they do not.
 
     Raises:
@@ -106,6 +107,7 @@ class Contact(Scaled, SurfaceResults):
         coupling.recess = worn(self.memory, self.formulation)
         self.solids, self.traces, self.part = coupling.solids, coupling.traces, coupling.part
         self.force, self.status = np.zeros(self.surface.points.shape), np.zeros(self.surface.size)
+        self.borne = self.force
         self.candidates = Candidates(self.equations, self.coupling, self.formulation)
         self._springs = TangentialSprings(self.equations, self.formulation)
         self.scales = Scales(self.coupling, self.surface.size)
@@ -249,6 +251,7 @@ class Contact(Scaled, SurfaceResults):
         fastest = largest(self.coupling.velocities("trial_velocity"))
         self.resolution = resolution = max(resolution, ROUND_OFF * fastest)
         self.force, self.force_of = self.coupling.force(force), step.dt
+        self.borne = self.coupling.borne(self.force, force)
         self.force_normal = self.equations.fields.mean_normal()
         hardly = self.units(step)[0] * self.equations.weight * resolution
         presses = np.abs(dot(self.force, self.normal)) > hardly
@@ -267,6 +270,7 @@ class Contact(Scaled, SurfaceResults):
             "unknowns": self.equations.values,
             "status": self.status,
             "force": self.force,
+            "borne": self.borne,
             "stretch": self._springs.stretch,
             "normal": self.normal,
             "tangent": self.equations.fields.tangent,
@@ -281,6 +285,7 @@ class Contact(Scaled, SurfaceResults):
         """Take up a state that :meth:`state` gave; the solid has been restored before."""
         self.equations.values = np.array(state["unknowns"])
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
+        self.borne = np.array(state["borne"])
         self._set_normal(state["normal"])
         self.force_normal = np.array(state["force_normal"])
         self._springs.stretch = np.array(state["stretch"])

@@ -102,6 +102,11 @@ class Coupling(ABC):
     def force(self, force: np.ndarray) -> np.ndarray:
         """Forces on the slave at its nodes, (n, d) in N, from those on the traces' points, flat."""
 
+    def borne(self, law: np.ndarray, force: np.ndarray) -> np.ndarray:
+        """What the slave bears at its nodes, (n, d) in N, of such forces: those there, (n, d), of
+        the contact's law, and flat."""
+        return law
+
     @abstractmethod
     def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
         """Take up the geometry where it is; see :class:`PairedEquations`."""

@@ -217,6 +217,10 @@ class MortarJump(Coupling):
             rows[active] = -self.equations.residual()[active]
         return rows.reshape(-1, self._shape[1])
 
+    def borne(self, law: np.ndarray, force: np.ndarray) -> np.ndarray:
+        own = force.reshape(self._shape)[: len(self.pairing.slave.nodes)]
+        return self.pairing.slave.at_corners(own) if self.pairing.carries else law
+
     def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
         velocities = self.velocities("trial_velocity")
         self._mean = self._first if self._share == 1 else None  # or it is half-way

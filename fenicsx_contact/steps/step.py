@@ -296,5 +296,5 @@ class Stepper:
         books = *self.energies, *self.work, self.balance
         row = [self.time, dt, *books, certificate, newton, geometry]
         for contact in self._every:
-            row += [*contact.force.sum(axis=0), *counts(contact), contact.depth()]
+            row += [*contact.borne.sum(axis=0), *counts(contact), contact.depth()]
         return row

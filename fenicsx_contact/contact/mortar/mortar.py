@@ -71,7 +71,10 @@ class Pairing:
         reach: how far from each node partners were sought, (n,) in m; ``sight``: at least.
         stance: how the slave's facets stand on the master's.
         admits: which of these may meet.
+        carries: whether forces on a node of the slave act on those beside it, too.
     """
+
+    carries = False
 
     def __init__(self, slave: Side, master: Side, comm: MPI.Comm = MPI.COMM_SELF) -> None:
         self.slave, self.master = slave, master

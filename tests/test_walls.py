@@ -3,12 +3,15 @@
 
 import numpy as np
 import pytest
-from scenes import skinned
+from corpus_meshes import moved
+from scenes import G, box, skinned
 
-from fenicsx_contact import Contact, InputError, Scene
+from fenicsx_contact import Contact, HalfSpace, InputError, RigidSolid, Scene, name_facets
 from fenicsx_contact.contact.mortar.walls import Others
 
 SIZE = 0.08
+SKIN = {"skin": lambda x: np.full(x.shape[1], True)}
+HELD = ("x", "y", "z", "turning about x", "turning about y", "turning about z")
 
 
 def at(dim, left, velocity=0.0, rise=0.0, up=0.0, **solid):
@@ -84,3 +87,26 @@ def test_walls_are_as_thick_as_a_body():
     for facet in range(4):
         where = np.full(3, facet), np.full(3, facet)
         assert admits(*where, away).tolist() == [True, True, False]
+
+
+@pytest.mark.parametrize("facets", [1, 2, 8])
+@pytest.mark.parametrize("tilt", [(0.0, -0.3, 0.0), (0.2, 0.4, 0.0)])
+def test_a_tilted_box_falls_on_a_plate_of_few_facets(facets, tilt):
+    """Seen along a tilted facet the middle of a large one is elsewhere, and was taken for a far
+    side: a box in the air was "0.3 m inside", or it went 3 mm through the plate, "finished"."""
+    ends = []
+    for plate in (None, facets):
+        body = RigidSolid(
+            moved(name_facets(box((1, 1, 1), (0.2, 0.1, 0.1)).mesh, SKIN), 1.1, 0.7, 0.07),
+            mass=1.0, gravity=(0.0, 0.0, -G), rotation=tilt, name="box",
+        )  # fmt: skip
+        below, solids = HalfSpace((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)), [body]
+        if plate:
+            mesh = name_facets(box((plate, plate, 1), (4.0, 4.0, 0.1)).mesh, SKIN)
+            solids.append(RigidSolid(moved(mesh, 0.0, 0.0, -0.1), mass=1.0, held=HELD))
+            below = solids[1], "skin"
+        scene = Scene(solids, [Contact(body, "skin", below)])
+        history = scene.run(0.2, 2e-3, progress=False)
+        assert history.finished, history.reason
+        ends.append(body.place)
+    np.testing.assert_allclose(ends[1], ends[0], atol=2e-5)

@@ -54,13 +54,16 @@ class Overlaps:
         outlines = pairs.corners[:, OUTLINE[self._master.cell], :2]
         window = planes.corners[pairs.facet][:, OUTLINE[self._slave.cell], :2]
         number, shared, edges = clip(outlines, window)
+        pairs = pairs.of(number)
+        may = self._admits(pairs.facet, pairs.other, self._away(planes, pairs, shared))
+        pairs, shared, edges = pairs.of(may), shared[may], edges[may]
         polygon, edge, triangles = fans(shared)
-        piece, p, weight = points(polygon, triangles, self._degree)
-        cover = np.bincount(pairs.facet[number[piece]], weight.sum(axis=1), len(reach))
+        number, p, weight = points(polygon, triangles, self._degree)
+        cover = np.bincount(pairs.facet[number], weight.sum(axis=1), len(reach))
         twice = cover > (1 + TWICE) * planes.size
 
         # edges of triangles that are part of free ones of the master, and outwards across them
-        edge, polygon = edges[polygon, edge], number[polygon]
+        edge = edges[polygon, edge]
         free = (edge >= 0) & self._free[pairs.other[polygon], edge]
         polygon, triangles, (local, lengths) = polygon[free], triangles[free], self._line
         way = triangles[:, 2] - triangles[:, 1]
@@ -69,7 +72,7 @@ class Overlaps:
         lengths = np.tile(lengths, (len(way), 1))
 
         found = []
-        for which, at, size in ((number[piece], p, weight), (polygon, ends, lengths)):
+        for which, at, size in ((number, p, weight), (polygon, ends, lengths)):
             behind = np.flatnonzero(twice[pairs.facet[which]])
             if len(behind):
                 size[behind] *= self._nearest(planes, pairs, which[behind], at[behind])
@@ -98,7 +101,15 @@ class Overlaps:
         pairs = _Pairs(facet, other, planes.see(xm[side.cells[other]], facet))
         low, high = pairs.corners.min(axis=1), pairs.corners.max(axis=1)
         met = ((low < planes.high[facet]) & (high > planes.low[facet]))[:, :2].all(axis=1)
-        return pairs.of(met & self._admits(facet, other, pairs.corners[..., 2].mean(axis=1)))
+        anyhow = self._admits(facet, other, np.full(len(facet), np.inf))  # wherever they meet
+        return pairs.of(met & anyhow)
+
+    def _away(self, planes: _Planes, pairs: _Pairs, shared: np.ndarray) -> np.ndarray:
+        """How far from each other facets are in the midst of what they share, (q,) in m."""
+        at, sides = shared.mean(axis=1, keepdims=True), (self._master.flat, self._slave.flat)
+        corners = pairs.corners, planes.corners[pairs.facet]
+        theirs, own = (_heights(c, _on_facet(s, c, at)[1])[:, 0] for s, c in zip(sides, corners))
+        return theirs - own
 
     def _nearest(
         self, planes: _Planes, pairs: _Pairs, number: np.ndarray, p: np.ndarray

@@ -82,8 +82,7 @@ class Standing:
         normal = master.normal(master.middle_tangents(xm), np.arange(len(master.cells)))
         length = np.sqrt((normal**2).sum(axis=1))
         faces = (unit[facet] * normal[other]).sum(axis=1) < FACING * length[other]
-        away = ((theirs.middles[other] - mine.middles[facet]) * unit[facet]).sum(axis=1)
-        faces &= self._admits(asked[facet], other, away)
+        faces &= self._admits(asked[facet], other, np.full(len(facet), np.inf))  # anywhere
         facet, other = facet[faces], other[faces]
 
         # how high its corners are above the other side, the nearest of it
@@ -91,7 +90,8 @@ class Standing:
         ray, below = (facet[:, None] * c + np.arange(c)).ravel(), other.repeat(c)
         of = ray // c
         xi, height, *_ = intersect(xs[corners.ravel()[ray]], unit[of], master, xm, below)
-        hits = np.flatnonzero(master.holds(xi, EDGE) & (np.abs(height) <= reach[of]))
+        meets = master.holds(xi, EDGE) & self._admits(asked[of], below, height)
+        hits = np.flatnonzero(meets & (np.abs(height) <= reach[of]))
         hits = hits[np.lexsort((below[hits], np.abs(height[hits]), ray[hits]))]
         hits = hits[first_of_each(ray[hits])]
         heights, foot = np.full(corners.size, np.inf), np.full(corners.size, -1)
@@ -105,11 +105,11 @@ class Standing:
 
         # and sharp corners of that above it
         c = master.corners.shape[1]
-        point, of = master.corners[other].ravel(), facet.repeat(c)
+        point, of, its = master.corners[other].ravel(), facet.repeat(c), other.repeat(c)
         rival = self._rivals[point]
-        point, of = point[rival], of[rival]
+        point, of, its = point[rival], of[rival], its[rival]
         xi, height, *_ = intersect(xm[point], unit[of], side, xs, asked[of])
-        over = side.holds(xi, EDGE)
+        over = side.holds(xi, EDGE) & self._admits(asked[of], its, -height)
         rivals = np.full(len(asked), np.inf)
         np.minimum.at(rivals, of[over], -height[over])
 

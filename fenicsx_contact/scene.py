@@ -193,10 +193,11 @@ class Scene:
             stepper: takes the steps; default: :attr:`stepper`, whatever their error.
 
         Raises:
+            InputError: dt is no positive number.
             StepFailed: with the reason; the state is that of the last row.
         """
         self.remarks, stepper = [], stepper or self.stepper
-        yield from self._impacts.cross(stepper, dt, self.remarks)
+        yield from self._impacts.cross(stepper, checks.number("dt", dt, above=0), self.remarks)
 
     def run(
         self,
@@ -258,7 +259,9 @@ class Scene:
         return {f"{of}{name}": np.array(v) for of, state in states for name, v in state.items()}
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
-        """Take up a state that :meth:`state` gave."""
+        """Take up a state that :meth:`state` gave, or refuse what is none."""
+        if "scene.time" not in checks.mapping("state", state, "that state() gave"):
+            raise checks.InputError("state: has no 'scene.time': must be one that state() gave")
         for prefix, thing in self._things():
             own = {k.removeprefix(prefix): v for k, v in state.items() if k.startswith(prefix)}
             thing.restore(own)

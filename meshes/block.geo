@@ -6,6 +6,14 @@ DefineConstant[
   n_height = {2},
   quadrilaterals = {1}
 ];
+If (!(width > 0) || !(height > 0))
+  Error("width = %g, height = %g: must be > 0", width, height);
+  Abort;
+EndIf
+If (n_width < 1 || n_width != Floor(n_width) || n_height < 1 || n_height != Floor(n_height))
+  Error("n_width = %g, n_height = %g: must be whole and >= 1", n_width, n_height);
+  Abort;
+EndIf
 Point(1) = {-width/2, 0, 0};
 Point(2) = { width/2, 0, 0};
 Point(3) = { width/2, height, 0};

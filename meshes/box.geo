@@ -8,6 +8,14 @@ DefineConstant[
   n_z = {1},
   hexahedra = {1}
 ];
+If (!(length_x > 0) || !(length_y > 0) || !(height > 0))
+  Error("length_x = %g, length_y = %g, height = %g: must be > 0", length_x, length_y, height);
+  Abort;
+EndIf
+If (n_x < 1 || n_x != Floor(n_x) || n_y < 1 || n_y != Floor(n_y) || n_z < 1 || n_z != Floor(n_z))
+  Error("n_x = %g, n_y = %g, n_z = %g: must be whole and >= 1", n_x, n_y, n_z);
+  Abort;
+EndIf
 Point(1) = {-length_x/2, -length_y/2, 0};
 Point(2) = { length_x/2, -length_y/2, 0};
 Point(3) = { length_x/2,  length_y/2, 0};

@@ -35,6 +35,7 @@ from fenicsx_contact import (
 from fenicsx_contact.gradients import (
     At,
     Centre,
+    Force,
     Gravity,
     Kinetic,
     Law,
@@ -704,3 +705,63 @@ def test_a_run_with_tangents_is_the_run():
             history = scene.run(0.01, 5e-4)
         rows.append(history.rows())
     np.testing.assert_array_equal(*rows)
+
+
+# -- without inertia, and what is asked --
+
+
+def drawn(E=1e4, speed=0.0):
+    mesh = rectangle((4, 2), (1.0, 0.5))
+    block = ElasticSolid(
+        mesh,
+        youngs_modulus=E,
+        poisson_ratio=0.3,
+        density=100.0,
+        velocity=(speed, 0.0),
+        fixed=["base"],
+        prescribed={"top": lambda t: (0.01 * np.sin(t), 0.0)},
+    )
+    return Scene([block], [], QuasiStatic())
+
+
+@pytest.mark.parametrize("speed", [0.0, 10.0])
+def test_without_inertia_nothing_has_kinetic_energy(speed):
+    """It was half the velocity times the momentum at the start: negative, or 1 J; its derivative by
+    the mass was that of v M v / 2."""
+    scene = drawn(speed=speed)
+    (block,) = scene.solids
+    quantities = {"own": Kinetic(block)}
+    result = tangents(scene, 6.0, 0.5, {"mass": Mass(block)}, quantities)
+    history = result.history
+    assert history.finished and not history["kinetic"][1:].any()
+    assert not result["own"][1:].any()
+    assert np.abs(history["balance"]).max() < 1e-12 * history["strain"].max()
+
+
+def test_the_time_alone_may_be_asked_of_an_adjoint():
+    scene = drawn()
+    (block,) = scene.solids
+    end = {"end": lambda history: (history.time[-1], {"time": np.eye(len(history))[-1]})}
+    asked = {"E": Modulus(block)}
+    result = adjoints(scene, 1.0, 0.5, asked, {}, functionals=end)
+    assert result.values["end"] == 1.0 and not np.any(result["end"])
+    with pytest.raises(InputError, match="quantities = .*: of what"):
+        adjoints(drawn(), 1.0, 0.5, asked, {})
+    with pytest.raises(InputError, match="functionals = 'end': must be a dict"):
+        adjoints(drawn(), 1.0, 0.5, asked, {}, functionals="end")
+
+
+def test_what_is_no_solid_contact_or_name_is_refused():
+    block = solid_of(drawn())
+    for make, word in (
+        (lambda: Gravity(3, (0, 1)), "solid = 3"),
+        (lambda: Centre(None, (0, 1)), "solid = None"),
+        (lambda: ObstacleShift("floor", (0, 1)), "contact = 'floor'"),
+        (lambda: Force(block, (0, 1)), "contact = "),
+        (lambda: Modulus(block, 1e4), "name = 10000.0"),
+        (lambda: Start(block, turn="1"), "has no turn"),
+        (lambda: tangents(None, 1.0, 0.5, {"E": Modulus(block)}), "scene = None"),
+        (lambda: tangents(drawn(), 1.0, 0.5, {None: Modulus(block)}), "a name = None"),
+    ):
+        with pytest.raises(InputError, match=word):
+            make()

@@ -474,7 +474,7 @@ def test_gmsh_parameters():
     refused(lambda: mesh_from_gmsh(BLOCK, n_hight=3), "n_hight = 3", "block.geo", "n_height")
     refused(lambda: mesh_from_gmsh(BLOCK, width=NAN), "width = nan")
     refused(lambda: mesh_from_gmsh(BLOCK, width="wide"), "width = 'wide'")
-    refused(lambda: mesh_from_gmsh(BLOCK, width=0.0), "mesh", "without volume")
+    refused(lambda: mesh_from_gmsh(BLOCK, width=0.0), "width = 0", "must be > 0")
     assert mesh_from_gmsh(BLOCK, n_width=3).dim == 2
 
 

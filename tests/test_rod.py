@@ -429,6 +429,8 @@ def test_a_drop_of_something_else():
         RodDrop(3, "rod", guide)
     with pytest.raises(InputError, match=r"rod\(\) = 3: must be a BeamSolid"):
         RodDrop(lambda: 3, "rod", guide).fall()
+    with pytest.raises(InputError, match="rod: its function"):
+        RodDrop(lambda a: 3, "rod", guide).fall()
     with pytest.raises(InputError, match="guide"):
         RodDrop(lambda: 3, "rod", "guide")
     with pytest.raises(InputError, match="speed"):

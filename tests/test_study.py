@@ -199,7 +199,7 @@ def test_maps_are_resumed(tmp_path):
         "Slope",
         incline,
         Axis("friction", [0.3, -1.0], "friction"),
-        Axis("slope", [0.2, 0.5], "slope"),
+        Axis("slope", np.array([0.2, 0.5]), "slope"),  # numbers of numpy, too
     )
     file = tmp_path / "cells.jsonl"
     first = run_maps([chart], file, limit=60, processes=1, progress=False)
@@ -213,6 +213,22 @@ def test_maps_are_resumed(tmp_path):
     assert [v.kind for v in again["slope"]] == kinds
     assert len(file.read_text().splitlines()) == 4
     assert summary(first["slope"])["cells"] == 4
+
+
+def test_what_is_no_map_and_no_file_of_maps_is_refused(tmp_path):
+    chart = Map("slope", "Slope", incline, *[Axis(n, [0.3], n) for n in ("friction", "slope")])
+    file = tmp_path / "cells.jsonl"
+    with pytest.raises(InputError, match="maps = "):
+        run_maps(chart, file)
+    file.write_text('{"other": 1}\n')
+    with pytest.raises(InputError, match="is none of maps"):
+        run_maps([chart], file)
+    with pytest.raises(InputError, match="cases = "):
+        batch(halved, ({"x": x} for x in (1, 2)), file)
+    with pytest.raises(InputError, match="processes = -1"):
+        batch(halved, [{"x": 1, "kind": "a"}], file, processes=-1)
+    with pytest.raises(InputError, match="is a directory"):
+        batch(halved, [{"x": 1, "kind": "a"}], tmp_path)
 
 
 def halved(x, kind):

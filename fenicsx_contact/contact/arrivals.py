@@ -31,14 +31,12 @@ def missed(contact: Contact, closing: bool) -> str:
     if (why := contact.coupling.blocked) or contact.coupling.encloses:
         return why
     gaps = contact.coupling.gaps()
-    asked = contact.chosen & (contact.status == 0)
+    asked = contact.chosen & (contact.trial_status == 0)
     deepest = contact.coupling.deepest(asked, contact.gap, gaps)
-    if deepest is not gaps:
-        through = asked & (deepest > np.maximum(gaps, 0.0) + contact.tolerance)
-        if through.any():
-            through &= (contact.trial_status == 0) & ~contact.touching()
-            if through.any():
-                return f"a point of contact {contact.name!r} goes through what it meets"
+    if deepest is not gaps:  # what touches may slide along what is round
+        much = np.where(contact.touching(), contact.surface.extent, contact.tolerance)
+        if (asked & (deepest > np.maximum(gaps, 0.0) + much)).any():
+            return f"a point of contact {contact.name!r} goes through what it meets"
     if not gaps.max() > contact.surface.extent:
         return ""
     asked = contact.chosen & (closing | contact.candidates.allowed)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..base.cells import NODES
 from ..base.checks import StepFailed
-from ..base.vectors import largest
+from ..base.vectors import dot, largest
 from ..solids import Solid
 from ..theory.theta import Step
 from .clearance import Clearance, apart_at
@@ -21,7 +21,7 @@ from .jump import Coupling
 from .mortar import Pairing, Side
 from .mortar.facing import faces_anywhere
 from .mortar.matrices import Matrix, square
-from .mortar.passing import passed
+from .mortar.passing import gone_through
 from .mortar.stance import Stance
 from .mortar.standing import Standing
 from .pair_equations import PairedEquations
@@ -46,6 +46,8 @@ class MortarJump(Coupling):
     fixed_normal, by_means = False, True
     _share = 1.0  # of the way of the step, of these places
     _chords: np.ndarray | float = 0.0
+    _first: Matrix  # the operator where a step starts, and the normals of what had a partner there
+    _faced: np.ndarray
 
     def __init__(
         self,
@@ -68,11 +70,10 @@ class MortarJump(Coupling):
         self._n = self.pairing.n
         self._start = self._end = self._places()
         self._foreseen, self._strikes = 0.0, Strikes(solids, self._n)
-        self._first: Matrix | None = None  # the operator where a step starts
         self._mean: Matrix | None = None  # that of which forces act by the mean with the last one
         self.faces = self._find() or faces_anywhere(*sides, *self._split())
         self.follow()
-        self._first = self.pairing.operator
+        self._start_here()
 
     def _places(self) -> np.ndarray:
         return np.concatenate([trace.positions() for trace in self.traces])
@@ -123,14 +124,18 @@ class MortarJump(Coupling):
             return False
         self._end, self._way = self._start, way
         pair.update(self._start, way)
-        self._first = pair.operator
+        self._start_here()
         return True
 
     def _stand(self, stance: Stance) -> None:
         self.pairing.stand(stance)
         self._ending.stand(stance)
         self.pairing.update(self._start, self._way)
-        self._first = self.pairing.operator
+        self._start_here()
+
+    def _start_here(self) -> None:
+        pair = self.pairing
+        self._first, self._faced = pair.operator, np.where(pair.paired[:, None], pair.normal, 0.0)
 
     def follow(self) -> None:
         for trace in self.traces:
@@ -159,25 +164,12 @@ class MortarJump(Coupling):
         # nobody knows how deep a point was that went through and has no partner now
         pair = self._there()
         alone = asked & ~pair.paired
-        lost = np.flatnonzero(alone)
-        if not len(lost):
+        if not alone.any():
             return end
-        last = len(pair.slave.nodes)
-        mine = self._start[:last], pair.places[:last]
-        theirs = self._start[last:], pair.places[last:]
-        facets = np.arange(len(pair.master.cells))
-        into = passed((mine[0][lost], mine[1][lost]), pair.master, theirs, facets)
-        into[:, 0] = lost[into[:, 0]]
-        facets = np.flatnonzero(alone[pair.slave.corners].any(axis=1))
-        out = passed(theirs, pair.slave, mine, facets)
-        if pair.master is pair.slave:  # no point goes through its own facets
-            into, out = (
-                each[(pair.slave.corners[each[:, 1]] != each[:, :1]).all(axis=1)]
-                for each in (into, out)
-            )
-        through = np.zeros(self._n, dtype=bool)
-        through[into[:, 0]] = through[pair.slave.corners[out[:, 1]]] = True
-        return np.where(through & alone, np.inf, end)
+        moved = self._first @ (self._end - self._start).ravel()
+        closed = start + dot(pair.shared.sum(moved).reshape(self._n, -1), self._faced)
+        gone = gone_through(pair, self._start, alone) | (closed > pair.master.sizes.min())
+        return np.where(gone & alone, np.inf, end)
 
     @property
     def blocked(self) -> str:
@@ -240,7 +232,8 @@ class MortarJump(Coupling):
 
     def accept(self) -> None:
         super().accept()
-        self._start, self._first = self._end, self.pairing.operator
+        self._start = self._end
+        self._start_here()
 
     def arrived(self, jump: np.ndarray) -> np.ndarray:
         if self._ending is self.pairing:

@@ -46,8 +46,8 @@ def _with_dual(thing: Any, name: str, path: Sequence[str]) -> Any:
     value = getattr(thing, path[0], None)
     if len(path) > 1:
         value = _with_dual(value, name, path[1:])
-    elif isinstance(value, float):
-        value = Dual(value, np.ones(1))
+    elif isinstance(value, (int, float)) and not isinstance(value, bool):
+        value = Dual(float(value), np.ones(1))
     else:
         raise checks.InputError(f"name = {name!r}: must be that of a number of {thing!r}")
     result = copy(thing)

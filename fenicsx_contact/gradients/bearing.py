@@ -46,7 +46,8 @@ class Force(OfContact):
     """
 
     def __init__(self, contact: Contact, direction: Sequence[float]) -> None:
-        self.contact, self.solid = contact, contact.solid
+        self.contact: Contact = checks.instance("contact", contact, Contact, "a Contact")
+        self.solid = contact.solid
         self._direction = checks.vector("direction", direction, contact.surface.dim)
 
     def value(self) -> float:
@@ -70,7 +71,8 @@ class Pressure(OfContact):
     """
 
     def __init__(self, contact: Contact, point: Sequence[float]) -> None:
-        self.contact, self.solid = contact, contact.solid
+        self.contact: Contact = checks.instance("contact", contact, Contact, "a Contact")
+        self.solid = contact.solid
         if not isinstance(contact.solid, DeformableSolid):
             raise checks.InputError(
                 f"Pressure: solid {contact.solid.name!r} is not deformable; its pressures are not "

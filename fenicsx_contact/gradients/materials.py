@@ -36,8 +36,9 @@ class Modulus(OfSolid):
         checks.instance("solid", solid, ElasticSolid, "an ElasticSolid; see Material")
         self.solid: ElasticSolid = solid
         moduli = dict(solid.moduli)
-        value = moduli.get(name, name) if isinstance(name, str) else name
-        if isinstance(value, float):
+        given = isinstance(name, str)
+        value = moduli.get(name) if given else name
+        if given and isinstance(value, float):
             number = moduli[name] = _number(solid, value)
             form = solid.stiffness_form(*moduli.values())
         elif isinstance(value, fem.Constant):

@@ -26,7 +26,7 @@ class ObstacleShift(Parameter):
     """
 
     def __init__(self, contact: Contact, direction: Sequence[float]) -> None:
-        self.contact = contact
+        self.contact: Contact = checks.instance("contact", contact, Contact, "a Contact")
         self.direction = checks.vector("direction", direction, contact.surface.dim)
 
     def wall(self, contact: Contact, places: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
@@ -59,7 +59,7 @@ class Shape(Parameter):
     """
 
     def __init__(self, contact: Contact, number: Any) -> None:
-        self.contact = contact
+        self.contact: Contact = checks.instance("contact", contact, Contact, "a Contact")
         obstacle = getattr(contact.coupling, "obstacle", None)
         what = f"a LevelSet before contact {contact.name!r}"
         self._level = checks.instance("obstacle", obstacle, LevelSet, what)
@@ -101,7 +101,7 @@ class Bend(Parameter):
         checks.instance("contact", contact, GuideContact, "a GuideContact")
         checks.offers("curve", curve, Curve, "a curve (Straight, Sine, Bow, ...)")
         self.contact, self.curve = contact, curve
-        top, bottom = within
+        top, bottom = checks.listed("within", within, "two depths, m")
         same = SAME * float(np.ptp(contact.obstacle.stations))
         self._within = top - same, bottom + same
 

@@ -168,7 +168,7 @@ class Start(OfSolid):
     ) -> None:
         self.solid = solid
         if isinstance(solid, (BeamSolid, DeformableSolid)):
-            if np.any(turn) or np.any(spin) or about is not None:
+            if any(each is not None and str(each) != "0.0" for each in (turn, spin, about)):
                 kind = type(solid).__name__
                 raise checks.InputError(f"Start: a {kind} has no turn, spin or about")
             if isinstance(solid, BeamSolid):
@@ -206,13 +206,18 @@ class Gravity(OfSolid):
     """
 
     def __init__(self, solid: Solid, direction: Sequence[float]) -> None:
-        self.solid = solid
+        self.solid = checks.offers("solid", solid, Solid, "a solid")
         g = checks.vector("direction", direction, solid.dim)
         self._along = 0.0
         if isinstance(solid, BeamSolid):
             self._load = solid.unknowns.weight(g)
             self._along = -float(g @ solid.axis.direction)
         elif isinstance(solid, DeformableSolid):
+            if solid.revolution and g[0]:
+                raise checks.InputError(
+                    f"Gravity: direction = {list(direction)}: solid {solid.name!r} is one of "
+                    "revolution, whose gravity acts along its axis"
+                )
             self._load = solid.inertia.weight(g)
         else:
             _check_rigid("Gravity", solid)

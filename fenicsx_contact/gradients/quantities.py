@@ -64,7 +64,8 @@ class Centre(_Linear):
     """
 
     def __init__(self, solid: Solid, direction: Sequence[float], of: str = "place") -> None:
-        self.solid, self._of = solid, checks.choice("of", of, ["place", "velocity"])
+        self.solid = checks.offers("solid", solid, Solid, "a solid")
+        self._of = checks.choice("of", of, ["place", "velocity"])
         self._direction = checks.vector("direction", direction, solid.dim)
         if isinstance(solid, RigidSolid):
             self._row = np.append(self._direction, np.zeros(len(solid.velocity) - solid.dim))
@@ -229,6 +230,8 @@ class Kinetic:
     def explicit(self, parameter: Parameter) -> float:
         """By the mass, and by that of the water."""
         solid, v = self.solid, self.solid.velocity
+        if not (isinstance(solid, BeamSolid) or solid.state()["momentum"].any()):
+            return 0.0  # at rest, or without inertia
         if solid.dim == 3 and isinstance(solid, RigidSolid):
             v = np.append(v[:3], solid.state()["turn"].T @ v[3:])  # as its inertia was at first
         energy = float(np.sum(0.5 * v * parameter.momentum(solid, v)))

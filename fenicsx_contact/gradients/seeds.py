@@ -140,6 +140,8 @@ class Seeds:
         linear, every = self._linear, self._quantities.values()
         by = [gradient(linear, quantity, self.unknowns) for quantity in every]
         told = [explicit(self._parameters, quantity) for quantity in every]
+        if not by:  # the time alone is asked for
+            return Row(None, None)
         return Row(np.array(by).T, np.array(told).T)
 
     def of(self, row: int, found: Row, unknowns: int) -> tuple[np.ndarray, np.ndarray]:

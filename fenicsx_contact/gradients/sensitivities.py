@@ -145,6 +145,9 @@ def adjoints(
         NoDerivative: a point arrives without speed.
     """
     quantities = _checked(scene, parameters, quantities)
+    functionals = checks.mapping("functionals", functionals, "of functions of the history")
+    if not (quantities or functionals):
+        raise checks.InputError("quantities = {}: of what?")
     linear = Linearisation(scene, list(parameters.values()))
     edges = Edges(scene, linear)
     (until, dt), first = span(scene.time, until, dt), scene.time
@@ -155,7 +158,7 @@ def adjoints(
     )
     ends = [min(k * each, count) for k in range(1, ceil(count / each) + 1)]
     begin = linear.start()
-    seeds, left = Seeds(linear, parameters, quantities, functionals or {}), Room(room)
+    seeds, left = Seeds(linear, parameters, quantities, functionals), Room(room)
     seeds.begin(0)
     met: list[Kink] = []  # in a step
     part: Part
@@ -226,9 +229,11 @@ def adjoints(
 def _checked(
     scene: Scene, parameters: Mapping[str, Parameter], quantities: Mapping[str, Quantity]
 ) -> dict[str, Quantity]:
+    checks.instance("scene", scene, Scene, "a Scene")
     if not checks.mapping("parameters", parameters, "from names to parameters"):
         raise checks.InputError("parameters = {}: by what?")
     for name, parameter in parameters.items():
+        checks.instance("parameters: a name", name, str, "a text")
         what = "a parameter (gradients.parameters)"
         checks.instance(f"parameters[{name!r}]", parameter, Parameter, what)
     given: dict[str, Quantity] = dict(checks.mapping("quantities", quantities, "of quantities"))

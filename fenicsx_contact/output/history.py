@@ -46,7 +46,7 @@ class History:
 
     The first row is the initial state. Energies and works in J (J/m in 2D):
 
-    * ``kinetic``, ``strain``, ``potential``: of the state at ``time`` [s];
+    * ``kinetic`` (none without inertia), ``strain``, ``potential``: of the state at ``time`` [s];
     * ``impact``, ``friction``: work of the normal and tangential contact forces on the jumps since
       the start (negative: a loss). In a step in which slip turns round one of them may gain a
       little on behalf of the other; their sum does not;

@@ -89,8 +89,7 @@ class BeamSolid(Solid):
         if lateral_load is not None:
             values_of("lateral_load", lateral_load, k.s, unknowns.planes)
         self.displacement, self.velocity = np.zeros((2, len(self.weight)))
-        if displacement is not None:
-            unknowns.bend(self.displacement, displacement, slope)
+        unknowns.bend(self.displacement, displacement, slope)
         self.predictions = 0  # counts them, for those who follow
         self.law = law
         self._begin()

@@ -157,8 +157,12 @@ class RodDrop:
             watch: called with the contact after each step, a ForceMap say.
 
         Raises:
-            InputError: a travel ``to`` that is beyond the end of the guide.
+            InputError: a travel ``to`` that is beyond the end of the guide, or no way from the
+                rod's.
         """
+        to = np.inf if to == np.inf else to
+        if to is not None and to < np.inf:
+            to = checks.number("to", to)
         contact = self._settled(to)
         rod = contact.solid.rod
         stop = rod.law.stop if rod.law else None
@@ -209,7 +213,7 @@ class RodDrop:
     def _settled(self, travel: float | None, law: AxialLaw | None = None) -> GuideContact:
         """The contact of a fresh rod that has come to rest in its guide, driven by a law, and
         meant to go to a travel, m, if that is known."""
-        rod = checks.instance("rod()", self._rod(), BeamSolid, "a BeamSolid")
+        rod = checks.instance("rod()", checks.called("rod", self._rod), BeamSolid, "a BeamSolid")
         settle(rod, self._stretch, self.guide)
         if law is not None:
             rod.law = law

@@ -69,8 +69,12 @@ def settle(
         The contact at rest, with its ``force`` and ``status``.
 
     Raises:
-        InputError: it finds no rest, or is thicker than a hole.
+        InputError: it finds no rest, or is thicker than a hole; no rod, no guide.
     """
+    checks.instance("solid", solid, (BeamSolid, RodInTube), "a BeamSolid or RodInTube")
+    checks.instance("guide", guide, Guide, "a Guide")
+    tolerance = checks.number("tolerance", tolerance, above=0)
+    steps = checks.whole_number("steps", steps, at_least=1)
     rod = solid.rod
     law, supported = rod.law, not rod.matrices.free_axial.all()
     lay_in(rod, guide)

@@ -100,8 +100,15 @@ class BeamUnknowns:
         axial[:] = float(acceleration @ self._axis.direction) * k.axial_mass
         return load
 
-    def bend(self, values: np.ndarray, deflection: Lateral, slope: Lateral | None = None) -> None:
-        """Set the deflection among the unknowns, and its slope (default: by differences)."""
+    def bend(
+        self, values: np.ndarray, deflection: Lateral | None, slope: Lateral | None = None
+    ) -> None:
+        """Set the deflection among the unknowns, if there is one, and its slope (default: by
+        differences)."""
+        if deflection is None:
+            if slope is not None:
+                raise checks.InputError("slope: is that of a displacement, and none is given")
+            return
         k = self._matrices
         w = values_of("displacement", deflection, k.s, self.planes)
         turned = slope and values_of("slope", slope, k.s, self.planes)

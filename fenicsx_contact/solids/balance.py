@@ -44,6 +44,7 @@ class BalancedSolid(MonolithicSolid):
     _target: np.ndarray | None
     _pull: np.ndarray
     _momentum: np.ndarray
+    _trial_momentum: np.ndarray
     _force: np.ndarray
     _reaction: np.ndarray
 
@@ -79,7 +80,7 @@ class BalancedSolid(MonolithicSolid):
     def _balance(self, step: Step) -> list[np.ndarray]:
         """The terms of the momentum balance in the trial state, for the owned unknowns; their sum
         vanishes but at the supports, where it is the reaction."""
-        self._trial_momentum = self._momentum
+        self._trial_momentum = np.zeros(self.owned)
         if step.scheme.inertia:
             self._trial_momentum = self.inertia.times(self.trial_velocity)
         inertia = step.inertia_force(self._momentum, self._trial_momentum)
@@ -130,7 +131,7 @@ class BalancedSolid(MonolithicSolid):
         driven = step.work(mean[held], self._reaction)
         driven += step.work((mean - moved)[held], self._acting[held])
         return (
-            self.vectors.sum(mean @ (self._trial_momentum - self._momentum)),
+            self.vectors.sum(step.work(mean, inertia)),
             self.vectors.sum(step.work(moved, self._acting)),
             self.vectors.sum(driven),
             self.vectors.sum(pulled),

@@ -39,12 +39,15 @@ def batch(
         The cases with their results, in their order.
 
     Raises:
-        InputError: cases of different names; a file of something else.
+        InputError: no list of cases, or of different names; a file of something else; no processes.
         Exception: what the function raised; other cases that are done by then are on file.
     """
     from tqdm import tqdm
 
     file = checks.path("file", file)
+    cases = checks.sequence("cases", cases, Mapping, "dicts")
+    if processes is not None:
+        checks.whole_number("processes", processes, at_least=1)
     for i, case in enumerate(cases):
         if set(case) != set(cases[0]):
             raise checks.InputError(
@@ -64,14 +67,14 @@ def batch(
                 case, results = found[each], dict(each.result())
                 known[_key(case)] = results
                 line = {"case": case, "results": results}
-                out.write(json.dumps(line, default=_listed) + "\n")
+                out.write(json.dumps(line, default=listed) + "\n")
                 out.flush()
         finally:
             pool.shutdown(cancel_futures=True)  # who is stopped does not wait for all the others
     return [{**case, **known[_key(case)]} for case in cases]
 
 
-def _listed(value: Any) -> Any:
+def listed(value: Any) -> Any:
     """What numpy gives as Python's own numbers."""
     if not hasattr(value, "tolist"):
         raise TypeError(f"{value!r} is no number or text")
@@ -79,11 +82,13 @@ def _listed(value: Any) -> Any:
 
 
 def _key(case: Mapping[str, Any]) -> str:
-    return json.dumps(case, sort_keys=True, default=_listed)
+    return json.dumps(case, sort_keys=True, default=listed)
 
 
 def _lines(file: Path) -> list[tuple[dict[str, Any], dict[str, Any]]]:
     """Cases and their results; a line that a kill cut short is taken out."""
+    if file.is_dir():
+        raise checks.InputError(f"file = {str(file)!r}: is a directory")
     lines = file.read_text().splitlines(keepends=True) if file.is_file() else []
     if lines and not lines[-1].endswith("\n"):
         file.write_text("".join(lines[:-1]))

@@ -39,8 +39,8 @@ def judge(build: Callable[[], Problem]) -> Verdict:
       obstacle than makes sense;
     * ``energy_created``: the total rose above that of the start: a scheme that conserves keeps to
       round-off, one of first order may move by its own truncation error only downwards;
-    * ``within_error``, ``off``: by the problem's own bound. A bound of 1 or more says nothing, so
-      no error is within it.
+    * ``within_error``, ``off``: by the problem's own bound, at most 1: an error of all that there
+      is is never within it.
     """
     try:
         problem = build()

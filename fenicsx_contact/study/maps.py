@@ -17,6 +17,8 @@ from typing import Any
 
 import numpy as np
 
+from ..base import checks
+from .batch import listed
 from .judge import CLASSES, Verdict, judge
 from .problem import Problem
 from .workers import each
@@ -71,7 +73,7 @@ class Map:
     def key(self, cell: dict[str, Any]) -> str:
         """What a cell is found by in a file of results."""
         given = self.problem.keywords if isinstance(self.problem, partial) else {}
-        text = json.dumps([self.name, given, cell], sort_keys=True)
+        text = json.dumps([self.name, given, cell], sort_keys=True, default=listed)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
@@ -102,7 +104,11 @@ def run_maps(
 
     Returns:
         For each map its verdicts in the order of its cells.
+
+    Raises:
+        InputError: no maps; a file of something else.
     """
+    maps, file = checks.sequence("maps", maps, Map, "Maps"), checks.path("file", file)
     known = _read(file)
     todo = [(m, cell) for m in maps for cell in m.cells() if m.key(cell) not in known]
     file.parent.mkdir(parents=True, exist_ok=True)
@@ -113,7 +119,7 @@ def run_maps(
             m, cell = todo[i]
             known[m.key(cell)] = verdict
             line = {"key": m.key(cell), "map": m.name, "cell": cell, **asdict(verdict)}
-            out.write(json.dumps(line) + "\n")
+            out.write(json.dumps(line, default=listed) + "\n")
             out.flush()
     return {m.name: [known[m.key(cell)] for cell in m.cells()] for m in maps}
 
@@ -131,10 +137,13 @@ def _read(file: Path) -> dict[str, Verdict]:
     if lines and not lines[-1].endswith("\n"):
         file.write_text("".join(lines[:-1]))
         lines.pop()
-    for line in lines:
-        row = json.loads(line)
-        fields = {k: v for k, v in row.items() if k not in ("key", "map", "cell")}
-        known[row["key"]] = Verdict(**fields)
+    try:
+        for line in lines:
+            row = json.loads(line)
+            fields = {k: v for k, v in row.items() if k not in ("key", "map", "cell")}
+            known[row["key"]] = Verdict(**fields)
+    except (ValueError, LookupError, TypeError, AttributeError):
+        raise checks.InputError(f"file = {str(file)!r}: is none of maps") from None
     return known
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.vectors import largest
+from .mortar import Pairing
 from .side import Side
 
 #: Places (n, d) at the start and at the end of a step.
@@ -52,3 +53,24 @@ def passed(points: Ways, side: Side, nodes: Ways, asked: np.ndarray) -> np.ndarr
         hit = into & (np.linalg.norm(place, axis=1) <= radius)
         found.append(np.stack([np.full(hit.sum(), i), asked[hit]], axis=1))
     return np.concatenate(found)
+
+
+def gone_through(pair: Pairing, start: np.ndarray, asked: np.ndarray) -> np.ndarray:
+    """Whether points of a slave, of those asked (n,), and what they may have met went through each
+    other since places ``start`` (N, d) of all nodes, (n,) of bool."""
+    lost, last = np.flatnonzero(asked), len(pair.slave.nodes)
+    mine = start[:last], pair.places[:last]
+    theirs = start[last:], pair.places[last:]
+    facets = np.arange(len(pair.master.cells))
+    into = passed((mine[0][lost], mine[1][lost]), pair.master, theirs, facets)
+    into[:, 0] = lost[into[:, 0]]
+    facets = np.flatnonzero(asked[pair.slave.corners].any(axis=1))
+    out = passed(theirs, pair.slave, mine, facets)
+    if pair.master is pair.slave:  # no point goes through its own facets
+        into, out = (
+            each[(pair.slave.corners[each[:, 1]] != each[:, :1]).all(axis=1)]
+            for each in (into, out)
+        )
+    through = np.zeros(pair.n, dtype=bool)
+    through[into[:, 0]] = through[pair.slave.corners[out[:, 1]]] = True
+    return through

@@ -745,7 +745,7 @@ def test_the_time_alone_may_be_asked_of_an_adjoint():
     asked = {"E": Modulus(block)}
     result = adjoints(scene, 1.0, 0.5, asked, {}, functionals=end)
     assert result.values["end"] == 1.0 and not np.any(result["end"])
-    with pytest.raises(InputError, match="quantities = .*: of what"):
+    with pytest.raises(InputError, match="of what"):
         adjoints(drawn(), 1.0, 0.5, asked, {})
     with pytest.raises(InputError, match="functionals = 'end': must be a dict"):
         adjoints(drawn(), 1.0, 0.5, asked, {}, functionals="end")

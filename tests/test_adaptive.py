@@ -191,7 +191,7 @@ def test_impacts_do_not_drive_steps_to_zero(located):
     assert history.finished and history["c.bearing"].max() > 0
     assert len(history) < 120
     smallest = history["dt"][history["dt"] > 0].min()
-    assert smallest > (1e-3 if located else 1e-2 / 8) * 0.05
+    assert smallest > (1e-3 if located else 1e-2 / 16) * 0.05
 
 
 def test_an_impact_that_is_not_located_is_resolved_to_the_tolerance():

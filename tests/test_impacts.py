@@ -12,6 +12,7 @@ from fenicsx_contact import (
     ElasticSolid,
     HyperelasticSolid,
     InputError,
+    Restitution,
     RigidSolid,
     Scene,
     ThetaScheme,
@@ -188,3 +189,19 @@ def test_a_percussion_of_a_solid_whose_top_is_driven():
         struck.append((history["c.force_x"][1], history["c.force_y"][1]))
     np.testing.assert_allclose(*struck, rtol=1e-8)
     assert struck[0][1] > 0
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+@pytest.mark.parametrize("located", [False, True], ids=["uniform", "located"])
+@pytest.mark.parametrize("height, dt", [(0.02, 0.02), (1.9e-3, 0.01), (0.3, 0.02), (0.3, 0.01)])
+def test_what_comes_to_rest_does_not_do_so_inside(height, dt, located, restitution):
+    """A step may stop what its loads can stop, but by the trapezoidal rule that takes a way: up to
+    g dt²/2 (1.2 mm of 20 mm) the block came to rest inside the floor, and stayed there."""
+    block = RigidSolid(rectangle((1, 1), (0.1, 0.1)), mass=1.0, gravity=(0, -G))
+    block.restore({**block.state(), "place": block.place + np.array([0.0, height])})
+    law = Restitution(restitution) if restitution else "velocity"
+    contact = Contact(block, "base", FLOOR, law, name="c")
+    history = Scene([block], [contact], locate_impacts=located).run(1.0, dt)
+    assert history.finished and not history.remarks
+    assert history["c.penetration"].max() < 1e-12
+    assert abs(block.place[1] - 0.05) < (1e-12 if located else 1e-6)

@@ -24,7 +24,7 @@ from .pairing import Master, acting_points, check_master, couple, worn
 from .results import SurfaceResults
 from .scales import Scaled, Scales
 from .springs import TangentialSprings
-from .statuses import at_once, kept
+from .statuses import at_once, coming, kept
 from .surface import Surface
 from .surfaces import surface_of
 from .turning import start_normals, turning
@@ -56,7 +56,7 @@ class Contact(Scaled, SurfaceResults):
         noise: distances below it, m, are round-off of the places.
         candidates: of the step.
         status, force: of the last step: 0 open, 1 stick, 2 slip; mean on the solid, N; ``borne``:
-            by its nodes, others where springs between solids act on those beside, too.
+            what its nodes bear of it; ``arriving``: how fast what bears may have come, m/s, or inf.
         memory: what its laws remember; empty if they do not.
 
     Raises:
@@ -107,7 +107,7 @@ class Contact(Scaled, SurfaceResults):
         coupling.recess = worn(self.memory, self.formulation)
         self.solids, self.traces, self.part = coupling.solids, coupling.traces, coupling.part
         self.force, self.status = np.zeros(self.surface.points.shape), np.zeros(self.surface.size)
-        self.borne = self.force
+        self.borne, self.arriving = self.force, np.full(self.surface.size, np.inf)
         self.candidates = Candidates(self.equations, self.coupling, self.formulation)
         self._springs = TangentialSprings(self.equations, self.formulation)
         self.scales = Scales(self.coupling, self.surface.size)
@@ -154,8 +154,7 @@ class Contact(Scaled, SurfaceResults):
         if bool(step.dt) != bool(self.moved):  # impulses are alike in a percussion and a step
             self.equations.scale_multipliers((self.moved or 1.0) / step.span)
         self.moved, self._told = step.dt, None
-        if self.coupling.driven:
-            self.jump = self.coupling.jump("velocity")
+        self.jump = self.coupling.jump("velocity") if self.coupling.driven else self.jump
         self.coupling.follow()
         asked = self.chosen if closing else self.touching() if step.dt else self._arrived()
         self.candidates.begin(asked & self.chosen, self.gap, self.tolerance, step)
@@ -169,7 +168,7 @@ class Contact(Scaled, SurfaceResults):
             self.coupling.linearise(step, False, self.formulation.gap_share)
 
     def grow(self, step: Step) -> bool:
-        """Let points be candidates that do in the trial state what the law forbids; if any do."""
+        """Let points be candidates that do what the law forbids in the trial state; if any do."""
         return self.candidates.widen(self.trial_jump, step)
 
     def touching(self) -> np.ndarray:
@@ -250,12 +249,14 @@ class Contact(Scaled, SurfaceResults):
         self.equations.release()
         fastest = largest(self.coupling.velocities("trial_velocity"))
         self.resolution = resolution = max(resolution, ROUND_OFF * fastest)
+        comes = coming(self.gap, dot(self.jump, self.normal) * (not self.force_of), step.horizon)
         self.force, self.force_of = self.coupling.force(force), step.dt
         self.borne = self.coupling.borne(self.force, force)
         self.force_normal = self.equations.fields.mean_normal()
         hardly = self.units(step)[0] * self.equations.weight * resolution
         presses = np.abs(dot(self.force, self.normal)) > hardly
         self.status = kept(self.trial_status, presses, self.trial_jump, self.normal, resolution)
+        self.arriving = np.where(self.status > 0, comes, np.inf)
         self._springs.accept(step, self.force - self.normal_forces, self.status == 1)
         if self.memory.values:
             told = self.candidates.told(self.trial_jump, step)
@@ -271,6 +272,7 @@ class Contact(Scaled, SurfaceResults):
             "status": self.status,
             "force": self.force,
             "borne": self.borne,
+            "arriving": self.arriving,
             "stretch": self._springs.stretch,
             "normal": self.normal,
             "tangent": self.equations.fields.tangent,
@@ -285,7 +287,7 @@ class Contact(Scaled, SurfaceResults):
         """Take up a state that :meth:`state` gave; the solid has been restored before."""
         self.equations.values = np.array(state["unknowns"])
         self.status, self.force = np.array(state["status"]), np.array(state["force"])
-        self.borne = np.array(state["borne"])
+        self.borne, self.arriving = np.array(state["borne"]), np.array(state["arriving"])
         self._set_normal(state["normal"])
         self.force_normal = np.array(state["force_normal"])
         self._springs.stretch = np.array(state["stretch"])

@@ -17,19 +17,22 @@ def approaching(contact: Contact, step: Step, where: np.ndarray) -> np.ndarray:
     """Points that start the step faster than its law allows, by more than the last step
     resolved and than round-off of their gaps is worth, among ``where`` (n,)."""
     asked = where & contact.chosen & contact.coupling.near()
-    least = contact.resolution + contact.noise / step.horizon
-    return np.asarray(asked & (_excess(contact, step) > least))
+    return np.asarray(asked & (_excess(contact, step) > _least(contact, step)))
 
 
 def strikes(contact: Contact, step: Step, points: np.ndarray) -> bool:
     """Whether one of these points is faster than its law allows by more than what the loads of
-    the step change: less is a body coming to rest, which the step itself can stop. Solids and
-    traces are linearised about the prediction of the step."""
+    the step change: less is a body coming to rest, which the step itself can stop; or arrives and
+    goes beyond what it meets even if the step stops it. Solids and traces are linearised about the
+    prediction of the step."""
     for trace in contact.traces:
         trace.linearise(step)
     free = np.concatenate([t.free_jump() for t in contact.traces])
     change = contact.coupling.loaded(free, _struck_jump(contact))
-    return bool((_excess(contact, step) > change)[points].any())
+    beyond = step.horizon * _excess(contact, step, stopped=True) > contact.tolerance
+    # what rests and was lifted by a finite rotation is put back by the steps
+    beyond &= dot(contact.jump, contact.normal) <= contact.arriving + _least(contact, step)
+    return bool((beyond | (_excess(contact, step) > change))[points].any())
 
 
 def rebounding(contacts: Iterable[Contact]) -> bool:
@@ -50,9 +53,16 @@ def first_arrival(contacts: Iterable[Contact], step: Step) -> float:
     return first
 
 
-def _excess(contact: Contact, step: Step) -> np.ndarray:
-    """How much faster than its law allows each point starts the step, (n,) in m/s."""
+def _least(contact: Contact, step: Step) -> float:
+    """What of a speed is none, m/s."""
+    return contact.resolution + contact.noise / step.horizon
+
+
+def _excess(contact: Contact, step: Step, stopped: bool = False) -> np.ndarray:
+    """How much faster than its law allows each point starts the step, (n,) in m/s; or is in the
+    mean if it is at rest at its end."""
     approach = dot(_struck_jump(contact), contact.coupling.normals())
+    approach = approach * (1 - step.gap_rate / step.horizon) if stopped else approach
     return np.asarray(approach + np.minimum(contact.gap, 0.0) / step.horizon)
 
 

@@ -24,6 +24,13 @@ def kept(
     return np.where(presses, status, 0.0)
 
 
+def coming(gap: np.ndarray, struck: np.ndarray, horizon: float) -> np.ndarray:
+    """The speeds, m/s, with which points that bear may arrive at the end of a step, (n,), from
+    their gaps at its start, m: those by which they get there, or by which those come back that an
+    impact has let go at w_n = ``struck``, m/s."""
+    return np.maximum(-gap, 0.0) / horizon + np.maximum(-struck, 0.0)
+
+
 def at_once(
     touches: np.ndarray, fresh: np.ndarray, gap: np.ndarray, approach: np.ndarray, tolerance: float
 ) -> np.ndarray:

@@ -230,7 +230,7 @@ def test_damped_impact_keeps_its_books(make, monkeypatch):
     assert history.finished, history.reason
     check_energies(history, 1e-6, slack=0.01 * np.ptp(total_energy(history)), together=True)
     assert history["damping"][-1] < -1e-3 * total_energy(history)[0]
-    assert len(history) == len(undamped)
+    assert (history["dt"] > 0).sum() == (undamped["dt"] > 0).sum()  # none was cut
 
 
 @pytest.mark.parametrize("make", [soft, lambda **o: bar(fixed=(), displacement=None, **o)])

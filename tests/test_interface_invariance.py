@@ -5,6 +5,8 @@ from functools import cache
 
 import numpy as np
 import pytest
+import ufl
+from corpus_meshes import moved
 from scenes import G, box, rectangle
 
 from fenicsx_contact import (
@@ -14,7 +16,9 @@ from fenicsx_contact import (
     Contact,
     ElasticSolid,
     HalfSpace,
+    LevelSet,
     RateState,
+    RigidSolid,
     Scene,
     StaticKinetic,
     Stribeck,
@@ -86,3 +90,21 @@ def test_in_space(name):
 )
 def test_solved_otherwise(name, solver, geometry):
     same(slide(name, 2, 0.0, solver, geometry), slide(name), 1e-7)
+
+
+@pytest.mark.parametrize("mass", [1e-6, 1.0, 1e6])
+def test_friction_on_what_only_rises_does_not_depend_on_units(mass):
+    """A pin that is held in all but its height, on a turntable: its points have no mobility across
+    their normals, and rows of friction were scaled by 1 Pa s/m, whatever the units."""
+    held = ("x", "y", "turning about x", "turning about y", "turning about z")
+    mesh = moved(box((4, 1, 1), (0.1, 0.02, 0.05)), 0.25, 0.0, 0.0)
+    pin = RigidSolid(mesh, mass=mass, gravity=(0, 0, -G), held=held, name="pin")
+    table = LevelSet(
+        lambda x, t: x[2],
+        dim=3,
+        velocity=lambda x, t: ufl.as_vector((-3 * x[1], 3 * x[0], 0 * x[0])),
+    )
+    history = Scene([pin], [Contact(pin, "base", table, friction=0.3, name="c")]).run(0.1, 5e-3)
+    assert history.finished and not history.remarks and history["newton"].max() <= 3
+    force = np.hypot(history["c.force_x"][-1], history["c.force_y"][-1])
+    assert force == pytest.approx(0.3 * mass * G, rel=1e-2)

@@ -31,7 +31,7 @@ def strikes(contact: Contact, step: Step, points: np.ndarray) -> bool:
     change = contact.coupling.loaded(free, _struck_jump(contact))
     beyond = step.horizon * _excess(contact, step, stopped=True) > contact.tolerance
     # what rests and was lifted by a finite rotation is put back by the steps
-    beyond &= dot(contact.jump, contact.normal) <= contact.arriving + _least(contact, step)
+    beyond &= _approach(contact) <= contact.arriving + _least(contact, step)
     return bool((beyond | (_excess(contact, step) > change))[points].any())
 
 
@@ -48,7 +48,7 @@ def first_arrival(contacts: Iterable[Contact], step: Step) -> float:
         if contact.formulation.percussive:
             points = approaching(contact, step, contact.chosen)
             gap = np.minimum(contact.gap, 0.0)[points]
-            approach = dot(_struck_jump(contact), contact.coupling.normals())[points]
+            approach = _approach(contact)[points]
             first = min(first, (-gap / approach).min(initial=inf))
     return first
 
@@ -61,9 +61,14 @@ def _least(contact: Contact, step: Step) -> float:
 def _excess(contact: Contact, step: Step, stopped: bool = False) -> np.ndarray:
     """How much faster than its law allows each point starts the step, (n,) in m/s; or is in the
     mean if it is at rest at its end."""
-    approach = dot(_struck_jump(contact), contact.coupling.normals())
+    approach = _approach(contact)
     approach = approach * (1 - step.gap_rate / step.horizon) if stopped else approach
     return np.asarray(approach + np.minimum(contact.gap, 0.0) / step.horizon)
+
+
+def _approach(contact: Contact) -> np.ndarray:
+    """w_n at the start of the begun step, if it starts with a percussion, (n,)."""
+    return dot(_struck_jump(contact), contact.coupling.normals())
 
 
 def _struck_jump(contact: Contact) -> np.ndarray:

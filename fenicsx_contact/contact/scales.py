@@ -7,6 +7,7 @@ from math import frexp
 
 import numpy as np
 
+from ..base.constants import SAME
 from ..base.vectors import largest
 from ..theory.theta import Step
 from .equations import SurfaceEquations
@@ -44,6 +45,7 @@ class Scales:
             mobility = self._coupling.mobility()
             along = (mobility * normal**2).sum(axis=1)
             across = (mobility.sum(axis=1) - along) / (normal.shape[1] - 1)
+            along, across = _or(along, across), _or(across, along)
             self._units = np.array([inverse(each * weight) for each in (along, across)])
             if len(self._coupling.solids) > 1:
                 self._units *= MEETING
@@ -88,6 +90,11 @@ class Scaled:
         """That of the forces of the last step; those of a percussion are impulses."""
         last = self.force_of if bool(self.force_of) != bool(step.dt) else step.span
         return (last or 1.0) / step.span * self.push(self.force, step)
+
+
+def _or(mobility: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """The mobilities of points (n,), or where no point has any but round-off the other ones."""
+    return mobility if largest(mobility) > SAME * largest(other) else other
 
 
 def inverse(flexible: np.ndarray) -> np.ndarray:

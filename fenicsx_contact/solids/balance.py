@@ -4,20 +4,24 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from functools import cached_property
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from ..base.constants import ROUND_OFF
+from ..base.constants import ROUND_OFF, SAME
 from ..base.vectors import largest
 from ..theory.theta import Step
 from .base import MonolithicSolid
 from .boundary import Supports
-from .damping import Damper
+from .damping import Damper, Damping
+from .factor import Factorisation
+from .free_factor import FreeFactorisation
 from .loads import Loads
 from .locations import Location
 from .mass import Mass
+from .motions import Motions
 from .vector_space import VectorSpace
 
 
@@ -32,6 +36,7 @@ class BalancedSolid(MonolithicSolid):
     trial_displacement: np.ndarray
     floating: bool
     displacement: np.ndarray
+    damping: Damping
     dampers: list[Damper]
     inertia: Mass
     applied: Loads | None
@@ -60,6 +65,33 @@ class BalancedSolid(MonolithicSolid):
     @abstractmethod
     def _internal_forces(self, step: Step) -> np.ndarray:
         """The mean of the internal forces in the step, as the scheme takes them."""
+
+    def factored(self, matrix: PETSc.Mat, step: Step) -> Factorisation:
+        """The factorisation of the matrix of a step, which is its from now on."""
+        motions = self._free_motions
+        if not (motions.shape[1] and step.scheme.inertia):
+            return Factorisation(matrix, self.name)
+        momenta = np.stack([self.inertia.times(motion) for motion in motions.T.copy()], axis=1)
+        factor = FreeFactorisation(matrix, self.name, self.comm, motions, momenta)
+        factor.rate = self.inertial_rate(step)
+        return factor
+
+    def inertial_rate(self, step: Step) -> float:
+        """What the mass counts in the matrix of a step, 1/s, its damping included."""
+        return step.inertia_rate + step.rate_weight * self.damping.alpha
+
+    @cached_property
+    def _free_motions(self) -> np.ndarray:
+        """The rigid motions that nothing holds, at this process's unknowns, (owned, k)."""
+        motions = Motions(self)
+        rows = motions(self.vectors.places).reshape(self.owned, -1) @ motions.free()
+        rows[self.fixed_unknowns] = 0.0
+        if self.linear:  # straight shapes on curved cells have no rotations
+            forces = [self.internal_force(row) for row in rows.T.copy()]
+            own = [largest(each) for each in (*forces, self.vectors.diagonal(self.last_stiffness))]
+            *strained, stiffest = np.max(self.comm.allgather(own), axis=0)
+            rows = rows[:, np.array(strained) <= SAME * stiffest]
+        return np.asarray(rows)
 
     def _force_at_start(self, step: Step) -> np.ndarray:
         """Loads less internal forces at the start of a step, (owned,) in N."""

@@ -116,7 +116,7 @@ class ElasticSolid(DeformableSolid):
             for damper in self.dampers:
                 damper.add_to(matrix, step, self.displacement, self.displacement)
             self._made += 1
-            factor = Factorisation(self.hold(matrix), self.name)
+            factor = self.factored(self.hold(matrix), step)
             self._factors[key] = (self._made, factor)
         self._factors[key] = self._factors.pop(key)  # the last to be dropped
         self.linearisation, self.factorisation = self._factors[key]

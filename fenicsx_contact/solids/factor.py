@@ -105,6 +105,9 @@ class Factorisation:
     and the like choose another solver.
     """
 
+    #: What the mass counts in it, 1/s, where that matters.
+    rate = 0.0
+
     def __init__(self, matrix: PETSc.Mat, name: str) -> None:
         self._matrix = matrix
         # PETSc's own LU solves in a third of the time of MUMPS, which scales in factoring
@@ -137,8 +140,9 @@ class Factorisation:
         left.destroy()
         return result
 
-    def refactor(self) -> None:
+    def refactor(self, rate: float = 0.0) -> None:
         """The matrix has new values; it is factored when it is next needed."""
+        self.rate = rate
         self._solver.refactor()
 
     @property

@@ -195,7 +195,7 @@ class HyperelasticSolid(DeformableSolid):
                     place = share * end + (1 - share) * start
                     self.add_stiffness(self._tangent, place, weight * share)
         if self._factor is None:
-            self._factor = Factorisation(self._tangent.copy(), self.name)
+            self._factor = self.factored(self._tangent.copy(), step)
         matrix, structure = self._factor.matrix, PETSc.Mat.Structure
         self._tangent.copy(matrix, structure.SAME_NONZERO_PATTERN)
         matrix.scale(step.gap_rate)
@@ -204,7 +204,7 @@ class HyperelasticSolid(DeformableSolid):
         for damper in self.dampers:
             damper.add_to(matrix, step, start, end)
         self.hold(matrix)
-        self._factor.refactor()
+        self._factor.refactor(self.inertial_rate(step))
 
     @property
     def factorisation(self) -> Factorisation:  # type: ignore[override]

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.optimize import nnls
 
 from ..contact.contact import Contact
+from ..solids.motions import FREE, Motions
 from ..theory.theta import Step
-from .statics import FREE, Motions
 
 #: Cost: sides of the pyramid that holds a cone of friction in space: what it cannot bear, no cone
 #: can; what lies between is found out the long way.
@@ -27,7 +27,7 @@ def unbearable(solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -
     the surface, or in any at all. In equilibrium the sum of all works on no rigid motion that the
     supports allow; if it must, then what is left at least tells a motion that begins (Farkas).
     """
-    shares = {id(solid): _free_shares(solid) for solid in solids}
+    shares = {id(solid): Motions(solid).free() for solid in solids}
     load = np.concatenate([_loads(solid, shares[id(solid)], step) for solid in solids])
     columns = [np.empty((len(load), 0))]
     for contact in contacts:
@@ -51,16 +51,6 @@ def unbearable(solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -
     turns = amounts[d:].max() > FREE * amounts.max()  # what slides or is pulled off does not
     motion = Motions(solids[which]).names[int(amounts[turns * d :].argmax()) + turns * d]
     return f"no equilibrium: contacts cannot hold {solids[which].name!r} against {motion}"
-
-
-def _free_shares(solid: Any) -> np.ndarray:
-    """The rigid motions that strain the solid and its supports by nothing, (motions, free ones);
-    of what is not linear translations only, for turns work on its stresses."""
-    motions = Motions(solid)
-    k = len(motions.names) if solid.linear else solid.dim
-    values, vectors = np.linalg.eigh(motions.held()[:k, :k])
-    free = vectors[:, values <= FREE * max(values[-1], 1.0)]
-    return np.concatenate([free, np.zeros((len(motions.names) - k, free.shape[1]))])
 
 
 def _loads(solid: Any, shares: np.ndarray, step: Step) -> np.ndarray:

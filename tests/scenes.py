@@ -25,6 +25,7 @@ from fenicsx_contact import (
     name_facets,
     neo_hookean,
 )
+from fenicsx_contact.base import compat
 from fenicsx_contact.references.hertz import LineContact, effective_modulus
 
 G = 9.81
@@ -147,6 +148,18 @@ def elastic_block(**scene: Any) -> Scene:
         velocity=lambda x: np.stack([0.5 + 0 * x[0], -1.0 - 0.2 * x[0]]),
     )
     return Scene([block], [Contact(block, "base", FLOOR, friction=0.3, name="c")], **scene)
+
+
+def rubbed_block(**scene: Any) -> Scene:
+    """The same, whose friction is a Function on its mesh."""
+    (contact,) = elastic_block().contacts
+    mesh = contact.solid.mesh.mesh
+    mu = dolfinx.fem.Function(compat.lagrange_space(mesh))
+    mu.interpolate(lambda x: 0.3 + x[0])
+    mu.x.scatter_forward()
+    return Scene(
+        [contact.solid], [Contact(contact.solid, "base", FLOOR, friction=mu, name="c")], **scene
+    )
 
 
 def soft_block(**scene: Any) -> Scene:

@@ -667,3 +667,19 @@ def test_nor_is_an_obstacle_asked_by_an_iterate_that_diverges(master, size):
     history = scene.run(1e-3, 1e-3, shortest=0.5, progress=False)
     assert not history.finished
     assert "nowhere" in history.reason or "stalls" in history.reason
+
+
+class Frictionless(Penalty):
+    """A penalty whose form has no friction."""
+
+    def form(self, k):
+        start, end = (ufl.max_value(d, 0.0) for d in (k.gap, k.gap + k.gap_rate * k.jump_n))
+        pressure = self.stiffness * (start + end) / 2
+        return k.integral(pressure * k.test_jump_n), ufl.conditional(ufl.gt(pressure, 0), 1.0, 0.0)
+
+
+def test_friction_that_a_form_does_not_ask_for_is_refused():
+    """It was left out, and described as if it were there."""
+    assert thrown(Frictionless(1e8)).finished
+    with pytest.raises(InputError, match=r"friction: .*0\.3.*never asks for its bound"):
+        thrown(Frictionless(1e8), friction=0.3)

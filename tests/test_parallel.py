@@ -38,6 +38,7 @@ DISTRIBUTED = """
 """
 RUNS = {  # few steps: processes beside other tests take long over each
     "elastic_block": (0.05, 1e-3),
+    "rubbed_block": (0.02, 1e-3),
     "soft_block": (0.01, 1e-3),
     "rigid_box": (0.12, 4e-3),
     "rocking_block": (0.05, 2e-3),

@@ -255,7 +255,7 @@ class PointExpression:
 
 
 class PointValues:
-    """Values of a scalar dolfinx Function at fixed points (n, d) of its mesh (one process).
+    """Values of a scalar dolfinx Function at fixed points (n, d) of its mesh, on every process.
 
     Raises:
         ValueError: it is no scalar, or a point is outside of its mesh.
@@ -272,16 +272,26 @@ class PointValues:
         collide = geometry.compute_collisions_points if MODERN else geometry.compute_collisions
         cells = geometry.compute_colliding_cells(mesh, collide(tree, self._points), self._points)
         found = [cells.links(i)[:1] for i in range(len(points))]
-        if not all(map(len, found)):
+        # of a mesh that is distributed each process knows a part; the first that has a point tells
+        self._comm = comm = mesh.comm
+        here = np.where([len(each) > 0 for each in found], comm.rank, comm.size)
+        first = np.min(comm.allgather(here), axis=0)
+        if (first == comm.size).any():
             raise ValueError("points of the contact are outside of its mesh")
-        self._cells = np.concatenate(found)
+        self._mine = np.flatnonzero(first == comm.rank)
+        self._cells = np.array([found[i][0] for i in self._mine], dtype=np.int32)
         if self().shape != (len(points),):
             raise ValueError("it is no scalar")
 
     def __call__(self) -> np.ndarray:
         """The values now, (n,)."""
-        values = self._function.eval(self._points, self._cells)
-        return np.asarray(values).reshape(len(self._points), -1).squeeze(axis=1)
+        mine, values = self._mine, np.zeros((len(self._points), 0))
+        if len(mine):
+            told = np.asarray(self._function.eval(self._points[mine], self._cells))
+            values = np.zeros((len(self._points), told.size // len(mine)))
+            values[mine] = told.reshape(len(mine), -1)
+        shares = [each for each in self._comm.allgather(values) if each.shape[1]]
+        return np.asarray(sum(shares)).reshape(len(self._points), -1).squeeze(axis=1)
 
 
 def cell_constants(space: Any, values: np.ndarray) -> Any:

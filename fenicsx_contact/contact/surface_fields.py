@@ -50,7 +50,8 @@ class SurfaceFields(LawFields):
         turning: bool = False,
     ) -> None:
         super().__init__(surface)
-        self.friction: FrictionBound | None = None if friction is None else Asked(friction)
+        self._law = None if friction is None else Asked(friction)
+        self.friction: FrictionBound | None = self._law
         d = surface.dim
         n_mult = int(multipliers)
         n_traction = (d - 1) * int(multipliers and friction is not None)
@@ -103,11 +104,17 @@ class SurfaceFields(LawFields):
         """What a formulation writes with these fields, its form and the status of a point.
 
         Raises:
-            InputError: it raises something, or gives something else.
+            InputError: it raises something, or gives something else, or has no friction, and a law
+                of it is given.
         """
         gives = "which must give a form in UFL and the status of a point"
         with checks.naming(f"formulation = {formulation!r}: its form, {gives},"):
             form, status = formulation.form(self)
+            if self._law and not self._law.read:
+                raise checks.InputError(
+                    f"friction: {self._law.describe()} is given, and the form of "
+                    f"{formulation.name!r} never asks for its bound: it has none"
+                )
             return form + ufl.Form([]), ufl.as_ufl(status)
 
     def constant(self, value: float) -> Any:

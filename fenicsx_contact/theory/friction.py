@@ -96,15 +96,19 @@ class Asked:
     Args:
         law: the law.
 
+    Attributes:
+        read: whether a form has asked.
+
     Raises:
         InputError: the law raises something, or gives what is no scalar.
     """
 
     def __init__(self, law: FrictionBound) -> None:
-        self._law = law
+        self._law, self.read = law, False
 
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """That of the law."""
+        self.read = True
         what = f"friction = {self._law!r}: its bound"
         with checks.naming(what):
             given = ufl.as_ufl(self._law.bound(k, pressure, S))

@@ -812,3 +812,22 @@ def test_fields_of_an_earlier_run_do_not_stay(tmp_path):
     elastic_block().run(4e-3, 1e-3, directory=tmp_path, resume=True, fields_every=1)
     times = [time for time, _ in json.loads((tmp_path / "fields" / "times.json").read_text())]
     assert min(times) >= 2e-3 - 1e-12
+
+
+def test_a_run_that_has_stopped_where_it_was_to_is_done(tmp_path):
+    """Run once more it went on by a step each time, or said that it had not happened."""
+    rows = []
+    for _ in range(3):
+        scene = scenes.rigid_box()
+        (box,) = scene.solids
+        height = box.place[-1]
+        history = scene.run(
+            0.1,
+            0.01,
+            directory=tmp_path,
+            resume=True,
+            stop_when=lambda box=box, height=height: box.place[-1] < height - 1e-3,
+        )
+        rows.append(len(history))
+        assert history.reason == "finished" and history.time[-1] < 0.1
+    assert rows[0] == rows[1] == rows[2]

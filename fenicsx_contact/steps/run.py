@@ -190,6 +190,8 @@ class _Course:
         scene, history, pace, first = self.scene, self.history, self.pace, self.first
         writer = self._field_writer(fields_every)
         checkpoint = perf_counter()
+        if self.done and any_of(scene.comm, _happened(stop_when))[0]:  # before it was resumed
+            return
         for k in range(self.done, steps):
             try:
                 # a run that stopped within a step of the grid resumes there
@@ -199,13 +201,12 @@ class _Course:
                 history.reason = f"stopped at t = {scene.time:.9g} s: {failure}"
                 self.save(k)
                 return
-            # no sum of round-off
-            scene.stepper.time = history.rows()[-1, 0] = first + (k + 1) * pace.dt
+            scene.stepper.time = history.rows()[-1, 0] = first + (k + 1) * pace.dt  # no sum
             if writer and (k + 1) % fields_every == 0:
                 writer.write(scene.time)
             due = perf_counter() - checkpoint > CHECKPOINT_EVERY
             # the clocks of processes differ, and so may what they are asked
-            due, over = any_of(scene.comm, due, stop_when is not None and _happened(stop_when))
+            due, over = any_of(scene.comm, due, _happened(stop_when))
             if due or k + 1 == steps or over:
                 self.save(k + 1)
                 checkpoint = perf_counter()
@@ -243,9 +244,10 @@ def _measure(probes: Mapping[str, Callable[[], float]]) -> Iterator[float]:
             raise checks.InputError(f"{what} = {value!r}: must be a number") from None
 
 
-def _happened(stop_when: Callable[[], bool]) -> bool:
-    value = checks.called("stop_when", stop_when)
-    return checks.truth("stop_when()", value)
+def _happened(stop_when: Callable[[], bool] | None) -> bool:
+    if stop_when is None:
+        return False
+    return checks.truth("stop_when()", checks.called("stop_when", stop_when))
 
 
 def _fingerprint(scene: Runnable, dt: float, step_error: float | None) -> str:

@@ -272,8 +272,7 @@ class PointValues:
         collide = geometry.compute_collisions_points if MODERN else geometry.compute_collisions
         cells = geometry.compute_colliding_cells(mesh, collide(tree, self._points), self._points)
         found = [cells.links(i)[:1] for i in range(len(points))]
-        # of a mesh that is distributed each process knows a part; the first that has a point tells
-        self._comm = comm = mesh.comm
+        self._comm = comm = mesh.comm  # each process has a part: the first that has a point tells
         here = np.where([len(each) > 0 for each in found], comm.rank, comm.size)
         first = np.min(comm.allgather(here), axis=0)
         if (first == comm.size).any():

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..base import checks
-from ..base.vectors import dot
+from ..base.vectors import dot, largest
 from ..solids import Solid, Trace
 from ..theory.theta import Step
 from .clearance import Clearance
@@ -71,6 +71,10 @@ class Coupling(ABC):
     @abstractmethod
     def _depths(self) -> np.ndarray:
         """Those of a surface without wear."""
+
+    def inside(self) -> float:
+        """How deep either side reaches into the other in the followed state, in truth, m."""
+        return largest(np.maximum(self.gaps(), 0.0))
 
     def keep_apart(self, clearance: Clearance) -> None:
         """Let the followed state have this clearance, whatever the meshes say."""

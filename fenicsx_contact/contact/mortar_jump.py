@@ -155,6 +155,14 @@ class MortarJump(Coupling):
     def _depths(self) -> np.ndarray:
         return self._there().gap - self._chords
 
+    def inside(self) -> float:
+        # means of gaps between round surfaces may be inside where no point is
+        deep = super().inside()
+        if not deep or np.any(self._chords):
+            return deep
+        own = self._there().depths(self._there().pieces).max(initial=0.0)
+        return min(deep, max(self._comm.allgather(float(own))))
+
     def keep_apart(self, clearance: Clearance) -> None:
         if clearance is not None:
             apart = apart_at(self.pairing.places[: self._n], clearance)

@@ -76,7 +76,7 @@ def certify(
         problem: solids and contacts, in their trial states.
         step: that was solved.
         worked: work of all contacts since the start, before the step, J.
-        energy: the largest energy so far, J; 0: not to be asked, where nothing has inertia, or
+        energy: the largest energy so far, J; inf: not to be asked, where nothing has inertia, or
             where bodies started inside each other and the contacts have to push.
         force: the largest at a point so far, N: what is round-off of it balances nothing.
     """
@@ -87,7 +87,7 @@ def certify(
     return Certificate(
         max(problem.imbalances(step, problem.solids, SAME * force), default=0.0),
         max((violation(contact, step, force) for contact, force in acting), default=0.0),
-        max(worked, 0.0) / size if energy else 0.0,
+        max(worked, 0.0) / size if size else 0.0,
         next((c.name for c, pushes in acting if _wedges(problem, c, largest(pushes))), ""),
     )
 

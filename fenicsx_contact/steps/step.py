@@ -85,7 +85,7 @@ class Stepper:
         self.rounds: list[Callable[[Trial], None]] = []
         self._begun: Step | None = None
         self._pushed = 0.0  # the largest force at a point so far, N
-        self._overlaps = any(c.depth() > c.tolerance for c in self.contacts)
+        self._overlaps = any(c.coupling.inside() > c.tolerance for c in self.contacts)
 
     def _arrange(self) -> None:
         """Let steps be about the contacts that are awake."""
@@ -162,7 +162,7 @@ class Stepper:
     def _certify(self, step: Step) -> Certificate:
         takes = all(contact.gives_nothing for contact in self.contacts)
         asked = takes and step.scheme.inertia and not self._overlaps
-        energy = self.most + abs(self.work[2]) if asked else 0.0
+        energy = self.most + abs(self.work[2]) if asked else np.inf
         return certify(self._assembly, step, self.work[0] + self.work[1], energy, self._pushed)
 
     def struck(self, step: Step, touching: bool = False) -> bool:

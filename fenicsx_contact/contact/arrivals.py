@@ -50,9 +50,9 @@ def starts_inside(contact: Contact) -> str:
     law, deep = contact.formulation, contact.depth()
     if deep > contact.tolerance >= contact.coupling.inside():
         return (
-            f"contact {contact.name!r} starts {deep:.3g} m inside by its gaps, which are means over "
-            "facets, though its solids are apart: laws of positions push them, and energy comes "
-            "of it. Give it smaller facets, the other solid as slave, or a clearance"
+            f"contact {contact.name!r} starts {deep:.3g} m inside by its gaps, means over facets, "
+            "though its solids are apart: laws of positions push them, and energy comes of it. "
+            "Give it smaller facets, the other solid as slave, or a clearance"
         )
     corrects = getattr(law, "drift_correction", 1.0)
     if law.gap_share or corrects or contact.depth() <= contact.tolerance:

@@ -41,8 +41,8 @@ class Scene:
         solver: of the linear systems of "newton": "condensed" on the surfaces, "monolithic" (one
             sparse matrix, factored) or "iterative" (GMRES and multigrid; deformable solids only).
             Default: condensed if the surfaces are small (smaller between nonlinear solids) and,
-            without inertia, all is linear and held by supports; iterative for large scenes in
-            space.
+            without inertia, all is linear and held by supports and no springs rub; iterative for
+            large scenes in space.
         allow_free: accept a solid that has neither contact nor support.
         allow_growth: accept a scheme that makes energy: with theta < 1/2 (1/2 - theta) dv' M dv in
             each step, in deformable solids exponentially.

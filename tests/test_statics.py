@@ -20,7 +20,16 @@ from corpus import (
 )
 from scenes import FLOOR, FLOOR_3D, G, box, rectangle
 
-from fenicsx_contact import Contact, ElasticSolid, InputError, QuasiStatic, RigidSolid, Scene
+from fenicsx_contact import (
+    Contact,
+    Discrete,
+    ElasticSolid,
+    HalfSpace,
+    InputError,
+    QuasiStatic,
+    RigidSolid,
+    Scene,
+)
 
 LAWS = ["velocity", "gap"]
 START = list(STARTS)
@@ -300,3 +309,23 @@ def test_block_on_a_slope_steeper_than_its_diagonal_tips_over():
 def test_stack_of_equal_blocks(law, count, start):
     """All would fall alike, so that falling does not tell which of them meet."""
     solved(stack(law=law, start=start, count=count, taper=0.0, n=(3, 2)), law)
+
+
+@pytest.mark.parametrize("stiffness", [1e3, 1e4, 1e5])
+def test_stiff_springs_rub_in_equilibrium(stiffness):
+    """A block that is pressed on a plane and drawn along it: its points turned round in a window of
+    slips as narrow as the springs are stiff, and the run stopped."""
+    drawn = {"top": lambda t: (0.1 * max(t - 0.5, 0), -0.02 * min(2 * t, 1))}
+    block = ElasticSolid(
+        rectangle((8, 4), (0.4, 0.2)),
+        youngs_modulus=100.0,
+        poisson_ratio=0.3,
+        density=1.0,
+        prescribed=drawn,
+    )
+    springs = Discrete(stiffness=stiffness)
+    contact = Contact(block, "base", HalfSpace((0, 0), (0, 1)), springs, friction=0.3, name="c")
+    history = Scene([block], [contact], QuasiStatic()).run(1.0, 0.05)
+    assert history.finished and history["c.slipping"][-1] == 9
+    force = [history[f"c.force_{axis}"][-1] for axis in "xy"]
+    assert -force[0] == pytest.approx(0.3 * force[1], rel=1e-9)

@@ -37,6 +37,9 @@ def choose(
     places = sum(contact.part.places for contact in contacts)
     large = places > LARGE_SURFACE
     deformable = [solid for solid in solids if isinstance(solid, DeformableSolid)]
+    # of stiff springs with friction points alone turn round in a narrow window in which they stick
+    springs = [contact for contact in contacts if not contact.formulation.multipliers]
+    rubs = not scheme.inertia and any(contact.friction_law for contact in springs)
     if geometry is None:
         # rigid solids are hyperstatic: there the fixed point has a solver to fall back on
         pairs = any(
@@ -44,7 +47,8 @@ def choose(
             for contact in contacts
         )
         floats = not scheme.inertia and not all(stands(solid) for solid in solids)
-        geometry = "newton" if pairs or floats or (large and deformable) else "fixed point"
+        whole = pairs or floats or rubs or (large and deformable)
+        geometry = "newton" if whole else "fixed point"
     if solver is None:
         nonlinear = any(not solid.linear for solid in deformable)
         # what only contact holds in equilibrium has no compliance of its own, or, on weak springs,
@@ -53,7 +57,7 @@ def choose(
         in_space = sum(solid.unknowns for solid in deformable if solid.dim == 3)
         # the tangent of a nonlinear solid in motion serves for many steps, and so does a compliance
         keeps = scheme.inertia and (geometry == "fixed point" or places <= SMALL_SURFACE)
-        if not large and not floats and (keeps or not nonlinear):
+        if not large and not floats and not rubs and (keeps or not nonlinear):
             solver = "condensed"
         elif len(deformable) == len(solids) and in_space > LARGE_SOLIDS:
             solver = "iterative"

@@ -13,7 +13,7 @@ import numpy as np
 from .base import checks
 from .contact.contact import Contact
 from .output.history import COLUMNS, History, contact_columns
-from .solids import DeformableSolid, Solid, refuse_mixed
+from .solids import DeformableSolid, Solid, communicator, refuse_mixed
 from .solve.choose import choose
 from .solve.newton import Newton
 from .solve.statics import refuse_free, stands
@@ -92,7 +92,7 @@ class Scene:
             raise checks.InputError(
                 f"{self.scheme.growth}; pass allow_growth=True if that is meant"
             )
-        self.comm = self.solids[0].mesh.mesh.comm
+        self.comm = communicator(self.solids)
         self.geometry, self.solver = choose(
             self.solids, self.contacts, self.scheme, geometry, solver
         )
@@ -152,7 +152,7 @@ class Scene:
             if depth > most:
                 raise checks.InputError(
                     f"contacts: {contact.name!r} starts {depth:.4g} inside its master; at most "
-                    f"{self.deepest:g} of the surface's extent ({most:.4g}) is allowed"
+                    f"deepest = {self.deepest:g} of the surface's extent ({most:.4g}) is allowed"
                 )
             if within := contact.coupling.swallowed(most):
                 raise checks.InputError(

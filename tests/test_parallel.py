@@ -130,3 +130,35 @@ def test_each_process_writes_its_part_of_the_fields(name, cells, tmp_path):
     assert found == cells
     assert area == pytest.approx(0.16 if cells == 16 else 0.36 * 0.8, rel=1e-12)
     assert -0.01 < min(low) < 0.02
+
+
+MIXED = """
+import sys
+sys.path.insert(0, {tests!r})
+import dolfinx
+from mpi4py import MPI
+from fenicsx_contact import Contact, ElasticSolid, RigidSolid, Scene, name_facets
+from scenes import rectangle
+mesh = dolfinx.mesh.create_rectangle(MPI.COMM_SELF, [[0.1, 0.21], [0.2, 0.3]], [1, 1])
+named = name_facets(mesh, {{"base": lambda x: x[1] < 0.22}})
+box = RigidSolid(named, mass=1.0, gravity=(0, -9.81), name="box")
+slab = ElasticSolid(
+    rectangle((8, 4), (0.6, 0.2)), youngs_modulus=1e6, poisson_ratio=0.3, density=1e3,
+    fixed=["base"], name="slab",
+)
+scene = Scene([box, slab], [Contact(box, "base", (slab, "top"), name="c")])
+history = scene.run(0.1, 2e-3, directory={directory!r})
+assert history.finished, history.reason
+"""
+
+
+def test_a_body_of_each_process_beside_one_of_all(tmp_path):
+    """The run took the communicator of its first solid: it locked itself out of its directory."""
+    histories = []
+    for processes in (1, 2):
+        directory = tmp_path / str(processes)
+        code = MIXED.format(tests=str(Path(__file__).parent), directory=str(directory))
+        histories.append(finish(mpirun(code, processes), directory))
+    one, two = histories
+    assert one["c.bearing"].max() > 0
+    np.testing.assert_allclose(two["kinetic"], one["kinetic"], atol=1e-9 * one["kinetic"].max())

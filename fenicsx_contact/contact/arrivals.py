@@ -80,8 +80,8 @@ def went_inside(contact: Contact, depth: float, most: float) -> str:
         return ""
     return (
         f"contact {contact.name!r} went {depth:.3g} m inside its master: {law.name!r} holds "
-        "velocities along the normals of facets, which where edges of both solids meet are not "
-        "those of the gap: look there, or take 'gap'"
+        "velocities along the normals of facets, which are not those of the gap where surfaces are "
+        "round, or edges of both meet: finer facets, 'gap', or a drift_correction help"
     )
 
 

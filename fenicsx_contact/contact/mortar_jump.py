@@ -12,7 +12,7 @@ import numpy as np
 from ..base.cells import NODES
 from ..base.checks import StepFailed
 from ..base.vectors import dot, largest
-from ..solids import Solid
+from ..solids import Solid, communicator
 from ..theory.theta import Step
 from .clearance import Clearance, apart_at
 from .equations import SurfaceEquations
@@ -60,7 +60,7 @@ class MortarJump(Coupling):
     ) -> None:
         self.solids, self.equations = list(solids), equations
         self._facets, self._moves = facets, moves
-        self._comm = solids[0].mesh.mesh.comm
+        self._comm = communicator(solids)
         self._kind = kind
         self.pairing = self._ending = kind(*sides, self._comm)
         self.traces = [solid.trace(side.nodes) for solid, side in zip(solids, sides)]

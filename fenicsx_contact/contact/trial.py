@@ -80,7 +80,8 @@ def trial_work(contact: Contact, step: Step, force: np.ndarray) -> tuple[float, 
     if not len(e.active_jumps):
         return 0.0, 0.0
     mean = step.mean(contact.jump, contact.trial_jump).ravel()[e.active_jumps]
-    return -step.span * float(force @ mean), step.span * e.speed * float(np.abs(force).sum())
+    sizes = np.linalg.norm(force.reshape(len(e.candidates), -1), axis=1)
+    return -step.span * float(force @ mean), step.span * e.speed * float(sizes.sum())
 
 
 def astray(contact: Contact, step: Step) -> np.ndarray:

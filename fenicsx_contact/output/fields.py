@@ -18,7 +18,7 @@ from ..base import checks, compat
 from ..base.cells import for_meshio, mirrored, orientations
 from ..base.processes import on_first
 from ..contact.contact import Contact
-from ..solids import DeformableSolid, Solid
+from ..solids import DeformableSolid, Solid, communicator
 from .storage import NotWritten, replace_file, writing
 
 
@@ -58,7 +58,7 @@ class FieldWriter:
         resumed: float | None,
     ) -> None:
         self._solids, self._contacts = solids, contacts
-        self._comm = solids[0].mesh.mesh.comm
+        self._comm = communicator(solids)
         self._path = directory / "fields"
         with writing(self._path):
             self._path.mkdir(parents=True, exist_ok=True)

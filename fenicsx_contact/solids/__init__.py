@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """What moves. A solid knows its inertia, its internal forces and its trace; it knows no contact."""
 
-from .base import MonolithicSolid, MonolithicTrace, Solid, Trace, refuse_mixed
+from .base import MonolithicSolid, MonolithicTrace, Solid, Trace, communicator, refuse_mixed
 from .damping import Damping, KelvinVoigt, Rayleigh
 from .deformable import DeformableSolid
 from .elastic import ElasticSolid
@@ -22,6 +22,7 @@ __all__ = [
     "Solid",
     "Trace",
     "ciarlet",
+    "communicator",
     "neo_hookean",
     "refuse_mixed",
     "st_venant_kirchhoff",

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -215,6 +216,12 @@ def refuse_mixed(solids: Sequence[Solid]) -> None:
         raise InputError(
             f"solids: {kinds[True]!r} is a solid of revolution and {kinds[False]!r} is not"
         )
+
+
+def communicator(solids: Sequence[Solid]) -> Any:
+    """The processes of a scene: those of the solid that most have; every one of them may have
+    others alone, as rigid bodies on COMM_SELF."""
+    return max((solid.mesh.mesh.comm for solid in solids), key=lambda comm: comm.size)
 
 
 class MonolithicTrace(Trace):

@@ -10,7 +10,7 @@ import numpy as np
 from ..base.vectors import largest
 from ..contact.contact import Contact
 from ..contact.trial import candidate_force
-from ..solids import DeformableSolid, Solid
+from ..solids import DeformableSolid, Solid, communicator
 from ..theory.theta import Step
 from .surface_problem import SLOW
 
@@ -35,7 +35,7 @@ class Speeds:
         tolerance: float,
     ) -> None:
         self._contacts, self._floating, self._tolerance = contacts, floating, tolerance
-        self._comm = solids[0].mesh.mesh.comm
+        self._comm = communicator(solids)
         self.bodies = [s for s in solids if isinstance(s, DeformableSolid)]
         self._start: tuple[Step | None, float, float] = None, 0.0, 0.0
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """A contact: a solid's facets against an obstacle or another solid's, with or without friction.
-
-It follows the solids through a step and feeds gaps and normals to the equations of its surface.
-"""
+It follows the solids through a step and feeds gaps and normals to the equations of its surface."""
 
 from __future__ import annotations
 
@@ -230,7 +228,7 @@ class Contact(Scaled, SurfaceResults):
         self.equations.fields.set_normal(self.normal)
 
     def start(self, free: np.ndarray) -> None:
-        """Starting values of a step, from the velocities of the points without contact, flat."""
+        """Starting values of a step, from velocities of the points without contact, flat."""
         self.equations.start(self.jump.ravel(), self.coupling.to_jump(free).ravel())
 
     def follow(self) -> None:
@@ -249,7 +247,8 @@ class Contact(Scaled, SurfaceResults):
         self.equations.release()
         fastest = largest(self.coupling.velocities("trial_velocity"))
         self.resolution = resolution = max(resolution, ROUND_OFF * fastest)
-        comes = coming(self.gap, dot(self.jump, self.normal) * (not self.force_of), step.horizon)
+        left = getattr(self.formulation, "rebounds", False) and not self.force_of
+        comes = coming(self.gap, left * dot(self.jump, self.normal), step.horizon)
         self.force, self.force_of = self.coupling.force(force), step.dt
         self.borne = self.coupling.borne(self.force, force)
         self.force_normal = self.equations.fields.mean_normal()

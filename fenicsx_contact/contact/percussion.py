@@ -31,7 +31,8 @@ def strikes(contact: Contact, step: Step, points: np.ndarray) -> bool:
     change = contact.coupling.loaded(free, _struck_jump(contact))
     beyond = step.horizon * _excess(contact, step, stopped=True) > contact.tolerance
     # what rests and was lifted by a finite rotation is put back by the steps
-    beyond &= _approach(contact) <= contact.arriving + _least(contact, step)
+    came = dot(contact.jump, contact.coupling.normals())
+    beyond &= came <= contact.arriving + _least(contact, step)
     return bool((beyond | (_excess(contact, step) > change))[points].any())
 
 

@@ -33,6 +33,7 @@ def strikes(contact: Contact, step: Step, points: np.ndarray) -> bool:
     # what rests and was lifted by a finite rotation is put back by the steps
     came = dot(contact.jump, contact.coupling.normals())
     beyond &= came <= contact.arriving + _least(contact, step)
+    beyond &= not getattr(contact.formulation, "drift_correction", 0.0)  # which puts it back
     return bool((beyond | (_excess(contact, step) > change))[points].any())
 
 

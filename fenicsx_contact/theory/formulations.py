@@ -55,7 +55,8 @@ class Formulation(Protocol):
     def gap_share(self) -> float: ...
 
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
-        """Contact terms of (7), and the status of each point: 0 open, 1 stick, 2 slip."""
+        """Contact terms of (7), and the status of each point: 0 open, 1 stick, 2 slip. If there is
+        a law of friction, ``k.friction``, it must ask for its bound, or the law is refused."""
 
     def limit(self, data: StepData) -> np.ndarray | None:
         """The w_n (n,) [m/s] that the law allows at most; None for springs."""

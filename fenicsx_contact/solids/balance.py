@@ -84,7 +84,7 @@ class BalancedSolid(MonolithicSolid):
     def _free_motions(self) -> np.ndarray:
         """The rigid motions that nothing holds, at this process's unknowns, (owned, k)."""
         motions = Motions(self)
-        rows = motions(self.vectors.places).reshape(self.owned, -1) @ motions.free()
+        rows = motions(self.vectors.places).reshape(self.owned, len(motions.names)) @ motions.free()
         rows[self.fixed_unknowns] = 0.0
         if self.linear:  # straight shapes on curved cells have no rotations
             forces = [self.internal_force(row) for row in rows.T.copy()]

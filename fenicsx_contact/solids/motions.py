@@ -33,7 +33,7 @@ class Motions:
         rows = self(solid.vectors.places[held // solid.dim])
         rows = rows[np.arange(len(held)), held % solid.dim]
         gram = rows.T @ rows
-        every = self(solid.vectors.places).reshape(solid.owned, -1)
+        every = self(solid.vectors.places).reshape(solid.owned, len(self.names))
         for foundation in solid.foundations if springs else ():
             against = np.stack([foundation.times(column) for column in every.T], axis=1)
             gram += every.T @ against / foundation.stiffest

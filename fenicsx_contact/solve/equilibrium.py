@@ -58,7 +58,7 @@ def _loads(solid: Any, shares: np.ndarray, step: Step) -> np.ndarray:
     trial, motions = solid.trial_velocity.copy(), Motions(solid)
     solid.go(solid.velocity, step)
     solid.drop_forces()
-    rows = motions(solid.vectors.places).reshape(solid.owned, -1) @ shares
+    rows = motions(solid.vectors.places).reshape(-1, len(motions.names)) @ shares
     load = np.array(solid.comm.allreduce(-rows.T @ solid.linear_residual()))
     solid.go(trial, step)
     return load
@@ -66,7 +66,8 @@ def _loads(solid: Any, shares: np.ndarray, step: Step) -> np.ndarray:
 
 def _rates(contact: Contact, solid: Any, shares: dict[int, np.ndarray], step: Step) -> np.ndarray:
     """Jumps of a contact by the free motions of a solid, (n, d, free ones)."""
-    motions = Motions(solid)(solid.vectors.places).reshape(solid.owned, -1) @ shares[id(solid)]
+    motions = Motions(solid)(solid.vectors.places).reshape(-1, len(shares[id(solid)]))
+    motions = motions @ shares[id(solid)]
     rates = np.zeros((*contact.normal.shape, motions.shape[1]))
     if any(other is solid for other in contact.solids):
         means = {id(other): np.zeros_like(other.velocity) for other in contact.solids}

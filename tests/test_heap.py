@@ -503,10 +503,9 @@ def test_beside_obstacles():
 def test_a_driven_plate_stops_at_a_wall(mass, dt):
     """The step that could stop it took it 66 mm on, and it stayed in the wall."""
     wall = joined([(0.0, 0.0, 1.0, 1.0)], "wall", held=HELD[2])
-    plate = joined([(-0.3, -0.5, -0.1, 1.5)], "plate", force=(100.0, 0.0), held=["y", "turning"])
-    plate = RigidSolid(
-        plate.mesh, mass=mass, force=(100.0, 0.0), held=["y", "turning"], name="plate"
-    )
+    mesh = joined([(-0.3, -0.5, -0.1, 1.5)], "plate").mesh
+    driven = {"force": (100.0, 0.0), "held": ["y", "turning"]}
+    plate = RigidSolid(mesh, mass=mass, name="plate", **driven)
     history = heap([wall, plate], 0.0, ThetaScheme(0.5)).run(until=10 * dt, dt=dt)
     assert history.finished and abs(plate.place[0] + 0.1) < 1e-12
     assert history["heap.penetration"].max() < 1e-12

@@ -262,6 +262,8 @@ class PointValues:
     """
 
     def __init__(self, function: Any, points: np.ndarray) -> None:
+        if function.ufl_shape:
+            raise ValueError("it is no scalar")
         mesh = function.function_space.mesh
         self._function = function
         self._points = np.zeros((len(points), 3))
@@ -279,18 +281,14 @@ class PointValues:
             raise ValueError("points of the contact are outside of its mesh")
         self._mine = np.flatnonzero(first == comm.rank)
         self._cells = np.array([found[i][0] for i in self._mine], dtype=np.int32)
-        if self().shape != (len(points),):
-            raise ValueError("it is no scalar")
 
     def __call__(self) -> np.ndarray:
         """The values now, (n,)."""
-        mine, values = self._mine, np.zeros((len(self._points), 0))
-        if len(mine):
-            told = np.asarray(self._function.eval(self._points[mine], self._cells))
-            values = np.zeros((len(self._points), told.size // len(mine)))
-            values[mine] = told.reshape(len(mine), -1)
-        shares = [each for each in self._comm.allgather(values) if each.shape[1]]
-        return np.asarray(sum(shares)).reshape(len(self._points), -1).squeeze(axis=1)
+        values = np.zeros(len(self._points))
+        if len(self._mine):
+            told = self._function.eval(self._points[self._mine], self._cells)
+            values[self._mine] = np.ravel(told)
+        return np.sum(self._comm.allgather(values), axis=0)
 
 
 def cell_constants(space: Any, values: np.ndarray) -> Any:

@@ -55,10 +55,10 @@ def starts_inside(contact: Contact) -> str:
             "Give it smaller facets, the other solid as slave, or a clearance"
         )
     corrects = getattr(law, "drift_correction", 1.0)
-    if law.gap_share or corrects or contact.depth() <= contact.tolerance:
+    if law.gap_share or corrects or deep <= contact.tolerance:
         return ""
     return (
-        f"contact {contact.name!r} starts {contact.depth():.3g} m inside, and {law.name!r} keeps "
+        f"contact {contact.name!r} starts {deep:.3g} m inside, and {law.name!r} keeps "
         "it there: 'gap' takes it back, and so does a drift_correction"
     )
 

@@ -152,7 +152,8 @@ class Contact(Scaled, SurfaceResults):
         if bool(step.dt) != bool(self.moved):  # impulses are alike in a percussion and a step
             self.equations.scale_multipliers((self.moved or 1.0) / step.span)
         self.moved, self._told = step.dt, None
-        self.jump = self.coupling.jump("velocity") if self.coupling.driven else self.jump
+        if self.coupling.driven:
+            self.jump = self.coupling.jump("velocity")
         self.coupling.follow()
         asked = self.chosen if closing else self.touching() if step.dt else self._arrived()
         self.candidates.begin(asked & self.chosen, self.gap, self.tolerance, step)

@@ -168,7 +168,8 @@ class Start(OfSolid):
     ) -> None:
         self.solid = solid
         if isinstance(solid, (BeamSolid, DeformableSolid)):
-            if any(each is not None and str(each) != "0.0" for each in (turn, spin, about)):
+            still = all(np.array_equal(x, np.zeros(np.shape(x))) for x in (turn, spin))
+            if not still or about is not None:
                 kind = type(solid).__name__
                 raise checks.InputError(f"Start: a {kind} has no turn, spin or about")
             if isinstance(solid, BeamSolid):

@@ -157,14 +157,17 @@ class RodDrop:
             watch: called with the contact after each step, a ForceMap say.
 
         Raises:
-            InputError: a travel ``to`` that is beyond the end of the guide, or no way from the
-                rod's.
+            InputError: a travel ``to`` that is beyond the end of the guide, or not beyond the
+                rod's own.
         """
-        to = np.inf if to == np.inf else to
-        if to is not None and to < np.inf:
+        if to not in (None, np.inf):
             to = checks.number("to", to)
         contact = self._settled(to)
         rod = contact.solid.rod
+        if to is not None and not to > rod.travel:
+            raise checks.InputError(
+                f"to = {to!r}: must be beyond the travel {rod.travel:.6g} m, where the rod falls from"
+            )
         stop = rod.law.stop if rod.law else None
         turn = np.inf if stop is None else stop
         end = turn if to is None else to

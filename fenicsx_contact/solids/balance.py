@@ -68,10 +68,9 @@ class BalancedSolid(MonolithicSolid):
 
     def factored(self, matrix: PETSc.Mat, step: Step) -> Factorisation:
         """The factorisation of the matrix of a step, which is its from now on."""
-        motions = self._free_motions
+        motions, momenta = self._free_motions
         if not (motions.shape[1] and step.scheme.inertia):
             return Factorisation(matrix, self.name)
-        momenta = np.stack([self.inertia.times(motion) for motion in motions.T.copy()], axis=1)
         factor = FreeFactorisation(matrix, self.name, self.comm, motions, momenta)
         factor.rate = self.inertial_rate(step)
         return factor
@@ -81,8 +80,9 @@ class BalancedSolid(MonolithicSolid):
         return step.inertia_rate + step.rate_weight * self.damping.alpha
 
     @cached_property
-    def _free_motions(self) -> np.ndarray:
-        """The rigid motions that nothing holds, at this process's unknowns, (owned, k)."""
+    def _free_motions(self) -> tuple[np.ndarray, np.ndarray]:
+        """The rigid motions that nothing holds, at this process's unknowns, and their momenta,
+        (owned, k)."""
         motions = Motions(self)
         rows = motions(self.vectors.places).reshape(self.owned, len(motions.names)) @ motions.free()
         rows[self.fixed_unknowns] = 0.0
@@ -91,7 +91,10 @@ class BalancedSolid(MonolithicSolid):
             own = [largest(each) for each in (*forces, self.vectors.diagonal(self.last_stiffness))]
             *strained, stiffest = np.max(self.comm.allgather(own), axis=0)
             rows = rows[:, np.array(strained) <= SAME * stiffest]
-        return np.asarray(rows)
+        momenta = np.zeros(rows.shape)
+        for k, row in enumerate(rows.T.copy()):
+            momenta[:, k] = self.inertia.times(row)
+        return rows, momenta
 
     def _force_at_start(self, step: Step) -> np.ndarray:
         """Loads less internal forces at the start of a step, (owned,) in N."""

@@ -437,6 +437,13 @@ def test_a_drop_of_something_else():
         in_tube().insert(0.1, speed=-1.0)
 
 
+@pytest.mark.parametrize("to", [np.nan, -1.0, 0.0, "1", [1.0]])
+def test_a_drop_to_nowhere_is_refused(to):
+    """By NaN it "finished" elsewhere, below the rod's travel after one step."""
+    with pytest.raises(InputError, match="to = "):
+        in_tube().fall(0.1, 1e-2, to=to)
+
+
 def test_a_drop_without_a_stop_ends_with_its_time():
     drop = in_tube(friction=Tresca(0.0), scheme=ThetaScheme(0.5)).fall(0.2, 1e-2)
     assert drop.history.finished and drop.stop_impact() == (0.0, 0.0)

@@ -166,7 +166,7 @@ class RodDrop:
         rod = contact.solid.rod
         if to is not None and not to > rod.travel:
             raise checks.InputError(
-                f"to = {to!r}: must be beyond the travel {rod.travel:.6g} m, where the rod falls from"
+                f"to = {to!r}: must be beyond {rod.travel:.6g} m, the travel where the rod is"
             )
         stop = rod.law.stop if rod.law else None
         turn = np.inf if stop is None else stop

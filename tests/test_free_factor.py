@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Linear solves of solids that may move rigidly: those of the matrix, whatever is held."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from corpus_meshes import moved
+from scenes import box, rectangle
+
+from fenicsx_contact import (
+    ElasticSolid,
+    GeneralisedAlpha,
+    HyperelasticSolid,
+    Rayleigh,
+    ThetaScheme,
+    neo_hookean,
+)
+from fenicsx_contact.solids.free_factor import FreeFactorisation
+from fenicsx_contact.theory.theta import Step
+
+#: What a solid is given, and how many of its rigid motions are then free.
+SOLIDS = {
+    "free": (rectangle((3, 2)), {}, 3),
+    "in space": (box((2, 1, 1)), {}, 6),
+    "second degree": (rectangle((2, 2), (1.0, 0.5), "triangle"), {"degree": 2}, 3),
+    "on rollers": (rectangle((3, 2)), {"prescribed": {"base": (None, 0.0)}}, 1),
+    "of revolution": (moved(rectangle((3, 2)), 0.5, 0.0), {"plane": "axisymmetric"}, 1),
+    "damped": (rectangle((3, 2)), {"damping": Rayleigh(5.0, 1e-3)}, 3),
+    "on springs": (rectangle((3, 2)), {"springs": {"base": 1e5}}, 0),
+    "held": (rectangle((3, 2)), {"fixed": ["base"]}, 0),
+}
+
+
+@pytest.mark.parametrize("scheme", [ThetaScheme(0.5), ThetaScheme(1.0), GeneralisedAlpha(0.8)])
+@pytest.mark.parametrize("kind", [ElasticSolid, HyperelasticSolid])
+@pytest.mark.parametrize("name", SOLIDS)
+def test_solutions_are_those_of_the_matrix(name, kind, scheme):
+    mesh, given, free = SOLIDS[name]
+    material = {"youngs_modulus": 1e6, "poisson_ratio": 0.3}
+    if kind is HyperelasticSolid:
+        material = {"energy": neo_hookean(1e6, 0.3)}
+        free = min(free, mesh.dim if name != "of revolution" else 1)  # turns strain it
+    solid = kind(mesh, density=1000.0, **material, **given)
+    step = Step(1e-3, scheme, 0.0)
+    solid.predict(step)
+    solid.linearise(step)
+    factor = solid.factorisation
+    assert isinstance(factor, FreeFactorisation) == (free > 0)
+    assert solid._free_motions[0].shape[1] == free
+    indptr, indices, data = factor.matrix.getValuesCSR()
+    dense = sp.csr_matrix((data, indices, indptr)).toarray()
+    right = np.random.default_rng(1).standard_normal((solid.owned, 4))
+    right[solid.fixed_unknowns] = 0.0
+    exact = np.linalg.solve(dense, right)
+    size = 1e-9 * np.abs(exact).max()
+    np.testing.assert_allclose(factor.solve_many(sp.csc_matrix(right)), exact, atol=size)
+    np.testing.assert_allclose(factor.solve(right[:, 0]), exact[:, 0], atol=size)

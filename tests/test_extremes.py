@@ -156,4 +156,4 @@ def test_a_stiff_block_that_friction_holds_does_not_creep(kind, scheme):
     history = Scene([block], [contact], scheme).run(0.6, 0.01, probes=probes)
     assert history.finished and not history.remarks
     held = history["x"][history.time > 0.25]  # its loads alone give it 2e-9 m a step of 1e-10
-    assert np.ptp(held) < 5e-9 and abs(history["friction"][-1]) < 1e-5
+    assert np.ptp(held) < 5e-9 and abs(history["friction"][-1]) < 2e4 * 5e-9  # of 20 kN

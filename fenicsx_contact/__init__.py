@@ -22,6 +22,7 @@ from .contact.shapes.polyhedron import Box, Polyhedron, Wedge  # noqa: E402
 from .contact.shapes.revolution import Revolution  # noqa: E402
 from .contact.shapes.triangulated import Triangulated  # noqa: E402
 from .contact.torques import torques  # noqa: E402
+from .contact.turned import Turned  # noqa: E402
 from .contact.wall import Obstacle  # noqa: E402
 from .frictional import (  # noqa: E402
     FrictionalProblem,
@@ -129,6 +130,7 @@ __all__ = [
     "ThetaScheme",
     "Tresca",
     "Triangulated",
+    "Turned",
     "Velocity",
     "Wedge",
     "axis_mesh",

@@ -437,6 +437,16 @@ subject(
     motion=fixed(lambda t: (t, t**2), lambda t: np.zeros(2)),
 )
 subject(
+    "Turned",
+    lambda **k: fc.Turned(
+        **{"obstacle": FLOOR, "about": (0, -1), "angle": lambda t: t, "axis": None, **k}
+    ),
+    obstacle=fixed(FLOOR, fc.Circle((0, -2), 1.0)),
+    about=numbers(2),
+    angle=fixed(lambda t: 2 * t, lambda t: np.float64(0.1)),
+    axis=fixed(None),
+)
+subject(
     "LevelSet",
     lambda **k: fc.LevelSet(**{"phi": lambda x, t: x[1], "dim": 2, **k}),
     {"dim": ("dim", "phi")},

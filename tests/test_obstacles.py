@@ -24,6 +24,7 @@ from fenicsx_contact import (
     Scene,
     Sphere,
     ThetaScheme,
+    Turned,
 )
 from fenicsx_contact.contact.leaps import leap
 from fenicsx_contact.contact.wall import Wall
@@ -88,6 +89,8 @@ OBSTACLES = {
     "circle": Circle((0.1, -0.2), 0.4),
     "pipe": Cylinder(CENTER, (1, 2, 3), 2.0, inside=True),
     "moved": Moved(Sphere(CENTER, 0.4), lambda t: (t, 0.3 * np.sin(t), -(t**2))),
+    "turned": Turned(Cylinder(CENTER, AXIS, 0.4), (1.0, 0.5, 0.2), np.sin, (3, -1, 2)),
+    "turned wave": Moved(Turned(LevelSet(wave, 2), (0.3, 0.1), lambda t: 2 * t), lambda t: (t, t)),
     "moved wave": Moved(LevelSet(wave, 2), lambda t: (ufl.sin(t), 0.2 * t)),
 }
 

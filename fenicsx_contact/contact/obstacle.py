@@ -3,8 +3,8 @@
 
 An obstacle is known by its signed distance. Planes and round ones are formulas here; a
 :class:`~fenicsx_contact.contact.level_set.LevelSet` takes any function of position and time in UFL;
-:class:`Moved` moves any of them; an own one is any object with the members of
-:class:`~fenicsx_contact.contact.wall.Obstacle`.
+:class:`Moved` and :class:`~fenicsx_contact.contact.turned.Turned` move any of them; an own one is
+any object with the members of :class:`~fenicsx_contact.contact.wall.Obstacle`.
 """
 
 from __future__ import annotations
@@ -171,6 +171,10 @@ class Moved:
     def normals(self, points: np.ndarray, time: float) -> np.ndarray:
         """Outward unit normals, (n, d)."""
         return self._wall.normals(points - self.displacement(time), time)
+
+    def slopes(self, points: np.ndarray, time: float) -> np.ndarray:
+        """Derivatives of the distances by the position, (n, d)."""
+        return self._wall.slopes(points - self.displacement(time), time)
 
     def curvature(self, points: np.ndarray, time: float) -> np.ndarray | None:
         """Derivatives of the normals, (n, d, d); None if the obstacle does not tell them."""

@@ -32,6 +32,7 @@ from fenicsx_contact import (
     Stribeck,
     ThetaScheme,
     Tresca,
+    Turned,
 )
 from fenicsx_contact.base import compat
 
@@ -116,6 +117,13 @@ def test_friction_of_the_material(given):
     np.testing.assert_allclose(history["v"], 1 - mu * G * history.time, atol=1e-11)
 
 
+def test_a_default_is_no_time():
+    """The time took the place of what a function has a default for."""
+    plain = slide(0.3, 0.1)[1]
+    for friction in (lambda x, mu=0.3: mu + 0 * x[0], lambda x, t=None, mu=0.3: mu + 0 * t):
+        np.testing.assert_allclose(slide(friction, 0.1)[1]["v"], plain["v"], rtol=1e-12)
+
+
 def test_friction_of_a_constant_is_read_in_each_step():
     solid = thrown()
     mu = fem.Constant(solid.mesh.mesh, 0.3)
@@ -170,6 +178,47 @@ def test_on_a_slope_between_the_two_it_stays_or_goes_on(speed, slides):
     )
     exact = speed + (pull - 0.25 * G) * 0.2 if slides else 0.0
     assert history["v"][-1] == pytest.approx(exact, abs=1e-12)
+
+
+SPRINGS = [Compliance(1e6, tangential_stiffness=1e6), Discrete(5e5)]
+PRESSED = (0.0, MASS * G / 1e6)  # by its weight: so deep those of a block are
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap", *SPRINGS], ids=str)
+def test_static_friction_holds_until_more_pulls(law):
+    """Springs that stick stretch, which is no slip: kinetic friction held what static friction
+    should, and a block at rest on a slope slid off."""
+    mesh = rectangle((1, 1), (1.0, HEIGHT))
+    mesh.mesh.geometry.x[:, 1] -= 0.0 if isinstance(law, str) else PRESSED[1]
+    solid = RigidSolid(mesh, mass=MASS, gravity=(0, -G), force=lambda t: (200 * t, 0.0))
+    contact = Contact(solid, "base", FLOOR, law, StaticKinetic(0.5, 0.2), name="c")
+    history = Scene([solid], [contact], IMPLICIT, deepest=1).run(
+        0.3, 2e-3, probes={"v": lambda: solid.velocity[0]}
+    )
+    assert history.finished
+    pull = np.abs(history["c.force_x"])
+    # on springs the block leans as it is pulled, and points give way one by one
+    rest = 1e-9 if isinstance(law, str) else 0.06
+    assert pull.max() == pytest.approx(0.5 * MASS * G, rel=rest + 0.01)
+    assert pull[-1] == pytest.approx(0.2 * MASS * G, rel=rest or 1e-6)
+    moves = history.time[np.argmax(history["v"] > 0.05)]
+    assert moves == pytest.approx(0.5 * MASS * G / 200, rel=0.1)
+
+
+@pytest.mark.parametrize("scheme", [None, IMPLICIT])
+def test_static_friction_holds_on_a_table_that_spins_up(scheme):
+    """By the geometric fixed point points that stick move by 5e-10 m/s: that was a slip, kinetic
+    friction held them from then on, and they left at half the speed."""
+    mesh = box((1, 1, 1), (0.1, 0.1, 0.02))
+    mesh.mesh.geometry.x[:, 0] += 1.0
+    solid = RigidSolid(mesh, mass=1.0, gravity=(0, 0, -G))
+    table = Turned(FLOOR_3D, (0, 0, 0), lambda t: t**2, (0, 0, 1))
+    contact = Contact(solid, "base", table, friction=StaticKinetic(0.5, 0.2), name="c")
+    probes = {"r": lambda: np.hypot(*solid.place[:2])}
+    history = Scene([solid], [contact], scheme).run(0.7, 4e-3, probes=probes)
+    assert history.finished and not history.remarks
+    assert not history["c.slipping"].any()
+    np.testing.assert_allclose(history["r"], 1.0, atol=1e-3 if scheme else 1e-5)
 
 
 def test_stick_slip_on_a_belt():
@@ -331,6 +380,19 @@ def test_worn_volume_of_a_sliding_block(law, scheme):
     assert HEIGHT / 2 - solid.place[1] == pytest.approx(volume, rel=1e-3)
 
 
+@pytest.mark.parametrize("law", ["velocity", SPRINGS[0]], ids=str)
+def test_what_sticks_does_not_wear(law):
+    """On springs their stretch did."""
+    mesh = rectangle((1, 1), (1.0, HEIGHT))
+    mesh.mesh.geometry.x[:, 1] -= 0.0 if isinstance(law, str) else PRESSED[1]
+    force = lambda t: (10 * np.sin(20 * t), 0.0)  # noqa: E731
+    solid = RigidSolid(mesh, mass=MASS, gravity=(0, -G), force=force)
+    contact = Contact(solid, "base", FLOOR, law, Archard(0.5, 1e-3, 1e4), name="c")
+    history = Scene([solid], [contact], IMPLICIT, deepest=1).run(0.3, 2e-3)
+    assert history.finished and (contact.status == 1).all()
+    assert contact.memory.values["worn"].max() < 1e-18
+
+
 def test_worn_volume_of_one_solid_on_another():
     """The slave recedes, by what its own force has worn."""
     table = ElasticSolid(
@@ -392,6 +454,15 @@ def test_a_block_hangs_by_adhesion(upwards, holds):
 
 
 # -- restitution -----------------------------------------------------------------------------------
+
+
+def test_what_adheres_and_rubs_is_not_open():
+    """Nothing presses but what draws it: the sum of both is none, the pressure that rubs is not."""
+    solid = block(gravity=(G, 0.0), held=("turning",), velocity=(0.1, 0.0))
+    contact = Contact(solid, "base", FLOOR, Adhesive(250.0), friction=0.2, name="c")
+    history = Scene([solid], [contact]).run(0.02, 2e-3)
+    assert history["c.slipping"][1:].min() == len(contact.status)
+    assert solid.velocity[0] == pytest.approx(0.1 + (G - 0.2 * 250 / MASS) * 0.02, rel=1e-12)
 
 
 def drop(law, height, until, dt, locate=True):

@@ -221,7 +221,7 @@ class Contact(Scaled, SurfaceResults):
         start = dot(self.jump, start_normals(e.fields, self.coupling, step, ends, touches))
         self.start_jump_n = np.where(np.abs(start) <= self.resolution, 0.0, start)
         e.gap[:], e.start_jump_n[:] = self._start_gap, self.start_jump_n
-        e.fields.set_start_slip(self.jump, self.normal, self.resolution)
+        e.fields.set_start_slip(self.jump, self.normal, self.status == 1, self.resolution)
         self.candidates.renew()
 
     def _set_normal(self, normal: np.ndarray) -> None:
@@ -254,12 +254,12 @@ class Contact(Scaled, SurfaceResults):
         self.borne = self.coupling.borne(self.force, force)
         self.force_normal = self.equations.fields.mean_normal()
         hardly = self.units(step)[0] * self.equations.weight * resolution
-        presses = np.abs(dot(self.force, self.normal)) > hardly
+        presses = self.equations.pressed(dot(self.force, self.normal)) > hardly
         self.status = kept(self.trial_status, presses, self.trial_jump, self.normal, resolution)
         self.arriving = np.where(self.status > 0, comes, np.inf)
         self._springs.accept(step, self.force - self.normal_forces, self.status == 1)
         if self.memory.values:
-            told = self.candidates.told(self.trial_jump, step)
+            told = self._springs.slips(self.candidates.told(self.trial_jump, step), self.normal)
             self.memory.advance(self.equations, told, step.dt)
         self.coupling.accept()
         self.gap, self.jump = self.coupling.gaps(), self.coupling.arrived(self.trial_jump)

@@ -7,7 +7,6 @@ every step from then on. What no law asks for does not exist.
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from functools import cached_property
 from numbers import Real
@@ -19,6 +18,7 @@ import ufl
 from ..base import checks, compat
 from ..base.expressions import is_coordinate, is_expression, symbolic, terminals_off
 from ..solids import Solid, Trace
+from ..solids.coefficients import arguments
 from ..theory.laws import magnitude
 from ..theory.scheme import Step
 from .memory import Memory, at_points
@@ -183,7 +183,7 @@ class LawFields:
 
         Args:
             name: for the refusal.
-            value: a number; a function of the place where a point is [m] and, if it has a second
+            value: a number; a function of the place where a point is [m] and, if it needs a second
                 argument, of the time [s], in UFL; or UFL on the mesh of the slave (of coordinates,
                 a dolfinx Function, a Constant), which belongs to the material points and is read
                 anew in every step.
@@ -214,7 +214,7 @@ class LawFields:
 
     def _call(self, value: Callable[..., Any]) -> Any:
         """A function of place and time in UFL; there is no time on the surface if it has none."""
-        timed = len(inspect.signature(value).parameters) > 1
+        timed = len(arguments(value)) > 1
         with symbolic():
             given = value(self.place, self.t) if timed else value(self.place)
         if isinstance(given, Real) and not np.isfinite(float(given)):

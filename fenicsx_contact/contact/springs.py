@@ -14,6 +14,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..base.vectors import dot
 from ..theory.formulations import Formulation
 from ..theory.theta import Step
 from .equations import SurfaceEquations
@@ -38,6 +39,7 @@ class TangentialSprings:
         # per weight of a point; a law without such a stiffness has no stretch
         self._stiffness = getattr(formulation, "stiffness_t", np.inf) if self._slips else np.inf
         self.stretch = np.zeros(surface.points.shape)
+        self._sticks = np.zeros(surface.size, dtype=bool)
         self._mate = np.zeros(surface.size, dtype=np.int64)  # another node of a cell of each
         self._mate[surface.cell_nodes] = np.roll(surface.cell_nodes, 1, axis=1)
 
@@ -78,9 +80,17 @@ class TangentialSprings:
         old, new = (np.arctan2(*along(f, way)[::-1]) for f, way in zip(frames, ways))
         return np.asarray((new - old + np.pi) % (2 * np.pi) - np.pi)
 
+    def slips(self, jump: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        """The jumps (n, d) [m/s] of the accepted step, less those along the surface that only
+        stretched springs."""
+        if not self._slips:
+            return jump
+        return np.where(self._sticks[:, None], dot(jump, normal)[:, None] * normal, jump)
+
     def accept(self, step: Step, friction: np.ndarray, sticks: np.ndarray) -> None:
         """Keep the stretch at the end of a step from its friction (n, d) in N: elastic where
         points stick, (n,) of bool, returned on slip."""
+        self._sticks = sticks
         if not self._slips:
             return
         k = self._equations.fields

@@ -175,12 +175,15 @@ class SurfaceFields(LawFields):
         assert self._weight is not None, "made for weights that are the areas"
         self._weight.x.array[:] = weight
 
-    def set_start_slip(self, jump: np.ndarray, normal: np.ndarray, resolved: float) -> None:
-        """Tell friction the jumps (n, d) [m/s] before the step; no slips below what is resolved."""
+    def set_start_slip(
+        self, jump: np.ndarray, normal: np.ndarray, sticks: np.ndarray, resolved: float
+    ) -> None:
+        """Tell friction the jumps (n, d) [m/s] before the step: none where points stuck, (n,) of
+        bool, which on springs stretches them, and no slips below what is resolved."""
         if self.friction is not None:
             along = jump - dot(jump, normal)[:, None] * normal
-            slips = dot(along, along)[:, None] > resolved**2
-            self.start_slip.x.array[:] = np.where(slips, jump, 0.0).ravel()
+            slips = ~sticks & (dot(along, along) > resolved**2)
+            self.start_slip.x.array[:] = np.where(slips[:, None], jump, 0.0).ravel()
 
     def set_normal(self, normal: np.ndarray) -> None:
         """Set the normals (n, d); a first tangent, where friction needs one, stays as it was."""

@@ -14,11 +14,13 @@ class SurfaceUnknowns:
     Attributes:
         jumps, tractions: where lam and where tau begins.
         idle_multipliers: indices of those of the points that are no candidates.
+        weight: of the points, (n,): what makes a force of a traction.
     """
 
     jumps: int
     tractions: int
     idle_multipliers: np.ndarray
+    weight: np.ndarray
     _surface: Surface
     _order: np.ndarray  # their degrees of freedom
     _z: np.ndarray  # their values, in the order of these
@@ -65,3 +67,9 @@ class SurfaceUnknowns:
         """lam at the points, Pa (N where a formulation acts at points), if there is one."""
         lam = slice(self.jumps, self.tractions)
         return self.values[lam] if self.tractions > self.jumps else None
+
+    def pressed(self, force: np.ndarray) -> np.ndarray:
+        """By how much points are pressed, (n,) in N, from the forces along their normals: where
+        there is a multiplier, by what it says, which what draws them together may cancel."""
+        lam, size = self.multiplier, np.abs(force)
+        return size if lam is None else np.maximum(size, -lam * self.weight)

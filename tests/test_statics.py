@@ -18,9 +18,11 @@ from corpus import (
     three_pressed,
     wedge,
 )
+from corpus_meshes import moved
 from scenes import FLOOR, FLOOR_3D, G, box, rectangle
 
 from fenicsx_contact import (
+    Compliance,
     Contact,
     Discrete,
     ElasticSolid,
@@ -309,6 +311,31 @@ def test_block_on_a_slope_steeper_than_its_diagonal_tips_over():
 def test_stack_of_equal_blocks(law, count, start):
     """All would fall alike, so that falling does not tell which of them meet."""
     solved(stack(law=law, start=start, count=count, taper=0.0, n=(3, 2)), law)
+
+
+@pytest.mark.parametrize("kind", [Discrete, Compliance])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_stiff_springs_between_two_solids(kind, friction):
+    """Newton's method for all at once began with springs as deep as a step goes, along normals that
+    move: hundreds of iterations, or a stop at t = 0. They are what the gap law says, but for their
+    own compliance."""
+    forces, drive = [], {"top": lambda t: (0.0, -0.005 * t)}
+    for stiffness in (np.inf, 1e9, 1e10, 1e11):
+        rigid = {"poisson_ratio": 0.3, "density": 1.0}
+        low = ElasticSolid(
+            rectangle((6, 3), (0.6, 0.3)), youngs_modulus=1e6, fixed=["base"], name="low", **rigid
+        )
+        mesh = moved(rectangle((5, 2), (0.4, 0.2)), -0.03, 0.3)
+        up = ElasticSolid(mesh, youngs_modulus=3e6, prescribed=drive, name="up", **rigid)
+        law = kind(stiffness, tangential_stiffness=stiffness) if stiffness < np.inf else "gap"
+        contact = Contact(up, "base", (low, "top"), law, friction=friction, name="c")
+        history = Scene([low, up], [contact], QuasiStatic()).run(1.0, 1.0)
+        assert history.finished and not history.remarks
+        assert history["newton"].sum() < 30
+        forces.append(history["c.force_y"][-1])
+    off = 1 - np.array(forces[1:]) / forces[0]
+    assert 0 < off[0] < 0.1
+    np.testing.assert_allclose(off[:-1] / off[1:], 10.0, rtol=0.2)
 
 
 @pytest.mark.parametrize("stiffness", [1e3, 1e4, 1e5])

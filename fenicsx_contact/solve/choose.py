@@ -47,7 +47,9 @@ def choose(
             for contact in contacts
         )
         floats = not scheme.inertia and not all(stands(solid) for solid in solids)
-        whole = pairs or floats or rubs or (large and deformable)
+        # first corrections see springs as deep as what is free has gone, along normals that move
+        yields = any(len(contact.solids) > 1 for contact in springs)
+        whole = (large and deformable) or (not yields and (pairs or floats or rubs))
         geometry = "newton" if whole else "fixed point"
     if solver is None:
         nonlinear = any(not solid.linear for solid in deformable)

@@ -12,6 +12,9 @@ SHARP = 0.9
 #: The share of the energies that took part which may come from nowhere: by the few points at which
 #: a step takes the forces, in the books of a run.
 MADE = 1e-6
+#: What is off by less than this share of its size is as it should be: the length of unit normals
+#: that are given, distances along them, a slip that has stopped.
+RIGHT = 1e-6
 #: The share of a step, or of the shortest time of a solid, over which a motion that is given as a
 #: function of time is differentiated: what moves faster than that no step can follow.
 BRIEF = 2.0**-10

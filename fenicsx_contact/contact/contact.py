@@ -82,8 +82,7 @@ class Contact(Scaled, SurfaceResults):
     ) -> None:
         checks.offers("solid", solid, Solid, "a solid")
         other = self._meant(solid, facets, master)
-        self.solid, self.facets = solid, facets
-        self.formulation = as_formulation(formulation)
+        self.solid, self.facets, self.formulation = solid, facets, as_formulation(formulation)
         self.friction, self.friction_law = friction, friction_bound(friction)
         augmentation = (
             checks.number("normal_augmentation", normal_augmentation, above=0),
@@ -245,22 +244,23 @@ class Contact(Scaled, SurfaceResults):
             step: that was solved.
             resolution: speeds below it are none, m/s; so is round-off of those of the points.
         """
-        self.equations.release()
-        fastest = largest(self.coupling.velocities("trial_velocity"))
+        e, fastest = self.equations, largest(self.coupling.velocities("trial_velocity"))
+        e.release()
         self.resolution = resolution = max(resolution, ROUND_OFF * fastest)
         left = getattr(self.formulation, "rebounds", False) and not self.force_of
         comes = coming(self.gap, left * dot(self.jump, self.normal), step.horizon)
         self.force, self.force_of = self.coupling.force(force), step.dt
         self.borne = self.coupling.borne(self.force, force)
-        self.force_normal = self.equations.fields.mean_normal()
-        hardly = self.units(step)[0] * self.equations.weight * resolution
-        presses = self.equations.pressed(dot(self.force, self.normal)) > hardly
-        self.status = kept(self.trial_status, presses, self.trial_jump, self.normal, resolution)
+        self.force_normal = e.fields.mean_normal()
+        hardly = self.units(step)[0] * e.weight * resolution
+        presses = e.pressed(dot(self.force, self.normal)) > hardly
+        told = presses, self.trial_jump, self.normal, e.fields.back
+        self.status = kept(self.trial_status, *told, resolution)
         self.arriving = np.where(self.status > 0, comes, np.inf)
         self._springs.accept(step, self.force - self.normal_forces, self.status == 1)
         if self.memory.values:
             told = self._springs.slips(self.candidates.told(self.trial_jump, step), self.normal)
-            self.memory.advance(self.equations, told, step.dt)
+            self.memory.advance(e, told, step.dt)
         self.coupling.accept()
         self.gap, self.jump = self.coupling.gaps(), self.coupling.arrived(self.trial_jump)
         self._start()

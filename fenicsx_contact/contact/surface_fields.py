@@ -185,6 +185,12 @@ class SurfaceFields(LawFields):
             slips = ~sticks & (dot(along, along) > resolved**2)
             self.start_slip.x.array[:] = np.where(slips[:, None], jump, 0.0).ravel()
 
+    @property
+    def back(self) -> np.ndarray:
+        """To what slips of the start may turn round by (3'), (n, d) in m/s; springs do not ask."""
+        slips = self.start_slip.x.array.reshape(-1, self.surface.dim)
+        return -slips if self.traction is not None else np.zeros_like(slips)
+
     def set_normal(self, normal: np.ndarray) -> None:
         """Set the normals (n, d); a first tangent, where friction needs one, stays as it was."""
         self.normal.x.array[:] = normal.ravel()

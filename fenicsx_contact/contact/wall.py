@@ -11,12 +11,9 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from ..base import checks
+from ..base.constants import RIGHT
 from ..base.overflow import told
 from ..base.vectors import largest
-
-#: Relative error of the length of unit normals, and of a surface's extent the way along them on
-#: which distances must grow.
-UNIT = 1e-6
 
 
 @runtime_checkable
@@ -118,7 +115,7 @@ class Wall:
             InputError: with what is wrong and where.
         """
         n, d = points.shape
-        reach = UNIT * float(np.ptp(points, axis=0).max())
+        reach = RIGHT * float(np.ptp(points, axis=0).max())
         try:
             distance, normals = self.distance(points, 0.0), self.normals(points, 0.0)
             answers = {"distance": (distance, (n,)), "normals": (normals, (n, d))}
@@ -136,7 +133,7 @@ class Wall:
                     f"points, it is {answer.shape}"
                 )
         off = np.abs(np.linalg.norm(normals, axis=1) - 1)
-        if off.max() > UNIT:
+        if off.max() > RIGHT:
             at = int(off.argmax())
             raise checks.InputError(
                 f"master = {self.obstacle!r}: its normals must be unit vectors; at "

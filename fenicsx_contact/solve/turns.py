@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Plain corrections of the full Newton method and contact settled on frozen geometry, by turns.
 
-Plain corrections converge quadratically, from near. Where they were good once and gain no more, or
-before the first one where nothing but contact holds a solid, the contact is settled: by the paper's
-fixed point, which converges from farther away. They follow again as soon as the error is half of
-that at which they failed, or as settling gains no more itself.
+Plain corrections converge quadratically, from near. Where they gain no more, or before the first
+one where nothing but contact holds a solid, the contact is settled: by the paper's fixed point,
+which converges from farther away. They follow again as soon as the error is half of that at which
+they failed, or as settling gains no more itself.
 """
 
 from __future__ import annotations
@@ -26,8 +26,7 @@ class Turns:
         self._first, self._patience = True, Patience(1.0, gain=1.0)
 
     def settles(self, error: float) -> bool:
-        """Whether to settle now, at this relative error. The first tells little, and one of 1 is as
-        large as its terms: corrections that have not been below it have yet to begin."""
+        """Whether to settle now, at this relative error; the first tells little."""
         if self._first:
             self._first = False
         elif self._settles:
@@ -35,7 +34,7 @@ class Turns:
             self._patience = Patience(error, gain=1.0)
         else:
             best = self._patience.best
-            if min(error, best) < 1 and not best <= error < self._last:  # on its way down
+            if not best <= error < self._last:  # on its way down
                 self._patience.see(error)
             if not self._patience.lasts:
                 self._settles, self._failed = True, self._patience.best

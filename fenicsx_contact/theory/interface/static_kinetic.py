@@ -9,6 +9,7 @@ from typing import Any
 import ufl
 
 from ...base import checks
+from ...base.constants import RIGHT
 from ..laws import Expr
 from ..parameter import Parameter, keep_parameter, told, varies
 
@@ -45,7 +46,8 @@ class StaticKinetic:
 
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """By whether slip goes on."""
-        goes_on = ufl.gt(ufl.dot(k.jump_t, k.start_jump_t), 0)
+        before = k.start_jump_t  # what sticks has a jump of round-off, of any sign
+        goes_on = ufl.gt(ufl.dot(k.jump_t, before), RIGHT * ufl.dot(before, before))
         static, kinetic = k.field("static", self.static), k.field("kinetic", self.kinetic)
         return ufl.conditional(goes_on, kinetic, static) * pressure
 

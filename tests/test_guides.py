@@ -490,6 +490,14 @@ def test_a_tube_must_be_held():
         RodInTube(rod, other)
 
 
+def test_a_rod_and_tube_that_are_held_need_no_contact():
+    pins = [Support(s, lateral=math.inf, axial=math.inf) for s in (0.0, 1.0)]
+    held, tube = rod_at(1.0, supports=pins), rod_at(1.0, supports=pins)
+    assert Scene([RodInTube(held, tube)], []).run(1e-2, 1e-3).finished
+    with pytest.raises(InputError, match="neither contact nor support"):
+        Scene([RodInTube(rod_at(1.0), tube)], [])
+
+
 # -- bad input ----------------------------------------------------------------------------------
 
 

@@ -18,7 +18,15 @@ from fenicsx_contact import (
     ThetaScheme,
     axis_mesh,
 )
-from fenicsx_contact.rods import Guide, GuideContact, RodDrop, Sine, Tube, VonKarmanBeam
+from fenicsx_contact.rods import (
+    Guide,
+    GuideContact,
+    RodDrop,
+    RodInTube,
+    Sine,
+    Tube,
+    VonKarmanBeam,
+)
 from fenicsx_contact.theory.theta import Step
 
 EI, EA, L, MASS = 70.0, 1e6, 2.0, 1.0
@@ -253,3 +261,46 @@ def test_a_drive_winds_a_straight_rod_into_a_helix():
     turned = np.abs(np.diff(np.unwrap(np.arctan2(y, x)))) * 72 / length
     assert turned[24:48] == pytest.approx(math.sqrt(force / 2 / 850.0), rel=0.05)
     assert pressure(beam, contact).mean() == pytest.approx(exact * (force / F) ** 2, rel=0.02)
+
+
+def in_tube(beam, kind):
+    """The beam in a tube that hardly gives way, of a kind; None: in a rigid guide."""
+    if kind is None:
+        return beam
+    axis = axis_mesh([0.0, -1.0], [0.0, 1.0], tube=(4.0, 10))
+    grids = [Support(s, lateral=FAST, axial=0.0 if s else FAST) for s in np.linspace(0, 4, 6)]
+    stiff = Section(1e4, 1e9, axial=1e9)
+    return RodInTube(beam, kind(axis, stiff, supports=grids, name="tube"))
+
+
+@pytest.mark.parametrize("kind", [BeamSolid, VonKarmanBeam])
+def test_a_string_swings_in_an_elastic_tube(kind):
+    """Its steps are solved as well as without a tube; books closed, walls that it strikes too."""
+    found = []
+    for around in (None, kind):
+        ends = [Support(s, axial=FAST, **PIN) for s in (0.0, L)]
+        bow = {"displacement": lambda s: 0.15 * np.sin(math.pi * s / L)[None]}
+        beam = rod(8, axial=1e5, supports=ends, **bow)
+        solid = in_tube(beam, around)
+        contact = GuideContact(solid, "all", Guide([Tube(-3.0, 1.0, 0.16)]), "gap")
+        history = Scene([solid], [contact], ThetaScheme(0.5)).run(0.1, 4e-3)
+        assert history.finished
+        assert np.abs(history["balance"]).max() < 1e-8 * history["strain"][0]
+        found.append(beam.displacement)
+    np.testing.assert_allclose(*found, atol=1e-7)
+
+
+@pytest.mark.parametrize("kind", [BeamSolid, VonKarmanBeam])
+def test_a_rod_buckles_in_an_elastic_tube(kind):
+    """Where steps are too long to tell how it buckles they are cut, in a tube as in a guide."""
+    found = []
+    for around in (None, kind):
+        pins = [Support(0.0, axial=FAST, **PIN), Support(L, **PIN)]
+        aside = {"lateral_load": lambda s: 1e-3 + 0 * s[None]}
+        beam = rod(10, supports=pins, law=Driven(4e-3), **aside)
+        solid = in_tube(beam, around)
+        contact = GuideContact(solid, "all", Guide([Tube(-3.0, 1.0, 0.05)]), "gap")
+        history = Scene([solid], [contact], STATIC).run(0.5, 5e-2)
+        assert history.finished and "buckles faster" in history.remarks[0][1]
+        found.append(beam.axial.drive_force)
+    assert found[1] == pytest.approx(found[0], rel=1e-4)

@@ -31,9 +31,6 @@ class RodInTube(Solid):
         InputError: axes that do not run alike, a tube that is not held along its axis.
     """
 
-    linear = True
-    supported = False
-
     def __init__(self, rod: BeamSolid, tube: BeamSolid) -> None:
         checks.instance("rod", rod, BeamSolid, "a BeamSolid")
         checks.instance("tube", tube, BeamSolid, "a BeamSolid")
@@ -44,6 +41,8 @@ class RodInTube(Solid):
                 "tube: must be held along its axis (Support(axial=inf)) and driven by nothing"
             )
         self.rod, self.tube, self._both = rod, tube, (rod, tube)
+        self.linear = rod.linear and tube.linear
+        self.supported = rod.supported and tube.supported
         self.name, self.mesh, self.dim = rod.name, rod.mesh, rod.dim
 
     def split(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -108,6 +107,12 @@ class RodInTube(Solid):
     def mean_velocity(self, step: Step) -> np.ndarray:
         return np.concatenate([solid.mean_velocity(step) for solid in self._both])
 
+    def imbalance(self, step: Step, noise: float = 0.0) -> float:
+        return max(solid.imbalance(step, noise) for solid in self._both)
+
+    def unsound(self, step: Step) -> str:
+        return self.rod.unsound(step) or self.tube.unsound(step)
+
     def accept(self, step: Step) -> None:
         for solid in self._both:
             solid.accept(step)
@@ -148,8 +153,8 @@ class PairTrace(Trace):
     def __init__(self, solid: RodInTube, rod: BeamTrace) -> None:
         self._solid, self.rod = solid, rod
         n = len(rod.positions())
-        self.tube = BeamTrace(
-            solid.tube, np.zeros(n), np.arange(n), lambda: solid.tube.axis.along(rod.positions())
+        self.tube = solid.tube.sight(
+            np.zeros(n), np.arange(n), lambda: solid.tube.axis.along(rod.positions())
         )
         self._positions: np.ndarray | None = None
 

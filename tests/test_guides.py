@@ -547,6 +547,35 @@ def test_a_rod_longer_than_its_guide_allows_is_refused():
         GuideContact(rod, "rod", Guide([Tube(-1, 2, C)]))
 
 
+def stretched():
+    """A rod that hangs from s = 2 and stretches by a tenth, s = 1 going down by 0.1."""
+    axis = axis_mesh((0, 0), (0, 1), low=(1.0, 10), high=(1.0, 10))
+    rod = BeamSolid(axis, Section(mass=1.0, bending=EI, axial=1e3))
+    rod.displacement = rod.displacement.copy()
+    rod.split(rod.displacement)[1][:] = 0.1 * (rod.matrices.s - 2)
+    rod.rest()
+    return rod
+
+
+def test_a_station_sees_a_stretch_where_it_has_come_to():
+    cards = [Card(-1.5, C), Card(-0.95, C), Card(-0.85, C), Card(0.1, C)]
+    high = np.array([True, True, False, False])
+    for stretch, seen in (("low", ~high), ("high", high)):
+        contact = GuideContact(stretched(), stretch, Guide(cards))
+        np.testing.assert_array_equal(~contact.trace.void[contact.stations], seen)
+        found = contact.trace.material[contact.stations]
+        np.testing.assert_allclose(found, [1.5454545454, 1.0454545454, 0.9545454545, 0.0909090909])
+
+
+def test_a_tip_is_as_deep_as_its_axis_stretches():
+    GuideContact(stretched(), "low", Guide([Tube(-1, 0.21, C)]))
+    with pytest.raises(InputError, match=r"depth 0.2 m, beyond the end"):
+        GuideContact(stretched(), "low", Guide([Tube(-1, 0.19, C)]))
+    GuideContact(stretched(), "high", Guide([Tube(-2, -0.89, C)]))
+    with pytest.raises(InputError, match=r"depth -0.9 m, beyond the end"):
+        GuideContact(stretched(), "high", Guide([Tube(-2, -0.91, C)]))
+
+
 def test_a_guide_too_bent_for_its_clearance_is_refused():
     """A straight rod in a bow would start inside the wall; laid in first, it may start."""
     rod, guide = rod_at(1.0), Guide([Tube(-1, 3, C, Bow(0.01, 1.0))])

@@ -174,9 +174,12 @@ def _check_place(rod: BeamSolid, stretch: str, guide: Guide) -> None:
 
 
 def tip_depth(rod: BeamSolid, stretch: str, guide: Guide, travel: float) -> float:
-    """Depth of the lower end of the guided stretch at a travel, m."""
-    low = rod.axis.origin + rod.axis.stretch(stretch)[0] * rod.axis.direction
-    return float(guide.depth(low[None])[0]) + travel
+    """Depth of the lower end of the guided stretch at a travel, m, if it is stretched as now."""
+    low, axial = rod.axis.stretch(stretch)[0], rod.split(rod.displacement)[1]
+    k = rod.matrices
+    ahead = rod.travel + np.interp(low, k.s, np.broadcast_to(axial, k.s.shape))
+    place = rod.axis.origin + (low + ahead) * rod.axis.direction
+    return float(guide.depth(place[None])[0]) + travel
 
 
 def refuse_beyond(rod: BeamSolid, stretch: str, guide: Guide, travel: float) -> None:

@@ -40,8 +40,8 @@ class Held(Driven):
 
 def lay_in(rod: BeamSolid, guide: Guide) -> None:
     """Give the rod the shape of the guide's centre line, without strain of its own motion."""
-    s = rod.matrices.s
-    along = rod.axis.origin + (s - rod.travel)[:, None] * rod.axis.direction
+    s = rod.matrices.s + rod.split(rod.displacement)[1]
+    along = rod.axis.origin + s[:, None] * rod.axis.direction
     centre = guide.centre(guide.depth(along)) - rod.axis.origin
     rod.deflect(centre @ rod.frame.T)
 
@@ -57,8 +57,8 @@ def settle(
     """Bring a rod to rest in its guide, without friction, its travel held.
 
     Args:
-        solid: the rod, with its elastic tube if it has one; deflections change, the rod's law and
-            travel do not, nor does the stretch of its axis.
+        solid: the rod, with its elastic tube if it has one; deflections change, the rod's law does
+            not, nor does its travel; an axis that stretches hangs from its upper end or supports.
         stretch: of its axis that is guided.
         guide: around it.
         tolerance: what is left of the motion in a step (``BeamMatrices.longest_step``), as a share

@@ -165,12 +165,12 @@ class BeamTrace(Trace):
         if not len(self.stations):
             return
         self._at, axial = self._find(), solid.split(self._slid)[1]
-        low, high = self._within
+        low, high = np.interp(self._within, knots, knots + axial)
         self._now = now = self._now.copy()
         now.s[self.stations] = (
             np.interp(self._at, knots + axial, knots) if self._extensible else self._at - axial[0]
         )
-        now.void[self.stations] = (self._at < low + axial[0]) | (self._at > high + axial[-1])
+        now.void[self.stations] = (self._at < low) | (self._at > high)
         self._place(self.stations)
 
     def deflections(self) -> np.ndarray:

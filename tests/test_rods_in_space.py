@@ -16,7 +16,7 @@ from fenicsx_contact import (
     axis_mesh,
 )
 from fenicsx_contact.contact.arrivals import missed, went_inside
-from fenicsx_contact.rods import AnyCurve, Guide, GuideContact, RodDrop, Sine, Tube, settle
+from fenicsx_contact.rods import AnyCurve, Card, Guide, GuideContact, RodDrop, Sine, Tube, settle
 
 
 def bent(dim, clearance, curve, friction, law=None):
@@ -157,6 +157,14 @@ def test_a_rod_leaves_its_guide():
     assert remark == "'beam' leaves its guide at the lower end"
     assert time == pytest.approx(np.sqrt(2 * 0.3 / 9.81), abs=1e-9)
     assert not falling().fall(0.3, 1e-2).history.remarks
+
+
+def test_cards_below_the_last_tube_are_of_the_guide():
+    drop = falling(bottom=0.3)
+    drop.guide = Guide([Tube(-5, 0.3, 2e-3), Card(0.5, 2e-3)], drop.guide.origin)
+    fall = drop.fall(2.0, 1e-2, to=0.4).history
+    assert fall.finished and not fall.remarks and drop.guide.bottom == np.inf
+    assert Guide([Tube(-5, 0.3, 2e-3), Card(0.3, 1e-3)]).bottom == 0.3
 
 
 def test_a_table_that_ends_within_its_tube():

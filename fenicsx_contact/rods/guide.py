@@ -41,7 +41,7 @@ class Guide:
         centres: lateral places of their holes, (k, d - 1) in m.
         faces: which stations have a face on which a tip from above may butt, (k,): cards, and tubes
             into whose hole none leads.
-        bottom: depth at which the last tube ends, m; infinite if there are only cards.
+        bottom: depth at which the last tube ends, m; infinite if a card lies below it, or no tube.
         far: the distance of points next to which there is no wall, m: more than the guide is long.
 
     Raises:
@@ -141,7 +141,8 @@ class Guide:
         depths, clearances, centres, faces = zip(*kept)
         self.stations, self._clearance = np.array(depths), np.array(clearances)
         self.centres, self.faces = np.array(centres), np.array(faces)
-        self.bottom = self.tubes[-1].bottom if self.tubes else np.inf
+        end = self.tubes[-1].bottom if self.tubes else -np.inf
+        self.bottom = end if depths[-1] <= end + self._same else np.inf
 
     def displacement(self, time: float) -> np.ndarray:
         """Of the whole guide at a time, (d,) in m.

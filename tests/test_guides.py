@@ -156,6 +156,40 @@ def test_a_tip_meets_the_next_tube(dim, offset, hole, tilt, clearance, butts):
         assert history.finished, history.reason
 
 
+@pytest.mark.parametrize(
+    ("pieces", "where"),
+    [
+        ([Tube(-2, 0, C), Tube(0, 4, C, beside(2.1 * C))], "0 m"),
+        ([Tube(-2, 4, C), Card(0.55, C / 2, centre=-1.6 * C)], "0.55 m"),
+        ([Card(-2, C), Card(0.3, C), Card(0.3, C, centre=2.1 * C)], "0.3 m"),
+    ],
+)
+def test_holes_that_leave_a_rod_no_place(pieces, where):
+    """Named where the rod is; below its tip they are for the drop to meet."""
+    rod = BeamSolid(axis_mesh((0, -1), (0, 1), rod=(1.8, 18)), ROD)
+    with pytest.raises(InputError, match=f"holes at the depth {where} are 7.75e-05 m apart"):
+        settle(rod, "rod", Guide(pieces))
+    settle(rod, "rod", Guide([*pieces[:1], Card(1.1, C), Card(1.1, C, centre=2.1 * C)]))
+
+
+def test_three_holes_of_which_no_two_are_apart():
+    """What they have in common, if anything, only the search for their forces can tell."""
+
+    def laid(radius):
+        x, y = -radius / 2, radius * math.sqrt(0.75)
+        up, down = (
+            AnyCurve(lambda s, side=side: [[x, side]] + 0 * s[:, None], lambda s: 0 * s)
+            for side in (y, -y)
+        )
+        rod = BeamSolid(axis_mesh((0, 0, -1), (0, 0, 1), rod=(1.8, 18)), ROD)
+        pieces = [Tube(-2, 0, C, up), Tube(0, 4, C, down), Card(0, C, centre=radius)]
+        settle(rod, "rod", Guide(pieces, (0, 0, 0)))
+
+    laid(0.99 * C)
+    with pytest.raises(InputError, match="forces of its walls were not found"):
+        laid(1.1 * C)
+
+
 # -- statics ------------------------------------------------------------------------------------
 
 

@@ -12,6 +12,8 @@ buckle: then the steps are short enough to be convex, and go downhill to where i
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
 from ..base import checks
@@ -69,7 +71,8 @@ def settle(
         The contact at rest, with its ``force`` and ``status``.
 
     Raises:
-        InputError: it finds no rest, or is thicker than a hole; no rod, no guide.
+        InputError: it finds no rest, is thicker than a hole, or has no place where holes are beside
+            each other; no rod, no guide.
     """
     checks.instance("solid", solid, (BeamSolid, RodInTube), "a BeamSolid or RodInTube")
     checks.instance("guide", guide, Guide, "a Guide")
@@ -112,7 +115,7 @@ def _relax(
         trace.follow()
         solid.linearise(step)
         trace.linearise(step)
-        if reason := touch.coupling.tight:
+        if reason := touch.coupling.tight or _apart(touch):
             raise checks.InputError(reason)
         off, wide = guide.holes(trace.positions(), touch.stations)[0], touch.coupling.clearance()
         near = np.flatnonzero(wide < guide.far)
@@ -132,6 +135,27 @@ def _relax(
     raise checks.InputError(
         f"guide = {guide!r}: the rod finds no rest in it; it still moves by "
         f"{np.abs(way).max():.3g} m in {step.dt:.3g} s"
+    )
+
+
+def _apart(touch: GuideContact) -> str:
+    """Where two holes at one depth have no place for the rod in common, or ""."""
+    guide, rows = touch.obstacle, touch.stations
+    void, wide = touch.trace.void[rows], touch.coupling.clearance()[rows]
+    local, off, _, tube, _, which = guide.around(touch.trace.positions()[rows])
+    depth = np.tile(guide.stations, 2)
+    centre = np.concatenate([guide.centres, local[:, 1:] - off])
+    # that of a tube next to the station is recessed as much
+    next_to = np.where(which < 0, np.inf, tube + wide - guide.clearance())
+    radius = np.where([void, void], np.inf, [wide, next_to]).ravel()
+    between = np.linalg.norm(centre[:, None] - centre, axis=2) - radius[:, None] - radius
+    between[np.abs(depth[:, None] - depth) > SAME * np.ptp(guide.stations)] = 0.0
+    worst = int(between.max(axis=1).argmax())
+    if not between[worst].max() > 0:
+        return ""
+    return (
+        f"guide: its holes at the depth {depth[worst]:.6g} m are {between[worst].max():.3g} m "
+        f"apart for {touch.solid.name!r}; they must have a place in common"
     )
 
 
@@ -180,14 +204,15 @@ def walls(G: np.ndarray, free: np.ndarray, radius: np.ndarray) -> np.ndarray:
             share /= 2
         return f + share * way
 
-    for _ in range(MOST):
-        force = held
+    with suppress(np.linalg.LinAlgError):  # walls against each other: forces without bound
         for _ in range(MOST):
-            if np.abs(pressed(force)[0]).max() <= rho * close:
-                break
-            force = correction(force)
-        change, held = np.abs(force - held).max(), force
-        if change <= rho * close:
-            return force
-        rho *= STIFFER
+            force = held
+            for _ in range(MOST):
+                if np.abs(pressed(force)[0]).max() <= rho * close:
+                    break
+                force = correction(force)
+            change, held = np.abs(force - held).max(), force
+            if change <= rho * close:
+                return force
+            rho *= STIFFER
     raise checks.InputError("guide: the forces of its walls were not found")

@@ -494,6 +494,27 @@ def test_an_earthquake_is_resumed_to_the_bit(tmp_path):
     np.testing.assert_array_equal(rest.rows()[-1], whole.rows()[-1])
 
 
+@pytest.mark.parametrize("angle", [20.0, 30.0, 45.0, 60.0])
+def test_a_guide_that_moves_across_stays_as_deep(angle):
+    """Next to the ends of its tubes, too, however it is turned and wherever it stands."""
+    c, s = np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))
+    down, across = np.array([s, -c]), np.array([c, s])
+
+    def motion(t):
+        return 5e-4 * np.sin(30 * t) * across
+
+    tubes = [Tube(-1.5, 0.0, 1e-3), Tube(0.5, 3.0, 1e-3)]
+    for origin in (np.zeros(2), np.full(2, 3.3)):
+        guide = Guide(tubes, origin, down, across, motion)
+        points = origin + np.outer([-1.5, 0.0, 0.5, 3.0], down)
+        still = guide.distance(points).copy()
+        for time in np.arange(0.0, 0.2, 2e-3):
+            moved = guide.distance(points, time) + np.abs(motion(time) @ across)
+            inside = still < guide.far
+            np.testing.assert_allclose(moved[inside], still[inside], atol=1e-12)
+            assert (guide.distance(points, time) == guide.far)[~inside].all()
+
+
 def test_motions_of_a_guide_that_make_no_sense():
     for motion, told in {
         3: "must be a function",

@@ -166,8 +166,7 @@ class GuideCoupling(NodalJump):
     def _roundness(self) -> np.ndarray:
         """Derivatives of the normals by the position across the guide, (n, d, d) in 1/m: what moves
         along a wall in space turns its normal."""
-        x = self._trace.positions() - self._guide.displacement(self.time)
-        off = self._guide.holes(x, self._stations)[0]
+        off = self._guide.holes(self._trace.positions(), self._stations, self.time)[0]
         size = np.hypot(*off.T)
         along = np.stack([-off[:, 1], off[:, 0]], axis=1) @ self._guide.lateral
         along /= np.where(size > 0, size, np.inf)[:, None] ** 1.5

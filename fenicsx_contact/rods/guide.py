@@ -186,29 +186,26 @@ class Guide:
         return self.origin + local @ self._axes
 
     def holes(
-        self, points: np.ndarray, stations: np.ndarray | None = None
+        self, points: np.ndarray, stations: np.ndarray, time: float = 0.0
     ) -> tuple[np.ndarray, np.ndarray]:
-        """The holes around points.
-
-        Args:
-            points: (n, d).
-            stations: which of them are at the stations, all of these from the top down.
+        """The holes around points (n, d) at a time, of which ``stations`` are at the stations, all
+        of these from the top down.
 
         Returns:
             Places from the middle of the hole, in the lateral directions, (n, d - 1) in m, and
             clearances (n,), ``far`` where there is no hole.
         """
-        _, off, _, clearance, _, which = self.around(points)
+        local, off, _, clearance, _, which = self.around(points, time)
         clearance = np.where(which < 0, self.far, clearance)
-        if stations is not None:
-            local = (points[stations] - self.origin) @ self._axes.T
-            off[stations], clearance[stations] = local[:, 1:] - self.centres, self._clearance
+        off[stations], clearance[stations] = local[stations, 1:] - self.centres, self._clearance
         return off, clearance
 
-    def around(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
+    def around(self, points: np.ndarray, time: float = 0.0) -> tuple[np.ndarray, ...]:
         """Points in the frame of the guide (n, d); their places from its centre line and the slope
         of that, (n, d - 1); the clearance, its slope and the tube there, (n,)."""
         local = (points - self.origin) @ self._axes.T
+        # what goes across changes no depth, at an end of a tube not by round-off either
+        local[:, 1:] -= self._axes[1:] @ self.displacement(time)
         x, off = local[:, 0], local[:, 1:].copy()
         segment = self._bounds.searchsorted(x)
         clearance = self._value[segment] + self._taper[segment] * (x - self._begin[segment])
@@ -241,7 +238,7 @@ class Guide:
         if points is last and (time == when or not self.moving):
             return
         self._last = points, time
-        local, off, rate, clearance, taper, which = self.around(points - self.displacement(time))
+        local, off, rate, clearance, taper, which = self.around(points, time)
         size, across = _polar(off)
         axial = (across * rate).sum(axis=1) + taper
         steep = np.sqrt(1 + axial * axial)

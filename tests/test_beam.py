@@ -15,6 +15,7 @@ from fenicsx_contact import (
     Fall,
     GuideTubeWater,
     InputError,
+    QuasiStatic,
     Scene,
     Section,
     Support,
@@ -385,3 +386,10 @@ def test_no_part_of_a_monolithic_system():
     beam = BeamSolid(axis_mesh((0, 0), (0, 1), all=UNIFORM), Section(1.0, 1.0), supports=[CLAMP])
     with pytest.raises(InputError, match=r"solver = 'monolithic'.*'condensed'"):
         Scene([beam], [], geometry="newton", solver="monolithic")
+
+
+def test_no_part_of_a_quasi_static_scene():
+    """Said as what it is, and what does as well: a long step by theta = 1."""
+    beam = BeamSolid(AXIS, GOOD, supports=[CLAMP])
+    with pytest.raises(InputError, match=r"'beam' is a beam, .*long steps of ThetaScheme\(1.0\)"):
+        Scene([beam], [], QuasiStatic())

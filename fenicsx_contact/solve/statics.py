@@ -10,7 +10,7 @@ import numpy as np
 
 from ..base.checks import InputError
 from ..contact.contact import Contact
-from ..solids import DeformableSolid
+from ..solids import DeformableSolid, RigidSolid
 from ..solids.motions import FREE, Motions
 from ..theory.theta import Step
 
@@ -22,13 +22,18 @@ def refuse_free(solids: Sequence[Any], contacts: Sequence[Contact]) -> None:
     with friction their tangents too.
 
     Raises:
-        InputError: a rigid solid, or one that can move rigidly, by name.
+        InputError: a rigid solid, a beam, or a solid that can move rigidly, by name.
     """
     for solid in solids:
-        if not isinstance(solid, DeformableSolid):
+        if isinstance(solid, RigidSolid):
             raise InputError(
                 f"solids: {solid.name!r} is rigid, and a quasi-static scene has no inertia that "
                 "could move it; use a ThetaScheme, an obstacle or a stiff elastic solid"
+            )
+        if not isinstance(solid, DeformableSolid):
+            raise InputError(
+                f"solids: {solid.name!r} is a beam, which no quasi-static scene takes; long "
+                "steps of ThetaScheme(1.0) bring it to rest"
             )
     motions = {id(solid): Motions(solid) for solid in solids}
     k = len(next(iter(motions.values())).names)

@@ -26,6 +26,7 @@ from fenicsx_contact.rods import (
     Sine,
     Tube,
     VonKarmanBeam,
+    settle,
 )
 from fenicsx_contact.theory.theta import Step
 
@@ -261,6 +262,23 @@ def test_a_drive_winds_a_straight_rod_into_a_helix():
     turned = np.abs(np.diff(np.unwrap(np.arctan2(y, x)))) * 72 / length
     assert turned[24:48] == pytest.approx(math.sqrt(force / 2 / 850.0), rel=0.05)
     assert pressure(beam, contact).mean() == pytest.approx(exact * (force / F) ** 2, rel=0.02)
+
+
+@pytest.mark.parametrize("bending", [1000.0, 10.0])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_rod_that_stands_settles_in_its_tube(bending, dim):
+    """On its foot it falls over, or buckles under its weight: it lies on the wall, and stays."""
+    up, aside = [0.0] * (dim - 1), [0.05] + [0.0] * (dim - 2)
+    axis, foot = axis_mesh([*up, 0.0], [*up, 1.0], rod=(3.0, 15)), [Support(0.0, axial=FAST)]
+    weight = [*aside, -9.81]
+    beam = VonKarmanBeam(axis, Section(8.0, bending, axial=EA), supports=foot, gravity=weight)
+    guide = Guide([Tube(-4.0, 1.0, 2e-3)], [0.0] * dim)
+    settle(beam, "rod", guide)
+    start = beam.displacement
+    contact = GuideContact(beam, "rod", guide)
+    assert Scene([beam], [contact], STATIC).run(1.0, 0.05).finished
+    np.testing.assert_allclose(beam.displacement, start, atol=1e-9)
+    assert contact.normal_force() == pytest.approx(beam.mass * 0.05, rel=1e-6)
 
 
 def in_tube(beam, kind):

@@ -63,8 +63,8 @@ def settle(
             not, nor does its travel; an axis that stretches hangs from its upper end or supports.
         stretch: of its axis that is guided.
         guide: around it.
-        tolerance: what is left of the motion in a step (``BeamMatrices.longest_step``), as a share
-            of the smallest clearance.
+        tolerance: what is left of the motion in a step (``BeamMatrices.longest_step``, or as short
+            as the rod's axial force asks for), as a share of the smallest clearance.
         steps: after which there is no hope.
 
     Returns:
@@ -112,8 +112,12 @@ def _relax(
     for _ in range(steps):
         solid.rest()
         solid.predict(step)
-        trace.follow()
         solid.linearise(step)
+        while solid.unsound(step):  # what it bears along its axis lets it buckle
+            step = Step(step.dt / 2, step.scheme, 0.0)
+            solid.predict(step)
+            solid.linearise(step)
+        trace.follow()
         trace.linearise(step)
         if reason := touch.coupling.tight or _apart(touch):
             raise checks.InputError(reason)

@@ -254,8 +254,8 @@ class Contact(Scaled, SurfaceResults):
         self.force_normal = e.fields.mean_normal()
         hardly = self.units(step)[0] * e.weight * resolution
         presses = e.pressed(dot(self.force, self.normal)) > hardly
-        told = presses, self.trial_jump, self.normal, e.fields.back
-        self.status = kept(self.trial_status, *told, resolution)
+        by = presses, self.trial_jump, self.normal, e.fields.back
+        self.status = kept(self.trial_status, *by, resolution)
         self.arriving = np.where(self.status > 0, comes, np.inf)
         self._springs.accept(step, self.force - self.normal_forces, self.status == 1)
         if self.memory.values:

@@ -32,8 +32,8 @@ def refuse_free(solids: Sequence[Any], contacts: Sequence[Contact]) -> None:
             )
         if not isinstance(solid, DeformableSolid):
             raise InputError(
-                f"solids: {solid.name!r} is a beam, which no quasi-static scene takes; long "
-                "steps of ThetaScheme(1.0) bring it to rest"
+                f"solids: {solid.name!r} is a {type(solid).__name__}, which no quasi-static scene "
+                "takes; long steps of ThetaScheme(1.0) bring it to rest"
             )
     motions = {id(solid): Motions(solid) for solid in solids}
     k = len(next(iter(motions.values())).names)

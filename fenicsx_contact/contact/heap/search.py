@@ -162,19 +162,21 @@ class Search:
         over |= self._over(corner, face, places.end)[1]
         bodies = pairs[pair]
         deep = -WALL * s.thin[bodies].min(axis=1)
-        over &= (height <= places.reach[pair]) & (height >= deep)
-        corner, face, height = (a[over] for a in (corner, face, height))
+        over &= height >= deep
+        pair, corner, face, height = (a[over] for a in (pair, corner, face, height))
         behind = np.flatnonzero(height < 0)
         start, to = x[corner[behind]], face[behind]
         foot = start - height[behind, None] * s.units(x, to)
-        other = apart(s, x, (start, foot), s.owner[to])
-        corner, face, height = (np.delete(a, behind[other]) for a in (corner, face, height))
+        over = np.ones(len(face), dtype=bool)
+        over[behind[apart(s, x, (start, foot), s.owner[to])]] = False
+        pair, corner, face, height = (a[over] for a in (pair, corner, face, height))
         key = corner * s.parts + s.part[face]
         ahead = self._heights(corner, face, places.end)
         same = SAME * s.sizes[s.owner[face]]
         # of those as far the one that will be farther: where corners meet it is not known
         order = np.lexsort((face, -ahead, -np.round(height / same), key))
         order = order[np.unique(key[order], return_index=True)[1]]
+        order = order[height[order] <= places.reach[pair[order]]]  # beside the others, if farther
         order = order[self._not_aside(corner[order], face[order], height[order], x)]
         corner, face = corner[order], face[order]
         none = np.ones(len(order))

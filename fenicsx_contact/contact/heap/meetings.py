@@ -21,7 +21,8 @@ import scipy.sparse as sp
 from ...base.checks import StepFailed
 from ...base.vectors import dot
 from ..mortar.matrices import DENSE, Matrix, used_columns
-from .search import Features, shares
+from .crossing import shares
+from .search import Features
 from .shape import Shape
 
 #: Cost: places of points for each node of a body in the plane and in space: so many others may meet

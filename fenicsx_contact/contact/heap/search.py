@@ -13,23 +13,20 @@ at its start and where velocities lead.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
 from typing import Any
 
 import numpy as np
 
-from ...base.constants import SAME, SHARP
+from ...base.constants import SAME
 from ...base.vectors import dot
 from ..mortar.walls import WALL
-from .between import apart
+from .between import apart, distances
+from .crossing import THROUGH, crossing, nearest
 from .shape import Ragged, Shape
 
 #: Cost: bodies are asked that are nearer than this share of the smaller, and than so many times
 #: their ways in the step; what goes farther stops the step.
 CLOSE, AHEAD = 0.05, 4.0
-#: The sine of the angle by which the body behind a corner may reach through the plane of a face: a
-#: face that lies flat on another turns by round-off, and something round by its facets.
-_THROUGH = sqrt(1 - SHARP**2)
 
 
 @dataclass
@@ -65,13 +62,18 @@ class Places:
     Args:
         start, end: of the nodes, (N, d) in m.
         starts: the first node of each body.
-        reach: how near counts, of each pair, (p,) in m.
+        reach, goes: how near counts, and how far they may go, of each pair, (p,) in m.
     """
 
     def __init__(
-        self, start: np.ndarray, end: np.ndarray, starts: list[int], reach: Any = None
+        self,
+        start: np.ndarray,
+        end: np.ndarray,
+        starts: list[int],
+        reach: Any = None,
+        goes: Any = None,
     ) -> None:
-        self.start, self.end, self.reach = start, end, reach
+        self.start, self.end, self.reach, self.goes = start, end, reach, goes
         self.least, self.most = np.minimum(start, end), np.maximum(start, end)
         low = np.minimum.reduceat(self.least, starts)
         self.boxes = low, np.maximum.reduceat(self.most, starts)
@@ -92,11 +94,23 @@ class Search:
     def __call__(self, x: np.ndarray, way: np.ndarray) -> Features:
         """Those of nodes at x (N, d) that are about to go a ``way`` (N, d), both in m."""
         pairs, reach = self._pairs(x, way)
-        places = Places(x, x + way, self._starts, np.tile(reach, 2))
+        goes = AHEAD * self.ways(way)[pairs].sum(axis=1)
+        places = Places(x, x + way, self._starts, np.tile(reach, 2), goes)
         found = [self._corners(np.concatenate([pairs, pairs[:, ::-1]]), places)]
         if self._shape.dim == 3:
             found.append(self._edges(pairs, places))
-        return Features.together(found)
+        return self._nearest_only(Features.together(found), x)
+
+    def _nearest_only(self, found: Features, x: np.ndarray) -> Features:
+        """Without those by which convex bodies are deeper in each other than they are."""
+        s = self._shape
+        pairs = np.sort(s.body[np.stack([found.mine[:, 0], found.theirs[:, 0]], axis=1)], axis=1)
+        same = SAME * s.sizes[pairs].min(axis=1)
+        behind = np.flatnonzero((found.height < -same) & s.convex[pairs].all(axis=1))
+        asked, which = np.unique(pairs[behind], axis=0, return_inverse=True)
+        least = np.minimum(distances(s, x, asked), 0.0)[which.ravel()] - same[behind]
+        few = behind[found.height[behind] < least]
+        return Features(*(np.delete(each, few, axis=0) for each in vars(found).values()))
 
     def near(self, x: np.ndarray) -> np.ndarray:
         """Bodies at rest that are near each other, (p, 2)."""
@@ -164,7 +178,7 @@ class Search:
         deep = -WALL * s.thin[bodies].min(axis=1)
         over &= height >= deep
         pair, corner, face, height = (a[over] for a in (pair, corner, face, height))
-        behind = np.flatnonzero(height < 0)
+        behind = np.flatnonzero((height < 0) & ~s.convex[pairs[pair]].all(axis=1))
         start, to = x[corner[behind]], face[behind]
         foot = start - height[behind, None] * s.units(x, to)
         over = np.ones(len(face), dtype=bool)
@@ -215,7 +229,7 @@ class Search:
         row, node = s.beside.of(corner[over])
         which = np.flatnonzero(over)[row]
         arm = x[node] - p[which]
-        reaches = dot(arm, normal[which]) < -_THROUGH * np.sqrt(dot(arm, arm))
+        reaches = dot(arm, normal[which]) < -THROUGH * np.sqrt(dot(arm, arm))
         over[which[reaches]] = False
         return height, over
 
@@ -226,65 +240,17 @@ class Search:
         of_pair = Ragged(other, theirs, len(pairs))
         of, theirs = of_pair.of(one)
         pair, mine = one[of], mine[of]
-        height, turn, cross = self._cross(mine, theirs, x)
-        cross |= self._cross(mine, theirs, places.end)[2]
+        goes = places.goes[pair]
+        height, turn, cross = crossing(s, mine, theirs, x, goes)
+        cross |= crossing(s, mine, theirs, places.end, goes)[2]
         bodies = pairs[pair]
         deep = -WALL * s.thin[bodies].min(axis=1)
         cross &= (height <= places.reach[pair]) & (height >= deep)
-        behind = np.flatnonzero(cross & (height < 0))
-        ends = self._nearest(mine[behind], theirs[behind], x)
+        behind = np.flatnonzero(cross & (height < 0) & ~s.convex[bodies].all(axis=1))
+        ends = nearest(s, mine[behind], theirs[behind], x)
         for body in bodies[behind].T:
             cross[behind[apart(s, x, ends, body)]] = False
         mine, theirs, height, turn = (a[cross] for a in (mine, theirs, height, turn))
         key = len(x) * s.parts + mine * len(s.ends) + theirs
         ends = s.ends[theirs][:, [0, 1, 1]]
         return Features(key, s.ends[mine], ends, np.full(len(key), -1), turn, height)
-
-    def _nearest(self, mine: np.ndarray, theirs: np.ndarray, x: np.ndarray) -> tuple:
-        """Where edges are nearest to each other, on either."""
-        (a, b), (c, d) = ((x[i] for i in self._shape.ends[edge].T) for edge in (mine, theirs))
-        share, other = shares(a, b - a, c, d - c)
-        return a + share[:, None] * (b - a), c + other[:, None] * (d - c)
-
-    def _cross(self, mine: np.ndarray, theirs: np.ndarray, x: np.ndarray) -> tuple:
-        """How far edges are apart, how their cross product shows, and whether they are what is
-        nearest of the bodies behind them."""
-        s = self._shape
-        a, b = (x[s.ends[mine, i]] for i in (0, 1))
-        c, d = (x[s.ends[theirs, i]] for i in (0, 1))
-        u, v = b - a, d - c
-        normal = np.cross(u, v)
-        size = np.sqrt(dot(normal, normal))
-        lengths = np.sqrt(dot(u, u) * dot(v, v))
-        cross = size > SAME * lengths
-        normal /= np.where(cross, size, 1.0)[:, None]
-        # out of the first body: away from what is beside its edge
-        mean = (x[s.wings[mine]] - a[:, None]).sum(axis=1)
-        turn = np.where(dot(mean, normal) > 0, -1.0, 1.0)
-        normal *= turn[:, None]
-        share, other = shares(a, u, c, v)
-        inside = np.minimum.reduce([share, 1 - share, other, 1 - other]) > SAME
-        height = dot(c - a, normal)
-        cross &= inside
-        for i in (0, 1):  # both bodies on their sides
-            for edge, start, way in ((mine, a, normal), (theirs, c, -normal)):
-                arm = x[s.wings[edge, i]] - start
-                cross &= dot(arm, way) <= _THROUGH * np.sqrt(dot(arm, arm))
-        # and no face beside them that is farther from all of the other edge
-        faces = s.units(x, np.arange(len(s.outline)))
-        for edge, ends in ((theirs, (a, b)), (mine, (c, d))):
-            for i in (0, 1):
-                f = s.flanks[edge, i]
-                at = x[s.outline[f, 0]]
-                least = np.minimum(*(dot(p - at, faces[f]) for p in ends))
-                cross &= least <= height + SAME * np.sqrt(lengths)
-        return height, turn, cross
-
-
-def shares(a: np.ndarray, u: np.ndarray, c: np.ndarray, v: np.ndarray) -> tuple:
-    """Where lines from a along u and from c along v are nearest to each other, in shares of these;
-    of parallel ones anywhere."""
-    w, uu, vv, uv = a - c, dot(u, u), dot(v, v), dot(u, v)
-    det = uu * vv - uv**2
-    det = np.where(det > 0, det, np.inf)
-    return (uv * dot(v, w) - vv * dot(u, w)) / det, (uu * dot(v, w) - uv * dot(u, w)) / det

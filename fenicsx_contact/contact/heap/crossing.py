@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Edges of two bodies that cross.
+
+Where two edges touch, the bodies lie on their sides of the plane that the edges span. Where a face
+lies flat on another, the edges around these cross in one plane and all bear; which of them have the
+bodies on their sides, is round-off. So a face beside an edge may reach through a little, as long as
+the other edge goes on over it: what is above the face there is above the edge, too. At the end of
+the other edge it is not, and its corner may slide off.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from ...base.constants import SAME, SHARP
+from ...base.vectors import dot
+from .shape import Shape
+
+#: The sine of the angle by which the body behind a corner may reach through the plane of a face: a
+#: face that lies flat on another turns by round-off, and something round by its facets.
+THROUGH = sqrt(1 - SHARP**2)
+
+
+def crossing(
+    s: Shape, mine: np.ndarray, theirs: np.ndarray, x: np.ndarray, goes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """How far edges are apart, how their cross product shows, and whether they are what is
+    nearest of the bodies behind them, if the bodies go so far (k,), in m."""
+    (a, b), (c, d) = ((x[i] for i in s.ends[edge].T) for edge in (mine, theirs))
+    u, v = b - a, d - c
+    normal = np.cross(u, v)
+    size = np.sqrt(dot(normal, normal))
+    lengths = np.sqrt(dot(u, u) * dot(v, v))
+    cross = size > SAME * lengths
+    normal /= np.where(cross, size, 1.0)[:, None]
+    arms = [_across(x[s.wings[mine, i]] - a, u) for i in (0, 1)]
+    # out of the first body: away from what is beside its edge
+    turn = np.where(dot(arms[0] + arms[1], normal) > 0, -1.0, 1.0)
+    normal *= turn[:, None]
+    share, other = shares(a, u, c, v)
+    cross &= np.minimum.reduce([share, 1 - share, other, 1 - other]) > SAME
+    height, same = dot(c - a, normal), SAME * np.sqrt(lengths)
+    far = goes + same
+    others = [_across(x[s.wings[theirs, i]] - c, v) for i in (0, 1)]
+    for arm, way, ends in (
+        *((arm, normal, (c - a, d - a)) for arm in arms),
+        *((arm, -normal, (a - c, b - c)) for arm in others),
+    ):
+        rise = dot(arm, way)  # both bodies on their sides, or below what goes on over them
+        level = arm - rise[:, None] * way
+        over = np.maximum(*(dot(end, level) for end in ends)) > far
+        cross &= rise <= np.where(over, THROUGH, SAME)
+    # and no face beside them that is farther from all of the other edge
+    faces = s.units(x, np.arange(len(s.outline)))
+    for edge, ends in ((theirs, (a, b)), (mine, (c, d))):
+        for i in (0, 1):
+            f = s.flanks[edge, i]
+            at = x[s.outline[f, 0]]
+            least = np.minimum(*(dot(p - at, faces[f]) for p in ends))
+            cross &= least <= height + same
+    return height, turn, cross
+
+
+def _across(arm: np.ndarray, edge: np.ndarray) -> np.ndarray:
+    """The directions of arms (k, 3) across edges."""
+    arm = arm - (dot(arm, edge) / dot(edge, edge))[:, None] * edge
+    return np.asarray(arm / np.sqrt(dot(arm, arm))[:, None])
+
+
+def nearest(
+    s: Shape, mine: np.ndarray, theirs: np.ndarray, x: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where edges are nearest to each other, on either."""
+    (a, b), (c, d) = ((x[i] for i in s.ends[edge].T) for edge in (mine, theirs))
+    share, other = shares(a, b - a, c, d - c)
+    return a + share[:, None] * (b - a), c + other[:, None] * (d - c)
+
+
+def shares(a: np.ndarray, u: np.ndarray, c: np.ndarray, v: np.ndarray) -> tuple:
+    """Where lines from a along u and from c along v are nearest to each other, in shares of these;
+    of parallel ones anywhere."""
+    w, uu, vv, uv = a - c, dot(u, u), dot(v, v), dot(u, v)
+    det = uu * vv - uv**2
+    det = np.where(det > 0, det, np.inf)
+    return (uv * dot(v, w) - vv * dot(u, w)) / det, (uu * dot(v, w) - uv * dot(u, w)) / det

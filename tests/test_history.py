@@ -11,8 +11,9 @@ import signal
 import subprocess
 import sys
 import time
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import meshio
@@ -24,7 +25,9 @@ from scenes import FLOOR, FLOOR_3D, G, box, check_energies, elastic_block, recta
 
 import fenicsx_contact
 from fenicsx_contact import (
+    Box,
     Contact,
+    Curve,
     ElasticSolid,
     HalfSpace,
     History,
@@ -36,9 +39,11 @@ from fenicsx_contact import (
     RigidSolid,
     Scene,
     ThetaScheme,
+    Triangulated,
     neo_hookean,
     read_history,
 )
+from fenicsx_contact.contact.wall import Wall
 from fenicsx_contact.output.history import COLUMNS
 from fenicsx_contact.solve.newton import NotConverged
 
@@ -296,6 +301,123 @@ def test_what_differs_only_later_is_another_scene(kind, tmp_path):
         told_in_time(kind, 0.2).run(8e-3, 1e-3, directory=tmp_path, resume=True)
     again = told_in_time(kind, 0.1).run(8e-3, 1e-3, directory=tmp_path, resume=True)
     assert again.finished and len(again) == 9
+
+
+LOAD, TIMES = 1.0, np.linspace(0, 1, 20)
+
+
+def scaled(load, time):
+    return (load * time, 0.0)
+
+
+def pushed_by_the_module(time):
+    return scaled(LOAD, time)
+
+
+class Push:
+    def __init__(self, load):
+        self.load, self.again = load, self  # holds itself
+
+    def __call__(self, time):
+        return scaled(self.load, time)
+
+    def at(self, time):
+        return self(time)
+
+
+def table(load):
+    values = load * TIMES
+    return lambda time: (float(np.interp(time, TIMES, values)), 0.0)
+
+
+def from_a_space(load):
+    numbers = SimpleNamespace(load=load)
+    return lambda time: scaled(numbers.load, time)
+
+
+FORCES = {
+    "a module": lambda load: lambda time: (LOAD * time, 0.0),
+    "a function of a module": lambda load: pushed_by_the_module,
+    "a partial": lambda load: partial(scaled, load),
+    "an object": Push,
+    "a method": lambda load: Push(load).at,
+    "a table": table,
+    "a name space": from_a_space,
+}
+
+
+@pytest.mark.parametrize("kind", FORCES)
+def test_what_a_force_has_from_around_it_is_told(kind, tmp_path, monkeypatch):
+    """Only what a function encloses was: a run went on under a thousand times the load."""
+
+    def scene(load):
+        monkeypatch.setattr(sys.modules[__name__], "LOAD", load)
+        solid = RigidSolid(rectangle(), mass=10.0, gravity=(0, -G), force=FORCES[kind](load))
+        return Scene([solid], [Contact(solid, "base", FLOOR, friction=0.3)])
+
+    scene(1.0).run(2e-3, 1e-3, directory=tmp_path)
+    with pytest.raises(InputError, match="another scene"):
+        scene(1000.0).run(3e-3, 1e-3, directory=tmp_path, resume=True)
+    assert scene(1.0).run(3e-3, 1e-3, directory=tmp_path, resume=True).finished
+
+
+class OwnFloor:
+    dim, flat = 2, True
+
+    def __init__(self, depth):
+        self.depth = depth
+
+    def distance(self, points):
+        return points[:, 1] + self.depth * (points[:, 0] < -1)
+
+    def normals(self, points):
+        return np.tile([0.0, 1.0], (len(points), 1))
+
+
+@pytest.mark.parametrize(
+    "ground",
+    [
+        lambda depth: Curve([(3, 0), (-1, 0), (-3, -depth)][::-1]),
+        lambda depth: Box((0, -1 - depth / 2), (4, 2 + depth)),
+        lambda depth: Triangulated(slab(1 + depth)),
+        OwnFloor,
+    ],
+    ids=["curve", "box", "triangulated", "own"],
+)
+def test_grounds_of_other_points_are_told_apart(ground):
+    """Only how many points there are was told, and of an own obstacle its class."""
+    first, again, other = (Wall(ground(depth)).describe() for depth in (0.0, 0.0, 1.0))
+    assert first == again != other and len(first) < 70, (first, other)
+
+
+def slab(depth):
+    """Four triangles about a point below and an upper side."""
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, -depth]])
+    return meshio.Mesh(corners, [("triangle", [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]])])
+
+
+def test_functions_are_told_the_same_in_every_process():
+    """What differs from process to process: addresses, and the order of sets."""
+    script = (
+        "import numpy as np\nfrom fenicsx_contact.base.told import told\n"
+        "names, table = {'a', 'b', 'c'}, np.arange(40.0)\n"
+        "def load(t, of=[]): return len(names) + table[0] + len(of) + (t in {'x', 'y', 'z'})\n"
+        "names_of = {'load': load}\ndef other(t): return names_of['load'](t) + other(t)\n"
+        "print(told([load, other, lambda t: other(t)]))"
+    )
+    texts = {
+        subprocess.run(
+            [sys.executable, "-c", script],
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for seed in "12"
+    }
+    assert len(texts) == 1 and re.fullmatch(
+        r"\[load \w{8}, other \w{8}, <lambda> \w{8}\]\n", *texts
+    )
 
 
 @pytest.mark.parametrize("load", ["force", "torque"])

@@ -3,48 +3,128 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from contextlib import suppress
+import dis
+from collections.abc import Iterator, Mapping, Set
+from functools import partial
 from hashlib import sha256
 from numbers import Real
-from types import CodeType, FunctionType
+from pathlib import PurePath
+from types import CodeType, FunctionType, MethodType, ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-#: Of more numbers than so only the size is told.
+from .checks import is_function
+
+#: Of more numbers than so only the size is told, and eight digits of what they are.
 MANY = 12
+
+_DATA = (str, bool, Real, Mapping, list, tuple, np.ndarray)
 
 
 def told(given: Any) -> str:
-    """Numbers as they are, functions by their names and code, fields by their kind: nothing that
-    differs from run to run or from process to process, as addresses in memory do."""
-    if given is None or isinstance(given, (str, bool)):
+    """Numbers as they are, functions by their names and eight digits of what they do, which others
+    hardly share, fields by their kind: nothing that differs from run to run or from process to
+    process, as addresses in memory do."""
+    return _told(given, None)
+
+
+def digits(*given: Any) -> str:
+    """Eight digits of all that is given, with what functions have from around them."""
+    whole = _Whole()
+    texts = [_told(each, whole) for each in given]
+    texts += [_told(parts, whole) for parts in whole]
+    return _digits("; ".join(texts).encode())
+
+
+def given(arguments: Mapping[str, Any]) -> str:
+    """Those of some arguments that say anything, by their names."""
+    every = {name: told(each) for name, each in arguments.items()}
+    return "".join(f", {n} {text}" for n, text in every.items() if text not in ("None", "[]", "{}"))
+
+
+def _digits(content: bytes) -> str:
+    return sha256(content).hexdigest()[:8]
+
+
+class _Whole:
+    """What is to be told with all its parts, each thing once, however they hang together."""
+
+    def __init__(self) -> None:
+        self._places: dict[int, int] = {}
+        self._things: list[tuple[Any, tuple[Any, ...]]] = []  # kept, so that no other has its id
+
+    def place(self, thing: Any, parts: tuple[Any, ...]) -> int:
+        """Where its parts are told."""
+        if id(thing) not in self._places:
+            self._places[id(thing)] = len(self._things)
+            self._things.append((thing, parts))
+        return self._places[id(thing)]
+
+    def __iter__(self) -> Iterator[tuple[Any, ...]]:
+        return (parts for _, parts in self._things)  # which grow on the way
+
+
+def _told(given: Any, whole: _Whole | None) -> str:
+    if given is None or isinstance(given, (str, bytes, bool, range, complex, PurePath)):
         return repr(given)
     if isinstance(given, Real):
-        return f"{float(given):.9g}"
+        return str(given) if isinstance(given, int) else f"{float(given):.9g}"
+    if isinstance(given, (Mapping, list, tuple, Set)):
+        return _many(given, whole)
+    name = getattr(given, "__name__", type(given).__name__)
+    parts = _parts(given)
+    if parts is not None:
+        return f"{name} {whole.place(given, parts) if whole else digits(given)}"
+    # an array, or a Constant
+    values = given if isinstance(given, np.ndarray) else getattr(given, "value", None)
+    return name if values is None else f"{name} {_array(np.asarray(values))}"
+
+
+def _many(given: Any, whole: _Whole | None) -> str:
+    if whole and isinstance(given, (Mapping, list)):  # which may hold themselves
+        pairs = isinstance(given, Mapping)
+        return f"list {whole.place(given, tuple(given.items() if pairs else given))}"
     if isinstance(given, Mapping):
         return "{" + ", ".join(f"{told(k)}: {told(v)}" for k, v in given.items()) + "}"
-    if isinstance(given, (list, tuple)):
-        return "[" + ", ".join(map(told, given)) + "]"
+    texts = [_told(each, whole) for each in given]
+    return "[" + ", ".join(sorted(texts) if isinstance(given, Set) else texts) + "]"
+
+
+def _array(values: np.ndarray) -> str:
+    if values.dtype.kind in "biuf" and values.size <= MANY:
+        return str(values.tolist())
+    if values.dtype.hasobject:
+        return f"{values.shape} {digits(values.ravel().tolist())}"
+    return f"{values.shape} {_digits(values.dtype.str.encode() + values.tobytes())}"
+
+
+def _parts(given: Any) -> tuple[Any, ...] | None:
+    """What a function does: its code, its defaults and what it has from around it; of an object
+    that is called, what it holds. None of what is no function."""
     if isinstance(given, FunctionType):
-        return function(given)
-    name = getattr(given, "__name__", type(given).__name__)
-    values = given if isinstance(given, np.ndarray) else getattr(given, "value", None)
-    if values is not None:  # an array, or a Constant
-        values = np.asarray(values)
-        few = values.dtype.kind in "biuf" and values.size <= MANY
-        name += f" {values.tolist() if few else values.shape}"
-    return name
+        code, around = given.__code__, given.__globals__
+        used, named = _names(code)
+        inside = zip(code.co_freevars, map(_content, given.__closure__ or ()))
+        has = {**{n: around[n] for n in sorted(used) if n in around}, **dict(inside)}
+        spaces = [s for s in has.values() if isinstance(s, (ModuleType, SimpleNamespace))]
+        data = [[n, vars(s)[n]] for s in spaces for n in sorted(named) if n in vars(s)]
+        data = [pair for pair in data if isinstance(pair[1], _DATA)]
+        return _code(code), given.__defaults__, given.__kwdefaults__, has, data
+    if isinstance(given, MethodType):
+        return given.__func__, getattr(given.__self__, "__dict__", {})
+    if isinstance(given, partial):
+        return given.func, given.args, given.keywords
+    if is_function(given) and not isinstance(given, type) and hasattr(given, "__dict__"):
+        return type(given).__call__, vars(given)
+    return None
 
 
-def function(f: FunctionType) -> str:
-    """Its name, and eight digits of what it does, which another one hardly shares: of its code, its
-    defaults and what it has from around it."""
-    does = _code(f.__code__) + told(f.__defaults__ or ()) + told(f.__kwdefaults__ or {})
-    with suppress(ValueError, RecursionError):  # it stands in what is around it
-        does += told([cell.cell_contents for cell in f.__closure__ or ()])
-    return f"{f.__name__} {sha256(does.encode()).hexdigest()[:8]}"
+def _content(cell: Any) -> Any:
+    try:
+        return cell.cell_contents
+    except ValueError:  # nothing yet
+        return None
 
 
 def _code(code: CodeType) -> str:
@@ -53,7 +133,10 @@ def _code(code: CodeType) -> str:
     return f"{code.co_code.hex()} {code.co_names} {lists}"
 
 
-def given(arguments: Mapping[str, Any]) -> str:
-    """Those of some arguments that say anything, by their names."""
-    every = {name: told(each) for name, each in arguments.items()}
-    return "".join(f", {n} {text}" for n, text in every.items() if text not in ("None", "[]", "{}"))
+def _names(code: CodeType) -> tuple[set[str], set[str]]:
+    """The names that a code looks up in its module, and all that it looks up anywhere."""
+    looks = [i for i in dis.get_instructions(code) if i.opname in ("LOAD_GLOBAL", "LOAD_NAME")]
+    used, named = {i.argval for i in looks}, set(code.co_names)
+    for inner in (c for c in code.co_consts if isinstance(c, CodeType)):
+        used, named = used | _names(inner)[0], named | _names(inner)[1]
+    return used, named

@@ -13,6 +13,7 @@ import numpy as np
 from ..base import checks
 from ..base.constants import RIGHT
 from ..base.overflow import told
+from ..base.told import digits
 from ..base.vectors import largest
 
 
@@ -149,7 +150,9 @@ class Wall:
     def describe(self) -> str:
         """The obstacle, without an address in memory."""
         plain = type(self.obstacle).__repr__ is object.__repr__
-        return type(self.obstacle).__name__ if plain else repr(self.obstacle)
+        if not plain:
+            return repr(self.obstacle)
+        return f"{type(self.obstacle).__name__} {digits(self.obstacle.distance)}"
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from ...base import checks
 from ...base.constants import SAME
+from ...base.told import digits
 from ...base.vectors import largest
 
 
@@ -135,7 +136,8 @@ class Curve:
 
     def __repr__(self) -> str:
         kind = "closed" if self.closed else "open"
-        return f"Curve({len(self._x)} points, {kind}, smooth={self.smooth})"
+        points = f"{len(self._x)} points {digits(self._x)}"
+        return f"Curve({points}, {kind}, smooth={self.smooth})"
 
 
 def _left(tangent: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ from scipy.optimize import linprog
 
 from ...base import checks
 from ...base.constants import SAME
+from ...base.told import digits
 from ...solids.rotations import angles, rotation_matrix
 from ..obstacle import HalfSpace
 
@@ -109,7 +110,9 @@ class Polyhedron:
         return bend[:, None, None] * (across - n[:, :, None] * n[:, None, :])
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({len(self._normals)} faces, rounding={self.rounding:g})"
+        planes = digits(self._normals.tolist(), self._offsets.tolist())  # as far as round-off goes
+        faces = f"{len(self._normals)} faces {planes}"
+        return f"{type(self).__name__}({faces}, rounding={self.rounding:.9g})"
 
 
 class Box(Polyhedron):

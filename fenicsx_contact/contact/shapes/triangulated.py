@@ -13,6 +13,7 @@ import scipy.sparse as sp
 from ...base import checks
 from ...base.constants import ROUND_OFF, SAME, SHARP
 from ...base.mesh_files import read_mesh
+from ...base.told import digits
 from ...base.vectors import cross
 from .triangles import Triangles, added_up, first_of_each
 
@@ -171,7 +172,9 @@ class Triangulated:
 
     def __repr__(self) -> str:
         sharp = f", {self._sharp} edges sharp" if self.smooth else ""
-        return f"Triangulated({len(self._triangles.cells)} triangles, smooth={self.smooth}{sharp})"
+        t = self._triangles
+        many = f"{len(t.cells)} triangles {digits(t.points, t.cells)}"
+        return f"Triangulated({many}, smooth={self.smooth}{sharp})"
 
 
 def _read(surface: Any) -> tuple[np.ndarray, np.ndarray]:

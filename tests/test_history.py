@@ -444,6 +444,23 @@ def test_a_mesh_of_other_cells_is_another_scene(tmp_path):
         block("triangle").run(3e-3, 1e-3, directory=tmp_path, resume=True)
 
 
+@pytest.mark.parametrize("size", [(0.4, 0.8), (0.36, 0.9)])
+def test_a_body_of_another_size_is_another_scene(size, tmp_path):
+    """One with as many cells went on in its place, where neither gaps nor energies tell them
+    apart."""
+
+    def resting(size):
+        solid = ElasticSolid(
+            rectangle((2, 2), size), youngs_modulus=1e6, poisson_ratio=0.3, density=1000.0
+        )
+        return Scene([solid], [Contact(solid, "base", FLOOR, friction=0.3)])
+
+    resting((0.36, 0.8)).run(2e-3, 1e-3, directory=tmp_path)
+    with pytest.raises(InputError, match="another scene"):
+        resting(size).run(3e-3, 1e-3, directory=tmp_path, resume=True)
+    assert resting((0.36, 0.8)).run(3e-3, 1e-3, directory=tmp_path, resume=True).finished
+
+
 def test_another_energy_is_not_resumed(tmp_path):
     def soft(E):
         block = HyperelasticSolid(rectangle((2, 3)), energy=neo_hookean(E, 0.3), density=1000.0)

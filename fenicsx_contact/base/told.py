@@ -83,8 +83,8 @@ def _told(given: Any, whole: _Whole | None) -> str:
 
 def _many(given: Any, whole: _Whole | None) -> str:
     if whole and isinstance(given, (Mapping, list)):  # which may hold themselves
-        pairs = isinstance(given, Mapping)
-        return f"list {whole.place(given, tuple(given.items() if pairs else given))}"
+        parts = tuple(given.items()) if isinstance(given, Mapping) else tuple(given)
+        return f"list {whole.place(given, parts)}"
     if isinstance(given, Mapping):
         return "{" + ", ".join(f"{told(k)}: {told(v)}" for k, v in given.items()) + "}"
     texts = [_told(each, whole) for each in given]

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, nullcontext
@@ -18,38 +17,27 @@ from ..base.checks import StepFailed
 from ..base.overflow import diverging
 from ..base.processes import any_of
 from ..contact.arrivals import starts_inside, struck_apart, went_inside
-from ..contact.contact import Contact
 from ..output.history import History
 from ..output.stops import hint
 from ..output.storage import NotWritten, RunDirectory
-from ..solids import Solid
-from ..theory.scheme import Scheme
 from .adaptive import AdaptivePace, ErrorControl, StepTooLong
 from .checkpoint import collect, spread
+from .fingerprint import Described, fingerprint
 from .pace import Pace
-from .step import Stepper
 from .taker import StepTaker
 
 
-class Runnable(Protocol):
+class Runnable(Described, Protocol):
     """What a run asks of a :class:`~fenicsx_contact.scene.Scene`."""
 
-    solids: list[Solid]
-    contacts: list[Contact]
-    scheme: Scheme
     comm: Any
     columns: tuple[str, ...]
-    stepper: Stepper
     remarks: list[str]
-    locate_impacts: bool
     deepest: float
 
-    @property
-    def time(self) -> float: ...
     def step(self, dt: float, stepper: StepTaker | None = None) -> Iterator[list[float]]: ...
     def state(self) -> dict[str, np.ndarray]: ...
     def restore(self, state: dict[str, np.ndarray]) -> None: ...
-    def describe(self) -> str: ...
 
 
 #: Cost: seconds between two checkpoints; the bar shows only what is on disk.
@@ -94,7 +82,7 @@ def run(
     files = RunDirectory(directory, scene.comm) if directory is not None else None
     with closing(files) if files else nullcontext():
         course = _Course(scene, history, pace, probes, files)
-        course.begin(resume, _fingerprint(scene, dt, step_error))
+        course.begin(resume, fingerprint(scene, dt, step_error) if files else "")
         course.go(until, fields_every, stop_when, progress)
     return history
 
@@ -248,21 +236,6 @@ def _happened(stop_when: Callable[[], bool] | None) -> bool:
     if stop_when is None:
         return False
     return checks.truth("stop_when()", checks.called("stop_when", stop_when))
-
-
-def _fingerprint(scene: Runnable, dt: float, step_error: float | None) -> str:
-    """What must be the same for a run to be resumed: parameters, place, energies at the start."""
-    lines = [scene.describe(), f"dt = {dt!r}, from {scene.time!r}, {scene.scheme}"]
-    lines.append(f"impacts located: {scene.locate_impacts}, step_error: {step_error!r}")
-    most = max(map(abs, scene.stepper.energies))  # their round-off depends on the processes
-    shares = ", ".join(f"{energy / (most or 1.0) + 0.0:.6f}" for energy in scene.stepper.energies)
-    lines.append(f"energies {shares} of {most:.9g}")
-    for contact in scene.contacts:
-        lines.append(
-            f"{contact.name}: {contact.formulation}, friction {contact.friction_law!r}, "
-            f"gaps {contact.gap.min():.9g} to {contact.gap.max():.9g}"
-        )
-    return re.sub(r" at 0x[0-9a-f]+", "", "\n".join(lines))  # no addresses in memory
 
 
 def _cross(

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""By what a run knows its scene again, on any number of processes."""
+
+from __future__ import annotations
+
+import re
+from math import pi
+from typing import Any, Protocol
+
+import numpy as np
+from mpi4py import MPI
+
+from ..base.told import digits
+from ..contact.contact import Contact
+from ..solids import Solid
+from ..theory.scheme import Scheme
+from .step import Stepper
+
+
+class Described(Protocol):
+    """What is asked of a scene."""
+
+    solids: list[Solid]
+    contacts: list[Contact]
+    scheme: Scheme
+    stepper: Stepper
+    locate_impacts: bool
+
+    @property
+    def time(self) -> float: ...
+    def describe(self) -> str: ...
+
+
+def fingerprint(scene: Described, dt: float, step_error: float | None) -> str:
+    """What must be the same for a run to be resumed: parameters, shapes, place, energies at the
+    start."""
+    lines = [scene.describe(), f"dt = {dt!r}, from {scene.time!r}, {scene.scheme}"]
+    lines.append(f"impacts located: {scene.locate_impacts}, step_error: {step_error!r}")
+    most = max(map(abs, scene.stepper.energies))  # their round-off depends on the processes
+    shares = ", ".join(f"{energy / (most or 1.0) + 0.0:.6f}" for energy in scene.stepper.energies)
+    lines.append(f"energies {shares} of {most:.9g}")
+    for solid in scene.solids:
+        geometry = solid.mesh.mesh.geometry
+        own = geometry.x[: geometry.index_map().size_local, : solid.dim]
+        lines.append(f"{solid.name}: {_shape(own, solid.mesh.mesh.comm)}")
+    for contact in scene.contacts:
+        lines.append(
+            f"{contact.name}: {contact.formulation}, friction {contact.friction_law!r}, "
+            f"gaps {contact.gap.min():.9g} to {contact.gap.max():.9g}, "
+            f"{_shape(contact.surface.points, MPI.COMM_SELF)}"
+        )
+    return re.sub(r" at 0x[0-9a-f]+", "", "\n".join(lines))  # no addresses in memory
+
+
+def _shape(points: np.ndarray, comm: Any) -> str:
+    """Of a mesh, by its nodes that this process owns: how many there are, over what length, and
+    eight digits of where they begin, their centre and second moments."""
+    low = np.min(comm.allgather(points.min(axis=0, initial=np.inf)), axis=0)
+    high = np.max(comm.allgather(points.max(axis=0, initial=-np.inf)), axis=0)
+    count, length = sum(comm.allgather(len(points))), float((high - low).max())
+    unit = pi * (length or 1.0)  # in which round-off turns no digit of regular meshes
+    off = (points - low) / unit
+    sums = np.sum(comm.allgather(np.vstack([off.sum(axis=0), off.T @ off])), axis=0)
+    numbers = [low / unit + 0.0, *sums / count]
+    placed = digits([f"{number:.9f}" for row in numbers for number in row])
+    return f"{count} nodes over {length:.9g} m, {placed}"

@@ -953,6 +953,25 @@ def test_fields_of_an_earlier_run_do_not_stay(tmp_path):
     assert min(times) >= 2e-3 - 1e-12
 
 
+def test_frames_of_an_overwritten_run_are_gone(tmp_path):
+    """Next to the new history there stood the collection of the old one; notes stay."""
+    elastic_block().run(4e-3, 1e-3, directory=tmp_path, fields_every=1)
+    (tmp_path / "fields" / "notes.txt").write_text("mine")
+    elastic_block().run(2e-3, 1e-3, directory=tmp_path)
+    assert [file.name for file in (tmp_path / "fields").iterdir()] == ["notes.txt"]
+
+
+def test_a_program_may_change_its_directory_on_the_way(tmp_path, monkeypatch):
+    """A relative directory was looked up anew for each file."""
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+    away = {"away": lambda: os.chdir(tmp_path / "elsewhere") or 0.0}
+    whole = elastic_block().run(3e-3, 1e-3, directory="run", fields_every=1, probes=away)
+    assert whole.finished, whole.reason
+    assert not list((tmp_path / "elsewhere").iterdir())
+    np.testing.assert_array_equal(read_history(tmp_path / "run").rows(), whole.rows())
+
+
 def test_a_run_that_has_stopped_where_it_was_to_is_done(tmp_path):
     """Run once more it went on by a step each time, or said that it had not happened."""
     rows = []

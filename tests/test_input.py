@@ -410,6 +410,7 @@ def test_directory(tmp_path):
     file.write_text("mine")
     refused(lambda: run(directory=file), "directory", str(file))
     refused(lambda: run(directory=3), "directory", "3")
+    refused(lambda: run(directory="a\0b"), "directory", "a\\x00b")
     assert file.read_text() == "mine"
 
 

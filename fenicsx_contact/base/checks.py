@@ -220,7 +220,9 @@ def choice(name: str, value: Any, allowed: Iterable[str]) -> str:
 
 def path(name: str, value: Any) -> Path:
     """``value`` as a path, or an :class:`InputError`."""
-    return Path(instance(name, value, (str, Path), "a path"))
+    if "\0" in str(instance(name, value, (str, Path), "a path")):
+        raise InputError(f"{name} = {value!r}: must be a path, which no system has with a zero in")
+    return Path(value)
 
 
 def instance(name: str, value: Any, kind: type | tuple[type, ...], allowed: str) -> Any:

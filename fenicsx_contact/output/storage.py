@@ -46,7 +46,7 @@ class RunDirectory:
     """
 
     def __init__(self, path: str | Path, comm: Any) -> None:
-        self.path, self._comm = Path(path), comm
+        self.path, self._comm = Path(path).absolute(), comm  # wherever the program goes later
         self._written, self._sum = 0, 0  # rows, and their checksum
         self._lock: int | None = None
         on_first(comm, self._hold)
@@ -84,6 +84,9 @@ class RunDirectory:
         with writing(self.path):
             for old in (LAST, BEFORE, "history.f64", "end.json", "fields/times.json"):
                 (self.path / old).unlink(missing_ok=True)
+            for file in (self.path / "fields").glob("*.*"):
+                if file.suffix in (".pvd", ".vtu"):
+                    file.unlink()
         head = {"columns": history.columns, "scene": fingerprint}
         replace_file(self.path / "history.json", json.dumps(head, indent=1).encode())
 

@@ -45,7 +45,8 @@ def fingerprint(scene: Described, dt: float, step_error: float | None) -> str:
         lines.append(f"{solid.name}: {_shape(own, solid.mesh.mesh.comm)}")
     for contact in scene.contacts:
         lines.append(
-            f"{contact.name}: {contact.formulation}, friction {contact.friction_law!r}, "
+            f"{contact.name}: {contact.formulation}, friction {contact.friction_law!r} "
+            f"{digits(getattr(contact.friction_law, '__dict__', None))}, "
             f"gaps {contact.gap.min():.9g} to {contact.gap.max():.9g}, "
             f"{_shape(contact.surface.points, MPI.COMM_SELF)}"
         )

@@ -68,9 +68,7 @@ def run(
         checks.truth("progress", progress)
     if stop_when is not None and not checks.is_function(stop_when):
         raise checks.InputError(f"stop_when = {stop_when!r}: must be a function")
-    if directory is not None and (
-        not isinstance(directory, (str, Path)) or Path(directory).is_file()
-    ):
+    if directory is not None and checks.path("directory", directory).is_file():
         raise checks.InputError(f"directory = {directory!r}: must be the path of a directory")
     if directory is None and (resume or fields_every):
         raise checks.InputError("directory = None: resume and fields_every need a directory")

@@ -168,7 +168,7 @@ def summarise(history: History, angle: float) -> dict[str, Any]:
         "ke_max_error": kinetic,
         "impact_time_error": time,
         "run_time_s": history.run_time,
-        "steps": len(history) - 1,
+        "steps": history.steps,
         "newton": int(history["newton"].sum()),
         "reason": history.reason,
     }

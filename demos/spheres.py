@@ -163,7 +163,7 @@ def told(history: History, between: float) -> dict[str, Any]:
         "force": -float(history["plate.force_y"][-1]),
         "energy_error": float(kept / work - 1),
         "newton_per_step": float(history["newton"][1:].mean()),
-        "steps": len(history) - 1,
+        "steps": history.steps,
     }
 
 

@@ -953,6 +953,12 @@ def test_fields_of_an_earlier_run_do_not_stay(tmp_path):
     assert min(times) >= 2e-3 - 1e-12
 
 
+def test_a_history_without_the_columns_of_a_run_can_be_told():
+    history = History(("time",))
+    assert history.summary()["steps"] == 0 == history.summary()["balance"]
+    assert repr(history) == "History(0 steps to 0 s, not run)"
+
+
 def test_frames_of_an_overwritten_run_are_gone(tmp_path):
     """Next to the new history there stood the collection of the old one; notes stay."""
     elastic_block().run(4e-3, 1e-3, directory=tmp_path, fields_every=1)

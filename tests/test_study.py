@@ -7,6 +7,7 @@ import os
 import time
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import problems
@@ -17,7 +18,7 @@ from problems.studies import STUDIES
 from test_demos import load
 
 from fenicsx_contact import InputError
-from fenicsx_contact.output.history import History
+from fenicsx_contact.output.history import COLUMNS, History
 from fenicsx_contact.study import (
     CLASSES,
     Axis,
@@ -278,6 +279,94 @@ def test_a_batch_tells_cases_by_all_of_their_names(tmp_path):
     (tmp_path / "other").write_text('{"a": 1}\n')
     with pytest.raises(InputError, match="is none of a batch"):
         batch(summed, [], tmp_path / "other")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "measured on Monday: 1.2 1.3 1.4",
+        "a,b\n1,2\n3,4",
+        '{"my": "data"}',
+        '{"case": {"x": 1}, "results": {}}\nand a note',
+        '{"key": "a", "kind": "off"}\nand a note',
+    ],
+)
+def test_a_file_of_something_else_stays_as_it_is(content, tmp_path):
+    """Its last line was cut before anyone had looked at it."""
+    file = tmp_path / "notes"
+    file.write_text(content)
+    with pytest.raises(InputError, match=r"file = .*notes': is none of a batch"):
+        batch(summed, [{"a": 1}], file)
+    with pytest.raises(InputError, match=r"file = .*notes': is none of maps"):
+        run_maps([], file)
+    assert file.read_text() == content
+
+
+@pytest.mark.parametrize("function", [lambda a: {"sum": a}, "summed", None, 3.0])
+def test_what_no_process_can_call_is_no_function_of_a_batch(function, tmp_path):
+    with pytest.raises(InputError, match="function = "):
+        batch(function, [{"a": 1}], tmp_path / "lines")
+    assert not (tmp_path / "lines").exists()
+
+
+@pytest.mark.parametrize(
+    "case, problem", [({"c": 1}, "are no arguments of"), ({"a": object()}, "no number or text")]
+)
+def test_cases_that_are_no_arguments_are_refused(case, problem, tmp_path):
+    with pytest.raises(InputError, match=rf"cases\[0\] = .*{problem}"):
+        batch(summed, [case], tmp_path / "lines")
+
+
+def given_back(kind):
+    if kind == "none":
+        time.sleep(0.3)  # the one before is on file
+        os._exit(3)
+    lists = {"x": (1, np.arange(2), {"y": (2,)})}
+    return {"object": {"x": object()}, "number": 3.0, "lists": lists}[kind]
+
+
+def test_results_that_no_file_can_hold_are_refused(tmp_path):
+    for kind in ("object", "number"):
+        with pytest.raises(InputError, match=rf"function\(\*\*{{'kind': '{kind}'}}\) = "):
+            batch(given_back, [{"kind": kind}], tmp_path / "lines", processes=1)
+
+
+def test_results_are_those_on_file(tmp_path):
+    """Tuples came back the first time, lists the second."""
+    for _ in range(2):
+        (line,) = batch(given_back, [{"kind": "lists"}], tmp_path / "lines", processes=1)
+        assert line == {"kind": "lists", "x": [1, [0, 1], {"y": [2]}]}
+
+
+def test_a_process_that_dies_names_its_case(tmp_path):
+    cases = [{"kind": "lists"}, {"kind": "none"}]
+    with pytest.raises(RuntimeError, match=r"a process died.*\[{'kind': 'none'}\]"):
+        batch(given_back, cases, tmp_path / "lines", processes=1)
+    assert len((tmp_path / "lines").read_text().splitlines()) == 1
+
+
+def test_of_an_axis_without_values_none_is_left():
+    assert Axis("a", [], "").thinned(2).values == []
+    assert Axis("a", [1, 2, 3], "").thinned(2).values == [1, 3]
+    assert Axis("a", [1, 2], "").thinned(5).values == [1, 2]
+
+
+def test_impacts_are_no_steps():
+    """They have no length; rows were counted."""
+    history = History(COLUMNS)
+    for dt in (0.0, 0.1, 0.0, 0.1):
+        history.append([dt if column == "dt" else 0.0 for column in COLUMNS])
+    history.reason = "finished"
+    built = SimpleNamespace(
+        run=lambda: history,
+        error=lambda _: 0.0,
+        **dict.fromkeys(("bound", "energy_size", "deepest"), 1.0),
+        **dict.fromkeys(("round_off", "supplied"), 0.0),
+    )
+    assert judge(lambda: built).steps == 2
+    history.times = {"solve": 1.0}
+    study = Study("s", "", "", lambda: built, {"m": [{}]})
+    assert measure(study, repeats=1)[0].steps == 2
 
 
 def test_ladders_and_rates_of_what_does_not_vary_are_refused():

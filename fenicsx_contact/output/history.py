@@ -114,10 +114,14 @@ class History:
         """Times of the rows, s."""
         return self["time"]
 
+    def _of(self, column: str) -> np.ndarray:
+        """A column, of no rows if the history is one without it."""
+        return self[column] if column in self.columns else np.empty(0)
+
     @property
     def steps(self) -> int:
         """The number of steps; the start and impacts, which have no length, are none."""
-        return int(np.count_nonzero(self["dt"]))
+        return int(np.count_nonzero(self._of("dt")))
 
     @property
     def run_time(self) -> float:
@@ -164,11 +168,11 @@ class History:
         return {
             "reason": self.reason,
             "steps": self.steps,
-            "newton": float(self["newton"].sum()),
-            "geometry": float(self["geometry"].sum()),
+            "newton": float(self._of("newton").sum()),
+            "geometry": float(self._of("geometry").sum()),
             "run_time_s": self.run_time,
             "times_s": dict(self.times),
-            "balance": largest(self["balance"]),
+            "balance": largest(self._of("balance")),
         }
 
     def __repr__(self) -> str:

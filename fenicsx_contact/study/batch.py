@@ -3,16 +3,24 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import multiprocessing
 import os
+import pickle
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from ..base import checks
+
+T = TypeVar("T")
+
+#: How a line of a batch begins.
+START = '{"case": {'
 
 
 def batch(
@@ -36,16 +44,20 @@ def batch(
         progress: show a bar; default: if a person watches.
 
     Returns:
-        The cases with their results, in their order.
+        The cases with their results, in their order, as they are on file (tuples are lists).
 
     Raises:
-        InputError: no list of cases, or of different names; a file of something else; no processes.
+        InputError: no such function; no list of cases, or of names that differ or are none of its
+            arguments; a file of something else, which stays as it is; no processes; results that
+            a file of JSON cannot hold.
+        RuntimeError: a process died; the message names the cases that were under way.
         Exception: what the function raised; other cases that are done by then are on file.
     """
     from tqdm import tqdm
 
     file = checks.path("file", file)
     cases = checks.sequence("cases", cases, Mapping, "dicts")
+    _check_function(function)
     if processes is not None:
         checks.whole_number("processes", processes, at_least=1)
     for i, case in enumerate(cases):
@@ -54,28 +66,98 @@ def batch(
                 f"cases[{i}]: is of {sorted(case)}, cases[0] of {sorted(cases[0])}; all need the "
                 "same names"
             )
-    known = {_key(case): results for case, results in _lines(file)}
-    todo = {_key(case): case for case in cases if _key(case) not in known}
+        _check_case(function, i, case)
+    known = {_key(case): results for case, results in records(file, START, _record, "a batch")}
+    todo = list({_key(case): case for case in cases if _key(case) not in known}.values())
     file.parent.mkdir(parents=True, exist_ok=True)
     show = sys.stderr.isatty() if progress is None else progress
     fork = multiprocessing.get_context("fork")
-    with ProcessPoolExecutor(processes or os.cpu_count(), fork) as pool, file.open("a") as out:
-        found = {pool.submit(function, **case): case for case in todo.values()}
-        done = len(cases) - len(todo)
+    working, count = fork.RawArray("b", len(todo)), processes or os.cpu_count()
+    with ProcessPoolExecutor(count, fork, initializer=_share, initargs=(working,)) as pool:
+        found = {pool.submit(_call, i, function, case): case for i, case in enumerate(todo)}
+        bar = tqdm(total=len(cases), initial=len(cases) - len(todo), disable=not show)
         try:
-            for each in tqdm(as_completed(found), total=len(cases), initial=done, disable=not show):
-                case, results = found[each], dict(each.result())
-                known[_key(case)] = results
-                line = {"case": case, "results": results}
-                out.write(json.dumps(line, default=listed) + "\n")
-                out.flush()
+            with bar, file.open("a") as out:
+                for each in as_completed(found):
+                    line = _line(found[each], each.result())
+                    known[_key(found[each])] = json.loads(line)["results"]
+                    out.write(line + "\n")
+                    out.flush()
+                    bar.update()
+        except BrokenProcessPool:
+            under_way = [dict(case) for case, works in zip(todo, working) if works]
+            raise RuntimeError(
+                f"a process died; under way were the cases {under_way}; what was done by then is "
+                f"in {file}"
+            ) from None
         finally:
             pool.shutdown(cancel_futures=True)  # who is stopped does not wait for all the others
     return [{**case, **known[_key(case)]} for case in cases]
 
 
+_SHARED: dict[str, Any] = {}  # with the first process
+
+
+def _share(working: Any) -> None:
+    _SHARED["working"] = working
+
+
+def _call(i: int, function: Callable[..., Any], case: Mapping[str, Any]) -> Any:
+    """In a process of the batch; the first one can see which cases are under way."""
+    _SHARED["working"][i] = True
+    try:
+        return function(**case)
+    finally:
+        _SHARED["working"][i] = False
+
+
+def _check_function(function: Any) -> None:
+    if not checks.is_function(function):
+        raise checks.InputError(f"function = {function!r}: must be a function")
+    try:
+        pickle.dumps(function)
+    except Exception:  # of whatever kind
+        raise checks.InputError(
+            f"function = {function!r}: must stand at the top of a module, by a name, for other "
+            "processes to find it"
+        ) from None
+
+
+def _check_case(function: Callable[..., Any], i: int, case: Mapping[str, Any]) -> None:
+    try:
+        _key(case)
+    except (TypeError, ValueError) as problem:
+        raise checks.InputError(
+            f"cases[{i}] = {case!r}: must be of numbers or texts by names ({problem})"
+        ) from None
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):  # of what is not written in Python nobody knows
+        return
+    try:
+        signature.bind(**case)
+    except TypeError as problem:
+        raise checks.InputError(
+            f"cases[{i}] = {case!r}: are no arguments of {function!r} ({problem})"
+        ) from None
+
+
+def _line(case: Mapping[str, Any], results: Any) -> str:
+    name = f"function(**{dict(case)})"
+    if not isinstance(results, Mapping):
+        raise checks.InputError(f"{name} = {results!r}: must be results by their names, a dict")
+    try:
+        return json.dumps({"case": case, "results": results}, default=listed)
+    except (TypeError, ValueError) as problem:
+        raise checks.InputError(
+            f"{name} = {results!r}: must be of numbers, texts and lists of them ({problem})"
+        ) from None
+
+
 def listed(value: Any) -> Any:
     """What numpy gives as Python's own numbers."""
+    if isinstance(value, Mapping):
+        return dict(value)
     if not hasattr(value, "tolist"):
         raise TypeError(f"{value!r} is no number or text")
     return value.tolist()
@@ -85,16 +167,34 @@ def _key(case: Mapping[str, Any]) -> str:
     return json.dumps(case, sort_keys=True, default=listed)
 
 
-def _lines(file: Path) -> list[tuple[dict[str, Any], dict[str, Any]]]:
-    """Cases and their results; a line that a kill cut short is taken out."""
+def _record(line: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    return dict(line["case"]), dict(line["results"])
+
+
+def records(file: Path, start: str, record: Callable[[Any], T], kind: str) -> list[T]:
+    """What is in a file of JSON lines. A last line that a kill cut short is taken out, if all
+    before it are records and it begins as they do.
+
+    Args:
+        file: of lines; it may be missing.
+        start: how each line begins.
+        record: from what stands in a line.
+        kind: of the file, for messages.
+
+    Raises:
+        InputError: a file of something else, which stays as it is; a directory.
+    """
     if file.is_dir():
         raise checks.InputError(f"file = {str(file)!r}: is a directory")
-    lines = file.read_text().splitlines(keepends=True) if file.is_file() else []
-    if lines and not lines[-1].endswith("\n"):
-        file.write_text("".join(lines[:-1]))
-        lines.pop()
+    content = file.read_bytes() if file.is_file() else b""
+    whole, _, rest = content.rpartition(b"\n")
     try:
-        found = map(json.loads, lines)
-        return [(line["case"], line["results"]) for line in found]
-    except (ValueError, LookupError, TypeError):
-        raise checks.InputError(f"file = {str(file)!r}: is none of a batch") from None
+        found = [record(json.loads(line)) for line in whole.splitlines()]
+        begins = rest.decode(errors="ignore")[: len(start)]
+        if not start.startswith(begins):
+            raise ValueError(f"{begins!r} is no record")
+    except (ValueError, LookupError, TypeError, AttributeError):
+        raise checks.InputError(f"file = {str(file)!r}: is none of {kind}") from None
+    if rest:
+        os.truncate(file, len(content) - len(rest))
+    return found

@@ -50,7 +50,7 @@ def judge(build: Callable[[], Problem]) -> Verdict:
     facts: dict[str, Any] = {
         "bound": float(problem.bound),
         "run_time_s": history.run_time,
-        "steps": len(history) - 1,
+        "steps": history.steps,
     }
     size = max(problem.energy_size, energy_size(history)) if _finite(history) else np.nan
     if fault := _nonsense(problem, history, size):

@@ -18,10 +18,13 @@ from typing import Any
 import numpy as np
 
 from ..base import checks
-from .batch import listed
+from .batch import listed, records
 from .judge import CLASSES, Verdict, judge
 from .problem import Problem
 from .workers import each
+
+#: How a line of a file of maps begins.
+START = '{"key": "'
 
 
 @dataclass(frozen=True)
@@ -40,7 +43,8 @@ class Axis:
 
     def thinned(self, count: int) -> Axis:
         """At most ``count`` of the values, the first and the last among them."""
-        picked = np.unique(np.linspace(0, len(self.values) - 1, count).round().astype(int))
+        last = len(self.values) - 1
+        picked = np.unique(np.linspace(0, last, min(count, last + 1)).round().astype(int))
         return Axis(self.name, [self.values[i] for i in picked], self.label)
 
 
@@ -106,10 +110,10 @@ def run_maps(
         For each map its verdicts in the order of its cells.
 
     Raises:
-        InputError: no maps; a file of something else.
+        InputError: no maps; a file of something else, which stays as it is.
     """
     maps, file = checks.sequence("maps", maps, Map, "Maps"), checks.path("file", file)
-    known = _read(file)
+    known = dict(records(file, START, _record, "maps"))  # what was cut short is done again
     todo = [(m, cell) for m in maps for cell in m.cells() if m.key(cell) not in known]
     file.parent.mkdir(parents=True, exist_ok=True)
     with file.open("a") as out:
@@ -128,23 +132,9 @@ def _failed(reason: Any) -> Verdict:
     return Verdict("stopped" if "time limit" in str(reason) else "nonsense", reason=str(reason))
 
 
-def _read(file: Path) -> dict[str, Verdict]:
-    """Verdicts by key; a last line that a kill cut short is done again."""
-    known: dict[str, Verdict] = {}
-    if not file.is_file():
-        return known
-    lines = file.read_text().splitlines(keepends=True)
-    if lines and not lines[-1].endswith("\n"):
-        file.write_text("".join(lines[:-1]))
-        lines.pop()
-    try:
-        for line in lines:
-            row = json.loads(line)
-            fields = {k: v for k, v in row.items() if k not in ("key", "map", "cell")}
-            known[row["key"]] = Verdict(**fields)
-    except (ValueError, LookupError, TypeError, AttributeError):
-        raise checks.InputError(f"file = {str(file)!r}: is none of maps") from None
-    return known
+def _record(row: Any) -> tuple[str, Verdict]:
+    fields = {k: v for k, v in row.items() if k not in ("key", "map", "cell")}
+    return row["key"], Verdict(**fields)
 
 
 def summary(verdicts: Iterable[Verdict]) -> dict[str, int]:

@@ -127,7 +127,7 @@ def _sample(study: Study, method: str, setting: Setting, repeats: int) -> Sample
         median(times),
         median(setups),
         max(times) / min(times),
-        len(history) - 1,
+        history.steps,
         int(history["newton"].sum()),
         history.reason,
     )

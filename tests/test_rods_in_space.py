@@ -159,6 +159,23 @@ def test_a_rod_leaves_its_guide():
     assert not falling().fall(0.3, 1e-2).history.remarks
 
 
+def test_a_rod_that_hangs_low_is_pushed_in_from_there():
+    """Its axis stretches by its own weight: so much nearer it is to the end of its guide."""
+
+    def hanging():
+        axis, section = axis_mesh((0, 0), (0, 1), rod=(2.0, 10)), Section(4.0, 300.0, axial=1e3)
+        return BeamSolid(axis, section, gravity=(0, -9.81), law=Fall())
+
+    low = 4.0 * 9.81 * 2.0**2 / (2 * 1e3)
+    for bottom in (low + 0.049, low + 0.051):
+        drop = RodDrop(hanging, "rod", Guide([Tube(-5, bottom, 2e-3)]))
+        if bottom < low + 0.05:
+            with pytest.raises(InputError, match=f"depth {low + 0.05:.6g} m, beyond the end"):
+                drop.insert(0.05, step=1e-2)
+        else:
+            assert not drop.insert(0.05, step=1e-2).history.remarks
+
+
 def test_cards_below_the_last_tube_are_of_the_guide():
     drop = falling(bottom=0.3)
     drop.guide = Guide([Tube(-5, 0.3, 2e-3), Card(0.5, 2e-3)], drop.guide.origin)

@@ -214,14 +214,15 @@ class RodDrop:
         return _passage(scene, travel / speed, step / speed), scene
 
     def _settled(self, travel: float | None, law: AxialLaw | None = None) -> GuideContact:
-        """The contact of a fresh rod that has come to rest in its guide, driven by a law, and
-        meant to go to a travel, m, if that is known."""
+        """The contact of a fresh rod that has come to rest in its guide, meant to go to a travel,
+        m, if that is known, or driven by a law, so far from where it is."""
         rod = checks.instance("rod()", checks.called("rod", self._rod), BeamSolid, "a BeamSolid")
         settle(rod, self._stretch, self.guide)
         if law is not None:
             rod.law = law
         if travel is not None and travel < np.inf:
-            refuse_beyond(rod, self._stretch, self.guide, travel)
+            start = 0.0 if law is None else rod.travel
+            refuse_beyond(rod, self._stretch, self.guide, start + travel)
         return GuideContact(
             rod, self._stretch, self.guide, self.formulation, self.friction, name="guide"
         )

@@ -515,6 +515,23 @@ def test_a_rod_falls_through_an_elastic_tube(bending):
         assert speeds[0] > 1.02 * speeds[1]
 
 
+@pytest.mark.parametrize("tension", [0.0, -64.0])
+def test_a_tube_settles_that_swings_more_slowly_than_its_rod(tension):
+    """Compressed beyond Euler's load, 61.7 N, too: the rod holds it."""
+    weighs = {"gravity": (0.5, -9.81), "supports": [Support(1.8, axial=math.inf)]}
+    rod = BeamSolid(axis_mesh((0, 0), (0, 1), rod=(1.8, 12)), Section(8.0, 400.0), **weighs)
+    ends = [Support(0, lateral=math.inf, axial=math.inf), Support(4, lateral=math.inf)]
+    around = axis_mesh((0, -1), (0, 1), tube=(4.0, 16))
+    tube = BeamSolid(around, Section(5.0, 100.0, tension=tension), supports=ends, name="tube")
+    pair, guide = RodInTube(rod, tube), Guide([Tube(-4, 4, 1e-3, Sine(4e-3, 1.8))])
+    pressed = settle(pair, "rod", guide).normal_force()
+    start = pair.displacement
+    contact = GuideContact(pair, "rod", guide)
+    assert Scene([pair], [contact], ThetaScheme(1.0, forces="end")).run(0.5, 5e-2).finished
+    np.testing.assert_allclose(pair.displacement, start, atol=1e-3 * C)
+    assert contact.normal_force() == pytest.approx(pressed, rel=1e-4)
+
+
 def test_a_tube_must_be_held():
     rod, free = rod_at(1.0), rod_at(1.0)
     with pytest.raises(InputError, match="held along its axis"):

@@ -189,10 +189,11 @@ class BeamMatrices:
         """Period of the slowest bending vibration that is not rigid, s."""
         return float(2 * np.pi / np.sqrt(self._squares()[1].min()))
 
-    def longest_step(self) -> float:
-        """Of implicit Euler towards rest, s: the slowest period; where compression makes a
-        deflection grow, so much less that the energy of a step is convex."""
-        growing, swinging = self._squares()
+    def longest_step(self, *others: BeamMatrices) -> float:
+        """Of implicit Euler towards rest, s, of this beam and others: the slowest period; where
+        compression makes a deflection grow, so much less that the energy of a step is convex."""
+        squares = zip(*(beam._squares() for beam in (self, *others)))
+        growing, swinging = map(np.concatenate, squares)
         rate = np.sqrt(2 * -growing.min(initial=0.0))
         slow = 2 * np.pi / np.sqrt(swinging.min())
         return float(slow if slow * rate < 1 else 1 / rate)

@@ -85,7 +85,8 @@ def settle(
     if not supported:
         rod.law = Held()
     try:
-        step = Step(rod.matrices.longest_step(), ThetaScheme(1.0, forces="end"), 0.0)
+        tubes = [solid.tube.matrices] if isinstance(solid, RodInTube) else []
+        step = Step(rod.matrices.longest_step(*tubes), ThetaScheme(1.0, forces="end"), 0.0)
         force = _relax(solid, stretch, guide, step, tolerance, steps)
     finally:
         rod.law = law

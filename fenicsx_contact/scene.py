@@ -17,6 +17,7 @@ from .solids import DeformableSolid, Solid, communicator, refuse_mixed
 from .solve.choose import choose
 from .solve.newton import Newton
 from .solve.statics import refuse_free, stands
+from .steps.checkpoint import state_of, take_up
 from .steps.impacts import LocatedImpacts, UniformImpacts
 from .steps.run import run
 from .steps.step import Stepper
@@ -255,16 +256,11 @@ class Scene:
 
     def state(self) -> dict[str, np.ndarray]:
         """All that a run continues from, by name: copies, which stay as they are."""
-        states = [(prefix, thing.state()) for prefix, thing in self._things()]
-        return {f"{of}{name}": np.array(v) for of, state in states for name, v in state.items()}
+        return state_of(self._things())
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
-        """Take up a state that :meth:`state` gave, or refuse what is none."""
-        if "scene.time" not in checks.mapping("state", state, "that state() gave"):
-            raise checks.InputError("state: has no 'scene.time': must be one that state() gave")
-        for prefix, thing in self._things():
-            own = {k.removeprefix(prefix): v for k, v in state.items() if k.startswith(prefix)}
-            thing.restore(own)
+        """Take up a state that :meth:`state` gave; what is none is refused, and all stays."""
+        take_up(self._things(), checks.mapping("state", state, "that state() gave"), self.comm)
 
     def _things(self) -> list[tuple[str, Any]]:
         things: list[tuple[str, Any]] = []

@@ -959,6 +959,34 @@ def test_a_history_without_the_columns_of_a_run_can_be_told():
     assert repr(history) == "History(0 steps to 0 s, not run)"
 
 
+def test_a_state_that_is_none_is_refused_and_nothing_is_taken_up():
+    """Errors without a name left a scene half restored; NaN was taken."""
+    scene, other = elastic_block(), scenes.rocking_block()
+    scene.run(2e-3, 1e-3)
+    kept = scene.state()
+    name = next(name for name in kept if name.endswith(".velocity"))
+    for state, problem in {
+        "no state": ({}, "is missing|KeyError"),
+        "of another scene": (other.state(), "state: must be one that state"),
+        "too little": ({k: v for k, v in kept.items() if "unknowns" not in k}, "unknowns"),
+        "too much": ({**kept, "solid.none.velocity": np.zeros(3)}, "'solid.none.velocity' is none"),
+        "too long": ({**kept, name: np.zeros(3)}, rf"'{name}' has the shape \(3,\)"),
+        "not a number": ({**kept, name: np.nan * kept[name]}, f"'{name}' holds NaN"),
+    }.values():
+        with pytest.raises(InputError, match=problem):
+            scene.restore(state)
+        for each, value in scene.state().items():
+            np.testing.assert_array_equal(value, kept[each], each)
+
+
+def test_a_moved_ground_goes_back_to_the_start():
+    """The state of the start did not tell its time: what it had done by then stayed."""
+    scene = told_in_time("moved", 0.1)
+    start, first = scene.state(), scene.run(3e-3, 1e-3)
+    scene.restore(start)
+    np.testing.assert_array_equal(scene.run(3e-3, 1e-3).rows(), first.rows())
+
+
 def test_frames_of_an_overwritten_run_are_gone(tmp_path):
     """Next to the new history there stood the collection of the old one; notes stay."""
     elastic_block().run(4e-3, 1e-3, directory=tmp_path, fields_every=1)

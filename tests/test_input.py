@@ -400,6 +400,12 @@ def test_theta_0_with_a_law_of_positions(formulation):
 # -- runs --
 
 
+@pytest.mark.parametrize("facets", [["base"], None, 1])
+def test_facets_without_a_name(facets):
+    solid = RigidSolid(rectangle(), mass=1.0)
+    refused(lambda: Contact(solid, facets, FLOOR), f"facets = {facets!r}", "the name of facets")
+
+
 def test_files_without_a_directory():
     refused(lambda: run(resume=True), "directory = None", "resume")
     refused(lambda: run(fields_every=1), "directory = None", "fields_every")

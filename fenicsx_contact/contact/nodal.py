@@ -215,15 +215,13 @@ class NodalJump(Coupling):
         return self.traces[0].mobility().reshape(self._shape)
 
     def state(self) -> dict[str, np.ndarray]:
-        if self._before is None:
-            return {}
-        return {"time": np.array(self.time), "carried": self._before}
+        carried = {} if self._before is None else {"carried": self._before}
+        return {"time": np.array(self.time), **carried}
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
-        self._step = None
-        if "time" in state:
-            self.time, self._before = float(state["time"]), np.array(state["carried"])
-            self._start = self._end = self._before
+        self._step, self.time = None, float(state["time"])
+        self._before = np.array(state["carried"]) if "carried" in state else None
+        self._start = self._end = np.zeros(self._shape) if self._before is None else self._before
         super().restore(state)
 
     def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:

@@ -31,6 +31,7 @@ Master = Obstacle | tuple[Solid, str]
 
 def check_master(solid: Solid, facets: str, master: Any) -> Master:
     """The master as given, or a refusal."""
+    checks.instance("facets", facets, str, "the name of facets")
     _refuse_joined("facets", solid, facets)
     if not isinstance(master, tuple):
         allowed = "an obstacle (HalfSpace, ...) or (solid, name of facets)"

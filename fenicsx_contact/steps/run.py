@@ -118,7 +118,7 @@ class _Course:
         if state is not None:
             self.done = int(state.pop("run.steps"))
             state = spread(self.scene.solids, state)
-            self.scene.restore(state)
+            self.scene.restore({k: v for k, v in state.items() if not k.startswith("run.")})
             self.pace.restore(state)
             return
         self.history.append([*self.scene.stepper.row(), *_measure(self.probes)])

@@ -191,9 +191,10 @@ def test_discrete_needs_a_stiffness():
     refused(lambda: contact("discrete"), "discrete", "stiffness")
 
 
-@pytest.mark.parametrize("facets", ["bottom", "", None])
+@pytest.mark.parametrize("facets", ["bottom", "", None, ["base"]])
 def test_facets_of_a_contact(facets):
-    refused(lambda: Contact(rigid(), facets, FLOOR), "facets", repr(facets), "'base'")
+    for solid in (rigid(), elastic()):
+        refused(lambda solid=solid: Contact(solid, facets, FLOOR), repr(facets), "facets", "'base'")
 
 
 def test_fixed_facets():
@@ -398,12 +399,6 @@ def test_theta_0_with_a_law_of_positions(formulation):
 
 
 # -- runs --
-
-
-@pytest.mark.parametrize("facets", [["base"], None, 1])
-def test_facets_without_a_name(facets):
-    solid = RigidSolid(rectangle(), mass=1.0)
-    refused(lambda: Contact(solid, facets, FLOOR), f"facets = {facets!r}", "the name of facets")
 
 
 def test_files_without_a_directory():

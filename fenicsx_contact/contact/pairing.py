@@ -31,7 +31,6 @@ Master = Obstacle | tuple[Solid, str]
 
 def check_master(solid: Solid, facets: str, master: Any) -> Master:
     """The master as given, or a refusal."""
-    checks.instance("facets", facets, str, "the name of facets")
     _refuse_joined("facets", solid, facets)
     if not isinstance(master, tuple):
         allowed = "an obstacle (HalfSpace, ...) or (solid, name of facets)"
@@ -64,7 +63,7 @@ def _shown(thing: Any) -> Any:
 
 
 def _refuse_joined(what: str, solid: Solid, facets: str) -> None:
-    if facets in getattr(solid, "joined", ()):
+    if facets in tuple(getattr(solid, "joined", ())):  # a list of names has no place in a set
         raise checks.InputError(
             f"{what} = {facets!r}: is a periodic side of {solid.name!r}, behind which it goes on; "
             "nothing can touch it there"

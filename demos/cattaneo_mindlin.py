@@ -108,6 +108,8 @@ def shear(contact: Contact) -> np.ndarray:
 def exact(contact: Contact) -> ShearedLine:
     """The solution at the measured forces."""
     Q, P = np.abs(contact.force.sum(axis=0))
+    if not (contact.status == 1).any():  # all slips: Q is mu P but for round-off
+        Q = FRICTION * P
     return ShearedLine(LineContact(P, MODULUS, R), Q, FRICTION)
 
 
@@ -115,12 +117,14 @@ def figures(contact: Contact) -> dict[str, float]:
     """Stuck half width and its error in elements; errors of the shear and of the pressure in L2."""
     reference, x = exact(contact), contact.surface.points[:, 0]
     order = np.argsort(x)
-    sticks = order[contact.status[order] == 1]
     place = np.flatnonzero(contact.status[order] == 1)
-    left, right = x[order[place[[0, -1]]]]
-    before, after = x[order[place[0] - 1]], x[order[place[-1] + 1]]
-    stuck = (after + right - before - left) / 4
-    element = (right - left) / (len(sticks) - 1)
+    stuck, bearing = 0.0, np.sort(x[contact.status > 0])
+    if len(place):
+        left, right = x[order[place[[0, -1]]]]
+        before, after = x[order[place[0] - 1]], x[order[place[-1] + 1]]
+        stuck = (after + right - before - left) / 4
+        bearing = bearing[(left <= bearing) & (bearing <= right)]
+    element = float(np.ptp(bearing)) / (len(bearing) - 1)
     area = contact.surface.area
 
     def error(found: np.ndarray, expected: np.ndarray) -> float:

@@ -351,6 +351,15 @@ def test_cattaneo_mindlin(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.strip().splitlines()[-1].startswith("Q = 0.")
 
 
+def test_cattaneo_mindlin_pushed_twice_as_far(monkeypatch):
+    """What the demo asks to be tried next ended in an IndexError: no node sticks."""
+    demo = load("cattaneo_mindlin")
+    monkeypatch.setattr(demo, "SHIFT", 2 * demo.SHIFT)
+    _, found = demo.push(5)
+    assert found["utilisation"] == 1.0 and found["stick_error_in_elements"] == 0.0
+    assert found["shear_l2_error"] < 0.03
+
+
 def test_rod_drop(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     demo = load("rod_drop")

@@ -92,8 +92,8 @@ for (a, f), style in {(10e-3, 0.3): "-", (20e-3, less): "--"}.items():
     way = ways[a, f]
     left.plot(way.history.time, way.history["speed"], style)
     travel, resistance, _ = way.resistance()
-    mean = np.convolve(resistance, np.ones(40) / 40, mode="same")  # over 40 ms
-    right.plot(travel, mean, style, label=f"{1e3 * a:.0f} mm, friction {f}")
+    mean, middle = (np.convolve(v, np.ones(40) / 40, mode="valid") for v in (resistance, travel))
+    right.plot(middle, mean, style, label=f"{1e3 * a:.0f} mm, friction {f}")
 left.axvline(T5, color="0.8")
 left.set_xlabel("time [s]")
 left.set_ylabel("speed [m/s]")
@@ -104,4 +104,4 @@ fig.savefig(RESULTS / "18_drop.png", dpi=150)
 
 # %% [markdown]
 # *Figure.* Two rods of the same T5 (grey): speeds over time, and what the guide resists over
-# travel.
+# travel, in the mean of 40 ms.

@@ -1,29 +1,22 @@
 # %% [markdown]
-# **1.** How much farther does it come for a little more speed? Differences of `rest` with $v_0$ 1 %
-# more and less; exactly $v_0/\mu g$, 0.5097 s. Reach **0.51** s.
+# **1.** What is the tangent by uniform steps? It is exact, too, of what is computed: the slope of
+# one piece of that curve, and of the other sign. Reach **-0.027** J/rad.
 
 # %%
-v0 = 2.02
-more = rest()
-v0 = 1.98
-less = rest()
-v0 = 2.0
-answer = (more - less) / 0.04
+answer = tangent(locate=False)
 
 # %% [markdown]
-# **2.** By uniform steps the difference quotients of the figure are not 0.4. How far apart are the
-# largest and the smallest of them? Reach **0.97**.
+# **2.** By uniform steps the difference quotients of the figure are small or far too large. How far
+# apart are the largest and the smallest of them? Reach **24.0** J/rad.
 
 # %%
-answer = np.ptp(np.diff(uniform) / np.diff(heights))
+answer = np.ptp(np.diff(uniform) / np.diff(tilts))
 
 # %% [markdown]
-# **3.** Do shorter steps cure this? Take 5 ms, and the heights 0.090, 0.091, ... 0.100 m. How far
-# apart are the quotients now? Here they do: the law of velocities slows the mass down so that it
-# arrives by the end of the step, and nothing is left of the rounding. Do not count on it. Reach
-# **0.000**.
+# **3.** Do shorter steps cure this? Take 1 ms, and the tilts 9.9, 9.92, ... 10.1 mrad. How far
+# apart are the quotients now? The jumps are lower, and there are more of them. Reach **8.6** J/rad.
 
 # %%
-near = np.linspace(0.09, 0.10, 11)
-short = np.array([rest(height, locate=False, dt=0.005) for height in near])
+near = np.linspace(0.0099, 0.0101, 11)
+short = np.array([energy(angle, locate=False, dt=1e-3) for angle in near])
 answer = np.ptp(np.diff(short) / np.diff(near))

@@ -391,5 +391,7 @@ def test_no_part_of_a_monolithic_system():
 def test_no_part_of_a_quasi_static_scene():
     """Said as what it is, and what does as well: a long step by theta = 1."""
     beam = BeamSolid(AXIS, GOOD, supports=[CLAMP])
-    with pytest.raises(InputError, match=r"'beam' is a BeamSolid, .*long steps of ThetaScheme\(1.0\)"):
+    with pytest.raises(
+        InputError, match=r"'beam' is a BeamSolid, .*long steps of ThetaScheme\(1.0\)"
+    ):
         Scene([beam], [], QuasiStatic())

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from .base import checks
+from .contact.arrivals import starts_too_deep
 from .contact.contact import Contact
 from .output.history import COLUMNS, History, contact_columns
 from .solids import DeformableSolid, Solid, communicator, refuse_mixed
@@ -148,13 +149,9 @@ class Scene:
                     f"no velocity of its own; contact {contact.name!r} needs a law of positions "
                     "(gap, lagrange, springs) there"
                 )
-            depth = float(contact.gap.max())
+            if deep := starts_too_deep(contact, self.deepest):
+                raise checks.InputError(f"contacts: {deep}")
             most = self.deepest * contact.surface.extent
-            if depth > most:
-                raise checks.InputError(
-                    f"contacts: {contact.name!r} starts {depth:.4g} inside its master; at most "
-                    f"deepest = {self.deepest:g} of the surface's extent ({most:.4g}) is allowed"
-                )
             if within := contact.coupling.swallowed(most):
                 raise checks.InputError(
                     f"contacts: {contact.name!r} starts with {within}, where their facets do not "

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from mpi4py import MPI
 from scenes import box, rectangle, total_energy
 
 from fenicsx_contact import (
@@ -17,8 +18,10 @@ from fenicsx_contact import (
     RigidSolid,
     Scene,
     ThetaScheme,
+    name_facets,
     neo_hookean,
 )
+from fenicsx_contact.base import compat
 from fenicsx_contact.contact.mortar import Pairing, Side
 from fenicsx_contact.contact.mortar.rates import Rates
 from fenicsx_contact.contact.mortar.stance import Stance
@@ -475,6 +478,23 @@ def test_initial_interpenetration():
     history = scene.run(until=1, dt=1.0)
     assert history.finished and history["c.penetration"][-1] < 1e-9
     assert history["c.force_y"][-1] > 0
+
+
+def test_a_refusal_tells_means_from_solids():
+    """A long facet beside the tip of a narrow crank, 0.1 m off: its mean gap lies far behind."""
+    turn = np.pi / 2 + 0.2
+    along = np.array((np.cos(turn), np.sin(turn)))
+    aside = 0.05 * np.array((-along[1], along[0]))
+    x = np.array([-along, -aside, along, aside])
+    mesh = compat.create_mesh(MPI.COMM_SELF, np.array([[0, 1, 3], [1, 2, 3]]), x, "triangle")
+    skin = {"skin": lambda x: np.full(x.shape[1], True)}
+    crank = RigidSolid(name_facets(mesh, skin), mass=2.0, held=["x", "y"], name="crank")
+    slider = rectangle((1, 1), (1.0, 3.1))
+    slider.mesh.geometry.x[:, :2] += (along[0] - 1.1 - slider.mesh.geometry.x[:, 0].min(), -0.1)
+    slide = RigidSolid(slider, mass=1.5, held=["y", "turning"], name="slide")
+    contact = Contact(slide, "right", (crank, "skin"))
+    with pytest.raises(InputError, match=r"inside by its gaps.* though its solids are apart"):
+        Scene([crank, slide], [contact])
 
 
 def sliding(monkeypatch, fresh):

@@ -48,18 +48,37 @@ def missed(contact: Contact, closing: bool) -> str:
 def starts_inside(contact: Contact) -> str:
     """What a reader should know of a contact that overlaps, whose law leaves it so, or nothing."""
     law, deep = contact.formulation, contact.depth()
-    if deep > contact.tolerance >= contact.coupling.inside():
-        return (
-            f"contact {contact.name!r} starts {deep:.3g} m inside by its gaps, means over facets, "
-            "though its solids are apart: laws of positions push them, and energy comes of it. "
-            "Give it smaller facets, the other solid as slave, or a clearance"
-        )
+    if means := _inside_by_means(contact, deep):
+        return f"contact {means}"
     corrects = getattr(law, "drift_correction", 1.0)
     if law.gap_share or corrects or deep <= contact.tolerance:
         return ""
     return (
         f"contact {contact.name!r} starts {deep:.3g} m inside, and {law.name!r} keeps "
         "it there: 'gap' takes it back, and so does a drift_correction"
+    )
+
+
+def starts_too_deep(contact: Contact, share: float) -> str:
+    """Why a contact is refused that starts deeper inside than this share of its surface's extent,
+    or nothing."""
+    depth, most = float(contact.gap.max()), share * contact.surface.extent
+    if not depth > most:
+        return ""
+    return _inside_by_means(contact, depth) or (
+        f"{contact.name!r} starts {depth:.4g} inside its master; at most "
+        f"deepest = {share:g} of the surface's extent ({most:.4g}) is allowed"
+    )
+
+
+def _inside_by_means(contact: Contact, deep: float) -> str:
+    """What a reader should know of a contact so deep inside, m, if its solids are not."""
+    if not deep > contact.tolerance >= contact.coupling.inside():
+        return ""
+    return (
+        f"{contact.name!r} starts {deep:.3g} m inside by its gaps, means over facets, "
+        "though its solids are apart: laws of positions push them, and energy comes of it. "
+        "Give it smaller facets, the other solid as slave, or a clearance"
     )
 
 

@@ -7,6 +7,7 @@ import pytest
 from matplotlib.path import Path
 from mpi4py import MPI
 from scenes import G, check_energies, rectangle
+from scipy.spatial import ConvexHull
 
 from fenicsx_contact import (
     Adhesive,
@@ -509,3 +510,110 @@ def test_a_driven_plate_stops_at_a_wall(mass, dt):
     history = heap([wall, plate], 0.0, ThetaScheme(0.5)).run(until=10 * dt, dt=dt)
     assert history.finished and abs(plate.place[0] + 0.1) < 1e-12
     assert history["heap.penetration"].max() < 1e-12
+
+
+def convex(corners, name, **solid):
+    """A body within the convex hull of corners."""
+    hull = ConvexHull(corners)
+    cells = np.column_stack([hull.simplices, np.full(len(hull.simplices), len(corners))])
+    x = np.vstack([corners, corners[hull.vertices].mean(axis=0)])
+    kind = CELLS[corners.shape[1]][1]
+    mesh = compat.create_mesh(MPI.COMM_SELF, cells, x, kind)
+    named = name_facets(mesh, {"skin": lambda x: np.full(x.shape[1], True)})
+    return RigidSolid(named, mass=1.0, name=name, **solid)
+
+
+def frame(rng, dim):
+    """A turn at random."""
+    turn = np.linalg.qr(rng.normal(size=(dim, dim)))[0]
+    turn[:, 0] *= np.linalg.det(turn)
+    return turn
+
+
+def lump(rng, dim):
+    """Corners of a convex body at random."""
+    x = rng.normal(size=(rng.integers(dim + 1, 9), dim))
+    x *= rng.uniform(0.2, 0.5, dim) / np.linalg.norm(x, axis=1)[:, None]
+    return x[ConvexHull(x).vertices] @ frame(rng, dim).T
+
+
+def lowest(rng, x):
+    """A body turned so that a face (an edge, or a corner) of it is lowest, at height 0; which: of
+    how many corners."""
+    dim = x.shape[1]
+    hull = ConvexHull(x)
+    facet = hull.simplices[rng.integers(len(hull.simplices))]
+    count = int(rng.integers(1, dim + 1))
+    near = np.isin(hull.simplices, facet[:count]).sum(axis=1) == count
+    down = rng.dirichlet(np.ones(near.sum())) @ hull.equations[near, :dim]
+    one, other = (
+        np.linalg.qr(np.column_stack([way, rng.normal(size=(dim, dim - 1))]))[0]
+        for way in (down, -np.eye(dim)[-1])
+    )
+    other[:, 0] *= np.sign(other[-1, 0]) * np.sign(one[:, 0] @ down) * -1
+    other[:, -1] *= np.linalg.det(one) * np.linalg.det(other)
+    x = x @ one @ other.T
+    low = x[:, -1] < x[:, -1].min() + 1e-12
+    return x - np.append(x[low, :-1].mean(axis=0), x[:, -1].min()), low.sum()
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_what_is_apart_is_not_behind(dim):
+    """Of convex bodies at random, a little apart, nothing is behind; of those that overlap, nothing
+    is deeper than they do."""
+    rng = np.random.default_rng(5)
+    bodies, far = [], rng.choice([-1e-4, 1e-5, 1e-3], 30)
+    for i, gap in enumerate(far):
+        low, up = lowest(rng, lump(rng, dim))[0], lowest(rng, lump(rng, dim))[0]
+        low[:, -1] *= -1
+        turn, place = frame(rng, dim), 10.0 * i * np.eye(dim)[0]
+        bodies += [
+            convex(x @ turn.T + place, f"{name} {i}")
+            for name, x in (("low", low), ("up", up + gap * np.eye(dim)[-1]))
+        ]
+    coupling = Heap(bodies, "skin").coupling
+    x = coupling._start
+    found = coupling._search(x, np.zeros_like(x))
+    pair = coupling._shape.body[found.mine[:, 0]] // 2
+    assert (found.height >= np.minimum(far, 0)[pair] - 1e-8).all()
+    assert set(np.flatnonzero(far < 0)) == set(pair[found.height < 0])
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("gap", [0.0, 1e-3])
+def test_what_slides_past_goes_on(dim, gap):
+    """Two bodies on either side of a plane, one of which moves along it, beside the other or off
+    it: a corner that came to the end of a face or an edge was struck by what is behind there."""
+    rng = np.random.default_rng(89 if dim == 2 else 7)
+    for _ in range(4 if dim == 2 else 2):
+        (low, one), (up, other) = (lowest(rng, lump(rng, dim)) for _ in range(2))
+        low[:, -1] *= -1
+        way = np.append(rng.normal(size=dim - 1), 0.0)
+        way /= np.linalg.norm(way)
+        up += gap * np.eye(dim)[-1]
+        if gap:
+            up -= rng.uniform() * way
+        elif one + other <= dim:  # a corner on a corner, which may go to either side
+            continue
+        turn = frame(rng, dim)
+        bodies = [convex(low @ turn.T, "low"), convex(up @ turn.T, "up", velocity=turn @ way)]
+        history = heap(bodies, 0.0, locate_impacts=True).run(until=0.6, dt=2e-2)
+        assert history.finished and not history.remarks
+        np.testing.assert_allclose(bodies[1].velocity[:dim], turn @ way, atol=1e-9)
+        assert np.abs(bodies[0].velocity).max() < 1e-9
+
+
+@pytest.mark.parametrize("turn", [0.0, 1.0])
+def test_behind_the_far_face_of_a_wedge_there_is_nothing(turn):
+    """A corner was farther from the near face than is asked, and met the one behind it, 0.18 m
+    deep, for the bodies are long: they fly past each other, 7 mm apart."""
+    c, s = np.cos(turn), np.sin(turn)
+    turn = np.array([[c, -s], [s, c]])
+    wedge = np.array([(0, 0), (1, -0.25), (0.75, 0.75)])
+    kite = np.array([(0.05, 0.17), (-0.35, 0.29), (-0.45, -0.03), (-0.15, -0.18)]) - 0.15
+    velocity = turn @ (0.6, 0.6)
+    flies = convex(kite @ turn.T, "kite", velocity=velocity)
+    history = heap([convex(wedge @ turn.T, "wedge", held=HELD[2]), flies], locate_impacts=True)
+    history = history.run(until=0.4, dt=1e-2)
+    assert history.finished and not history.remarks
+    np.testing.assert_allclose(flies.velocity, [*velocity, 0.0], atol=1e-14)

@@ -18,8 +18,8 @@ from ...base.constants import SAME, SHARP
 from ...base.vectors import dot
 from .shape import Shape
 
-#: The sine of the angle by which the body behind a corner may reach through the plane of a face: a
-#: face that lies flat on another turns by round-off, and something round by its facets.
+#: The sine of the angle by which a body may reach through the plane of a face or two edges that
+#: goes on there: a face that lies flat on another turns by round-off, what is round by its facets.
 THROUGH = sqrt(1 - SHARP**2)
 
 

@@ -60,19 +60,20 @@ class HeapJump(Coupling):
     def _places(self) -> np.ndarray:
         return np.concatenate([trace.positions() for trace in self.traces])
 
-    def _meet(self, way: np.ndarray, busy: np.ndarray) -> bool:
+    def _meet(self, way: np.ndarray, busy: np.ndarray) -> None:
         self._foreseen, found = way, self._search(self._start, way)
         self.fresh = self.meetings.take(found, busy)
-        return bool(self.fresh.any())
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
         way = step.horizon * self.velocities("velocity").reshape(self._start.shape)
-        before = self.meetings.normal.copy()
-        changed = self._meet(way, bears)
+        before, face = self.meetings.normal.copy(), self.meetings.features.face
+        self._meet(way, bears)
         self.meetings.update(self._start)
         self._first = self.meetings.operator
         # before another face of a body, or another body, tangents kept may be along the normal
         self.turned = self.fresh | (dot(before, self.meetings.normal) < SHARP)
+        # what touched may be open before the next face, though normals are much the same
+        changed = not np.array_equal(face, self.meetings.features.face)
         return changed or bool(self.turned.any())
 
     def follow(self) -> None:

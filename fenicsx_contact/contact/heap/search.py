@@ -95,7 +95,7 @@ class Search:
         """Those of nodes at x (N, d) that are about to go a ``way`` (N, d), both in m."""
         pairs, reach = self._pairs(x, way)
         goes = AHEAD * self.ways(way)[pairs].sum(axis=1)
-        places = Places(x, x + way, self._starts, np.tile(reach, 2), goes)
+        places = Places(x, x + way, self._starts, *np.tile([reach, goes], 2))
         found = [self._corners(np.concatenate([pairs, pairs[:, ::-1]]), places)]
         if self._shape.dim == 3:
             found.append(self._edges(pairs, places))
@@ -172,8 +172,9 @@ class Search:
         pair, corner = self._around(s.corners, every, pairs[:, 0], pairs[:, 1], places)
         of, face = s.faces.of(pairs[pair, 1])
         pair, corner = pair[of], corner[of]
-        height, over = self._over(corner, face, x)
-        over |= self._over(corner, face, places.end)[1]
+        far = places.goes[pair] + SAME * s.sizes[s.owner[face]]
+        height, over = self._over(corner, face, x, far)
+        over |= self._over(corner, face, places.end, far)[1]
         bodies = pairs[pair]
         deep = -WALL * s.thin[bodies].min(axis=1)
         over &= height >= deep
@@ -219,9 +220,9 @@ class Search:
         """How high nodes are above the planes of faces, m."""
         return dot(x[node] - x[self._shape.outline[face, 0]], self._shape.units(x, face))
 
-    def _over(self, corner: np.ndarray, face: np.ndarray, x: np.ndarray) -> tuple:
+    def _over(self, corner: np.ndarray, face: np.ndarray, x: np.ndarray, far: np.ndarray) -> tuple:
         """How high corners are above the planes of faces, and whether they lie over these with the
-        bodies behind them."""
+        bodies behind them, if they go so far, in m."""
         s, p = self._shape, x[corner]
         normal = s.units(x, face)
         height = dot(p - x[s.outline[face, 0]], normal)
@@ -229,9 +230,22 @@ class Search:
         row, node = s.beside.of(corner[over])
         which = np.flatnonzero(over)[row]
         arm = x[node] - p[which]
-        reaches = dot(arm, normal[which]) < -THROUGH * np.sqrt(dot(arm, arm))
-        over[which[reaches]] = False
+        arm /= np.sqrt(dot(arm, arm))[:, None]
+        rise = -dot(arm, normal[which])
+        over[which[rise > THROUGH]] = False
+        # what reaches through a little is what goes on over the face
+        little = np.flatnonzero((rise > SAME) & over[which])
+        which, level = which[little], arm[little] + rise[little, None] * normal[which[little]]
+        level *= (far[which] / np.sqrt(dot(level, level)))[:, None]
+        over[which[~self._within(p[which] + level, face[which], x)]] = False
         return height, over
+
+    def _within(self, p: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Whether places (k, d) lie over or below faces, or others in the planes of these."""
+        s, result = self._shape, np.zeros(len(face), dtype=bool)
+        row, facet = s.level.of(s.plane[face])
+        result[row[s.holds(p[row], facet, x)]] = True
+        return result
 
     def _edges(self, pairs: np.ndarray, places: Places) -> Features:
         s, x = self._shape, places.start

@@ -58,6 +58,7 @@ class Shape:
             they turn outwards; ``owner``: the body of each.
         part: of which part of its body each facet is, (F,): of a convex body there is one, else one
             for each of its faces; ``parts``: how many there are in all.
+        plane: in which plane of its body each facet is, (F,); ``level``: the facets of each.
         faces: numbers of the facets of each body; ``corners``, ``edges``: likewise, of the nodes
             that are corners and of rows of ``ends``.
         beside: for each node the other nodes of its facets.
@@ -103,6 +104,7 @@ class Shape:
         """How thin bodies are, and their parts."""
         unit, _ = unit_and_length(self.normals(self.nodes))
         self.part, self.parts = np.empty(len(unit), dtype=np.int64), 0
+        plane, planes = np.empty_like(self.part), 0
         for b, at in enumerate(self.slices):
             mine = self.faces.values[self.faces.first[b] :][: self.faces.count[b]]
             level = (self.nodes[self.outline[mine, 0]] * unit[mine]).sum(axis=1)
@@ -112,12 +114,16 @@ class Shape:
             behind = -rise.min(axis=0)
             self.thin[b] = behind[behind > same].min(initial=self.sizes[b])
             self.part[mine] = self.parts
+            flat = np.round(np.column_stack([unit[mine], level / self.sizes[b]]) / SAME)
+            which = np.unique(flat, axis=0, return_inverse=True)[1].ravel()
+            plane[mine] = planes + which
+            planes += int(which.max(initial=-1)) + 1
             if (rise > same).any():
                 self.convex[b] = False
                 self.thin[b] = min(self.sizes[b], Walls(sides[b]).least())
-                plane = np.round(np.column_stack([unit[mine], level / self.sizes[b]]) / SAME)
-                self.part[mine] += np.unique(plane, axis=0, return_inverse=True)[1].ravel()
+                self.part[mine] += which
             self.parts = int(self.part[mine].max(initial=self.parts)) + 1
+        self.plane, self.level = plane, Ragged(plane, np.arange(len(unit)), planes)
 
     def normals(self, x: np.ndarray) -> np.ndarray:
         """Outward normals of the facets, as long as their area is large, from places (N, d)."""

@@ -39,8 +39,8 @@ def crossing(
     # out of the first body: away from what is beside its edge
     turn = np.where(dot(arms[0] + arms[1], normal) > 0, -1.0, 1.0)
     normal *= turn[:, None]
-    share, other = shares(a, u, c, v)
-    cross &= np.minimum.reduce([share, 1 - share, other, 1 - other]) > SAME
+    first, second = shares(a, u, c, v)
+    cross &= np.minimum.reduce([first, 1 - first, second, 1 - second]) > SAME
     height, same = dot(c - a, normal), SAME * np.sqrt(lengths)
     far = goes + same
     others = [_across(x[s.wings[theirs, i]] - c, v) for i in (0, 1)]
@@ -52,13 +52,14 @@ def crossing(
         level = arm - rise[:, None] * way
         over = np.maximum(*(dot(end, level) for end in ends)) > far
         cross &= rise <= np.where(over, THROUGH, SAME)
-    # and no face beside them that is farther from all of the other edge
+    # and no face beside them that is farther from all of the other edge and of what is beside it
     faces = s.units(x, np.arange(len(s.outline)))
-    for edge, ends in ((theirs, (a, b)), (mine, (c, d))):
+    for edge, other in ((theirs, mine), (mine, theirs)):
+        nodes = [*s.ends[other].T, *s.wings[other].T]
         for i in (0, 1):
             f = s.flanks[edge, i]
             at = x[s.outline[f, 0]]
-            least = np.minimum(*(dot(p - at, faces[f]) for p in ends))
+            least = np.minimum.reduce([dot(x[node] - at, faces[f]) for node in nodes])
             cross &= least <= height + same
     return height, turn, cross
 

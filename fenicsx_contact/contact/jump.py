@@ -134,8 +134,12 @@ class Coupling(ABC):
         return jump
 
     def velocities(self, which: str) -> np.ndarray:
-        """Velocities of the traces' points: of the solids' ``velocity`` or ``trial_velocity``."""
-        parts = [t.jump(getattr(s, which)) for s, t in zip(self.solids, self.traces)]
+        """Velocities of the traces' points, by the solids' ``velocity`` where the step starts, or
+        by their ``trial_velocity``."""
+        if which == "velocity":
+            parts = [t.start_jump(s.velocity) for s, t in zip(self.solids, self.traces)]
+        else:
+            parts = [t.jump(s.trial_velocity) for s, t in zip(self.solids, self.traces)]
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
     def speeds(self, which: str) -> np.ndarray:

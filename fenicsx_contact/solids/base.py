@@ -52,6 +52,10 @@ class Trace(ABC):
     def jump(self, velocity: np.ndarray) -> np.ndarray:
         """Velocities of the points, J v."""
 
+    def start_jump(self, velocity: np.ndarray) -> np.ndarray:
+        """Velocities of the points where the step starts, wherever the solid has been tried."""
+        return self.jump(velocity)
+
     @abstractmethod
     def mean_jump(self, velocity: np.ndarray) -> np.ndarray:
         """Velocities of the points, by the operator whose transpose spreads the forces."""

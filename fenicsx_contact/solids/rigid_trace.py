@@ -93,6 +93,9 @@ class RigidTrace(MonolithicTrace):
     def jump(self, velocity: np.ndarray) -> np.ndarray:
         return self._operator @ velocity
 
+    def start_jump(self, velocity: np.ndarray) -> np.ndarray:
+        return self._start_operator @ velocity
+
     def mean_jump(self, velocity: np.ndarray) -> np.ndarray:
         return self._force_operator @ velocity
 

@@ -114,7 +114,8 @@ class HeapJump(Coupling):
 
     def loaded(self, free: np.ndarray, start: np.ndarray) -> np.ndarray:
         # bodies that fall alike are stopped by each other, once one of them stands
-        change = free - self.velocities("velocity")
+        before = [t.jump(s.velocity) for s, t in zip(self.solids, self.traces)]
+        change = free - np.concatenate(before)
         return self.meetings.apart(change)
 
     def force(self, force: np.ndarray) -> np.ndarray:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Rigid bodies that may all meet: corners before faces and edges that cross, without means."""
 
+from itertools import product
+
 import dolfinx
 import numpy as np
 import pytest
@@ -618,3 +620,28 @@ def test_behind_the_far_face_of_a_wedge_there_is_nothing(turn):
     history = history.run(until=0.4, dt=1e-2)
     assert history.finished and not history.remarks
     np.testing.assert_allclose(flies.velocity, [*velocity, 0.0], atol=1e-14)
+
+
+@pytest.mark.second
+@pytest.mark.parametrize("seed", [1, 4])
+def test_boxes_that_strike_each_other_are_the_same_in_another_frame(seed):
+    """Flights to impacts, one after the other: what touched in one let go as the next one began,
+    for the velocities of its points were those where the last one had turned the bodies."""
+
+    def run(turn, shift, order):
+        rng = np.random.default_rng(seed)
+        boxes = []
+        for i in range(3):
+            x = np.array(list(product((-1, 1), repeat=3))) * rng.uniform(0.1, 0.25, 3)
+            x = x @ frame(rng, 3).T + [0.72 * i, *rng.uniform(-0.15, 0.15, 2)]
+            way = [(1 - i) * rng.uniform(0.8, 1.5), *rng.uniform(-0.2, 0.2, 2)]
+            motion = {"velocity": turn @ way, "spin": turn @ rng.uniform(-2, 2, 3)}
+            boxes.append(convex(x @ turn.T + shift, f"{i}", **motion))
+        history = heap([boxes[i] for i in order], 0.0, locate_impacts=True).run(0.4, 5e-3)
+        assert history.finished and not history.remarks
+        assert (history["dt"] == 0).sum() > 2
+        return [[(b.place - shift) @ turn, b.velocity[3:] @ turn] for b in boxes]
+
+    plain = run(np.eye(3), np.zeros(3), (0, 1, 2))
+    other = run(frame(np.random.default_rng(9), 3), np.array([3.0, -2.0, 1.0]), (2, 0, 1))
+    np.testing.assert_allclose(other, plain, atol=1e-5)

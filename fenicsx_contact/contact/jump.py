@@ -136,10 +136,11 @@ class Coupling(ABC):
     def velocities(self, which: str) -> np.ndarray:
         """Velocities of the traces' points, by the solids' ``velocity`` where the step starts, or
         by their ``trial_velocity``."""
-        if which == "velocity":
-            parts = [t.start_jump(s.velocity) for s, t in zip(self.solids, self.traces)]
+        pairs = zip(self.solids, self.traces)
+        if which == "velocity":  # an own trace need not tell, if where it is changes no velocity
+            parts = [getattr(t, "start_jump", t.jump)(s.velocity) for s, t in pairs]
         else:
-            parts = [t.jump(s.trial_velocity) for s, t in zip(self.solids, self.traces)]
+            parts = [t.jump(s.trial_velocity) for s, t in pairs]
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
     def speeds(self, which: str) -> np.ndarray:

@@ -221,7 +221,7 @@ def choice(name: str, value: Any, allowed: Iterable[str]) -> str:
 def path(name: str, value: Any) -> Path:
     """``value`` as a path, or an :class:`InputError`."""
     if "\0" in str(instance(name, value, (str, Path), "a path")):
-        raise InputError(f"{name} = {value!r}: must be a path, which no system has with a zero in")
+        raise InputError(f"{name} = {value!r}: must be a path, without a zero character")
     return Path(value)
 
 

@@ -33,7 +33,12 @@ def across(normal: np.ndarray) -> np.ndarray:
     return np.asarray(result / np.sqrt(dot(result, result))[:, None])
 
 
+def orthogonal(normal: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """The parts of vectors (n, d) that are orthogonal to these normals."""
+    return np.asarray(vectors - dot(vectors, normal)[:, None] * normal)
+
+
 def beside(normal: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """Unit vectors (n, 3) orthogonal to these normals, as near as can be to some others."""
-    result = vectors - dot(vectors, normal)[:, None] * normal
+    result = orthogonal(normal, vectors)
     return np.asarray(result / np.sqrt(dot(result, result))[:, None])

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..base import checks
 from ..base.constants import ROUND_OFF
-from ..base.vectors import dot, largest
+from ..base.vectors import dot, largest, orthogonal
 from ..solids import Solid
 from ..theory.formulations import Formulation
 from ..theory.formulations import formulation as as_formulation
@@ -254,8 +254,8 @@ class Contact(Scaled, SurfaceResults):
         self.force_normal = e.fields.mean_normal()
         hardly = self.units(step)[0] * e.weight * resolution
         presses = e.pressed(dot(self.force, self.normal)) > hardly
-        by = presses, self.trial_jump, self.normal, e.fields.back
-        self.status = kept(self.trial_status, *by, resolution)
+        slip = orthogonal(self.normal, self.trial_jump)
+        self.status = kept(self.trial_status, presses, slip, e.fields.back, resolution)
         self.arriving = np.where(self.status > 0, comes, np.inf)
         self._springs.accept(step, self.force - self.normal_forces, self.status == 1)
         if self.memory.values:

@@ -14,7 +14,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..base.vectors import dot
+from ..base.vectors import orthogonal
 from ..theory.formulations import Formulation
 from ..theory.theta import Step
 from .equations import SurfaceEquations
@@ -85,7 +85,7 @@ class TangentialSprings:
         stretched springs."""
         if not self._slips:
             return jump
-        return np.where(self._sticks[:, None], dot(jump, normal)[:, None] * normal, jump)
+        return jump - np.where(self._sticks[:, None], orthogonal(normal, jump), 0.0)
 
     def accept(self, step: Step, friction: np.ndarray, sticks: np.ndarray) -> None:
         """Keep the stretch at the end of a step from its friction (n, d) in N: elastic where

@@ -11,20 +11,18 @@ from ..base.vectors import dot, largest
 def kept(
     status: np.ndarray,
     presses: np.ndarray,
-    jump: np.ndarray,
-    normal: np.ndarray,
+    slip: np.ndarray,
     back: np.ndarray,
     resolution: float,
 ) -> np.ndarray:
-    """Statuses to be kept (n,): what moves along the surface by less than ``resolution``, m/s,
-    sticks, and what hardly presses is open. What has no mean slip, as it has turned to ``back`` of
-    (3'), (n, d) in m/s, slips."""
-    along = jump - dot(jump, normal)[:, None] * normal
+    """Statuses to be kept (n,), by slips (n, d) in m/s: what moves along the surface by less than
+    ``resolution``, m/s, sticks, and what hardly presses is open. What has no mean slip, as it has
+    turned to ``back`` of (3'), (n, d) in m/s, slips."""
     if status.max() > 1:
-        still = dot(along, along) <= resolution**2
+        still = dot(slip, slip) <= resolution**2
         status = np.where(still, np.minimum(status, 1.0), status)
     if back.any():
-        turned = dot(2 * along - back, back) > 0  # it is nearer to that than to rest
+        turned = dot(2 * slip - back, back) > 0  # it is nearer to that than to rest
         status = np.where(turned & (status == 1), 2.0, status)
     return np.where(presses, status, 0.0)
 

@@ -10,7 +10,7 @@ import ufl
 from dolfinx import fem
 
 from ..base import checks, compat
-from ..base.vectors import across, beside, cross, dot
+from ..base.vectors import across, beside, cross, dot, orthogonal
 from ..theory.formulations import Formulation
 from ..theory.friction import Asked, FrictionBound
 from .law_fields import LawFields
@@ -181,8 +181,8 @@ class SurfaceFields(LawFields):
         """Tell friction the jumps (n, d) [m/s] before the step: none where points stuck, (n,) of
         bool, which on springs stretches them, and no slips below what is resolved."""
         if self.friction is not None:
-            along = jump - dot(jump, normal)[:, None] * normal
-            slips = ~sticks & (dot(along, along) > resolved**2)
+            slip = orthogonal(normal, jump)
+            slips = ~sticks & (dot(slip, slip) > resolved**2)
             self.start_slip.x.array[:] = np.where(slips[:, None], jump, 0.0).ravel()
 
     @property

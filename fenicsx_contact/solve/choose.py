@@ -47,7 +47,8 @@ def choose(
             for contact in contacts
         )
         floats = not scheme.inertia and not all(stands(solid) for solid in solids)
-        # first corrections see springs as deep as what is free has gone, along normals that move
+        # between solids full Newton begins with springs as deep as a step goes, along normals that
+        # move: stiff ones are settled on normals at rest
         yields = any(len(contact.solids) > 1 for contact in springs)
         whole = (large and deformable) or (not yields and (pairs or floats or rubs))
         geometry = "newton" if whole else "fixed point"

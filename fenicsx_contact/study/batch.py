@@ -13,11 +13,10 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from ..base import checks
-
-T = TypeVar("T")
+from .records import listed, records
 
 #: How a line of a batch begins.
 START = '{"case": {'
@@ -154,47 +153,9 @@ def _line(case: Mapping[str, Any], results: Any) -> str:
         ) from None
 
 
-def listed(value: Any) -> Any:
-    """What numpy gives as Python's own numbers."""
-    if isinstance(value, Mapping):
-        return dict(value)
-    if not hasattr(value, "tolist"):
-        raise TypeError(f"{value!r} is no number or text")
-    return value.tolist()
-
-
 def _key(case: Mapping[str, Any]) -> str:
     return json.dumps(case, sort_keys=True, default=listed)
 
 
 def _record(line: Any) -> tuple[dict[str, Any], dict[str, Any]]:
     return dict(line["case"]), dict(line["results"])
-
-
-def records(file: Path, start: str, record: Callable[[Any], T], kind: str) -> list[T]:
-    """What is in a file of JSON lines. A last line that a kill cut short is taken out, if all
-    before it are records and it begins as they do.
-
-    Args:
-        file: of lines; it may be missing.
-        start: how each line begins.
-        record: from what stands in a line.
-        kind: of the file, for messages.
-
-    Raises:
-        InputError: a file of something else, which stays as it is; a directory.
-    """
-    if file.is_dir():
-        raise checks.InputError(f"file = {str(file)!r}: is a directory")
-    content = file.read_bytes() if file.is_file() else b""
-    whole, _, rest = content.rpartition(b"\n")
-    try:
-        found = [record(json.loads(line)) for line in whole.splitlines()]
-        begins = rest.decode(errors="ignore")[: len(start)]
-        if not start.startswith(begins):
-            raise ValueError(f"{begins!r} is no record")
-    except (ValueError, LookupError, TypeError, AttributeError):
-        raise checks.InputError(f"file = {str(file)!r}: is none of {kind}") from None
-    if rest:
-        os.truncate(file, len(content) - len(rest))
-    return found

@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from ..base import checks
-from .batch import listed, records
 from .judge import CLASSES, Verdict, judge
 from .problem import Problem
+from .records import listed, records
 from .workers import each
 
 #: How a line of a file of maps begins.

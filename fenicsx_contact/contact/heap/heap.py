@@ -66,15 +66,13 @@ class HeapJump(Coupling):
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
         way = step.horizon * self.velocities("velocity").reshape(self._start.shape)
-        before, face = self.meetings.normal.copy(), self.meetings.features.face
+        before = self.meetings.normal.copy()
         self._meet(way, bears)
         self.meetings.update(self._start)
         self._first = self.meetings.operator
         # before another face of a body, or another body, tangents kept may be along the normal
         self.turned = self.fresh | (dot(before, self.meetings.normal) < SHARP)
-        # what touched may be open before the next face, though normals are much the same
-        changed = not np.array_equal(face, self.meetings.features.face)
-        return changed or bool(self.turned.any())
+        return True  # before the next face of a body what touched may be open
 
     def follow(self) -> None:
         for trace in self.traces:

@@ -118,13 +118,13 @@ class StepSolver:
             clock("pairing")
             solution = self._settle(step, first=sweep == 1)
             iterations += solution.iterations
-            self.reached = solution.error
             remarks += solution.remarks
             clock("newton")
             self.system.carry(step, solution.force)
             clock("solids")
             error = self._nonlinearity(step, speed, solution.force)
             self.errors.append(error)
+            self.reached = max(solution.error, error)
             grown = [contact.grow(step) for contact in self._all.contacts]
             clock("pairing")
             if any(grown):

@@ -60,7 +60,7 @@ class StepSolver:
 
     Attributes:
         errors: the relative error before each round of the last step, and at its end.
-        reached: the largest error of any row of the contacts, at its end.
+        reached: the largest error at its end: of any row, and of what was linearised.
         speed: the typical one there, m/s; 0 where nothing moved.
         system: the linear systems.
     """

@@ -57,7 +57,9 @@ def take_up(things: Sequence[tuple[str, Any]], state: Mapping[str, np.ndarray], 
         try:
             _restore(things, state)
             problem = _difference(state_of(things), state, present=True)
-        except Exception as failure:  # of what lacks a part or has one that does not fit
+        except KeyError as missing:
+            problem = f"{missing} is missing"
+        except Exception as failure:  # of what does not fit
             problem = f"{type(failure).__name__}: {failure}"
         if not any_of(comm, bool(problem))[0]:
             return

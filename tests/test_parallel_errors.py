@@ -94,3 +94,47 @@ for name, until, dt in ("elastic_cell", 0.01, 1e-3), ("soft_block", 5e-3, 5e-4),
 
 def test_errors_of_one_process_are_those_of_all_and_some_have_no_cells(tmp_path):
     output_of(mpirun(code(SHARED, tmp_path), 3))
+
+
+UNLIKE = """
+first = world.rank == 0
+
+def refused(scene, until=5e-3, dt=1e-3, **others):
+    try:
+        scene.run(until, dt, **others)
+    except InputError as error:
+        return str(error)
+    return "nothing"
+
+def slower():  # a rigid body, which every process has alone, beside an elastic one
+    block, other = scenes.elastic_block(), scenes.rocking_block()
+    state = other.state()
+    state["solid.rigid.velocity"] += 0.0 if first else 0.1
+    other.restore(state)
+    return Scene([*block.solids, *other.solids], block.contacts, allow_free=True)
+
+def rougher():
+    (contact,) = (scene := scenes.elastic_block()).contacts
+    mu = 0.3 if first else 0.4
+    again = Contact(contact.solid, "base", scenes.FLOOR, friction=mu, name="c")
+    return Scene(scene.solids, [again])
+
+from fenicsx_contact import Contact, Scene
+told = [
+    refused(scenes.elastic_block(), dt=1e-3 if first else 5e-4),
+    refused(scenes.elastic_block(), until=5e-3 if first else 6e-3),
+    refused(scenes.elastic_block(), probes={{}} if first else {{"own": on_last}}),
+    refused(slower()),
+    refused(rougher()),
+]
+names = "dt = 0.0005 on process 1, 0.001 on", "until = 0.006", "columns", "start of 'rigid'"
+names += ("contact 'c'",)
+for each, name in zip(told, names):
+    assert each.startswith(name) and "every process" in each, each
+    assert world.allgather(each) == [each] * world.size
+assert refused(scenes.elastic_block()) == refused(scenes.rubbed_block()) == "nothing"
+"""
+
+
+def test_processes_that_are_given_other_arguments_refuse_them(tmp_path):
+    output_of(mpirun(code(UNLIKE, tmp_path), 2))

@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from types import TracebackType
 from typing import Any, TypeVar
 
 from mpi4py import MPI
 
-from .checks import StepFailed
+from .checks import InputError, StepFailed
 
 T = TypeVar("T")
 
@@ -57,6 +57,23 @@ def any_of(comm: Any, *truths: bool) -> list[bool]:
     if comm.size == 1:
         return list(truths)
     return [any(each) for each in zip(*comm.allgather(truths))]
+
+
+def refuse_unlike(comm: Any, given: Mapping[str, Any]) -> None:
+    """What processes that go on together must have in common, by its names; with other ends or
+    steps they would wait for each other for ever.
+
+    Raises:
+        InputError: on every process, if anything is another on one of them.
+    """
+    every = comm.allgather({name: repr(each) for name, each in given.items()})
+    for rank, other in enumerate(every):
+        for name, value in every[0].items():
+            if other.get(name) != value:
+                raise InputError(
+                    f"{name} = {other.get(name)} on process {rank}, {value} on process 0: must be "
+                    "the same on every process"
+                )
 
 
 def end_together() -> None:

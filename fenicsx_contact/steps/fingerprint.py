@@ -12,7 +12,7 @@ from mpi4py import MPI
 
 from ..base.told import digits
 from ..contact.contact import Contact
-from ..solids import Solid
+from ..solids import DeformableSolid, Solid
 from ..theory.scheme import Scheme
 from .step import Stepper
 
@@ -51,6 +51,19 @@ def fingerprint(scene: Described, dt: float, step_error: float | None) -> str:
             f"{_shape(contact.surface.points, MPI.COMM_SELF)}"
         )
     return re.sub(r" at 0x[0-9a-f]+", "", "\n".join(lines))  # no addresses in memory
+
+
+def shared(scene: Described) -> dict[str, Any]:
+    """What must be the same on every process of a scene, by names. What functions do is not asked:
+    they may have from around them what only one process has, such as its nodes."""
+    words = re.sub(r" [0-9a-f]{8}\b", "", scene.describe())
+    lines = dict(line.partition(": ")[::2] for line in words.splitlines())
+    starts = {}
+    for solid in scene.solids:
+        if not isinstance(solid, DeformableSolid):  # every process has all of it
+            values = np.concatenate([np.ravel(each) for each in solid.state().values()])
+            starts[f"start of {solid.name!r}"] = [f"{each + 0.0:.6g}" for each in values]
+    return {**lines, "time": scene.time, **starts}
 
 
 def _shape(points: np.ndarray, comm: Any) -> str:

@@ -15,14 +15,14 @@ import numpy as np
 from ..base import checks
 from ..base.checks import StepFailed
 from ..base.overflow import diverging
-from ..base.processes import any_of
+from ..base.processes import any_of, refuse_unlike
 from ..contact.arrivals import starts_inside, struck_apart, went_inside
 from ..output.history import History
 from ..output.stops import hint
 from ..output.storage import NotWritten, RunDirectory
 from .adaptive import AdaptivePace, ErrorControl, StepTooLong
 from .checkpoint import collect, spread
-from .fingerprint import Described, fingerprint
+from .fingerprint import Described, fingerprint, shared
 from .pace import Pace
 from .taker import StepTaker
 
@@ -72,6 +72,12 @@ def run(
         raise checks.InputError(f"directory = {directory!r}: must be the path of a directory")
     if directory is None and (resume or fields_every):
         raise checks.InputError("directory = None: resume and fields_every need a directory")
+
+    if scene.comm.size > 1:
+        same = {"until": until, "dt": dt, "step_error": step_error, "shortest": shortest}
+        written = {"directory": directory, "resume": resume, "fields_every": fields_every}
+        columns = (*scene.columns, *probes)
+        refuse_unlike(scene.comm, {**same, **written, "columns": columns, **shared(scene)})
 
     pace = Pace(scene.stepper, dt, shortest)
     if step_error is not None:

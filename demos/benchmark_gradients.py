@@ -153,8 +153,8 @@ def cost(make: Callable[..., Scene], size: Any, dt: float, steps: int, rounds: i
             times[name] = min(times[name], process_time() - begin)
     run = times.pop("run")
     more = {name: (time - run) / run for name, time in times.items()}
-    rows = len(history) - 1
-    return {**more, "run_s": run, "steps": rows, "newton": float(history["newton"].sum()) / rows}
+    taken = history.steps
+    return {**more, "run_s": run, "steps": taken, "newton": float(history["newton"].sum()) / taken}
 
 
 def table(costs: dict[str, dict]) -> str:

@@ -160,7 +160,7 @@ def run(make: Callable[[bool], Any], full: bool, repeats: int) -> dict[str, Any]
         history = scene.run(until, dt, progress=False)
         times.append(history.run_time)
     assert history.finished, history.reason
-    steps = len(history) - 1
+    steps = history.steps
     return {
         "unknowns": unknowns(scene),
         "newton_per_step": float(history["newton"].sum()) / steps,

@@ -187,7 +187,7 @@ def figures(drop: Passage) -> dict[str, Any]:
         "T5_s": drop.time_at(DASHPOT),
         "total_s": drop.time_at(BOTTOM),
         "run_time_s": h.run_time,
-        "steps": len(h) - 1,
+        "steps": h.steps,
         "newton": float(h["newton"].sum()),
         "geometry": float(h["geometry"].sum()),
         "energy_balance_error": float(np.abs(h["balance"]).max() / work),

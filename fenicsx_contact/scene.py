@@ -215,7 +215,9 @@ class Scene:
         ``step_error``, by steps that are halved and doubled within these as the motion asks.
 
         A step that fails is tried again at half its length, down to ``shortest`` of it; below
-        that the run stops and its history says why.
+        that the run stops and its history says why. An interrupt, and what a function of yours
+        raises, passes on; the scene is then as at the last checkpoint, of which one is made every
+        two seconds.
 
         Args:
             until: the end, s.

@@ -9,6 +9,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from threading import current_thread, main_thread
 from typing import Any
 
 from . import checks
@@ -28,6 +29,8 @@ def opened(path: Path, given: list[str]) -> Iterator[Any]:
     Raises:
         InputError: gmsh cannot read or mesh it, or it is of no dimension 2 or 3.
     """
+    if current_thread() is not main_thread():  # where alone it may see to Ctrl-C
+        raise checks.InputError("gmsh works in the main thread only: read meshes there")
     import gmsh
 
     with _session(gmsh, path):

@@ -52,6 +52,25 @@ def together(comm: Any, action: Callable[[], T]) -> T:
     return result
 
 
+def refused_by_all(comm: Any, action: Callable[[], T]) -> T:
+    """What an action returns on each process; what is refused on any is refused on all.
+
+    Raises:
+        InputError: on any process.
+    """
+    if comm.size == 1:
+        return action()
+    result: Any = None
+    problem = ""
+    try:
+        result = action()
+    except InputError as refusal:
+        problem = str(refusal)
+    if problem := max(comm.allgather(problem)):
+        raise InputError(problem)
+    return result
+
+
 def any_of(comm: Any, *truths: bool) -> list[bool]:
     """Of each of these, whether it holds on any process."""
     if comm.size == 1:

@@ -82,17 +82,17 @@ class Wall:
             StepFailed: there is none.
         """
         with _asked(time):
-            return _finite("distance", self._distance(points, time), points)
+            return _finite("distance", self._distance(points, time), points, 0)
 
     def normals(self, points: np.ndarray, time: float) -> np.ndarray:
         """Outward unit normals, (n, d); raises likewise."""
         with _asked(time):
-            return _finite("normal", self._normals(points, time), points)
+            return _finite("normals", self._normals(points, time), points)
 
     def slopes(self, points: np.ndarray, time: float) -> np.ndarray:
         """Derivatives of the distances by the position, (n, d)."""
         with _asked(time):
-            return _finite("slope", self._slopes(points, time), points)
+            return _finite("slopes", self._slopes(points, time), points)
 
     def curvature(self, points: np.ndarray, time: float) -> np.ndarray | None:
         """Derivatives of the normals, (n, d, d) in 1/m; None where they vanish or are not known."""
@@ -115,24 +115,15 @@ class Wall:
         Raises:
             InputError: with what is wrong and where.
         """
-        n, d = points.shape
         reach = RIGHT * float(np.ptp(points, axis=0).max())
         try:
             distance, normals = self.distance(points, 0.0), self.normals(points, 0.0)
-            answers = {"distance": (distance, (n,)), "normals": (normals, (n, d))}
             if self.moving:
-                moment = 2.0**-30  # s; any will do
-                answers["velocity"] = self.velocity(points, 0.0, moment), (n, d)
+                self.velocity(points, 0.0, 2.0**-30)  # s; any moment will do
             if (curvature := self.curvature(points, 0.0)) is not None:
-                answers["curvature"] = _finite("curvature", curvature, points), (n, d, d)
+                _finite("curvature", curvature, points, 2)
         except (TypeError, ValueError, IndexError, checks.StepFailed) as problem:
             raise checks.InputError(f"master = {self.obstacle!r}: {problem}") from None
-        for what, (answer, shape) in answers.items():
-            if answer.shape != shape:
-                raise checks.InputError(
-                    f"master = {self.obstacle!r}: its {what} must be {shape} numbers for {n} "
-                    f"points, it is {answer.shape}"
-                )
         off = np.abs(np.linalg.norm(normals, axis=1) - 1)
         if off.max() > RIGHT:
             at = int(off.argmax())
@@ -215,9 +206,14 @@ def _mean(velocity: Callable) -> Callable[[np.ndarray, float, float], np.ndarray
     return lambda points, start, end: velocity(points)
 
 
-def _finite(what: str, answer: Any, points: np.ndarray) -> np.ndarray:
+def _finite(what: str, answer: Any, points: np.ndarray, order: int = 1) -> np.ndarray:
+    """An answer, at each point a tensor of an order, if it is one."""
     if type(answer) is not np.ndarray or answer.dtype.kind != "f":  # it is asked often
         answer = checks.floats(answer)
+    n, d = points.shape
+    if answer.shape != (n, *[d] * order):
+        shape = (n, *[d] * order)
+        raise ValueError(f"its {what} must be {shape} numbers for {n} points, not {answer.shape}")
     if not largest(answer) < np.inf:  # nor NaN
         at = np.argwhere(~np.isfinite(answer))[0]
         raise checks.StepFailed(

@@ -144,8 +144,18 @@ class RunDirectory:
             return history, None, 0
         head = _head(self.path)
         if head["scene"] != fingerprint or tuple(head["columns"]) != history.columns:
+            there, here = (
+                [f"columns {[*names]}", *scene.splitlines()]
+                for names, scene in (
+                    (head["columns"], head["scene"]),
+                    (history.columns, fingerprint),
+                )
+            )
             raise checks.InputError(
-                f"directory = {str(self.path)!r}: holds a run of another scene, {head['scene']}"
+                f"directory = {str(self.path)!r}: holds a run of another scene; there: "
+                f"{'; '.join(line for line in there if line not in here)}; here: "
+                f"{'; '.join(line for line in here if line not in there)}; a run is resumed by its "
+                "scene made anew"
             )
         found, state, checksum = _last(self.path, history.columns)
         if found.reason and state is not None:  # what is damaged must not become the last but one

@@ -76,24 +76,28 @@ class Written:
 
 
 class Sampled:
-    """A field interpolated from the values of a function at places (3, n)."""
+    """A field interpolated from the values of a function at places (3, n); what it is, for
+    messages."""
 
-    def __init__(self, function: Callable, mesh: Any, shape: tuple[int, ...], steady: bool) -> None:
-        self._function, self.steady = function, steady
+    def __init__(
+        self, what: str, function: Callable, mesh: Any, shape: tuple[int, ...], steady: bool
+    ) -> None:
+        self._what, self._function, self.steady = what, function, steady
         space = compat.lagrange_space(mesh, 2, shape)
         self.expression = fem.Function(space)
         self._x = space.tabulate_dof_coordinates().T
         self._values = self.expression.x.array.reshape(-1, *shape)
 
     def at(self, time: float) -> None:
-        given = self._function(self._x) if self.steady else self._function(self._x, time)
-        components = [given] if self._values.ndim == 1 else list(given)
-        if any(isinstance(component, Expression) for component in components):
-            raise TypeError("it gives UFL")
-        if len(components) != self._values[:1].size and self._values.size:
-            raise ValueError(f"{len(components)} components")
-        for i, component in enumerate(components):
-            self._values.reshape(len(self._values), -1)[:, i] = checks.floats(component)
+        with checks.naming(self._what):
+            given = self._function(self._x, *([] if self.steady else [time]))
+            components = [given] if self._values.ndim == 1 else list(given)
+            if any(isinstance(component, Expression) for component in components):
+                raise TypeError("it gives UFL")
+            if len(components) != self._values[:1].size and self._values.size:
+                raise ValueError(f"{len(components)} components")
+            for i, component in enumerate(components):
+                self._values.reshape(len(self._values), -1)[:, i] = checks.floats(component)
 
 
 def field(
@@ -126,7 +130,7 @@ def field(
         return Written(_in_ufl(expression, shape), time, steady)
 
     def interpolated() -> Field:
-        sample = Sampled(value, domain, shape, steady)
+        sample = Sampled(what, value, domain, shape, steady)
         sample.at(0.0)
         return sample
 

@@ -14,6 +14,7 @@ from dolfinx import fem
 from ..base import assembly, checks
 from ..base.checks import is_function
 from ..base.compiling import compiled
+from ..base.processes import refused_by_all
 from .coefficients import Field, arguments, field, is_field
 from .vector_space import VectorSpace
 
@@ -40,15 +41,18 @@ class _Part(Protocol):
 class _Uniform:
     """A load that is the same everywhere: numbers times the loads of unit directions."""
 
-    def __init__(self, what: str, value: Any, units: np.ndarray) -> None:
-        self._what, self._value, self._units = what, value, units
+    def __init__(self, what: str, value: Any, units: np.ndarray, comm: Any) -> None:
+        self._what, self._value, self._units, self._comm = what, value, units, comm
 
     def at(self, time: float) -> np.ndarray:
+        return refused_by_all(self._comm, lambda: self._vector(time)) @ self._units
+
+    def _vector(self, time: float) -> np.ndarray:
         value, what = self._value, self._what
         timed = is_function(value)
         what += f"({time:g})" if timed else ""
         given = checks.called(what, value, time) if timed else value
-        return checks.vector(what, given, len(self._units)) @ self._units
+        return checks.vector(what, given, len(self._units))
 
 
 class _InSpace:
@@ -128,7 +132,7 @@ class Loads:
             of = compiled(density * measure)
             self._parts.append(_InSpace(what, given, of, vectors))
         else:
-            self._parts.append(_Uniform(what, value, units))
+            self._parts.append(_Uniform(what, value, units, vectors.comm))
 
     def total(self, time: float) -> np.ndarray:
         """The load at a time, for the owned unknowns, N."""

@@ -32,8 +32,8 @@ class Described(Protocol):
 
 
 def fingerprint(scene: Described, dt: float, step_error: float | None) -> str:
-    """What must be the same for a run to be resumed: parameters, shapes, place, energies at the
-    start."""
+    """What must be the same for a run to be resumed: parameters, shapes, place, motion and energies
+    at the start. Not Newton's settings, by others of which a run that stopped may go on."""
     lines = [scene.describe(), f"dt = {dt!r}, from {scene.time!r}, {scene.scheme}"]
     lines.append(f"impacts located: {scene.locate_impacts}, step_error: {step_error!r}")
     most = max(map(abs, scene.stepper.energies))  # their round-off depends on the processes
@@ -43,6 +43,9 @@ def fingerprint(scene: Described, dt: float, step_error: float | None) -> str:
         geometry = solid.mesh.mesh.geometry
         own = geometry.x[: geometry.index_map().size_local, : solid.dim]
         lines.append(f"{solid.name}: {_shape(own, solid.mesh.mesh.comm)}")
+        for name, values in solid.fields().items():
+            start = _mean(own, values[: len(own), : solid.dim], solid.mesh.mesh.comm)
+            lines.append(f"{solid.name}, {name}: {start}")
     for contact in scene.contacts:
         lines.append(
             f"{contact.name}: {contact.formulation}, friction {contact.friction_law!r} "
@@ -64,6 +67,18 @@ def shared(scene: Described) -> dict[str, Any]:
             values = np.concatenate([np.ravel(each) for each in solid.state().values()])
             starts[f"start of {solid.name!r}"] = [f"{each + 0.0:.6g}" for each in values]
     return {**lines, "time": scene.time, **starts}
+
+
+def _mean(points: np.ndarray, values: np.ndarray, comm: Any) -> str:
+    """Of a field, by its values at the nodes that this process owns: the largest, and eight digits
+    of the mean and of the first moments, which have signs."""
+    largest = max(comm.allgather(float(np.abs(values).max(initial=0.0))))
+    reach = max(comm.allgather(float(np.abs(points).max(initial=0.0))))
+    arms = np.column_stack([np.ones(len(points)), points / (reach or 1.0)])
+    sums = np.sum(comm.allgather(arms.T @ values), axis=0)
+    count = sum(comm.allgather(len(points)))
+    numbers = sums / (pi * count * (largest or 1.0)) + 0.0
+    return f"{largest:.9g}, {digits([f'{number + 0.0:.6f}' for number in numbers.ravel()])}"
 
 
 def _shape(points: np.ndarray, comm: Any) -> str:

@@ -86,7 +86,7 @@ def run(
     files = RunDirectory(directory, scene.comm) if directory is not None else None
     with closing(files) if files else nullcontext():
         course = _Course(scene, history, pace, probes, files)
-        course.begin(resume, fingerprint(scene, dt, step_error) if files else "")
+        course.begin(resume, until, fingerprint(scene, dt, step_error) if files else "")
         course.go(until, fields_every, stop_when, progress)
     return history
 
@@ -117,17 +117,25 @@ class _Course:
         self.scene, self.history, self.pace, self.files = scene, history, pace, files
         self.probes = probes
         self.first, self.done = scene.time, 0  # of the grid: its start, the steps crossed
+        self._kept: dict[str, np.ndarray] = {}  # the last checkpoint
 
-    def begin(self, resume: bool, fingerprint: str) -> None:
+    def begin(self, resume: bool, until: float, fingerprint: str) -> None:
         """Take up the run on disk, or start one."""
         state = self.files.load(self.history, fingerprint) if self.files and resume else None
-        if state is not None:
+        if self.files and state is not None:
             self.done = int(state.pop("run.steps"))
+            if (reached := self.first + self.done * self.pace.dt) > until + self.pace.dt / 2:
+                raise checks.InputError(
+                    f"until = {until!r}: must be >= {reached:.9g}, which the run in "
+                    f"{str(self.files.path)!r} has reached"
+                )
             state = spread(self.scene.solids, state)
             self.scene.restore({k: v for k, v in state.items() if not k.startswith("run.")})
             self.pace.restore(state)
             return
-        self.history.append([*self.scene.stepper.row(), *_measure(self.probes)])
+        stepper = self.scene.stepper
+        stepper.energies = stepper.sum_energies()  # another scene may have moved the solids
+        self.history.append([*stepper.row(), *_measure(self.probes)])
         new = self.scene.contacts if self.scene.time == 0 else ()  # others have told what is so
         told = filter(None, map(starts_inside, new))
         self.history.remarks += [(self.scene.time, remark) for remark in told]
@@ -142,9 +150,16 @@ class _Course:
 
     def save(self, steps: int) -> None:
         """A checkpoint, after so many steps of the grid."""
+        self._kept = self.scene.state()
         if self.files:
-            state = {**self.scene.state(), **self.pace.state(), "run.steps": np.array(steps)}
+            state = {**self._kept, **self.pace.state(), "run.steps": np.array(steps)}
             self.files.save(self.history, collect(self.scene.solids, state))
+
+    def _go_back(self) -> None:
+        """To the last checkpoint, as what broke off a step may have left half of it; processes
+        end together."""
+        if self.scene.comm.size == 1:
+            self.scene.restore(self._kept)
 
     def go(
         self,
@@ -154,7 +169,7 @@ class _Course:
         progress: bool | None,
     ) -> None:
         """Cross the steps that are left; the history says how it ended."""
-        scene, history = self.scene, self.history
+        scene, history, self._kept = self.scene, self.history, self.scene.state()
         steps = max(1, round((until - self.first) / self.pace.dt))
         bar = _bar(steps, self.done, progress, scene.comm.rank)
         history.reason = "finished"
@@ -163,6 +178,9 @@ class _Course:
                 self._go(steps, fields_every, stop_when, bar)
         except (StepFailed, NotWritten) as failure:
             history.reason = f"stopped at t = {scene.time:.9g} s: {failure}"
+        except BaseException:  # an interrupt, or what a user's function raises
+            self._go_back()
+            raise
         bar.close()
         for contact in scene.contacts:
             depth = float(history[f"{contact.name}.penetration"].max())

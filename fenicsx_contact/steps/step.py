@@ -139,7 +139,7 @@ class Stepper:
             if certificate.refusal:
                 raise StepFailed(certificate.refusal)
             return trial
-        except StepFailed:
+        except BaseException:  # an interrupt, too
             for contact, was in zip(self.contacts, before):
                 contact.equations.values, contact.moved = was
             raise
@@ -282,7 +282,7 @@ class Stepper:
         self.work, self.most = np.array(state["work"]), float(state["most"])
         if self._neighbours.restore(state):
             self._arrange()
-        self.energies = self.sum_energies()
+        self._begun, self.energies = None, self.sum_energies()
 
     def sum_energies(self) -> tuple[float, float, float]:
         """Kinetic, strain and potential energy of all solids, J."""

@@ -25,7 +25,7 @@ from .springs import TangentialSprings
 from .statuses import at_once, coming, kept
 from .surface import Surface
 from .surfaces import surface_of
-from .turning import start_normals, turning
+from .turning import start_speeds, turning
 
 
 class Contact(Scaled, SurfaceResults):
@@ -132,7 +132,7 @@ class Contact(Scaled, SurfaceResults):
     def _start(self) -> None:
         """Frame from which the next step starts, and round-off of the distances in it."""
         self.noise = ROUND_OFF * largest(self.coupling.positions())
-        self._start_normal = self.coupling.normals()
+        self._start_normal = self.coupling.keep_normals()
         self._springs.begin(self._start_normal, self.coupling.positions)
         if not self.coupling.fixed_normal:
             self.equations.fields.keep_frame()
@@ -172,13 +172,13 @@ class Contact(Scaled, SurfaceResults):
     def touching(self) -> np.ndarray:
         """Points that bore in the last step, are inside at the start of this one, or touch there
         and do not leave, (n,) of bool; the others are open."""
-        stays = dot(self.jump, self.coupling.normals()) >= -self.resolution
+        stays = dot(self.jump, self.coupling.start_normals()) >= -self.resolution
         at = (self.gap > self.tolerance) | ((self.gap >= -self.tolerance) & stays)
         return self.chosen & ((self.status > 0) | at)
 
     def _arrived(self) -> np.ndarray:
         """Points that touch, and others that arrive in the same instant."""
-        approach, touches = dot(self.jump, self.coupling.normals()), self.touching()
+        approach, touches = dot(self.jump, self.coupling.start_normals()), self.touching()
         fresh = touches & (self.status == 0) & (approach > self.resolution)
         return touches | at_once(touches, fresh, self.gap, approach, self.tolerance)
 
@@ -217,7 +217,7 @@ class Contact(Scaled, SurfaceResults):
         self._told, e = step, self.equations
         touches = (self.status > 0) | (self.gap >= -self.tolerance)
         ends = self._start_normal, self.normal
-        start = dot(self.jump, start_normals(e.fields, self.coupling, step, ends, touches))
+        start = start_speeds(e.fields, self.coupling, step, self.jump, ends, touches)
         self.start_jump_n = np.where(np.abs(start) <= self.resolution, 0.0, start)
         e.gap[:], e.start_jump_n[:] = self._start_gap, self.start_jump_n
         e.fields.set_start_slip(self.jump, self.normal, self.status == 1, self.resolution)

@@ -98,6 +98,19 @@ class Coupling(ABC):
     def normals(self) -> np.ndarray:
         """Outward unit normals of the slave, (n, d)."""
 
+    def keep_normals(self) -> np.ndarray:
+        """Those where a step starts, which are to be known in it, (n, d)."""
+        return self.normals()
+
+    def start_normals(self) -> np.ndarray:
+        """Those at the start of the step, along which what comes there is seen, (n, d)."""
+        return self.normals()
+
+    def start_along(self, jump: np.ndarray, normals: np.ndarray) -> np.ndarray:
+        """Jumps at the start of the step (n, d) along normals at its end, (n,): how fast the gap
+        there changes by them."""
+        return dot(jump, normals)
+
     @abstractmethod
     def to_jump(self, velocities: np.ndarray) -> np.ndarray:
         """Nodal jumps (n, d) from velocities of the traces' points, flat."""
@@ -159,7 +172,7 @@ class Coupling(ABC):
     def loaded(self, free: np.ndarray, start: np.ndarray) -> np.ndarray:
         """By how much the loads of a step change speeds of approach, (n,) in m/s, from velocities
         of the traces' points without contact, flat, and the jumps at its start, (n, d)."""
-        return np.abs(dot(self.to_jump(free) - start, self.normals()))
+        return np.abs(dot(self.to_jump(free) - start, self.start_normals()))
 
     def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
         """Nodal jumps from mean velocities of the solids, by id, by the operators whose
@@ -173,6 +186,10 @@ class Coupling(ABC):
 
     def carried(self, step: Step) -> np.ndarray | float:
         """Mean velocities in the step of what moves as it is told, (n, d)."""
+        return 0.0
+
+    def aside(self, step: Step) -> np.ndarray | float:
+        """By how much these are other than the mean of those at both ends, (n, d)."""
         return 0.0
 
     def turns(self, old: np.ndarray, new: np.ndarray, step: Step) -> np.ndarray:

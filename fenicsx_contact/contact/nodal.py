@@ -7,7 +7,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..base.constants import BRIEF
 from ..base.vectors import dot
 from ..solids import Solid, Trace
 from ..solids.trace import DeformableTrace
@@ -15,17 +14,14 @@ from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .inside import swallowed
 from .jump import Coupling
-from .leaps import refuse_leaps
+from .ride import Ride, nearest
 from .wall import Obstacle, Wall
 
 
 class NodalJump(Coupling):
     """Nodes of a solid before an obstacle: their velocities less the obstacle's are the jumps.
 
-    An obstacle that moves ends a step with a velocity that suits the scheme: by theta = 1 with its
-    mean velocity in the step, with which a point that sticks goes exactly the obstacle's way; by
-    theta = 1/2 with that of the very end. A step starts with the velocity with which the last one
-    ended; where the motion has a corner there, a percussion sees the new one.
+    How an obstacle moves that does: :class:`~.ride.Ride`.
 
     Args:
         solid, obstacle: what may touch.
@@ -51,60 +47,37 @@ class NodalJump(Coupling):
         self._shape = equations.fields.surface.points.shape
         self._everywhere = np.ones(self._shape[0], dtype=bool)
         self._step: Step | None = None
-        # velocities of the obstacle: before the begun step, in it at the start and at the end
-        self._before: np.ndarray | None = None
-        self._start = self._end = np.zeros(self._shape)
+        self._ride = Ride(self.wall, self._shape)
         self._start_positions = self.traces[0].positions()
         self._seen: np.ndarray | None = None  # depths in the followed state, once asked for
         self._normals: np.ndarray | None = None
+        self._start_normals: np.ndarray | None = None
 
     def begin(self, step: Step) -> None:
-        self._seen = None
+        self._forget()
         if not self.driven:
             return
         super().begin(step)
-        self._step, x = step, self._start_positions
-        new = self._velocity_at(x, step.start, BRIEF * step.horizon)
-        self._before = new if self._before is None else self._before
-        late = step.implicitness
-        self._struck = (1 - late) * new + late * self._before
-        self._start = self._before if step.dt else self._struck
-        self._end = self._last_velocity(x)
-        if late < 1:
-            refuse_leaps(self.wall, x, self.normals(), new, step)
+        self._step = step
+        self._ride.begin(step, self._start_positions)
 
-    def _last_velocity(self, x: np.ndarray) -> np.ndarray:
-        """Velocities of the obstacle beside these places at the end of the begun step."""
-        step = self._step
-        assert step is not None
-        if not step.dt:
-            return self._struck
-        late, end = step.implicitness, step.end
-        velocity = np.zeros(self._shape)
-        if late < 1:
-            velocity += (1 - late) * self._velocity_at(x, end, -BRIEF * step.dt)
-        if late:
-            velocity += late * self.wall.velocity(x, step.start, end)
-        return velocity
-
-    def _velocity_at(self, x: np.ndarray, time: float, brief: float) -> np.ndarray:
-        """Velocities of the obstacle at an instant, by what follows in a brief time, s, or, if that
-        is negative, by what went before: of second order in it."""
-        one, two = (self.wall.velocity(x, *sorted((time, time + k * brief))) for k in (1.0, 2.0))
-        return np.asarray(2 * one - two)
+    def _forget(self) -> None:
+        self._seen = None
+        if not self.fixed_normal:
+            self._normals = None
 
     def follow(self) -> None:
-        self._seen = None
+        self._forget()
         self.traces[0].follow()
         if self._step:
-            self._end = self._last_velocity(self.positions())
+            self._ride.follow(self.positions())
 
     def accept(self) -> None:
         super().accept()
         if self.driven or not self.fixed_normal:
             self._start_positions = self.positions()
         if self.driven:
-            self._before = self._end if self._step else self._before
+            self._ride.accept()
 
     def _depths(self) -> np.ndarray:
         if self._seen is None:
@@ -112,9 +85,25 @@ class NodalJump(Coupling):
         return self._seen
 
     def normals(self) -> np.ndarray:
-        if self._normals is None or not self.fixed_normal:
+        if self._normals is None:
             self._normals = -self.wall.normals(self.traces[0].positions(), self.time)
         return self._normals
+
+    def keep_normals(self) -> np.ndarray:
+        self._start_normals = self.normals()
+        return self._start_normals
+
+    def start_normals(self) -> np.ndarray:
+        # a guide is asked where its points will be, beyond a kink
+        kept = self._start_normals
+        return self.normals() if self.encloses or kept is None else kept
+
+    def start_along(self, jump: np.ndarray, normals: np.ndarray) -> np.ndarray:
+        along = super().start_along(jump, normals)
+        if not self.driven or self.fixed_normal:
+            return along
+        ride = self._ride
+        return along + dot(ride.start, normals) - ride.start_speed(self.positions(), normals)
 
     def turns(self, old: np.ndarray, new: np.ndarray, step: Step) -> np.ndarray:
         places = 0.5 * (self._start_positions + self.traces[0].positions())
@@ -127,24 +116,33 @@ class NodalJump(Coupling):
 
     def to_jump(self, velocities: np.ndarray) -> np.ndarray:
         jump = velocities.reshape(self._shape)
-        return jump - self._end if self.driven else jump
+        return jump - self._ride.end if self.driven else jump
 
     def jump(self, which: str) -> np.ndarray:
         jump = self.velocities(which).reshape(self._shape)
         if not self.driven:
             return jump
-        return jump - (self._start if which == "velocity" else self._end)
+        return jump - (self._ride.start if which == "velocity" else self._ride.end)
 
     def struck_jump(self) -> np.ndarray:
         jump = self.velocities("velocity").reshape(self._shape)
-        return jump - self._struck if self.driven else jump
+        return jump - self._ride.struck if self.driven else jump
 
     def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
         jump = self.traces[0].mean_jump(means[id(self.solids[0])]).reshape(self._shape)
         return jump - self.carried(step)
 
     def carried(self, step: Step) -> np.ndarray | float:
-        return step.scheme.mean(self._start, self._end) if self.driven else 0.0
+        if not self.driven:
+            return 0.0
+        return step.scheme.mean(self._ride.start, self._ride.end) + self.aside(step)
+
+    def aside(self, step: Step) -> np.ndarray | float:
+        k = self.equations.fields
+        if not self.driven or self.fixed_normal or k.start_normal is None:
+            return 0.0
+        normals = self.normals(), k.mean_normal()
+        return self._ride.aside(self.positions(), *normals, k.end_share.x.array)
 
     def force(self, force: np.ndarray) -> np.ndarray:
         return force.reshape(self._shape)
@@ -152,7 +150,7 @@ class NodalJump(Coupling):
     def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
         e = self.equations
         if self.driven:
-            e.carried[:] = self._end.ravel()
+            e.carried[:] = self._ride.end.ravel()
         e.tangents.turn()
         if not exact:
             return
@@ -175,31 +173,18 @@ class NodalJump(Coupling):
     def deepest(self, asked: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         if self.fixed_normal:
             return end
-        last, wall, time = self.positions(), self.wall, self.time
+        last, step = self.positions(), self._step
         way = last - self._start_positions
-        if self._step:  # as seen from a wall that moves
-            way = way - self._step.dt * self.carried(self._step)
-        # what moves less than it was and is away goes through nothing
-        asked = asked & (np.linalg.norm(way, axis=1) > -np.minimum(start, end))
-        if not asked.any():
+        # as seen from a wall that moves; what moves less than it was and is away meets nothing
+        seen = way - step.dt * self.carried(step) if step else way
+        asked = asked & (np.linalg.norm(seen, axis=1) > -np.minimum(start, end))
+        span = (step.start, step.end) if step else (self.time,) * 2
+        which, least = nearest(self.wall, last, way, span, asked)
+        if not len(which):
             return end
-
-        # the gap is largest where the point, which came nearer, begins to leave
-        def place(share: np.ndarray) -> np.ndarray:
-            return last - (1 - share)[:, None] * way
-
-        def leaves(share: np.ndarray) -> np.ndarray:
-            return dot(wall.normals(place(share), time), way) > 0
-
-        near, far = np.zeros(len(end)), np.ones(len(end))
-        turns = asked & ~leaves(near) & leaves(far)
-        if not turns.any():
-            return end
-        for _ in range(np.finfo(float).nmant // 2):  # there gaps hardly change
-            middle = 0.5 * (near + far)
-            back = leaves(middle)
-            near, far = np.where(back, near, middle), np.where(back, middle, far)
-        return np.where(turns, -wall.distance(place(near), time) - self.bulge - self.recess, end)
+        deep = end.copy()
+        deep[which] = -least - (self.bulge + self.recess + np.zeros(len(end)))[which]
+        return deep
 
     def swallowed(self, most: float) -> str:
         solid = self.solids[0]
@@ -215,13 +200,13 @@ class NodalJump(Coupling):
         return self.traces[0].mobility().reshape(self._shape)
 
     def state(self) -> dict[str, np.ndarray]:
-        carried = {} if self._before is None else {"carried": self._before}
+        before = self._ride.before
+        carried = {} if before is None else {"carried": before}
         return {"time": np.array(self.time), **carried}
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         self._step, self.time = None, float(state["time"])
-        self._before = np.array(state["carried"]) if "carried" in state else None
-        self._start = self._end = np.zeros(self._shape) if self._before is None else self._before
+        self._ride.restore(np.array(state["carried"]) if "carried" in state else None)
         super().restore(state)
 
     def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:

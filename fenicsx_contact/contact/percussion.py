@@ -33,7 +33,7 @@ def strikes(contact: Contact, step: Step, points: np.ndarray, error: float) -> b
     least = max(contact.tolerance / step.horizon, contact.resolution / error)
     beyond = _excess(contact, step, stopped=True) > least
     # what rests and was lifted by a finite rotation is put back by the steps
-    came = dot(contact.jump, contact.coupling.normals())
+    came = dot(contact.jump, contact.coupling.start_normals())
     beyond &= came <= contact.arriving + _least(contact, step)
     beyond &= not getattr(contact.formulation, "drift_correction", 0.0)  # which puts it back
     return bool((beyond | (_excess(contact, step) > change))[points].any())
@@ -72,7 +72,7 @@ def _excess(contact: Contact, step: Step, stopped: bool = False) -> np.ndarray:
 
 def _approach(contact: Contact) -> np.ndarray:
     """w_n at the start of the begun step, if it starts with a percussion, (n,)."""
-    return dot(_struck_jump(contact), contact.coupling.normals())
+    return dot(_struck_jump(contact), contact.coupling.start_normals())
 
 
 def _struck_jump(contact: Contact) -> np.ndarray:

@@ -79,7 +79,8 @@ def trial_work(contact: Contact, step: Step, force: np.ndarray) -> tuple[float, 
     e = contact.equations
     if not len(e.active_jumps):
         return 0.0, 0.0
-    mean = step.mean(contact.jump, contact.trial_jump).ravel()[e.active_jumps]
+    mean = step.mean(contact.jump, contact.trial_jump) - contact.coupling.aside(step)
+    mean = mean.ravel()[e.active_jumps]
     sizes = np.linalg.norm(force.reshape(len(e.candidates), -1), axis=1)
     return -step.span * float(force @ mean), step.span * e.speed * float(sizes.sum())
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ..base.vectors import dot
 from ..theory.theta import Step
 from .jump import Coupling
 from .surface_fields import SurfaceFields
@@ -26,30 +27,33 @@ def turning(other: Any) -> bool:
     return isinstance(other, tuple) or not (guides or getattr(other, "flat", False))
 
 
-def start_normals(
+def start_speeds(
     fields: SurfaceFields,
     coupling: Coupling,
     step: Step,
+    jump: np.ndarray,
     normals: tuple[np.ndarray, np.ndarray],
     touches: np.ndarray,
 ) -> np.ndarray:
-    """The normals (n, d) along which jumps at the start of a step count; tells them to the fields.
+    """How fast points come at the start of a step, (n,) in m/s; tells the fields the normals there.
 
-    Those of the end, where forces act along these alone: by theta = 1, at points that do not touch
-    yet, and beyond an edge, where what comes along one face strikes the other.
+    Along those of the end, where forces act along these alone: by theta = 1, at points that do not
+    touch yet, and beyond an edge, where what comes along one face strikes the other.
 
     Args:
         fields: of the surface.
         coupling: what its points meet.
         step: that is linearised.
+        jump: at the start, (n, d) in m/s.
         normals: at the start and at the end, (n, d).
         touches: points that touch at the start, (n,) of bool.
     """
     (old, new), share = normals, coupling.end_share(step)
     if fields.start_normal is None:
-        return new
+        return dot(jump, new)
     turns = touches & (share < 1)
     if turns.any():
         turns &= coupling.turns(old, new, step)
     fields.set_start_normal(old, np.where(turns, share, 1.0))
-    return np.where(turns[:, None], old, new)
+    before = dot(jump, old)
+    return before if turns.all() else np.where(turns, before, coupling.start_along(jump, new))

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""How an obstacle that moves as it is told moves beside points in a step.
+
+A velocity of its material belongs to a place and an instant, and so does the normal it is seen
+along: of a surface that slides into itself, a drum that turns, the component along the normal at
+the same place is zero, along that of another place it is not. Where the velocity at the start is
+asked for along the normal at the end, the component there is what it was at the start and what it
+changes by on the way, by the mean rates of the step: exact for what goes straight on, and for what
+turns into itself.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..base.constants import BRIEF
+from ..base.vectors import dot
+from ..theory.theta import Step
+from .leaps import refuse_leaps
+from .wall import Wall
+
+
+class Ride:
+    """Velocities of an obstacle's material beside points, (n, d) in m/s.
+
+    It ends a step with a velocity that suits the scheme: by theta = 1 with its mean velocity in the
+    step, with which a point that sticks goes exactly the obstacle's way; by theta = 1/2 with that
+    of the very end. A step starts with the velocity with which the last one ended; where the motion
+    has a corner there, a percussion sees the new one.
+
+    Args:
+        wall: that moves.
+        points: (n, d), how many.
+
+    Attributes:
+        before: with which the last step ended, or None.
+        start, end: in the begun step; ``struck``: at its start, if it starts with a percussion.
+    """
+
+    def __init__(self, wall: Wall, points: tuple[int, ...]) -> None:
+        self._wall = wall
+        self.before: np.ndarray | None = None
+        self.start = self.end = self.struck = np.zeros(points)
+        self._step: Step | None = None
+        self._start_normal: np.ndarray | None = None
+
+    def begin(self, step: Step, x: np.ndarray) -> None:
+        """Begin a step from these places, (n, d) in m."""
+        self._step, wall = step, self._wall
+        new = self._velocity_at(x, step.start, BRIEF * step.horizon)
+        self.before = new if self.before is None else self.before
+        late = step.implicitness
+        self.struck = (1 - late) * new + late * self.before
+        self.start = self.before if step.dt else self.struck
+        normal = self._start_normal = -wall.normals(x, step.start)
+        if wall.flat or not step.dt:
+            self.end = self._last_velocity(x)
+        else:  # the rates of the step where it starts
+            mean = wall.velocity(x, step.end, step.start)
+            self._mean = dot(mean, normal)
+            self.end = late * mean + (1 - late) * (2 * mean - new)
+        if late < 1:
+            refuse_leaps(wall, x, normal, new, step)
+
+    def follow(self, x: np.ndarray) -> None:
+        """The points are there at the end of the begun step, if one is."""
+        if self._step:
+            self.end = self._last_velocity(x)
+
+    def accept(self) -> None:
+        """What the step ended with is what the next one starts with."""
+        self.before = self.end if self._step else self.before
+
+    def restore(self, before: np.ndarray | None) -> None:
+        """Take up the velocity with which the last step ended."""
+        self._step, self.before = None, before
+        self.start = self.end = np.zeros_like(self.end) if before is None else before
+
+    def _last_velocity(self, x: np.ndarray) -> np.ndarray:
+        """Beside these places at the end of the begun step."""
+        step = self._step
+        assert step is not None
+        if not step.dt:
+            return self.struck
+        late, end = step.implicitness, step.end
+        velocity = np.zeros(x.shape)
+        if late < 1:
+            velocity += (1 - late) * self._velocity_at(x, end, -BRIEF * step.dt)
+        if late:
+            velocity += late * self._wall.velocity(x, step.start, end)
+        return velocity
+
+    def _velocity_at(self, x: np.ndarray, time: float, brief: float) -> np.ndarray:
+        """At an instant, by what follows in a brief time, s, or, if that is negative, by what went
+        before: of second order in it."""
+        one, two = (self._wall.velocity(x, *sorted((time, time + k * brief))) for k in (1.0, 2.0))
+        return np.asarray(2 * one - two)
+
+    def start_speed(self, x: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        """The component at the start along the normals at the end, where the points are then."""
+        assert self._start_normal is not None
+        return dot(self.start, self._start_normal) + self._gain(x, normal)
+
+    def _gain(self, x: np.ndarray, normal: np.ndarray) -> np.ndarray | float:
+        """By how much the component along the normals changes on the way, by the mean rates."""
+        step = self._step
+        assert step is not None
+        if not step.dt:
+            return 0.0
+        late = step.implicitness == 1
+        mean = self.end if late else self._wall.velocity(x, step.start, step.end)
+        return dot(mean, normal) - self._mean
+
+    def aside(
+        self, x: np.ndarray, normal: np.ndarray, force: np.ndarray, share: np.ndarray
+    ) -> np.ndarray:
+        """What is missing in the mean of the velocities at both ends, (n, d): its component along
+        which forces act is made of those along the normals where they are.
+
+        Args:
+            x, normal: where the points are at the end, and the normals there, (n, d).
+            force: along which forces act, (n, d): a mean of the normals at both ends.
+            share: what those at the end count in it, (n,).
+        """
+        assert self._step is not None and self._start_normal is not None
+        average = self._step.scheme.mean
+        mean, old = average(self.start, self.end), self._start_normal
+        first, last = dot(self.start, old), dot(self.end, normal)
+        gain = self._gain(x, normal) if (2 * share != 1).any() else 0.0
+        along = share * average(first + gain, last) + (1 - share) * average(first, last - gain)
+        size = np.linalg.norm(share[:, None] * normal + (1 - share)[:, None] * old, axis=1)
+        return (along / size - dot(mean, force))[:, None] * force
+
+
+def nearest(
+    wall: Wall, ends: np.ndarray, way: np.ndarray, span: tuple[float, float], asked: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Which points are nearest to a wall on their ways, and not at an end of them, and how near.
+
+    A wall that moves is where it is at each time: its material may go round and not come nearer.
+
+    Args:
+        wall: that they may go through.
+        ends, way: where they get, and how they get there, straight, (n, d) in m.
+        span: when they start and end, s.
+        asked: which of them may, (n,) of bool.
+
+    Returns:
+        Their numbers (k,), and their distances, (k,) in m.
+    """
+    points = asked.nonzero()[0]
+
+    def at(share: np.ndarray) -> np.ndarray:
+        distance = np.empty(len(points))
+        for time in np.unique(times := span[0] + share * (span[1] - span[0])):
+            now = times == time
+            distance[now] = wall.distance(place(share)[now], time)
+        return distance
+
+    def place(share: np.ndarray) -> np.ndarray:
+        return ends[points] - (1 - share)[:, None] * way[points]
+
+    def leaves(share: np.ndarray) -> np.ndarray:
+        if not wall.moving:
+            return dot(wall.normals(place(share), span[1]), way[points]) > 0
+        first = np.maximum(share - BRIEF, 0.0)
+        return np.asarray(at(first + BRIEF) > at(first))
+
+    if len(points):
+        near, far = np.zeros(len(points)), np.ones(len(points))
+        points = points[~leaves(near) & leaves(far)]
+    near, far = np.zeros(len(points)), np.ones(len(points))
+    if not len(points):
+        return points, near
+    for _ in range(np.finfo(float).nmant // 2):  # there gaps hardly change
+        middle = 0.5 * (near + far)
+        back = leaves(middle)
+        near, far = np.where(back, near, middle), np.where(back, middle, far)
+    return points, at(near)

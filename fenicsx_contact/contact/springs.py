@@ -3,7 +3,8 @@
 
 The stretch belongs to the surface and turns with it: from the start of a step to its end its
 components along the tangents stay, which follow the normals, and about the normals it turns by the
-angle by which the material does. Forces are taken with the share of that which the scheme takes.
+angle by which the material does: that of the rotation that fits the ways to all neighbours of a
+point best. Forces are taken with the share of that which the scheme takes.
 
 Laws with multipliers remember nothing of the kind.
 """
@@ -40,8 +41,7 @@ class TangentialSprings:
         self._stiffness = getattr(formulation, "stiffness_t", np.inf) if self._slips else np.inf
         self.stretch = np.zeros(surface.points.shape)
         self._sticks = np.zeros(surface.size, dtype=bool)
-        self._mate = np.zeros(surface.size, dtype=np.int64)  # another node of a cell of each
-        self._mate[surface.cell_nodes] = np.roll(surface.cell_nodes, 1, axis=1)
+        self._beside = _neighbours(surface.cell_nodes) if self._slips and surface.dim == 3 else None
 
     def begin(self, normal: np.ndarray, places: Callable[[], np.ndarray]) -> None:
         """A step starts with these normals and at these places, (n, d)."""
@@ -74,11 +74,16 @@ class TangentialSprings:
         self, frames: tuple[np.ndarray, np.ndarray], first: np.ndarray, last: np.ndarray
     ) -> np.ndarray:
         """By how much the material turns about the normals, against the frames, (n,)."""
-        if len(frames[0]) == 1:
+        if self._beside is None:
             return np.zeros(len(first))
-        ways = (places[self._mate] - places for places in (first, last))
-        old, new = (np.arctan2(*along(f, way)[::-1]) for f, way in zip(frames, ways))
-        return np.asarray((new - old + np.pi) % (2 * np.pi) - np.pi)
+        point, other = self._beside
+        old, new = (
+            along(frame[:, point], places[other] - places[point])
+            for frame, places in zip(frames, (first, last))
+        )
+        # the angle that makes the sum of old ways, turned, times new ones the largest
+        products = old[0] * new[1] - old[1] * new[0], (old * new).sum(axis=0)
+        return np.arctan2(*(np.bincount(point, each, len(first)) for each in products))
 
     def slips(self, jump: np.ndarray, normal: np.ndarray) -> np.ndarray:
         """The jumps (n, d) [m/s] of the accepted step, less those along the surface that only
@@ -98,6 +103,13 @@ class TangentialSprings:
         held = along(k.frame(k.mean_normal())[1], -friction / each[:, None])
         stuck = self._after + (held - self._before) / (step.scheme.force_weight or 1.0)
         self.stretch = across(k.frame()[1], np.where(sticks, stuck, held))
+
+
+def _neighbours(cells: np.ndarray) -> np.ndarray:
+    """All nodes of the cells (m, k) and the others of these, each pair once, (2, pairs)."""
+    k = cells.shape[1]
+    pairs = [cells[:, [i, j]] for i in range(k) for j in range(k) if i != j]
+    return np.unique(np.concatenate(pairs), axis=0).T
 
 
 def along(tangents: np.ndarray, vectors: np.ndarray) -> np.ndarray:

@@ -37,11 +37,12 @@ class Condensed:
         self._all = assembly
         self.surfaces = assembly.surface_system()
         self._force: np.ndarray | float = 0.0  # of the last state
+        self._carried: np.ndarray | float = 0.0  # under which the solids moved last
 
     def restart(self) -> None:
         """A step begins: what is kept between iterations is that of the state."""
         self.surfaces.forget()
-        self._force = 0.0
+        self._force = self._carried = 0.0
 
     def free(self) -> np.ndarray:
         """Velocities of all points without contact, flat, as the solids are linearised now."""
@@ -56,9 +57,19 @@ class Condensed:
 
     def carry(self, step: Step, force: np.ndarray) -> None:
         """Move the solids under the forces on all points, flat in N."""
+        self._carried = force
         self._all.spread(force)
         for solid in self._all.solids:
             solid.correct(step)
+
+    def settle(self, step: Step, force: np.ndarray, tolerance: float) -> bool:
+        """Move the solids under the forces of the solution, unless linearised ones that are the
+        same have; whether they moved. Of points that hardly press both may differ by all they are
+        where speeds are resolved, and no solid would balance them."""
+        if not largest(force - self._carried) > tolerance * largest(force):
+            return False
+        self.carry(step, force)
+        return True
 
     def hold(self, floating: Sequence[Solid]) -> None:
         """Solids that only contact holds have no compliance: they cannot be condensed."""

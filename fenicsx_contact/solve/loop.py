@@ -156,7 +156,8 @@ class StepSolver:
         for contact, velocities in new:
             contact.screen(velocities, step)
         speed = max(self._all.fastest(free), SLOW * self._pushed) or self._speeds.known()
-        speed = self._scale(step, speed)
+        inside = self._speeds.inside(body.free_velocity() for body in self._speeds.bodies)
+        speed = self._scale(step, max(speed, SLOW * inside))
         for contact, velocities in new:
             contact.start(velocities)
         return speed
@@ -212,6 +213,9 @@ class StepSolver:
             stalled = not fell and error <= ROUGH * self._newton.tolerance
             if iteration and (error <= self._newton.tolerance or stalled):
                 self.reached = error
+                if self.system.settle(step, force, self._newton.tolerance):
+                    for contact in self._all.contacts:
+                        contact.follow()
                 return force, iteration + settled, 1, remarks
             if not np.isfinite(error):
                 break

@@ -92,6 +92,10 @@ class Monolithic(ABC):
             self.rows = [np.zeros(len(rows)) for rows in self.rows]
         self.assembly.spread(self.force)
 
+    def settle(self, step: Step, force: np.ndarray, tolerance: float) -> bool:
+        """Its rows balance the solids under these forces."""
+        return False
+
     def iterate(self, step: Step) -> bool:
         """Solve, and move the solids; False if the system is singular."""
         if self.hyperstatic and not self.held:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -41,9 +41,8 @@ class Speeds:
 
     def typical(self, step: Step) -> float:
         """The largest speed at the contacts in the trial state, m/s, or one that inertia knew as
-        the step began, or that which their forces resolve; without inertia, where a contact between
-        bodies that are driven may rest, that which speeds in the solids do, and what round-off of
-        places is worth. 0 where nothing moves yet."""
+        the step began, or that which their forces or the speeds in the solids resolve; without
+        inertia what round-off of places is worth. 0 where nothing moves yet."""
         speed, (brought, pushed) = self._fastest("trial_velocity"), self._brought(step)
         if step.scheme.inertia:
             speed = max(speed, brought)
@@ -52,16 +51,19 @@ class Speeds:
                 pushed = max(each, default=0.0)
         loaded = max((solid.load_speed() for solid in self._floating), default=0.0)
         known = speed or pushed or loaded
-        speed = max(speed, SLOW * pushed, loaded)
-        if step.scheme.inertia and known:
-            return speed
-        fastest = [0.0, *(largest(body.trial_velocity) for body in self.bodies)]
-        inside = max(map(max, self._comm.allgather(fastest)))
-        speed = max(speed, SLOW * inside if known else inside)
+        # a contact may all but rest: of what moves elsewhere exponentially little arrives at once
+        inside = self.inside(body.trial_velocity for body in self.bodies)
+        speed = max(speed, SLOW * pushed, loaded, SLOW * inside if known else inside)
         if step.scheme.inertia:
             return speed
         noise = max((contact.noise for contact in self._contacts), default=0.0)
         return max(speed, noise / (step.span * self._tolerance))
+
+    def inside(self, velocities: Iterable[np.ndarray]) -> float:
+        """The largest of velocities of the solids that deform, each (owned,) in m/s, wherever they
+        are: solves of these solids resolve no speeds below their round-off."""
+        own = [largest(each) for each in velocities]
+        return float(np.max(self._comm.allgather(own))) if own else 0.0
 
     def known(self) -> float:
         """The largest speed at the contacts at the start of the step, m/s."""

@@ -18,12 +18,14 @@ from fenicsx_contact import (
     Heap,
     HyperelasticSolid,
     InputError,
+    QuasiStatic,
     RigidSolid,
     Scene,
     ThetaScheme,
     name_facets,
     neo_hookean,
 )
+from fenicsx_contact.theory.theta import Step
 
 
 def test_free_jumps_that_are_round_off():
@@ -202,3 +204,35 @@ def test_a_pulse_crosses_from_bar_to_bar(form, scheme, geometry):
     pressure = -history["c.force_x"] / 0.1
     assert np.abs(pressure[history.time < 0.6]).max() < 1e-4
     assert abs(pressure[history.time > 1.3].mean() / 0.01 - 1) < 0.02
+
+
+@pytest.mark.parametrize("held", [(), "base"])
+def test_a_balance_that_is_not_a_number_does_not_hold(held):
+    """Of an element that is inverted: terms, or the reactions only, that are NaN."""
+    solid = HyperelasticSolid(
+        rectangle(), energy=neo_hookean(1e6, 0.3), density=1000.0, fixed=held, gravity=(0, -1e-9)
+    )
+    step = Step(0.01, ThetaScheme(1.0))
+    solid.predict(step)
+    solid.go(np.tile([0.0, -200.0], 4) * (solid.vectors.places[:, 1] > 0).repeat(2), step)
+    assert solid.broken()
+    for noise in (0.0, 1e9):
+        assert np.isnan(solid.imbalance(step, noise))
+
+
+def test_a_horseshoe_bent_beyond_itself_stops():
+    """Its ends are moved past each other, which nothing could: an inverted element, all strains
+    NaN, was a row, certified with an error of 2e-21."""
+    mesh = rectangle((24, 2), (1.0, 1.0), "triangle")
+    x, turn = mesh.mesh.geometry.x, 0.5 * np.pi
+    s, r = (x[:, 0] + 0.5) * (3 + turn), 0.5 + 0.3 * x[:, 1]
+    angle = np.clip(2 * (s - 1.5), 0, np.pi)
+    straight = np.where(s < 1.5, 1.5 - s, s - 1.5 - turn)
+    x[:, 0] = np.where((angle > 0) & (angle < np.pi), -r * np.sin(angle), straight)
+    x[:, 1] = r * np.cos(angle)
+    ends = {"left": lambda t: (0, -0.5 * t), "right": lambda t: (0, 0.5 * t)}
+    solid = HyperelasticSolid(mesh, energy=neo_hookean(100.0, 0.3), density=1.0, prescribed=ends)
+    contact = Contact(solid, "base", (solid, "base"), "gap", friction=0.2)
+    history = Scene([solid], [contact], QuasiStatic()).run(1.05, 0.05)
+    assert "is inverted" in history.reason
+    assert np.isfinite(history.rows()).all() and history.time[-1] == pytest.approx(1.0)

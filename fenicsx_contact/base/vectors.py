@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 _ONES = np.ones(3)
 
 
-def largest(values: np.ndarray) -> float:
+def largest(values: np.ndarray | Sequence[float]) -> float:
     """The largest absolute value; 0 of none, NaN where there is one."""
     sizes = np.abs(values)
     return float(sizes.item(sizes.argmax())) if sizes.size else 0.0

@@ -209,7 +209,10 @@ class VonKarmanBeam(BeamSolid):
         inertia, _, loads, contact = terms
         sizes = [largest(self._lever * term) for term in (inertia, loads, contact, law, held)]
         wrong = largest(self._lever * (left - held)) - ROUND_OFF * round_off
-        return max(wrong, 0.0) / max(sizes) if max(sizes) > noise else 0.0
+        size = largest(sizes)
+        if size <= noise and wrong < np.inf:  # NaN is neither
+            return 0.0
+        return max(wrong, 0.0) / size
 
     def unsound(self, step: Step) -> str:
         """Of several solutions only the one that it buckles to is one that it moves to."""

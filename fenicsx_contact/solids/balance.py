@@ -151,8 +151,10 @@ class BalancedSolid(MonolithicSolid):
         acting = [contact, inertia, *others[1:], reaction]
         own = [largest(term) for term in (total, *acting)]
         residual, *sizes = np.max(self.comm.allgather(own), axis=0)
-        self.acts = float(max(sizes))
-        return float(residual / self.acts) if self.acts > noise else 0.0
+        self.acts = largest(sizes)
+        if self.acts <= noise and residual < np.inf:  # NaN is neither
+            return 0.0
+        return float(residual / self.acts)
 
     def works(self, step: Step) -> tuple[float, float, float, float]:
         mean, held = step.mean(self.velocity, self.trial_velocity), self.fixed_unknowns

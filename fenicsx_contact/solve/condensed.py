@@ -88,7 +88,7 @@ class Condensed:
             errors.append(self.surfaces.error(slow=0.0))
             errors.append(SETTLED * self._changed(force))
             self.surfaces.remember()
-        return max(errors, default=0.0), force
+        return largest(errors), force
 
     def renew(self, step: Step) -> None:
         """Take up the derivatives of the geometry, which have been seen since `begin`."""
@@ -100,7 +100,7 @@ class Condensed:
         of a stiff solid meets a soft one, small errors of gaps hide large ones of forces."""
         before, self._force = self._force, force
         size = largest(force)
-        return float(np.abs(force - before).max() / size) if size > self._all.noise() else 0.0
+        return 0.0 if size <= self._all.noise() else float(np.abs(force - before).max() / size)
 
     def iterate(self, step: Step) -> bool:
         """Solve, and move the solids; False if the system is singular."""

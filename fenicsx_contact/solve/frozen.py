@@ -163,8 +163,7 @@ class FrozenContact(Statuses):
             if solid.shiftable:
                 size = max(size, system.assembly.stopping_force(solid))
             momentum.append(largest(left) / (size or 1.0))
-        errors = system.comm.allreduce(max(momentum), op=MPI.MAX)
-        self.worst = max([errors, *rows])
+        self.worst = largest([*system.comm.allgather(largest(momentum)), *rows])
         return self.worst if np.isfinite(self.worst) else np.inf
 
     def soften(self, compliance: float) -> None:

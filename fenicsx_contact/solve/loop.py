@@ -18,6 +18,7 @@ import numpy as np
 
 from ..base.checks import StepFailed
 from ..base.overflow import diverging
+from ..base.vectors import largest
 from ..contact.trial import in_round_hole, nonlinearity
 from ..solids import DeformableSolid
 from ..theory.theta import Step
@@ -124,7 +125,7 @@ class StepSolver:
             clock("solids")
             error = self._nonlinearity(step, speed, solution.force)
             self.errors.append(error)
-            self.reached = max(solution.error, error)
+            self.reached = largest([solution.error, error])
             grown = [contact.grow(step) for contact in self._all.contacts]
             clock("pairing")
             if any(grown):
@@ -190,13 +191,14 @@ class StepSolver:
             jump, gap, size = nonlinearity(contact, step)
             size = max(speed, size, SLOW * contact.push(force[part], step))
             errors += [jump / size, gap / (size * step.span)]
-        return max(errors, default=0.0)
+        return largest(errors)
 
     # -- everything at once -----------------------------------------------------------------------
 
     def _full(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         settled, halved, last, turns = 0, 0, np.inf, Turns(bool(self._floating))
         plain = kept = False  # whether the last correction was, and by an older tangent
+        sound = True  # whether the trial state was asked
         errors, remarks = self.errors, list[str]()
         for iteration in range(self._newton.max_iterations + 1):
             for solid in self._all.solids:
@@ -213,6 +215,8 @@ class StepSolver:
             stalled = not fell and error <= ROUGH * self._newton.tolerance
             if iteration and (error <= self._newton.tolerance or stalled):
                 self.reached = error
+                if not sound:
+                    self._all.refuse_broken()
                 if self.system.settle(step, force, self._newton.tolerance):
                     for contact in self._all.contacts:
                         contact.follow()
@@ -240,9 +244,10 @@ class StepSolver:
                 remarks += solution.remarks
                 for contact in self._all.contacts:
                     contact.follow()
-                plain = kept = False
+                plain = kept = sound = False
                 continue
             self._advance(step, clock)
+            sound = True
             plain = isinstance(self.system, Condensed)
         moved = free_motion(self._floating, step)
         raise StepFailed(f"{self.system.stall()} after {len(errors) - 1} Newton iterations{moved}")

@@ -261,9 +261,8 @@ class SurfaceSystem(Statuses):
             scaled = scaled.copy()
             resolved = slow * (self._absolute() @ np.abs(self.assembled[:nw])) * self._rows[:nw]
             scaled[:nw] /= np.maximum(1.0, resolved)
-        self.worst = max(
-            largest(part.equations.natural(scaled[place])) for part, place in self.placed
-        )
+        errors = [largest(part.equations.natural(scaled[place])) for part, place in self.placed]
+        self.worst = largest(errors)
         self.worst = self.worst if np.isfinite(self.worst) else np.inf
         self._judged = self.residual if slow == SLOW else np.empty(0)
         return self.worst

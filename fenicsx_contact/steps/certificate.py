@@ -48,7 +48,7 @@ class Certificate:
     @property
     def worst(self) -> float:
         """The largest error."""
-        return max(self.momentum, self.contact)
+        return largest([self.momentum, self.contact])
 
     @property
     def refusal(self) -> str:
@@ -85,8 +85,8 @@ def certify(
     worked += sum(work for work, _ in works)
     size = energy + sum(most for _, most in works)
     return Certificate(
-        max(problem.imbalances(step, problem.solids, SAME * force), default=0.0),
-        max((violation(contact, step, force) for contact, force in acting), default=0.0),
+        largest(problem.imbalances(step, problem.solids, SAME * force)),
+        largest([violation(contact, step, force) for contact, force in acting]),
         max(worked, 0.0) / size if size else 0.0,
         next((c.name for c, pushes in acting if _wedges(problem, c, largest(pushes))), ""),
     )

@@ -22,6 +22,7 @@ from fenicsx_contact import (
     Scene,
     Section,
     ThetaScheme,
+    Tresca,
     axis_mesh,
 )
 from fenicsx_contact.gradients import (
@@ -354,6 +355,8 @@ def test_what_is_refused_in_guides():
     rod = beam()
     contact = inside(rod)
     refused(rod, contact, "see Bend", ObstacleShift(contact, (1, 0)))
+    rod = beam()
+    refused(rod, inside(rod, friction=Tresca(1.0)), "law of areas")
     rod = beam()
     refused(rod, inside(rod), "located impacts", locate_impacts=True)
     rod = beam()

@@ -11,7 +11,9 @@ from processes import killed_after
 from scenes import rates
 
 from fenicsx_contact import (
+    Archard,
     BeamSolid,
+    Compliance,
     Discrete,
     Driven,
     Fall,
@@ -19,8 +21,10 @@ from fenicsx_contact import (
     InputError,
     Scene,
     Section,
+    Stribeck,
     Support,
     ThetaScheme,
+    Tresca,
     Velocity,
     axis_mesh,
 )
@@ -455,6 +459,47 @@ def test_a_wall_moves_for_a_falling_rod():
     assert history["c.penetration"].max() < 0.05 * C
 
 
+@pytest.mark.parametrize("cuts", [(), (-0.5,), (-0.62, -0.33)])
+@pytest.mark.parametrize("top", [-2.0, -20.0])
+def test_laws_of_areas_see_the_length_of_the_rod(cuts, top):
+    """One tube or several, and wherever they begin: 7 N/m on a rod of 1 m are 7 N."""
+
+    def slid(friction):
+        lying = {"displacement": lambda s: np.full((1, len(s)), 1e-3)}
+        axis = axis_mesh((0, 0), (0, 1), rod=(1.0, 10))
+        section = Section(mass=2.0, bending=40.0)
+        rod = BeamSolid(axis, section, gravity=(3.0, 0), law=Driven(0.5), **lying)
+        ends = [top, *cuts, 2.0]
+        guide = Guide([Tube(a, b, 1e-3) for a, b in zip(ends[:-1], ends[1:])])
+        soft = Compliance(1e6, tangential_stiffness=1e8)  # so that all of it bears
+        contact = GuideContact(rod, "rod", guide, soft, friction)
+        rubs = {"rubbing": lambda: contact.axial_force()[1]}
+        history = Scene([rod], [contact], ThetaScheme(1.0)).run(0.4, 2e-2, probes=rubs)
+        assert history.finished
+        return history["rubbing"][2:], contact
+
+    np.testing.assert_allclose(slid(Tresca(7.0))[0], -7.0, rtol=1e-9)
+    np.testing.assert_allclose(slid(Stribeck(0, 0, 0.1, 1, 5.0))[0], -2.5, rtol=1e-9)
+    _, contact = slid(Archard(0.3, 1e-4, 1e6))
+    assert contact.gap.max() == pytest.approx(6e-6, rel=2e-2)
+    worn = np.delete(contact.memory.values["worn"], contact.stations)
+    assert worn.mean() == pytest.approx(1e-4 / 1e6 * 6.0 * 0.2, rel=0.05)
+
+
+def test_what_is_between_tubes_has_no_length():
+    """A rod that leaves one tube and enters the next, and a card between them."""
+    axis = axis_mesh((0, 0), (0, 1), rod=(1.0, 10))
+    rod = BeamSolid(axis, Section(mass=2.0, bending=40.0), law=Driven(0.5))
+    guide = Guide([Tube(-3.0, -0.27, C), Card(-0.1, C), Tube(0.13, 4.0, C)])
+    contact = GuideContact(rod, "rod", guide, friction=Tresca(7.0))
+    probes = {"length": lambda: np.sum(contact.coupling.area), "travel": lambda: rod.travel}
+    history = Scene([rod], [contact], ThetaScheme(1.0)).run(1.0, 1e-2, probes=probes)
+    z = history["travel"][1:]
+    tubes = np.maximum(0.73 - z, 0) + np.maximum(z - 0.13, 0)
+    card = np.where(z <= 0.9, 0.5 * (0.17 + 0.23), 0)
+    np.testing.assert_allclose(history["length"][1:], tubes + card, atol=1e-12)
+
+
 # -- elastic guides -----------------------------------------------------------------------------
 
 
@@ -639,7 +684,7 @@ def test_a_guide_too_bent_for_its_clearance_is_refused():
 # -- killed and resumed -------------------------------------------------------------------------
 
 
-def falling(formulation, dim=2, elastic=False, axial=math.inf):
+def falling(formulation, dim=2, elastic=False, axial=math.inf, friction=0.2):
     """A rod falls from a straight tube into a bent one, over a kink."""
     down = (0.0,) * (dim - 1)
     curve = Straight() if axial < math.inf else Sine(0.005, 1.8, "kinked")
@@ -657,7 +702,7 @@ def falling(formulation, dim=2, elastic=False, axial=math.inf):
     solid = RodInTube(rod, tube) if elastic else rod
     if axial == math.inf:
         settle(solid, "rod", guide)
-    contact = GuideContact(solid, "rod", guide, formulation, 0.2, name="c")
+    contact = GuideContact(solid, "rod", guide, formulation, friction, name="c")
     return Scene([solid], [contact], ThetaScheme(0.6))
 
 
@@ -667,11 +712,13 @@ def falling(formulation, dim=2, elastic=False, axial=math.inf):
         (Velocity(0.1), {}),
         (Gap(), {}),
         (Discrete(1e5, 20.0), {}),
+        (Compliance(1e6, tangential_stiffness=1e6), {}),
+        (Velocity(0.1), {"friction": Tresca(3.0)}),
         (Velocity(0.1), {"elastic": True}),
         (Velocity(0.1), {"axial": 1e7}),
         (Velocity(0.1), {"dim": 3}),
     ],
-    ids=["velocity", "gap", "springs", "tube", "extensible", "space"],
+    ids=["velocity", "gap", "springs", "areas", "stress", "tube", "extensible", "space"],
 )
 def test_killed_and_resumed_to_the_same_bits(formulation, others, tmp_path):
     """What a rod keeps between steps is a function of its state."""

@@ -261,7 +261,7 @@ class LawFields:
                 f"name = {name!r}: a law of the contact wears its surface already"
             )
         share = 1.0
-        if self._weight is not None:
+        if self._weight is not None and not self.surface.slides:
             full = self.surface.scalar()  # what a point weighs that a master covers
             area = self.surface.area
             full.x.array[:] = np.where(area > 0, area, np.inf) / self.surface.nodal_area

@@ -52,6 +52,10 @@ class Scales:
             self._octave, self.mobility = octave, float(mobility.max())
         return self._units
 
+    def renew(self) -> None:
+        """The points weigh otherwise than before."""
+        self._span, self._octave = 0.0, -np.inf
+
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically."""
         return {"units": self._units, "octave": np.array([self._octave, self.mobility])}

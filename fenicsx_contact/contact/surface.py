@@ -48,7 +48,10 @@ class Surface:
         places: of the nodes of each cell, (m, k, d).
         dim: dimension of space, d.
         extent: of the points along the axis along which it is largest, m.
+        slides: whether its points stand for what slides past them, none for an area of its own.
     """
+
+    slides = False
 
     def __init__(
         self,

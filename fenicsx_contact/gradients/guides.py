@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ..base import checks
 from ..base.vectors import dot
 from ..contact.contact import Contact
 from ..rods import GuideContact
@@ -43,6 +44,12 @@ class GuideRows(ContactRows):
 
     def _refuse(self, contact: Contact) -> None:
         refuse_law(contact)
+        if contact.measured:  # type: ignore[attr-defined]
+            law = contact.friction_law.describe() if contact.friction_law else "its formulation"
+            raise checks.InputError(
+                f"gradients: contact {contact.name!r} has a law of areas ({law}), which change as "
+                "the rod slides past its guide"
+            )
         guide = contact.coupling.obstacle  # type: ignore[attr-defined]
         guide.line_curvature(guide.stations)  # a curve may not know it
 

@@ -38,6 +38,10 @@ VELOCITY = Velocity(drift_correction=0.1)
 class GuideContact(Contact):
     """A contact between a stretch of a beam and a guide around it.
 
+    Laws of areas (a Compliance, Tresca's friction, viscosity, wear) act per length of the rod that
+    lies in tubes; a card has no length: outside of tubes it stands for half of the way to the
+    stations beside it.
+
     Args:
         solid: the rod, or the rod and its elastic tube.
         facets: the name of the stretch of its axis that is guided.
@@ -49,6 +53,8 @@ class GuideContact(Contact):
 
     Attributes:
         deepest: that penetration, m.
+        measured: whether a law reads areas: along the rod, lengths of it (see measure.py), which
+            change as it slides past the stations; forces that are in proportion need none.
         step: the last one, None before the first.
 
     Raises:
@@ -118,6 +124,11 @@ class GuideContact(Contact):
         self.stations = np.flatnonzero(off > 0.5 * axis.length)
         # in the order of the guide's
         self.stations = self.stations[np.argsort(guide.depth(surface.points[self.stations]))]
+        laws = [each for each in (self.formulation, self.friction_law) if each is not None]
+        areas = any(vars(type(law)).get("reads_areas", True) for law in laws)
+        self.measured = areas and not self.formulation.at_points
+        if self.measured:
+            surface.area, surface.slides = surface.area.copy(), True
         self._turn = self.solid.rod.frame @ guide.lateral.T
         return surface
 
@@ -140,6 +151,18 @@ class GuideContact(Contact):
         # were free: who does not bear starts open
         self.equations.start(self.jump.ravel(), self.jump.ravel())
 
+    def linearise(self, step: Step, exact: bool = False, kept: bool = False) -> None:
+        if self.measured:
+            self.trace.linearise(step)
+            self._weigh(self.coupling.area)
+        super().linearise(step, exact, kept)
+
+    def _weigh(self, lengths: np.ndarray) -> None:
+        """The points stand for other lengths, (n,) in m, and what stops them changes with these."""
+        if not np.array_equal(lengths, self.equations.weight):
+            self.equations.set_weight(lengths)
+            self.scales.renew()
+
     def begin(self, step: Step) -> None:
         super().begin(step)
         self.coupling.follow()
@@ -148,6 +171,22 @@ class GuideContact(Contact):
     def accept(self, force: np.ndarray, step: Step, resolution: float) -> None:
         super().accept(force, step, resolution)
         self.step = step
+
+    @property
+    def multiplier(self) -> np.ndarray | None:
+        lam, lengths = super().multiplier, self.coupling.area
+        if lam is None or self.formulation.at_points:
+            return lam
+        return lam * self.equations.weight / np.where(lengths > 0, lengths, np.inf)
+
+    def state(self) -> dict[str, np.ndarray]:
+        lengths = {"lengths": self.equations.weight} if self.measured else {}
+        return {**super().state(), **lengths}
+
+    def restore(self, state: dict[str, np.ndarray]) -> None:
+        if self.measured:
+            self._weigh(np.array(state["lengths"]))
+        super().restore(state)
 
     def normal_force(self) -> float:
         """Sum of the sizes of the normal forces in the last step, N (in an impact N s)."""

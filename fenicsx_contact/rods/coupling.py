@@ -14,6 +14,7 @@ from ..theory.formulations import Formulation
 from ..theory.theta import Step
 from .beam import BeamSolid
 from .guide import Guide
+from .measure import Lengths
 from .trace import BeamTrace
 from .tube import PairTrace, RodInTube
 
@@ -27,6 +28,7 @@ class Guided(Protocol):
     formulation: Formulation
     stations: np.ndarray
     deepest: float
+    measured: bool
 
 
 class GuideCoupling(NodalJump):
@@ -40,6 +42,8 @@ class GuideCoupling(NodalJump):
         self._rod, self._trace, self._turn = contact.solid.rod, trace, turn
         self._rigid = contact.formulation.multipliers
         self._deepest, self._void = contact.deepest, trace.void.copy()
+        self._lengths = Lengths(self._guide, trace.material, self._stations)
+        self._measured = contact.measured
         self._at: np.ndarray | None = None
         self._when = 0.0
 
@@ -109,7 +113,15 @@ class GuideCoupling(NodalJump):
 
     def near(self) -> np.ndarray:
         # a station that the rod has passed meets nothing, though it bore a moment ago
-        return ~self._trace.void
+        there = ~self._trace.void
+        if self._measured:  # nothing acts where nothing weighs
+            there &= self._lengths(self._trace.material, self._trace.void) > 0
+        return there
+
+    @property
+    def area(self) -> np.ndarray:
+        """Lengths of the rod for which the points stood in the last step, (n,) in m."""
+        return self._lengths(*self._trace.acted)
 
     @property
     def blocked(self) -> str:

@@ -132,6 +132,11 @@ class BeamTrace(Trace):
         """The s of what is at the points, (n,) in m."""
         return self._now.s
 
+    @property
+    def acted(self) -> tuple[np.ndarray, np.ndarray]:
+        """The same in the step that was linearised last, and where there was no beam, (n,)."""
+        return self._acting.s, self._acting.void
+
     def _place(self, points: np.ndarray) -> None:
         """Shape functions at the present s of some points."""
         now = self._now

@@ -169,6 +169,11 @@ class PairTrace(Trace):
         """The s of the rod at the points, (n,) in m."""
         return self.rod.material
 
+    @property
+    def acted(self) -> tuple[np.ndarray, np.ndarray]:
+        """The same in the step that was linearised last, and where there was no rod, (n,)."""
+        return self.rod.acted
+
     def slopes(self) -> np.ndarray:
         """Derivative of the rod's deflection by s, (n, d - 1)."""
         return self.rod.slopes()

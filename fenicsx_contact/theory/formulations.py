@@ -35,6 +35,7 @@ class Formulation(Protocol):
             it depends on w.
         pushes: of one that has it, and True: its normal forces only push.
         rebounds: of a percussive one that has it, and True: what it strikes leaves again.
+        reads_areas: of a class that says False itself: forces are the same for any areas.
 
     Optional is ``closed(predicted_gap, tolerance)``: Su, (n,) of bool, where it is decided before
     the step, from the gaps (n,) [m] at the end of an explicit prediction, equal up to a tolerance
@@ -87,6 +88,7 @@ class Velocity:
 
     drift_correction: float = 0.0
     name: ClassVar[str] = "velocity"
+    reads_areas: ClassVar[bool] = False
     pushes: ClassVar[bool] = True
     multipliers: ClassVar[bool] = True
     percussive: ClassVar[bool] = True
@@ -133,6 +135,7 @@ class Printed(Velocity):
     """
 
     name: ClassVar[str] = "printed"
+    reads_areas: ClassVar[bool] = False
     percussive: ClassVar[bool] = False
 
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
@@ -157,6 +160,7 @@ class Gap:
     """
 
     name: ClassVar[str] = "gap"
+    reads_areas: ClassVar[bool] = False
     pushes: ClassVar[bool] = True
     multipliers: ClassVar[bool] = True
     percussive: ClassVar[bool] = False

@@ -9,7 +9,7 @@ object with the two members of :class:`FrictionBound`.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import ufl
 
@@ -20,7 +20,11 @@ from .parameter import Parameter, keep_parameter, parameter, told, varies
 
 @runtime_checkable
 class FrictionBound(Protocol):
-    """What a contact asks of its law of friction."""
+    """What a contact asks of its law of friction.
+
+    Where ``reads_areas`` is False in a class itself its bound is the pressure times a number, so
+    that forces are the same for any areas.
+    """
 
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """The bound b in UFL.
@@ -47,6 +51,7 @@ class Coulomb:
     """
 
     mu: Parameter
+    reads_areas: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mu", parameter("friction", self.mu))

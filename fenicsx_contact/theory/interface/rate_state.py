@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import ufl
 
@@ -72,6 +72,7 @@ class RateState:
     speed: Parameter
     theta: Parameter = None
     law: str = "ageing"
+    reads_areas: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         for name in ("a", "distance", "speed"):

@@ -42,6 +42,7 @@ class Restitution(Velocity):
     coefficient: float = 0.0
     drift_correction: float = field(default=0.0, kw_only=True)  # else Restitution(0.7) were that
     name: ClassVar[str] = "velocity with restitution"
+    reads_areas: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import ufl
 
@@ -37,6 +37,7 @@ class StaticKinetic:
 
     static: Parameter
     kinetic: Parameter
+    reads_areas: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         keep_parameter(self, "static")

@@ -241,6 +241,31 @@ def test_a_stranger_drives_a_beam():
         BeamSolid(axis, Section(4.0, 70.0), supports=[CLAMP], law=Winch())
 
 
+class Weighted(Driven):
+    """A drive that lets down a rod with a weight at its tip, and water that moves along."""
+
+    def added_mass(self, travel):
+        return 0.5 + travel
+
+    def forces(self, travel, speed, mass, gravity, dt):
+        return [AxialForce("tip", 50.0 * (1 + travel), 0.0, 50.0, at=0.0)]
+
+
+@pytest.mark.parametrize("kind", [BeamSolid, VonKarmanBeam])
+def test_a_drive_holds_what_its_law_lists(kind):
+    """It bears the weight at the tip, which pulls all of the rod, and the books have both."""
+    axis = axis_mesh((0, 0), (0, 1), all=(1.0, 4))
+    section = Section(0.1, 0.05, **({"axial": 1e6} if kind is VonKarmanBeam else {}))
+    rod = kind(axis, section, law=Weighted(0.5))
+    history = Scene([rod], [], ThetaScheme(1.0, forces="end"), allow_free=True).run(0.2, 1e-2)
+    assert rod.travel == pytest.approx(0.1, rel=1e-3)
+    assert rod.axial.drive_force == pytest.approx(-55.0, rel=1e-3)
+    if kind is VonKarmanBeam:
+        np.testing.assert_allclose(rod.axial_force(), 55.0, rtol=1e-3)
+    assert -rod.axial.taken["tip"] == pytest.approx(50 * 0.1 + 25 * 0.1**2, rel=6e-3)
+    assert np.abs(history["balance"]).max() < 1e-10
+
+
 def test_trace_is_consistent():
     """Free jump, compliance and spread forces belong to one operator, also between traces."""
     axis = axis_mesh((0, 0, 0), (1, 2, 2), all=UNEVEN)

@@ -90,7 +90,7 @@ class AxialMotion:
         """Take up the law for a step: adds its forces to the load and its rate to the matrix.
 
         The forces are those at the scheme's force point, their change within the step to first
-        order: what is left out is O(dt²) of it.
+        order: what is left out is O(dt²) of it. A drive holds its place against them, too.
 
         Args:
             step: the step.
@@ -102,13 +102,8 @@ class AxialMotion:
             The inverse of the matrix, and the velocity that a drive prescribes without any load.
         """
         self._acting = []
-        given = np.zeros_like(load)
         if self.law is None:
-            return inverse, given
-        if self.prescribed is not None:
-            y = inverse @ self.holding
-            y /= float(self.holding @ y)
-            return inverse - np.outer(y, self.holding @ inverse), -self.prescribed * y
+            return inverse, np.zeros_like(load)
         weight = step.scheme.force_weight
         ahead = weight * step.dt
         forces = self.forces(u, v, step.dt, ahead) if step.dt else []
@@ -123,7 +118,11 @@ class AxialMotion:
             y = inverse @ share  # Sherman-Morrison
             inverse = inverse - c / (1 + c * float(share @ y)) * np.outer(y, y)
             self._acting.append((place, here, changes, added))
-        return inverse, given
+        if self.prescribed is not None:
+            y = inverse @ self.holding
+            y /= float(self.holding @ y)
+            return inverse - np.outer(y, self.holding @ inverse), -self.prescribed * y
+        return inverse, np.zeros_like(load)
 
     def balance(self, step: Step, before: np.ndarray, after: np.ndarray) -> np.ndarray | float:
         """What the law's forces and the added inertia are in the balance of a step between two
@@ -149,7 +148,7 @@ class AxialMotion:
         Args:
             step: the step.
             before, after: velocities at its ends.
-            lacking: what is left of the balance without the law, which a drive gives, N.
+            lacking: what is left of the balance without the law: its forces and a drive's, N.
             others: works that are kept in the same books.
         """
         works, inertial = dict(others), 0.0
@@ -162,7 +161,8 @@ class AxialMotion:
                 works[force.name] = works.get(force.name, 0.0) + work
         if self.prescribed is not None:
             share = self.holding
-            self.drive_force = -float(share @ lacking) / float(share @ share)
+            given = lacking - self.balance(step, before, after)
+            self.drive_force = -float(share @ given) / float(share @ share)
             middle = -float(share @ (after + before)) / 2
             works["drive"] = step.span * middle * self.drive_force
         self._works = works

@@ -132,8 +132,8 @@ class Contact(Scaled, SurfaceResults):
     def _start(self) -> None:
         """Frame from which the next step starts, and round-off of the distances in it."""
         self.noise = ROUND_OFF * largest(self.coupling.positions())
-        self._start_normal = self.coupling.keep_normals()
-        self._springs.begin(self._start_normal, self.coupling.positions)
+        self.start_normal = self.coupling.keep_normals()
+        self._springs.begin(self.start_normal, self.coupling.positions)
         if not self.coupling.fixed_normal:
             self.equations.fields.keep_frame()
 
@@ -216,7 +216,7 @@ class Contact(Scaled, SurfaceResults):
         self._start_gap = np.where((gap < 0) & (gap >= -closed), 0.0, gap)
         self._told, e = step, self.equations
         touches = (self.status > 0) | (self.gap >= -self.tolerance)
-        ends = self._start_normal, self.normal
+        ends = self.start_normal, self.normal
         start = start_speeds(e.fields, self.coupling, step, self.jump, ends, touches)
         self.start_jump_n = np.where(np.abs(start) <= self.resolution, 0.0, start)
         e.gap[:], e.start_jump_n[:] = self._start_gap, self.start_jump_n

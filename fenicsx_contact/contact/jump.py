@@ -192,6 +192,10 @@ class Coupling(ABC):
         """By how much these are other than the mean of those at both ends, (n, d)."""
         return 0.0
 
+    def started_along(self, vectors: np.ndarray) -> np.ndarray:
+        """Velocities with which what moves as it is told starts the step, along vectors (n, d)."""
+        return np.zeros(len(vectors))
+
     def turns(self, old: np.ndarray, new: np.ndarray, step: Step) -> np.ndarray:
         """Where normals at the start and at the end of a step, (n, d), are those of what turns on
         the way, (n,) of bool, not of two faces that meet at an edge."""

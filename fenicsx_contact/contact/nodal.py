@@ -132,6 +132,9 @@ class NodalJump(Coupling):
         jump = self.traces[0].mean_jump(means[id(self.solids[0])]).reshape(self._shape)
         return jump - self.carried(step)
 
+    def started_along(self, vectors: np.ndarray) -> np.ndarray:
+        return dot(self._ride.start, vectors)
+
     def carried(self, step: Step) -> np.ndarray | float:
         if not self.driven:
             return 0.0

@@ -85,6 +85,21 @@ def trial_work(contact: Contact, step: Step, force: np.ndarray) -> tuple[float, 
     return -step.span * float(force @ mean), step.span * e.speed * float(sizes.sum())
 
 
+def rounded_drive(contact: Contact, step: Step, force: np.ndarray) -> float:
+    """What the mean of both ends ``n+ . (V- + V+)/2`` drives more by these contact forces than that
+    of what the surface comes nearer by at each, ``(n- . V- + n+ . V+)/2``, at points that touched
+    at the start, J: where normals turn in a step and forces act along those of its end, either is
+    off by its rounding, by the first what rides along, by the other what slides by."""
+    active, late = contact.equations.active_jumps, step.implicitness
+    if not (contact.coupling.driven and late and len(active)):
+        return 0.0
+    points = contact.equations.candidates
+    normal, pushes = contact.normal[points], force.reshape(len(points), -1)
+    off = contact.coupling.started_along(contact.normal - contact.start_normal)[points]
+    off *= ((contact.status > 0) | (contact.gap >= -contact.tolerance))[points]
+    return -0.5 * late * step.span * float(dot(pushes, normal) @ off)
+
+
 def astray(contact: Contact, step: Step) -> np.ndarray:
     """How much deeper each point is in the trial state than its velocities say, (n,) in m."""
     way = step.gap_rate * dot(contact.trial_jump, contact.normal)

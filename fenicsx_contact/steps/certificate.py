@@ -6,16 +6,21 @@ hold with the jumps and gaps that the solids have there (complementarity, Coulom
 direction, the gap: the rows of the weak form are zero only with all of these), and if contacts have
 not given energy: in sum since the start they only take, springs among them, which return what they
 stored. The largest error stands in the history.
+
+By theta > 1/2 forces act as bodies are at the end of a step, the works of contacts are counted by
+the mean of both ends, and what that gives where normals turn the scheme takes: both are asked
+together. A percussion is asked alone, too: it moves nothing that could take what it gave.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ..base.constants import SAME
 from ..base.vectors import largest
 from ..contact.contact import Contact
-from ..contact.trial import candidate_force, trial_work, violation
+from ..contact.trial import candidate_force, rounded_drive, trial_work, violation
 from ..solids.balance import BalancedSolid
 from ..solve.problem import Assembly
 from ..theory.theta import Step
@@ -38,12 +43,14 @@ class Certificate:
         given: energy that the contacts have given since the start, over the largest so far; 0 where
             they took.
         wedged: the contact whose forces at a point balance each other, whatever acts, or nothing.
+        rounding: as of :class:`Books`, with this step.
     """
 
     momentum: float
     contact: float
     given: float
     wedged: str = ""
+    rounding: tuple[float, float] = (0.0, 0.0)
 
     @property
     def worst(self) -> float:
@@ -67,29 +74,54 @@ class Certificate:
         return ""
 
 
-def certify(
-    problem: Assembly, step: Step, worked: float, energy: float, force: float
-) -> Certificate:
+class Books(NamedTuple):
+    """What is known of energies before a step.
+
+    Attributes:
+        worked: by all contacts since the start, and by the scheme where that takes, J.
+        energy: the largest so far, J; inf: not to be asked, where nothing has inertia, or where
+            bodies started inside each other and the contacts have to push.
+        moved: what forces of contacts might at most do at the speed of a step of those so far, J:
+            to a share of it each is rounded, however short the next one is.
+        drive: how much more is driven by one mean than by another, see
+            :func:`~fenicsx_contact.contact.trial.rounded_drive`, in sum since the start, J.
+    """
+
+    worked: float
+    energy: float
+    moved: float
+    drive: float
+
+
+def certify(problem: Assembly, step: Step, books: Books, force: float) -> Certificate:
     """The certificate of the trial state.
 
     Args:
         problem: solids and contacts, in their trial states.
         step: that was solved.
-        worked: work of all contacts since the start, before the step, J.
-        energy: the largest energy so far, J; inf: not to be asked, where nothing has inertia, or
-            where bodies started inside each other and the contacts have to push.
+        books: before the step.
         force: the largest at a point so far, N: what is round-off of it balances nothing.
     """
     acting = [(contact, candidate_force(contact)) for contact in problem.contacts]
     works = [trial_work(contact, step, force) for contact, force in acting]
-    worked += sum(work for work, _ in works)
-    size = energy + sum(most for _, most in works)
+    work, most = sum(work for work, _ in works), sum(most for _, most in works)
+    drive = books.drive + sum(rounded_drive(contact, step, force) for contact, force in acting)
+    moved = max(books.moved, most) if step.dt else books.moved
+    given = _share(books.worked + work + min(drive, 0.0), books.energy + moved)
+    if not step.dt:  # its size is what it exchanges, of which the rows err by a share
+        given = max(given, _share(work - ACCEPTED * most, books.energy))
     return Certificate(
         largest(problem.imbalances(step, problem.solids, SAME * force)),
         largest([violation(contact, step, force) for contact, force in acting]),
-        max(worked, 0.0) / size if size else 0.0,
+        given,
         next((c.name for c, pushes in acting if _wedges(problem, c, largest(pushes))), ""),
+        (moved, drive),
     )
+
+
+def _share(given: float, size: float) -> float:
+    """Of a size, of what is given, J."""
+    return max(given, 0.0) / size if size else 0.0
 
 
 def _wedges(problem: Assembly, contact: Contact, largest_force: float) -> bool:

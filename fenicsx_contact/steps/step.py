@@ -23,7 +23,7 @@ from ..solve.newton import Newton
 from ..solve.problem import Assembly, Clock
 from ..solve.surface_problem import SurfaceSystem
 from ..theory.theta import Step
-from .certificate import ACCEPTED, Certificate, certify
+from .certificate import ACCEPTED, Books, Certificate, certify
 from .hold import hold_gaps
 from .neighbours import Neighbours
 from .trial import Trial
@@ -49,8 +49,7 @@ class Stepper:
             what they and the energies leave unexplained.
         most: the largest kinetic and strain energy so far, J.
         times: seconds spent by phase.
-        watchers: called with each trial before it is accepted; ``rounds``: with each before it is
-            solved again. They only look.
+        watchers: called with each trial before it is accepted, to look; ``rounds``: solved again.
     """
 
     def __init__(
@@ -84,7 +83,8 @@ class Stepper:
         self.watchers: list[Callable[[Trial], None]] = []
         self.rounds: list[Callable[[Trial], None]] = []
         self._begun: Step | None = None
-        self._pushed = 0.0  # the largest force at a point so far, N
+        # the largest force at a point so far, N, and what rounds the works, J, see Books
+        self._pushed, self._rounding = 0.0, (0.0, 0.0)
         self._overlaps = any(c.coupling.inside() > c.tolerance for c in self.contacts)
 
     def _arrange(self) -> None:
@@ -124,27 +124,27 @@ class Stepper:
             if rates is not None:
                 self._guess(step, rates)
             clock("pairing")
-            trial, certificate, moved = self._solved(step, closing, clock)
+            trial, moved = self._solved(step, closing, clock)
             enough = self._again if closing else self._flies_again
-            while moved and certificate.worst > enough:  # as long as it gains
-                last, tried = certificate, trial
+            while moved and trial.errors.worst > enough:  # as long as it gains
+                tried, last = trial, trial.errors
                 for look in self.rounds:
                     look(tried)
                 try:
-                    trial, certificate, moved = self._solved(step, closing, clock)
+                    trial, moved = self._solved(step, closing, clock)
                 except StepFailed as failure:
                     raise StepFailed(last.refusal or str(failure)) from failure
                 trial = tried.then(trial)
-                moved = moved and certificate.worst < last.worst
-            if certificate.refusal:
-                raise StepFailed(certificate.refusal)
+                moved = moved and trial.errors.worst < last.worst
+            if refusal := trial.errors.refusal:
+                raise StepFailed(refusal)
             return trial
         except BaseException:  # an interrupt, too
             for contact, was in zip(self.contacts, before):
                 contact.equations.values, contact.moved = was
             raise
 
-    def _solved(self, step: Step, closing: bool, clock: Clock) -> tuple[Trial, Certificate, bool]:
+    def _solved(self, step: Step, closing: bool, clock: Clock) -> tuple[Trial, bool]:
         """The step solved about where solids are put; whether they are put elsewhere after it."""
         solution = self._method.solve(step, clock)
         for contact in self.contacts:
@@ -156,14 +156,14 @@ class Stepper:
         for contact in self.contacts:
             if reason := missed(contact, closing):
                 raise StepFailed(reason)
-        certificate = self._certify(step)
-        return Trial(step, *solution, certificate.worst), certificate, moved
+        return Trial(step, *solution, self._certify(step)), moved
 
     def _certify(self, step: Step) -> Certificate:
         takes = all(contact.gives_nothing for contact in self.contacts)
         asked = takes and step.scheme.inertia and not self._overlaps
-        energy = self.most + abs(self.work[2]) if asked else np.inf
-        return certify(self._assembly, step, self.work[0] + self.work[1], energy, self._pushed)
+        energy = self.most + abs(self.work[2]) if asked else inf
+        books = Books(self.work[:2].sum() + min(self.work[4], 0.0), energy, *self._rounding)
+        return certify(self._assembly, step, books, self._pushed)
 
     def struck(self, step: Step, touching: bool = False) -> bool:
         """Whether a velocity law is violated at the start of a step: a percussion is due.
@@ -212,9 +212,8 @@ class Stepper:
         """Make the trial state the state; returns the row of the history."""
         for watch in self.watchers:
             watch(trial)
-        clock, step = Clock(self.times), trial.step
-        works = zip(*(solid.works(step) for solid in self.solids))
-        momentum, loads, supports, tractions = map(sum, works)
+        clock, step, self._rounding = Clock(self.times), trial.step, trial.errors.rounding
+        momentum, loads, supports, tractions = map(sum, zip(*(s.works(step) for s in self.solids)))
         damped = sum(solid.damped(step) for solid in self.solids)
         means = {id(solid): solid.mean_velocity(step) for solid in self.solids}
         for solid in self.solids:
@@ -274,12 +273,13 @@ class Stepper:
         """What a run continues from, beside the solids and contacts."""
         numbers = {"time": self.time, "balance": self.balance, "most": self.most}
         arrays = {name: np.array(each) for name, each in numbers.items()}
+        arrays["rounding"] = np.array(self._rounding)
         return {"work": self.work, **arrays, **self._neighbours.state()}
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave; solids and contacts have been restored."""
-        self.time, self.balance = float(state["time"]), float(state["balance"])
-        self.work, self.most = np.array(state["work"]), float(state["most"])
+        self.time, self.balance, self.most = (float(state[k]) for k in ("time", "balance", "most"))
+        self.work, self._rounding = np.array(state["work"]), tuple(state["rounding"].tolist())
         if self._neighbours.restore(state):
             self._arrange()
         self._begun, self.energies = None, self.sum_energies()

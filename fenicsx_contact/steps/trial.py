@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..theory.theta import Step
+from .certificate import Certificate
 
 
 @dataclass(frozen=True)
@@ -19,7 +20,7 @@ class Trial:
         force: of the contacts on all points, flat, N.
         newton, geometry: iterations and linearisations.
         remarks: of the solution.
-        certificate: its largest error.
+        errors: what the certificate says of it.
         arrives: it ends where a point arrives, at an instant that depends on everything.
         again: how often it was solved again about where solids had been put.
     """
@@ -29,9 +30,14 @@ class Trial:
     newton: int
     geometry: int
     remarks: list[str]
-    certificate: float = 0.0
+    errors: Certificate
     arrives: bool = False
     again: int = 0
+
+    @property
+    def certificate(self) -> float:
+        """Its largest error."""
+        return self.errors.worst
 
     def then(self, other: Trial) -> Trial:
         """The other one, which solved this one again."""

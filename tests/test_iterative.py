@@ -128,3 +128,14 @@ def test_what_it_cannot_solve_it_stops_at_with_a_reason(monkeypatch):
     history = scene.run(1.0, 1.0)
     assert not history.finished and "GMRES does not end" in history.reason
     assert np.isfinite(history.rows()).all() and not cube.displacement.any()
+
+
+@pytest.mark.parametrize("solver", ["monolithic", "iterative"])
+def test_what_nothing_touches_takes_several_iterations(solver):
+    """On weak springs a solution is corrected once more; there are no contacts to be asked."""
+    springs, E = {"base": 100.0}, {"youngs_modulus": 1e6, "poisson_ratio": 0.3}
+    body = ElasticSolid(box((2, 2, 2)), density=1e3, gravity=(0, 0, -9.81), springs=springs, **E)
+    history = Scene([body], [], QuasiStatic(), solver=solver).run(2.0, 1.0)
+    assert history.finished, history.reason
+    way = 1e3 * 9.81 * 0.8 / 100
+    np.testing.assert_allclose(body.mean(body.displacement), [0, 0, -way], rtol=1e-4, atol=1e-6)

@@ -27,7 +27,7 @@ class Statuses:
 
     def now(self) -> np.ndarray:
         """Statuses of all points of all contacts."""
-        return np.concatenate([part.statuses() for part in self.parts])
+        return np.concatenate([np.empty(0, dtype=int), *(part.statuses() for part in self.parts)])
 
     def remember(self) -> np.ndarray:
         """The same, which are kept."""

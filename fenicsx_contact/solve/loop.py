@@ -237,6 +237,7 @@ class StepSolver:
             if error <= near < np.inf:
                 self._see(step, exact=True)
                 clock("pairing")
+            self._keep()
             if turns.settles(error):
                 solution = self._settle(step, first=iteration == 0)
                 self.system.carry(step, solution.force)
@@ -260,10 +261,6 @@ class StepSolver:
 
     def _advance(self, step: Step, clock: Clock) -> None:
         """One correction, shortened where it would invert an element."""
-        self._before = [
-            [solid.trial_velocity.copy() for solid in self._all.solids],
-            [contact.equations.values for contact in self._all.contacts],
-        ]
         if not self.system.iterate(step):
             raise StepFailed("the linearised problem is singular: is a body without support?")
         clock("linear solve")
@@ -276,6 +273,13 @@ class StepSolver:
         for contact in self._all.contacts:
             contact.follow()
         clock("pairing")
+
+    def _keep(self) -> None:
+        """Keep the state from which a correction starts."""
+        self._before = [
+            [solid.trial_velocity.copy() for solid in self._all.solids],
+            [contact.equations.values for contact in self._all.contacts],
+        ]
 
     def _halve(self, step: Step) -> None:
         """Go back half of the last correction."""

@@ -35,8 +35,8 @@ class Scene:
         scheme: of the steps; default: the theta-scheme, theta = 1/2 with forces at the theta-point.
         newton: settings of the Newton loop.
         locate_impacts: find the instant at which points close, step exactly there, and solve the
-            impact as a step of no length; for VELOCITY only. Smooth motion between impacts is
-            then of second order, and steps can be long.
+            impact as a step of no length; for VELOCITY only. Smooth motion between impacts is then
+            of second order (a slip that turns round is not), and steps can be long.
         geometry: "newton": geometry, contact and solids in one Newton loop; "fixed point": the
             paper's loop around contact with frozen geometry. Default: "newton" where two solids
             meet of which one is deformable, and where the surfaces are large.

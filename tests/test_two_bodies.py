@@ -480,7 +480,8 @@ def test_initial_interpenetration():
     assert history["c.force_y"][-1] > 0
 
 
-def test_a_refusal_tells_means_from_solids():
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+def test_a_refusal_tells_means_from_solids(law):
     """A long facet beside the tip of a narrow crank, 0.1 m off: its mean gap lies far behind."""
     turn = np.pi / 2 + 0.2
     along = np.array((np.cos(turn), np.sin(turn)))
@@ -492,8 +493,10 @@ def test_a_refusal_tells_means_from_solids():
     slider = rectangle((1, 1), (1.0, 3.1))
     slider.mesh.geometry.x[:, :2] += (along[0] - 1.1 - slider.mesh.geometry.x[:, 0].min(), -0.1)
     slide = RigidSolid(slider, mass=1.5, held=["y", "turning"], name="slide")
-    contact = Contact(slide, "right", (crank, "skin"))
-    with pytest.raises(InputError, match=r"inside by its gaps.* though its solids are apart"):
+    contact = Contact(slide, "right", (crank, "skin"), law)
+    does = {"velocity": "'velocity' keeps them from", "gap": "'gap' pushes them, and energy"}[law]
+    told = rf"inside by its gaps.* solids are apart: {does}.* be a Heap; at most deepest = 0.001"
+    with pytest.raises(InputError, match=told):
         Scene([crank, slide], [contact])
 
 

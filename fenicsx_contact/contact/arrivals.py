@@ -50,8 +50,7 @@ def starts_inside(contact: Contact) -> str:
     law, deep = contact.formulation, contact.depth()
     if means := _inside_by_means(contact, deep):
         return f"contact {means}"
-    corrects = getattr(law, "drift_correction", 1.0)
-    if law.gap_share or corrects or deep <= contact.tolerance:
+    if _takes_back(contact) or deep <= contact.tolerance:
         return ""
     return (
         f"contact {contact.name!r} starts {deep:.3g} m inside, and {law.name!r} keeps "
@@ -65,20 +64,30 @@ def starts_too_deep(contact: Contact, share: float) -> str:
     depth, most = float(contact.gap.max()), share * contact.surface.extent
     if not depth > most:
         return ""
-    return _inside_by_means(contact, depth) or (
-        f"{contact.name!r} starts {depth:.4g} inside its master; at most "
-        f"deepest = {share:g} of the surface's extent ({most:.4g}) is allowed"
-    )
+    allowed = f"at most deepest = {share:g} of the surface's extent ({most:.4g}) is allowed"
+    if means := _inside_by_means(contact, depth):
+        return f"{means}; {allowed}"
+    return f"{contact.name!r} starts {depth:.4g} inside its master; {allowed}"
+
+
+def _takes_back(contact: Contact) -> bool:
+    """Whether its law takes back what is inside."""
+    law = contact.formulation
+    return bool(law.gap_share or getattr(law, "drift_correction", 1.0))
 
 
 def _inside_by_means(contact: Contact, deep: float) -> str:
     """What a reader should know of a contact so deep inside, m, if its solids are not."""
     if not deep > contact.tolerance >= contact.coupling.inside():
         return ""
+    does = "keeps them from coming nearer, as if they touched"
+    if _takes_back(contact):
+        does = "pushes them, and energy comes of it"
+    rigid = ", let rigid bodies be a Heap" if all(s.shiftable for s in contact.solids) else ""
     return (
-        f"{contact.name!r} starts {deep:.3g} m inside by its gaps, means over facets, "
-        "though its solids are apart: laws of positions push them, and energy comes of it. "
-        "Give it smaller facets, the other solid as slave, or a clearance"
+        f"{contact.name!r} starts {deep:.3g} m inside by its gaps, means over facets, though its "
+        f"solids are apart: {contact.formulation.name!r} {does}. "
+        f"Give it smaller facets, the other solid as slave, or a clearance{rigid}"
     )
 
 

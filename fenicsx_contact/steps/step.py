@@ -72,10 +72,8 @@ class Stepper:
         self._arrange()
         self._linear = not any(s.shiftable for s in solids)
         pairs = [c.coupling for c in self.contacts if len(c.solids) > 1]
-        # above which errors a step is solved again about where solids were put back, and a flight,
-        # which before obstacles errs by an impact that it missed
+        # above which errors a step is solved again about where solids were put back
         self._again = GEOMETRY_TOLERANCE if any(p.by_means for p in pairs) else ACCEPTED
-        self._flies_again = self._again if pairs else inf
         self.times: dict[str, float] = {}
         self.time, self.balance, self.work = 0.0, 0.0, np.zeros(5)
         self.energies = self.sum_energies()
@@ -125,8 +123,7 @@ class Stepper:
                 self._guess(step, rates)
             clock("pairing")
             trial, moved = self._solved(step, closing, clock)
-            enough = self._again if closing else self._flies_again
-            while moved and trial.errors.worst > enough:  # as long as it gains
+            while moved and trial.errors.worst > self._again:  # as long as it gains
                 tried, last = trial, trial.errors
                 for look in self.rounds:
                     look(tried)

@@ -23,6 +23,7 @@ from fenicsx_contact import (
     Section,
     ThetaScheme,
     Tresca,
+    Velocity,
     axis_mesh,
 )
 from fenicsx_contact.gradients import (
@@ -169,6 +170,24 @@ def test_a_rod_that_slides_down_a_wall():
     np.testing.assert_allclose(gradient, [*-by * time / (2 * a), -1 / a], rtol=1e-9, atol=1e-9)
     with pytest.raises(ValueError, match="does not rise"):
         passing(run, "z", "v", 10.0)
+
+
+@pytest.mark.parametrize("way", [tangents, adjoints])
+def test_a_rod_that_starts_on_its_wall(way):
+    """A guide that is wider does not hold it at first, a narrower one does as before; what it
+    touches before a step has decided anything bears nothing. The wall opposite says nothing."""
+
+    def lying(side):
+        lies = {"gravity": (1, -G), "displacement": lambda s: side * 1e-3 + 0 * s[None]}
+        rod = beam(law=Fall(), **lies)
+        contact = GuideContact(rod, "rods", Guide([Tube(-2.0, 2.0, 1e-3)]), Velocity(), 0.3)
+        assert np.abs(contact.gap).min() == 0
+        return way(
+            Scene([rod], [contact]), 0.05, 5e-3, {"w": Widening(contact)}, {"z": Travel(rod)}
+        )
+
+    assert {k.what for k in lying(1).kinks} == {"begins the step exactly where it touches"}
+    assert not lying(-1).kinks
 
 
 # -- central differences --

@@ -120,6 +120,22 @@ def test_a_block_that_starts_on_the_floor(what, rigid, way):
     assert f"begins the step {what}" in {kink.what for kink in result.kinks}
 
 
+@pytest.mark.parametrize("slope", np.linspace(-0.5, 0.5, 23))
+def test_a_block_that_starts_on_a_slope(slope):
+    """Round-off, by which it is above or below, says nothing: a slope that is lower lets it fall,
+    a higher one does not."""
+    n = np.array([np.sin(slope), np.cos(slope)])
+    mesh, middle = rectangle((2, 1), (0.4, 0.2)), np.array([0.05, 0.0])
+    block = RigidSolid(mesh, mass=2.0, gravity=tuple(-G * n), rotation=-slope, about=tuple(middle))
+    corner = mesh.mesh.geometry.x[:, :2].min(axis=0)
+    foot = middle + np.stack([[n[1], -n[0]], n], axis=1) @ (corner - middle)
+    contact = Contact(block, "base", HalfSpace(tuple(foot), tuple(n)), friction=0.2)
+    assert np.abs(contact.gap).max() < 1e-15
+    asked = {"up": ObstacleShift(contact, tuple(n))}, {"y": Centre(block, tuple(n))}
+    result = tangents(Scene([block], [contact], ThetaScheme(1.0)), 0.02, 5e-3, *asked)
+    assert {kink.what for kink in result.kinks} == {"begins the step exactly where it touches"}
+
+
 @pytest.mark.parametrize("rigid", [True, False], ids=["rigid", "elastic"])
 def test_what_does_not_hang_on_the_start_has_its_derivative(rigid):
     """The speed along the floor, of the same block."""

@@ -33,7 +33,6 @@ from .surface import ContactRows
 class GuideRows(ContactRows):
     """A beam in a guide; see :class:`~.surface.ContactRows`."""
 
-    decides_at_start = False
     contact: GuideContact
     motion: BeamMotion
 

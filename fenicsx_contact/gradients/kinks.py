@@ -101,12 +101,14 @@ def grazing(rows: ContactRows, trial: Trial, speed: float) -> Iterator[Edge]:
 
 
 def beginning(rows: ContactRows, step: Step, speed: float) -> Iterator[Edge]:
-    """Candidates that begin a step exactly on their obstacle, without a normal speed or without a
-    slip, though the step before did not hold them so: a law reads all three by what they are
+    """Candidates that begin a step where they touch, up to round-off, without a normal speed or
+    without a slip, though no step before held them so: a law reads all three by what they are
     above or below zero."""
     contact, e = rows.contact, rows.contact.equations
-    if not rows.decides_at_start or not len(rows.points):
+    if not len(rows.points):
         return
+    # a status without a force is none that a step has decided
+    status = np.where(contact.force.any(axis=1), contact.status, 0)
     k, values, p = e.fields, e.values, rows.points
     d = contact.surface.dim
 
@@ -116,17 +118,20 @@ def beginning(rows: ContactRows, step: Step, speed: float) -> Iterator[Edge]:
         return Edge(points, [f"begins the step {what}"] * len(points), values, ((field, there),))
 
     # what bears says where the rest of a body touches
-    if contact.formulation.gap_share < 1 and not contact.status.any():
-        free, one = contact.status[p] == 0, np.ones(contact.surface.size)
+    if contact.formulation.gap_share < 1 and not status.any():
+        free, one = status[p] == 0, np.ones(contact.surface.size)
         gap, start = k.gap.x.array, k.start_jump_n.x.array
-        if len(on := p[free & (gap[p] == 0)]):
-            yield edge(on, "exactly where it touches", gap, -speed * step.horizon * one)
+        depth = np.where(contact.gap > 0, contact.gap, gap)  # of which an impact reads nothing
+        if len(on := p[free & (np.abs(depth[p]) <= contact.tolerance)]):
+            beyond = contact.tolerance + speed * step.horizon
+            for side in (-beyond, beyond):
+                yield edge(on, "exactly where it touches", gap, side * one - gap)
         if step.limit_rate and len(still := p[free & (start[p] == 0)]):
             yield edge(still, "without a normal speed", start, -speed * one)
     slip = k.start_slip.x.array.reshape(-1, d)
     if k.friction is None or not step.limit_rate:
         return
-    loose = p[(contact.status[p] != 1) & ~slip[p].any(axis=1)]
+    loose = p[(status[p] != 1) & ~slip[p].any(axis=1)]
     for along in k.frame()[1] if len(loose) else ():
         for sign in (1.0, -1.0):
             yield edge(loose, "without a slip", k.start_slip.x.array, sign * speed * along)

@@ -57,9 +57,6 @@ class ContactRows:
         InputError: what is not supported, by name.
     """
 
-    #: Whether its rows at the start of a step decide by what is zero there.
-    decides_at_start = True
-
     def __init__(self, contact: Contact, motion: Motion) -> None:
         self._refuse(contact)
         self.contact, self.motion = contact, motion

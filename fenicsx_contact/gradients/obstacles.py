@@ -80,6 +80,9 @@ class Shape(Parameter):
 class Bend(Parameter):
     """A displacement of the centre line of a guide; clearances stay the same.
 
+    All that is at these depths moves along: the tubes, and the holes of cards, whose places are
+    numbers of their own where a guide is made. ``within`` leaves those out that stay.
+
     Where the rod starts is a parameter of its own (:class:`Start`): what both change adds up.
 
     Args:

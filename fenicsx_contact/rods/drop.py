@@ -108,6 +108,9 @@ class Passage:
 class RodDrop:
     """A rod in its guide, to be let go, or driven in or out. Each way begins with a fresh rod.
 
+    All travels and speeds here, to which it is let go, too, are means over the mass of the rod,
+    ``rod.travel``. Where its axis stretches the tip, which meets a stop, is elsewhere by as much.
+
     Args:
         rod: makes the rod as it hangs at release, straight, with the law of its fall.
         stretch: name of the cells of its axis that the guide bears on.

@@ -45,6 +45,10 @@ class BalancedSolid(MonolithicSolid):
     grain: float = 0.0
     #: The largest of the forces at a node that act in the trial state, N.
     acts: float = 0.0
+    #: Of the imbalance of loads without inertia, over what acts, what was forgiven as round-off of
+    #: K u, and the whole with it.
+    forgiven: float = 0.0
+    whole: float = 0.0
     #: Displacements of what is held at the end of the step, m; None where nothing moves it.
     _target: np.ndarray | None
     _pull: np.ndarray
@@ -140,20 +144,24 @@ class BalancedSolid(MonolithicSolid):
         strained = np.abs(self.vectors.diagonal(self.last_stiffness)) * moved
         strained = strained[self.fixed_unknowns] if self.floating else strained
         round_off = ROUND_OFF * (np.abs(self._momentum) / step.span)
-        if step.loaded:
-            round_off += ROUND_OFF * strained.max(initial=0.0)
+        bent = ROUND_OFF * strained.max(initial=0.0) if step.loaded else 0.0
         left = np.sum(terms, axis=0)
         reaction = left[self.fixed_unknowns]
-        total = np.maximum(np.abs(left) - round_off, 0.0)
-        total[self.fixed_unknowns] = 0.0
+        off = np.abs(left)
+        off[self.fixed_unknowns] = 0.0
+        total = np.maximum(off - (round_off + bent), 0.0)
         # against what acts, not against internal forces, which may be absurd
         contact, inertia, *others = terms
-        acting = [contact, inertia, *others[1:], reaction]
-        own = [largest(term) for term in (total, *acting)]
-        residual, *sizes = np.max(self.comm.allgather(own), axis=0)
+        acting = [reaction, contact, inertia, *others[1:]]
+        own = [largest(term) for term in (total, off, *acting)]
+        residual, whole, *sizes, bent = np.max(self.comm.allgather([*own, bent]), axis=0)
         self.acts = largest(sizes)
         if self.acts <= noise and residual < np.inf:  # NaN is neither
+            self.forgiven = self.whole = 0.0
             return 0.0
+        # without loads what supports move is in balance to round-off, whatever acts
+        loaded = not step.scheme.inertia and max(sizes[1:]) > noise
+        self.forgiven, self.whole = loaded * bent / self.acts, whole / self.acts
         return float(residual / self.acts)
 
     def works(self, step: Step) -> tuple[float, float, float, float]:

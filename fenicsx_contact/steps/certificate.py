@@ -110,8 +110,12 @@ def certify(problem: Assembly, step: Step, books: Books, force: float) -> Certif
     given = _share(books.worked + work + min(drive, 0.0), books.energy + moved)
     if not step.dt:  # its size is what it exchanges, of which the rows err by a share
         given = max(given, _share(work - ACCEPTED * most, books.energy))
+    imbalances = problem.imbalances(step, problem.solids, SAME * force)
+    # round-off of more than what is accepted certifies nothing
+    flexible = [solid for solid in problem.solids if isinstance(solid, BalancedSolid)]
+    imbalances += [solid.whole for solid in flexible if solid.forgiven > ACCEPTED]
     return Certificate(
-        largest(problem.imbalances(step, problem.solids, SAME * force)),
+        largest(imbalances),
         largest([violation(contact, step, force) for contact, force in acting]),
         given,
         next((c.name for c, pushes in acting if _wedges(problem, c, largest(pushes))), ""),

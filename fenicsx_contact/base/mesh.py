@@ -129,7 +129,7 @@ class NamedMesh:
         it."""
         facets = self.facets(name)
         owned = facets[facets < self.mesh.topology.index_map(self.dim - 1).size_local]
-        inner = len(np.setdiff1d(owned, self._skin()))
+        inner = len(np.setdiff1d(owned, self.skin_facets()))
         inside, every = (self.mesh.comm.allreduce(n) for n in (inner, len(owned)))
         if inside and not (or_none and inside == every):
             raise checks.InputError(
@@ -169,10 +169,10 @@ class NamedMesh:
 
     def skin(self) -> tuple[np.ndarray, np.ndarray, str]:
         """All facets that bound the mesh, whatever their names, likewise, straight."""
-        return self._gathered(self._skin(), 1)
+        return self._gathered(self.skin_facets(), 1)
 
-    def _skin(self) -> np.ndarray:
-        """The facets that bound the mesh, of this process."""
+    def skin_facets(self) -> np.ndarray:
+        """The facets that bound the mesh, of this process, by local numbers."""
         fdim = self.dim - 1
         self.mesh.topology.create_connectivity(fdim, self.dim)
         return dolfinx.mesh.locate_entities_boundary(

@@ -88,7 +88,7 @@ class BalancedSolid(MonolithicSolid):
         """The rigid motions that nothing holds, at this process's unknowns, and their momenta,
         (owned, k)."""
         motions = Motions(self)
-        rows = motions(self.vectors.places).reshape(self.owned, len(motions.names)) @ motions.free()
+        rows = motions.at_nodes() @ motions.free()
         rows[self.fixed_unknowns] = 0.0
         if self.linear:  # straight shapes on curved cells have no rotations
             forces = [self.internal_force(row) for row in rows.T.copy()]

@@ -75,6 +75,8 @@ class DeformableSolid(SystemRows, Stressed):
     """
 
     parameters: str  # for describe()
+    #: What a reader of a run should know of it.
+    remark = ""
     #: Arrays of the state that hold owned unknowns.
     distributed: tuple[str, ...] = ("displacement", "velocity", "momentum", "memory")
     #: Only contact holds it: its matrix is singular.
@@ -152,6 +154,9 @@ class DeformableSolid(SystemRows, Stressed):
         self.dampers = []
         self.parameters += "".join(f", springs {f.told}" for f in self.foundations)
         self.parameters += f", {damping!r}" if damping else ""
+        if pieces := self.vectors.pieces.told:
+            self.parameters += f", {pieces}"
+            self.remark = f"solid {self.name!r} is in {pieces}"
         if self.damping.alpha:
             self.dampers.append(MassDamper(self.damping.alpha, self.inertia))
 

@@ -6,59 +6,97 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 #: Rigid motions that meet less than this share of the greatest resistance are free.
 FREE = 1e-10
 
 
 class Motions:
-    """The rigid motions of a solid: unit velocities, and rotations that give such at its ends."""
+    """The rigid motions of a solid, piece by piece: unit velocities, and rotations that give such
+    at its ends.
+
+    Attributes:
+        pieces: of the solid, see :class:`~.pieces.Pieces`.
+        each: how many motions a piece has, translations first.
+        names: of all.
+    """
 
     def __init__(self, solid: Any) -> None:
-        self._solid = solid
-        comm, d = solid.mesh.mesh.comm, solid.dim
-        x = solid.mesh.mesh.geometry.x[:, :d]
-        far = np.full((1, d), np.inf)
-        low = np.min(comm.allgather(np.min([*x, *far], axis=0)), axis=0)
-        high = np.max(comm.allgather(np.max([*x, *-far], axis=0)), axis=0)
-        self._centre, self.size = (low + high) / 2, float((high - low).max()) / 2
+        self._solid, self.pieces = solid, solid.vectors.pieces
+        d = solid.dim
         axes = "xyz"[:d]
         turns = ["turning"] if d == 2 else [f"turning about {axis}" for axis in axes]
         self.names = [f"moving along {axis}" for axis in axes] + turns
+        self.each = len(self.names)
+        if self.pieces.count > 1:
+            about = ["[" + ", ".join(f"{x:.6g}" for x in at) + "]" for at in self.pieces.centres]
+            self.names = [f"{each} (its piece about {at})" for at in about for each in self.names]
 
     def held(self, springs: bool = True) -> np.ndarray:
-        """How the supports resist each motion, (motions, motions), with springs or without."""
-        solid = self._solid
-        held = solid.fixed_unknowns
-        rows = self(solid.vectors.places[held // solid.dim])
-        rows = rows[np.arange(len(held)), held % solid.dim]
-        gram = rows.T @ rows
-        every = self(solid.vectors.places).reshape(solid.owned, len(self.names))
+        """How the supports, and joints of pieces, resist each motion, (motions, motions), with
+        springs or without."""
+        solid, every = self._solid, self.at_nodes()
+        rows = every[solid.fixed_unknowns]
+        gram = (rows.T @ rows).toarray()
         for foundation in solid.foundations if springs else ():
-            against = np.stack([foundation.times(column) for column in every.T], axis=1)
-            gram += every.T @ against / foundation.stiffest
+            for k in range(len(self.names)):
+                against = foundation.times(every[:, [k]].toarray().ravel())
+                gram[:, k] += every.T @ against / foundation.stiffest
+        nodes, pieces, places = self.pieces.joints
+        here = solid.vectors.places[nodes], self.pieces.of_nodes[nodes]
+        apart = self.rows(*here) - self.rows(places, pieces)  # strains one of its pieces
+        gram += (apart.T @ apart).toarray()
         gram = np.array(solid.comm.allreduce(gram))
         for motion in solid.plane.resisted:
-            gram[motion, motion] += 1.0
-        for period in solid.vectors.periods:  # what differs a period on strains it
-            apart = np.diff(self(np.stack([self._centre, self._centre + period])), axis=0)[0]
-            gram += apart.T @ apart
+            which = np.arange(motion, len(gram), self.each)
+            gram[which, which] += 1.0
         return gram
 
-    def __call__(self, points: np.ndarray) -> np.ndarray:
-        """Velocities of points (n, 2 or 3): (n, d, motions)."""
-        d = len(self._centre)
-        arm = np.zeros((len(points), 3))
-        arm[:, :d] = (points[:, :d] - self._centre) / self.size
+    def rows(self, points: np.ndarray, pieces: np.ndarray) -> sp.csr_matrix:
+        """Velocities of points (n, 2 or 3) of some pieces, (n,): (n d, motions)."""
+        n, d = len(points), self._solid.dim
+        arm = np.zeros((n, 3))
+        arm[:, :d] = (points[:, :d] - self.pieces.centres[pieces]) / self.pieces.sizes[pieces, None]
         axes = np.eye(3)[2:] if d == 2 else np.eye(3)
         turns = np.stack([np.cross(axis, arm)[:, :d] for axis in axes], axis=-1)
-        steady = np.broadcast_to(np.eye(d), (len(points), d, d))
-        return np.concatenate([steady, turns], axis=-1)
+        steady = np.broadcast_to(np.eye(d), (n, d, d))
+        values = np.concatenate([steady, turns], axis=-1)
+        columns = np.repeat(self.each * pieces, d)[:, None] + np.arange(self.each)
+        ends = np.arange(n * d + 1) * self.each
+        return sp.csr_matrix((values.ravel(), columns.ravel(), ends), (n * d, len(self.names)))
+
+    def at_nodes(self) -> sp.csr_matrix:
+        """Velocities of the owned nodes, (owned, motions)."""
+        return self.rows(self._solid.vectors.places, self.pieces.of_nodes)
+
+    def amounts(self, field: np.ndarray) -> np.ndarray:
+        """The motions that are nearest to a field, (owned,), over the sizes of their pieces,
+        (pieces, each)."""
+        nodes, pieces, places = self.pieces.joints
+        rows = sp.vstack([self.at_nodes(), self.rows(places, pieces)]).tocsr()
+        field = np.concatenate([field, field.reshape(-1, self._solid.dim)[nodes].ravel()])
+        comm = self._solid.comm
+        gram = comm.allreduce((rows.T @ rows).toarray())
+        amounts = np.linalg.solve(gram, comm.allreduce(rows.T @ field))
+        return np.abs(amounts.reshape(-1, self.each)) / self.pieces.sizes[:, None]
+
+    def name(self, way: np.ndarray) -> str:
+        """The motion of the piece that moves most by some amounts of all, (motions,): what turns
+        about any point turns."""
+        every, d = np.abs(way).reshape(-1, self.each), self._solid.dim
+        piece = int(every.max(axis=1).argmax())
+        amounts = every[piece]
+        turns = d * bool(amounts[d:].max() > FREE * amounts.max())
+        return self.names[piece * self.each + turns + int(amounts[turns:].argmax())]
 
     def free(self) -> np.ndarray:
         """Those that strain the solid and its supports by nothing, (motions, free ones); of what is
         not linear translations only, for turns work on its stresses."""
-        k = len(self.names) if self._solid.linear else self._solid.dim
-        values, vectors = np.linalg.eigh(self.held()[:k, :k])
-        free = vectors[:, values <= FREE * max(values[-1], 1.0)]
-        return np.concatenate([free, np.zeros((len(self.names) - k, free.shape[1]))])
+        k = self.each if self._solid.linear else self._solid.dim
+        which = np.arange(len(self.names)).reshape(-1, self.each)[:, :k].ravel()
+        values, vectors = np.linalg.eigh(self.held()[np.ix_(which, which)])
+        found = vectors[:, values <= FREE * max(values[-1], 1.0)]
+        free = np.zeros((len(self.names), found.shape[1]))
+        free[which] = found
+        return free

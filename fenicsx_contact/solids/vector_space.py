@@ -19,6 +19,7 @@ from ..base import checks, compat
 from ..base.expressions import is_expression
 from ..base.mesh import NamedMesh
 from .coefficients import field as in_ufl
+from .pieces import Pieces
 
 #: A field given as a function of ``x`` (3, n) with values (d, n), or in UFL on the mesh.
 Field = Callable[[np.ndarray], np.ndarray] | Any
@@ -121,6 +122,16 @@ class VectorSpace:
         """For each of these nodes, given by coordinates (n, d), which of them stands for it: itself
         unless others have the same unknowns, (n,)."""
         return np.arange(len(points))
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """Of the mesh."""
+        return Pieces(self)
+
+    def cell_places(self) -> np.ndarray:
+        """Where the nodes of each owned cell are, (cells, nodes, d) in m."""
+        cells = compat.cell_dofs(self.space)[: compat.num_local_cells(self.mesh.mesh)]
+        return self.space.tabulate_dof_coordinates()[cells, : self.dim]
 
     def at(self, nodes: np.ndarray) -> np.ndarray:
         """All unknowns of some nodes, flat."""

@@ -47,9 +47,7 @@ def unbearable(solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -
     starts = np.cumsum([0, *(shares[id(solid)].shape[1] for solid in solids)])
     ways = [shares[id(s)] @ left[a:b] for s, a, b in zip(solids, starts, starts[1:])]
     which = int(np.argmax([np.abs(way).max(initial=0.0) for way in ways]))
-    amounts, d = np.abs(ways[which]), solids[which].dim
-    turns = amounts[d:].max() > FREE * amounts.max()  # what slides or is pulled off does not
-    motion = Motions(solids[which]).names[int(amounts[turns * d :].argmax()) + turns * d]
+    motion = Motions(solids[which]).name(ways[which])
     return f"no equilibrium: contacts cannot hold {solids[which].name!r} against {motion}"
 
 
@@ -58,7 +56,7 @@ def _loads(solid: Any, shares: np.ndarray, step: Step) -> np.ndarray:
     trial, motions = solid.trial_velocity.copy(), Motions(solid)
     solid.go(solid.velocity, step)
     solid.drop_forces()
-    rows = motions(solid.vectors.places).reshape(-1, len(motions.names)) @ shares
+    rows = motions.at_nodes() @ shares
     load = np.array(solid.comm.allreduce(-rows.T @ solid.linear_residual()))
     solid.go(trial, step)
     return load
@@ -66,8 +64,7 @@ def _loads(solid: Any, shares: np.ndarray, step: Step) -> np.ndarray:
 
 def _rates(contact: Contact, solid: Any, shares: dict[int, np.ndarray], step: Step) -> np.ndarray:
     """Jumps of a contact by the free motions of a solid, (n, d, free ones)."""
-    motions = Motions(solid)(solid.vectors.places).reshape(-1, len(shares[id(solid)]))
-    motions = motions @ shares[id(solid)]
+    motions = Motions(solid).at_nodes() @ shares[id(solid)]
     rates = np.zeros((*contact.normal.shape, motions.shape[1]))
     if any(other is solid for other in contact.solids):
         means = {id(other): np.zeros_like(other.velocity) for other in contact.solids}

@@ -136,9 +136,10 @@ class _Course:
         stepper = self.scene.stepper
         stepper.energies = stepper.sum_energies()  # another scene may have moved the solids
         self.history.append([*stepper.row(), *_measure(self.probes)])
-        new = self.scene.contacts if self.scene.time == 0 else ()  # others have told what is so
-        told = filter(None, map(starts_inside, new))
-        self.history.remarks += [(self.scene.time, remark) for remark in told]
+        if self.scene.time == 0:  # others have told what is so
+            told = [getattr(solid, "remark", "") for solid in self.scene.solids]
+            told += map(starts_inside, self.scene.contacts)
+            self.history.remarks += [(self.scene.time, remark) for remark in told if remark]
         if self.files:
             try:
                 self.files.begin(self.history, fingerprint)

@@ -88,3 +88,35 @@ def test_tangential_springs_do_not_know_how_nodes_are_numbered():
     assert first["friction"][-1] < -1.0
     for other in others:
         np.testing.assert_allclose(other["friction"], first["friction"], rtol=1e-9, atol=1e-9)
+
+
+def l_shaped():
+    """A step 0.15 m high and its foot, in quadrilaterals; all that faces up or right: top."""
+    places = [(x, y) for y in (-0.5, -0.15, 0.0) for x in (-1.0, -0.5, 0.0, 0.5, 1.0)]
+    cells = [(i, i + 1, i + 5, i + 6) for i in (0, 1, 2, 3, 5, 6)]
+    used = np.unique(cells)
+    cells = np.searchsorted(used, cells)
+    mesh = compat.create_mesh(MPI.COMM_SELF, cells, np.array(places)[used], "quadrilateral")
+    return name_facets(
+        mesh,
+        {
+            "top": lambda x: (
+                np.isclose(x[1], 0)
+                | (np.isclose(x[1], -0.15) & (x[0] > -1e-9))
+                | (np.isclose(x[0], 0) & (x[1] > -0.15 - 1e-9))
+            )
+        },
+    )
+
+
+@pytest.mark.parametrize("speed", [0.0, 3.0, 30.0])
+def test_who_passes_by_sees_what_contacts_give(speed):
+    """A block tips over the edge of a step, and its means over facets jump: 0.05 of its energy."""
+    step = RigidSolid(l_shaped(), mass=1e3, velocity=(speed, 0), name="step")
+    mesh = rectangle((2, 2), (0.6, 0.2), comm=MPI.COMM_SELF)
+    mesh.mesh.geometry.x[:, 0] -= 0.08
+    block = RigidSolid(mesh, density=10.0, gravity=(0, -G), velocity=(speed, 0), name="block")
+    contact = Contact(block, "base", (step, "top"), "gap", friction=0.3)
+    history = Scene([step, block], [contact]).run(until=0.1, dt=5e-3)
+    assert "contacts would have given 0.049" in history.reason
+    np.testing.assert_allclose(history["time"][-1], 0.05)

@@ -251,7 +251,7 @@ def flown_apart(facets):
 def test_what_is_struck_while_apart_is_told():
     """By means over large facets a corner is struck that passes the other at 1 cm; by small ones
     it is not."""
-    assert re.search(r"began to push while its solids were 0\.01 m apart", flown_apart(1))
+    assert re.search(r"began to push while its solids were 0\.010\d m apart", flown_apart(1))
     assert "apart" not in flown_apart(8)
 
 

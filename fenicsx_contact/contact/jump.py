@@ -157,9 +157,10 @@ class Coupling(ABC):
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
     def speeds(self, which: str) -> np.ndarray:
-        """What sets the scale of speeds: velocities of the points, or their jumps where the other
-        side moves as it is told."""
-        return self.jump(which) if self.driven else self.velocities(which)
+        """What sets the scale of speeds: by how much the velocities of the points differ, whatever
+        they have in common; of an obstacle those less its own."""
+        each = self.velocities(which).reshape(-1, self.solids[0].dim)
+        return each - each.min(axis=0, initial=np.inf)
 
     def jump(self, which: str) -> np.ndarray:
         """Nodal jumps (n, d), likewise."""
@@ -187,6 +188,10 @@ class Coupling(ABC):
     def carried(self, step: Step) -> np.ndarray | float:
         """Mean velocities in the step of what moves as it is told, (n, d)."""
         return 0.0
+
+    def drift(self) -> np.ndarray | None:
+        """The velocity at which an obstacle is at rest, (d,) in m/s; solids tell none."""
+        return None
 
     def aside(self, step: Step) -> np.ndarray | float:
         """By how much these are other than the mean of those at both ends, (n, d)."""

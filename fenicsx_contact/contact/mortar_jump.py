@@ -100,7 +100,7 @@ class MortarJump(Coupling):
             self._ending.stand(self.pairing.stance)
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
-        way = step.horizon * largest(self.velocities("velocity"))
+        way = step.horizon * largest(self.speeds("velocity"))
         self.apart = self._strikes.see(bears, self.pairing, self._start, way)
         # an impact is seen as far away as the step that it precedes, if that is far
         self._foreseen = way if 2 * sqrt(self._shape[1]) * way > self.pairing.sight else 0.0

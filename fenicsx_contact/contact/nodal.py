@@ -124,6 +124,9 @@ class NodalJump(Coupling):
             return jump
         return jump - (self._ride.start if which == "velocity" else self._ride.end)
 
+    def speeds(self, which: str) -> np.ndarray:
+        return self.jump(which) if self.driven else self.velocities(which)
+
     def struck_jump(self) -> np.ndarray:
         jump = self.velocities("velocity").reshape(self._shape)
         return jump - self._ride.struck if self.driven else jump
@@ -139,6 +142,9 @@ class NodalJump(Coupling):
         if not self.driven:
             return 0.0
         return step.scheme.mean(self._ride.start, self._ride.end) + self.aside(step)
+
+    def drift(self) -> np.ndarray:
+        return self._ride.start.mean(axis=0)  # none of what stands
 
     def aside(self, step: Step) -> np.ndarray | float:
         k = self.equations.fields

@@ -33,8 +33,8 @@ class Strikes:
 
     def see(self, bears: np.ndarray, pairing: Pairing, places: np.ndarray, way: float) -> float:
         """What bears after a step, (n,) of bool, and where nodes (N, d) are then; they are about to
-        go a ``way``, m. Gives how far apart solids were."""
-        fresh, gone = bears & ~self._bore, 2 * self._way
+        go a ``way`` to each other, m. Gives how far apart solids were."""
+        fresh, gone = bears & ~self._bore, self._way
         self._bore, self._way = bears, way
         if self._asked and fresh.any():
             slave, master = (simplices(side) for side in (pairing.slave, pairing.master))

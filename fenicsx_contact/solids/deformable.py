@@ -263,6 +263,12 @@ class DeformableSolid(SystemRows, Stressed):
         kinetic = 0.5 * self._sum(self.velocity @ self._momentum)
         return kinetic, self.strain_energy(), -self._sum(self.weight @ self.displacement)
 
+    def drift(self) -> tuple[float, np.ndarray] | None:
+        if self.supported or self.revolution or self.damping.alpha:
+            return None
+        momentum = [self._sum(self._momentum[i :: self.dim].sum()) for i in range(self.dim)]
+        return self.mass, np.array(momentum)
+
     def root_mean_square(self, velocity: np.ndarray) -> float:
         return self.inertia.root_mean_square(velocity)
 

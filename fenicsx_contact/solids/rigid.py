@@ -258,6 +258,9 @@ class RigidSolid(RigidMotion):
         strain = sum(spring.energy(self._place, self._turn) for spring in self.springs)
         return float(kinetic), strain, float(-self._load[: self.dim] @ self._place)
 
+    def drift(self) -> tuple[float, np.ndarray] | None:
+        return None if self.supported else (self.mass, self._momentum[: self.dim])
+
     def works(self, step: Step) -> tuple[float, float, float, float]:
         mean = step.mean(self.velocity, self.trial_velocity)
         change = self._trial_momentum - self._momentum

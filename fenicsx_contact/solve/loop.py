@@ -17,6 +17,7 @@ from functools import partial
 import numpy as np
 
 from ..base.checks import StepFailed
+from ..base.constants import ROUND_OFF
 from ..base.overflow import diverging
 from ..base.vectors import largest
 from ..contact.trial import in_round_hole, nonlinearity
@@ -156,7 +157,8 @@ class StepSolver:
         new = [(c, free[part]) for c, part in zip(contacts, self._all.parts)] if first else []
         for contact, velocities in new:
             contact.screen(velocities, step)
-        speed = max(self._all.fastest(free), SLOW * self._pushed) or self._speeds.known()
+        noise = ROUND_OFF / self._newton.tolerance
+        speed = max(self._all.fastest(free, noise), SLOW * self._pushed) or self._speeds.known()
         inside = self._speeds.inside(body.free_velocity() for body in self._speeds.bodies)
         speed = self._scale(step, max(speed, SLOW * inside))
         for contact, velocities in new:

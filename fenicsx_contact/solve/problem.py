@@ -67,11 +67,12 @@ class Assembly:
         free = [trace.free_jump() for _, trace in self.sides]
         return free[0] if len(free) == 1 else np.concatenate([*free, np.empty(0)])
 
-    def fastest(self, velocities: np.ndarray) -> float:
-        """The largest of these velocities at points that are active."""
+    def fastest(self, velocities: np.ndarray, noise: float) -> float:
+        """The largest of these velocities at points that are active, between solids the largest
+        difference; at least the share of a velocity that is ``noise``."""
         return max(
             (
-                _largest(contact, velocities[part])
+                _largest(contact, velocities[part], noise)
                 for contact, part in zip(self.contacts, self.parts)
             ),
             default=0.0,
@@ -139,10 +140,16 @@ class Assembly:
                 raise StepFailed(reason)
 
 
-def _largest(contact: Contact, velocities: np.ndarray) -> float:
+def _largest(contact: Contact, velocities: np.ndarray, noise: float) -> float:
     if contact.coupling.driven:
         velocities = contact.coupling.to_jump(velocities).ravel()
-    return largest(velocities[contact.part.active_places])
+    places, d = contact.part.active_places, contact.surface.dim
+    active = velocities[places]
+    fastest = largest(active)
+    if len(contact.solids) == 1 or not len(active):
+        return fastest
+    each = (active[places % d == i] for i in range(d))  # whatever they have in common
+    return max(noise * fastest, *(float(np.ptp(v)) for v in each if len(v)))
 
 
 def scale_of(speed: float) -> float:

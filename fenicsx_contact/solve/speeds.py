@@ -7,8 +7,10 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from ..base.constants import ROUND_OFF
 from ..base.vectors import largest
 from ..contact.contact import Contact
+from ..contact.jump import Coupling
 from ..contact.trial import candidate_force
 from ..solids import DeformableSolid, Solid, communicator
 from ..theory.theta import Step
@@ -70,7 +72,14 @@ class Speeds:
         return self._fastest("velocity")
 
     def _fastest(self, which: str) -> float:
-        return max((largest(c.coupling.speeds(which)) for c in self._contacts), default=0.0)
+        return max(
+            (self._scale(contact.coupling, which) for contact in self._contacts), default=0.0
+        )
+
+    def _scale(self, coupling: Coupling, which: str) -> float:
+        """The scale of its speeds, m/s, of which round-off of velocities is less than an error."""
+        fastest, absolute = largest(coupling.speeds(which)), coupling.velocities(which)
+        return max(fastest, ROUND_OFF * largest(absolute) / self._tolerance)
 
     def _brought(self, step: Step) -> tuple[float, float]:
         """The largest speed at the contacts at the start of the step, m/s, which an impact stops,

@@ -24,6 +24,7 @@ from ..solve.problem import Assembly, Clock
 from ..solve.surface_problem import SurfaceSystem
 from ..theory.theta import Step
 from .certificate import ACCEPTED, Books, Certificate, certify
+from .frames import Frames
 from .hold import hold_gaps
 from .neighbours import Neighbours
 from .trial import Trial
@@ -47,7 +48,6 @@ class Stepper:
         time: s.
         work: of impacts, friction, drives, damping and the scheme since the start, J; ``balance``,
             what they and the energies leave unexplained.
-        most: the largest kinetic and strain energy so far, J.
         times: seconds spent by phase.
         watchers: called with each trial before it is accepted, to look; ``rounds``: solved again.
     """
@@ -77,7 +77,7 @@ class Stepper:
         self.times: dict[str, float] = {}
         self.time, self.balance, self.work = 0.0, 0.0, np.zeros(5)
         self.energies = self.sum_energies()
-        self.most = self.energies[0] + abs(self.energies[1])
+        self._frames = Frames(self.solids, self._every)
         self.watchers: list[Callable[[Trial], None]] = []
         self.rounds: list[Callable[[Trial], None]] = []
         self._begun: Step | None = None
@@ -158,7 +158,7 @@ class Stepper:
     def _certify(self, step: Step) -> Certificate:
         takes = all(contact.gives_nothing for contact in self.contacts)
         asked = takes and step.scheme.inertia and not self._overlaps
-        energy = self.most + abs(self.work[2]) if asked else inf
+        energy = self._frames.energy(self.energies) + abs(self.work[2]) if asked else inf
         books = Books(self.work[:2].sum() + min(self.work[4], 0.0), energy, *self._rounding)
         return certify(self._assembly, step, books, self._pushed)
 
@@ -224,7 +224,6 @@ class Stepper:
             impact, friction, driven = impact + normal, friction + tangential, driven + moved
         old, self.energies = self.energies, self.sum_energies()
         change = sum(self.energies) - sum(old)
-        self.most = max(self.most, self.energies[0] + abs(self.energies[1]))
         # what the scheme makes: energies change otherwise than forces and momenta work
         scheme = change - momentum + loads - tractions - damped
         self.work += (impact, friction, supports + tractions + driven, damped, scheme)
@@ -268,15 +267,16 @@ class Stepper:
 
     def state(self) -> dict[str, np.ndarray]:
         """What a run continues from, beside the solids and contacts."""
-        numbers = {"time": self.time, "balance": self.balance, "most": self.most}
+        numbers = {"time": self.time, "balance": self.balance, "most": self._frames.most}
         arrays = {name: np.array(each) for name, each in numbers.items()}
         arrays["rounding"] = np.array(self._rounding)
         return {"work": self.work, **arrays, **self._neighbours.state()}
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave; solids and contacts have been restored."""
-        self.time, self.balance, self.most = (float(state[k]) for k in ("time", "balance", "most"))
-        self.work, self._rounding = np.array(state["work"]), tuple(state["rounding"].tolist())
+        self.time, self.balance = float(state["time"]), float(state["balance"])
+        self._frames.most, self.work = float(state["most"]), np.array(state["work"])
+        self._rounding = tuple(state["rounding"].tolist())
         if self._neighbours.restore(state):
             self._arrange()
         self._begun, self.energies = None, self.sum_energies()

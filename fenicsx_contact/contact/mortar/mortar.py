@@ -134,8 +134,8 @@ class Pairing:
             self.stance, self._way = stance, np.nan
 
     def update(self, places: np.ndarray, way: float) -> None:
-        """Take up new places (N, d) of the nodes, whose longest ``way`` [m] in the step tells how
-        far partners are sought."""
+        """Take up new places (N, d) of the nodes, whose longest ``way`` [m] to each other in the
+        step tells how far partners are sought."""
         if way == self._way and np.array_equal(places, self.places):  # at rest
             return
         self._way = way

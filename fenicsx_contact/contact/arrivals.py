@@ -24,6 +24,11 @@ def arrival(contact: Contact) -> tuple[float, float, float]:
     return float(gap[deepest]), rate, float(contact.gap[deepest])
 
 
+def arrives(contact: Contact) -> bool:
+    """Whether a point is inside in the trial state that may not bear in the step."""
+    return arrival(contact)[0] > 0
+
+
 def missed(contact: Contact, closing: bool) -> str:
     """Why a step is too long for the contact to see what its points meet, in the trial state of it,
     or nothing: a free point goes through the other side and out again, or one is farther within

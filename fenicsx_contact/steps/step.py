@@ -11,7 +11,7 @@ import numpy as np
 
 from ..base.checks import StepFailed
 from ..base.vectors import largest
-from ..contact.arrivals import missed
+from ..contact.arrivals import arrives, missed
 from ..contact.contact import Contact
 from ..contact.percussion import approaching, strikes
 from ..contact.work import counts, work
@@ -72,6 +72,7 @@ class Stepper:
         self._arrange()
         self._linear = not any(s.shiftable for s in solids)
         pairs = [c.coupling for c in self.contacts if len(c.solids) > 1]
+        self._paired = bool(pairs)
         # above which errors a step is solved again about where solids were put back
         self._again = GEOMETRY_TOLERANCE if any(p.by_means for p in pairs) else ACCEPTED
         self.times: dict[str, float] = {}
@@ -123,6 +124,8 @@ class Stepper:
                 self._guess(step, rates)
             clock("pairing")
             trial, moved = self._solved(step, closing, clock)
+            # a flight beyond an arrival errs by the impact that it missed
+            moved = moved and (closing or self._paired or not any(map(arrives, self.contacts)))
             while moved and trial.errors.worst > self._again:  # as long as it gains
                 tried, last = trial, trial.errors
                 for look in self.rounds:

@@ -3,6 +3,7 @@
 
 from itertools import product
 
+import dolfinx
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -15,7 +16,9 @@ from fenicsx_contact import (
     HalfSpace,
     HyperelasticSolid,
     InputError,
+    NamedMesh,
     QuasiStatic,
+    Rayleigh,
     Scene,
     ThetaScheme,
     name_facets,
@@ -92,7 +95,9 @@ def test_a_piece_that_nothing_holds_is_refused(kind, case, way):
 
 
 def test_nodes_that_are_there_twice_are_named_where_nothing_holds():
-    with pytest.raises(InputError, match="at 3 places their nodes coincide and are not the same"):
+    with pytest.raises(
+        InputError, match="3 nodes of one coincide with some of others and are not the"
+    ):
         held = solid("linear", blocks((0, 0), (0, 1), merged=False), fixed=["top"])
         Scene([held], [], QuasiStatic())
 
@@ -182,7 +187,51 @@ def test_a_run_says_that_a_solid_is_in_pieces(kind):
         assert ("2 pieces" in scene.describe()) is not merged
     assert told[0] == []
     assert len(told[1]) == 1
-    assert "solid 'b' is in 2 pieces, which share no facet (at 3 places" in told[1][0]
+    assert "solid 'b' is in 2 pieces, which share no facet (3 nodes of one coincide" in told[1][0]
+
+
+def one_on_another(kind, gap, **others):
+    """Two blocks in one mesh, the upper one on the lower, with facets up and low where they meet:
+    nodes of both may be at one place."""
+    mesh = blocks((0, 0), (0, 1 + gap), merged=False).mesh
+    mesh.topology.create_connectivity(1, 2)
+    facets = dolfinx.mesh.locate_entities_boundary(mesh, 1, lambda x: np.full(x.shape[1], True))
+    cells = mesh.topology.connectivity(1, 2)
+    middle = dolfinx.mesh.compute_midpoints(mesh, 1, facets)[:, 1]
+    behind = np.array([cells.links(facet)[0] for facet in facets], dtype=np.int32)
+    above = dolfinx.mesh.compute_midpoints(mesh, 2, behind)[:, 1] > 1
+    tags = np.select([np.isclose(middle, 0), abs(middle - 1) <= gap + 1e-9], [1, 2 + above])
+    tags = dolfinx.mesh.meshtags(mesh, 1, facets[tags > 0], tags[tags > 0].astype(np.int32))
+    named = NamedMesh(mesh, tags, {"base": 1, "low": 2, "up": 3})
+    return solid(kind, named, fixed=["base"], **others)
+
+
+@pytest.mark.parametrize("slope", [0.3, 0.6])
+@pytest.mark.parametrize("gap", [0.0, 1e-3])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_piece_lies_on_another_of_the_same_solid(kind, gap, slope):
+    """Of nodes that coincide those of the named facets bear."""
+    body = one_on_another(kind, gap)
+    contact = Contact(body, "up", (body, "low"), "gap", friction=slope, name="c")
+    history = Scene([body], [contact], QuasiStatic()).run(1.0, 1.0)
+    assert history.finished, history.reason
+    np.testing.assert_allclose(history["c.force_y"][-1], 1e3 * G, rtol=1e-6)
+    assert abs(np.abs(body.displacement).max() - gap) < 0.025
+
+
+def test_a_piece_goes_on_resting_on_another_whose_nodes_are_at_the_same_places():
+    """It had been found at rest with 70 times its weight, of springs through the other's nodes."""
+    body = one_on_another("linear", 0.0, damping=Rayleigh(20.0, 0.0))
+    contact = Contact(body, "up", (body, "low"), "gap", friction=0.3, name="c")
+    history = Scene([body], [contact], ThetaScheme(1.0)).run(1.0, 0.02)
+    assert history.finished, history.reason
+    np.testing.assert_allclose(history["c.force_y"][-1], 1e3 * G, rtol=0.01)
+
+
+def test_facets_two_of_whose_nodes_are_at_one_place_are_refused():
+    body = solid("linear", blocks((0, 0), (1, 0), merged=False))
+    with pytest.raises(InputError, match="facets = 'base': 1 of their nodes coincide"):
+        Contact(body, "base", FLOOR, "gap")
 
 
 PARALLEL = """
@@ -205,7 +254,7 @@ for corners, merged, count, joined in APART.values():
         Scene([where], [], QuasiStatic())
     except InputError as told:
         assert "nothing holds 'b'" in str(told)
-        assert merged or "at 5 places" in str(told)
+        assert merged or "5 nodes of one" in str(told)
     else:
         assert all(at[-1] == corners[-1][-1] for at in corners) or count == 1
 for held, free in ((["base"], 3), ([], 6)):

@@ -656,10 +656,10 @@ def test_how_far_an_unknown_yields_with_its_neighbours():
     which alone is 1/2. At most half of the unknowns go along, and at most a bounded number."""
     for n, m in ((1, 0), (7, 1), (101, 24), (10_000, (ABOUT - 1) // 2)):
         row = sp.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(n, n)).tocsr()
-        found = yielding(petsc_matrix(row, MPI.COMM_SELF), np.array([n // 2]))
+        found = yielding(petsc_matrix(row, MPI.COMM_SELF), np.array([n // 2]), n)
         assert found == pytest.approx(m + 1, rel=1e-10)
     loose = sp.csr_matrix(np.kron(np.eye(4), [[1.0, -1.0], [-1.0, 1.0]]))
-    assert yielding(petsc_matrix(loose, MPI.COMM_SELF), np.array([0, 1])) == np.inf
+    assert yielding(petsc_matrix(loose, MPI.COMM_SELF), np.array([0, 1]), 2) == np.inf
 
 
 def test_how_far_a_node_yields_is_the_same_in_any_axes():
@@ -675,7 +675,7 @@ def test_how_far_a_node_yields_is_the_same_in_any_axes():
             np.eye(31), [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
         )
         turned = petsc_matrix(sp.csr_matrix(turn @ row @ turn.T), MPI.COMM_SELF)
-        found.append(yielding(turned, np.array([30, 31])))
+        found.append(yielding(turned, np.array([30, 31]), turned.getSize()[0]))
     assert found == pytest.approx(4 * [found[0]], rel=1e-10)
     assert 1.0 < found[0] < 1.001
 

@@ -63,7 +63,7 @@ class MortarJump(Coupling):
         self._comm = communicator(solids)
         self._kind = kind
         self.pairing = self._ending = kind(*sides, self._comm)
-        self.traces = [solid.trace(side.nodes) for solid, side in zip(solids, sides)]
+        self.traces = [side.trace(solid) for solid, side in zip(solids, sides)]
         self._standing = Standing(*sides)
         self.part = self._part = PairedEquations(equations, self.pairing)
         self._shape = (self.pairing.total, sides[0].dim)
@@ -297,4 +297,4 @@ def side_of(solid: Solid, facets: str, surface: Surface | None = None) -> Side:
     if surface is not None:
         points, cells, places = surface.sites, surface.cell_sites, surface.places
     corners = cells[:, : NODES[cell][0]]
-    return Side(points, corners, cell, inside, degree, places, solid.revolution)
+    return Side(points, corners, cell, inside, degree, places, solid.revolution, facets)

@@ -142,17 +142,18 @@ def couple(
 def _means(
     solid: Solid, facets: str, equations: SurfaceEquations
 ) -> tuple[DeformableTrace | None, np.ndarray | float]:
-    """The trace of a solid of second degree in space by its means over the facets, unless points
-    are named, and how far these bulge: an even pressure does not act at the corners of triangles at
-    all. In the plane corners and middles bear, by Simpson's rule, without means."""
+    """The trace of a deformable solid, of second degree in space by its means over the facets,
+    unless points are named, and how far these bulge: an even pressure does not act at the corners
+    of triangles at all. In the plane corners and middles bear, by Simpson's rule, without means."""
     surface = equations.fields.surface
-    if not isinstance(solid, DeformableSolid) or solid.degree == 1 or solid.dim == 2:
+    if not isinstance(solid, DeformableSolid):
         return None, 0.0
-    if not (equations.weight is surface.area or equations.weight.all()):
-        return None, 0.0
+    whole = equations.weight is surface.area or equations.weight.all()
+    if solid.degree == 1 or solid.dim == 2 or not whole:
+        return solid.trace(surface.points, facets=facets), 0.0
     side = side_of(solid, facets, surface)
     share = surface.site_area / surface.area[surface.site_nodes]
     sites = np.arange(len(surface.sites))
     of_nodes = sp.csr_matrix((share, (surface.site_nodes, sites)))
     bulge = of_nodes @ bulges(side) if solid.mesh.degree == 2 else 0.0
-    return solid.trace(side.nodes, of_nodes @ means(side)), bulge
+    return solid.trace(side.nodes, of_nodes @ means(side), facets), bulge

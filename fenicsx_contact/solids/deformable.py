@@ -272,9 +272,12 @@ class DeformableSolid(SystemRows, Stressed):
     def root_mean_square(self, velocity: np.ndarray) -> float:
         return self.inertia.root_mean_square(velocity)
 
-    def trace(self, points: np.ndarray, means: sp.csr_matrix | None = None) -> DeformableTrace:
-        """The solid seen from points (N, d), or from means of them by a matrix (n, N)."""
-        return DeformableTrace(self, points, means)
+    def trace(
+        self, points: np.ndarray, means: sp.csr_matrix | None = None, facets: str = ""
+    ) -> DeformableTrace:
+        """The solid seen from points (N, d), nodes of the named facets if any are, or from means of
+        them by a matrix (n, N)."""
+        return DeformableTrace(self, points, means, facets)
 
     def twins(self, points: np.ndarray) -> np.ndarray:
         """Which of these nodes stands for each, see :meth:`~.vector_space.VectorSpace.twins`."""

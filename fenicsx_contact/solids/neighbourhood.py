@@ -18,18 +18,19 @@ ASKED = 4
 ABOUT = 400
 
 
-def yielding(matrix: PETSc.Mat, node: np.ndarray) -> float:
+def yielding(matrix: PETSc.Mat, node: np.ndarray, whole: int) -> float:
     """How far a node n yields at least, in whatever direction: the least eigenvalue of
     ``(A_PP^-1)_nn A_nn``, P being the patch about it, which is held beyond. It is >= 1 where A is
     symmetric and positive, inf where it is singular, and the same in any axes. P is at most half
-    of the solid: what nothing holds would go off.
+    of its piece of the solid: what nothing holds would go off.
 
     Args:
         matrix: A, whose rows this process has in part.
         node: its unknowns, owned, in the numbers of all processes.
+        whole: how many its piece of the solid has.
     """
     first, last = matrix.getOwnershipRange()
-    most = min(ABOUT, max(matrix.getSize()[0] // 2, len(node)))
+    most = min(ABOUT, max(whole // 2, len(node)))
     rows: dict[int, tuple[np.ndarray, np.ndarray]] = {}
     patch, about = np.zeros(0, dtype=int), np.unique(node)
     while len(patch) < len(about) <= most:

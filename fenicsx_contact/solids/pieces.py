@@ -31,6 +31,7 @@ class Pieces:
         of_nodes: to which the owned nodes belong, of several the first, (owned/d,).
         centres, sizes: of their bounding boxes, sizes half the largest edges, (count, d) and
             (count,) in m.
+        nodes: how many each has, (count,).
         joints: owned nodes (m,) that belong to other pieces, too, or to any at another place, with
             these pieces (m,) and their places there (m, d); once for each cell there.
     """
@@ -49,6 +50,7 @@ class Pieces:
         self.joints = np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64), np.empty((0, d))
         if self.count > 1 or len(vectors.periods):
             self._join(of_cells)
+        self.nodes = comm.allreduce(np.bincount(self.of_nodes, minlength=self.count))
 
     def _join(self, of_cells: np.ndarray) -> None:
         """Find the pieces of the owned nodes, and the joints."""
@@ -70,12 +72,13 @@ class Pieces:
         joints = ~here | (pieces != self.of_nodes[nodes])
         self.joints = nodes[joints], pieces[joints], x[joints]
 
-    def at(self, points: np.ndarray) -> np.ndarray:
-        """The pieces of the nodes next to some places, (n, d), in the reference placement; (n,)."""
+    def at(self, points: np.ndarray, facets: str) -> np.ndarray:
+        """The pieces of the nodes of named facets next to places (n, d) in the reference placement,
+        (n,)."""
         comm = self._vectors.comm
         if self.count == 1:
             return np.zeros(len(points), dtype=np.int64)
-        distance, node = self._vectors.nearest(points)
+        distance, node = self._vectors.nearest(points, facets)
         piece = self.of_nodes[node] if len(self.of_nodes) else node
         every = np.array(comm.allgather((distance, piece)))
         return every[every[:, 0].argmin(axis=0), 1, np.arange(len(points))].astype(np.int64)
@@ -88,8 +91,8 @@ class Pieces:
         told = f"{self.count} pieces, which share no facet"
         if twice := self._twice():
             told += (
-                f" (at {twice} places their nodes coincide and are not the same, which joins "
-                "nothing: merge them, in gmsh by Coherence or BooleanFragments, unless the pieces "
+                f" ({twice} nodes of one coincide with some of others and are not the same, which "
+                "joins nothing: merge them, in gmsh by Coherence or BooleanFragments, unless the pieces "
                 "are to come apart)"
             )
         return told

@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 import scipy.sparse
+from scipy.spatial import cKDTree
 
 from ..base import checks
 from ..base.constants import SAME
@@ -59,10 +60,15 @@ class TracedSolid(Protocol):
 
 class DeformableTrace(MonolithicTrace):
     """A deformable solid seen from points that are nodes of its mesh, (N, d), or from means of what
-    these see by a matrix (n, N); the operator is constant.
+    these see by a matrix (n, N); the operator is constant. Of nodes that coincide and are not the
+    same those are meant that are on the named facets, else any.
 
     Attributes:
         reference: the places of the points, or their means, in the reference placement, (n, d).
+        facets: the name of the facets, or "".
+
+    Raises:
+        InputError: points that are no nodes there; two nodes of the facets at one place.
     """
 
     def __init__(
@@ -70,19 +76,28 @@ class DeformableTrace(MonolithicTrace):
         solid: TracedSolid,
         points: np.ndarray,
         means: scipy.sparse.csr_matrix | None = None,
+        facets: str = "",
     ) -> None:
+        self.facets = facets
         if means is None:
             means = scipy.sparse.identity(len(points), format="csr")
         self._solid, self.reference = solid, means @ points
         vectors = solid.vectors
         self._comm, owned = vectors.comm, vectors.owned
         n, d = points.shape
-        distance, nearest = vectors.nearest(points)
+        distance, nearest = vectors.nearest(points, facets)
         size = np.ptp(np.concatenate([points, vectors.sites]), axis=0).max()
-        mine = np.flatnonzero(distance <= SAME * size)
+        here = np.where(distance <= SAME * size, self._comm.rank, self._comm.size)
+        whose = here if self._comm.size == 1 else np.min(self._comm.allgather(here), axis=0)
+        mine = np.flatnonzero(whose == self._comm.rank)
         node = nearest[mine]
-        if self._comm.allreduce(len(mine)) != n:
+        if (whose == self._comm.size).any():
             raise checks.InputError("points: each point of a trace must be a node of the solid")
+        if facets and (twice := len(cKDTree(points).query_pairs(SAME * size))):
+            raise checks.InputError(
+                f"facets = {facets!r}: {twice} of their nodes coincide with others and are not "
+                "the same; merge them, or give the facets on both sides names of their own"
+            )
         rows, columns = (vectors.at(each) for each in (mine, node))
         free = ~np.isin(columns, solid.fixed_unknowns)  # what is held fast does not move
         mean = scipy.sparse.kron(means, scipy.sparse.identity(d), format="csr")
@@ -197,12 +212,13 @@ class DeformableTrace(MonolithicTrace):
         of what is least in any direction; 1, and what is next to it, stays 1."""
         matrix, d = self._solid.factorisation.matrix, self.reference.shape[1]
         first, last = matrix.getOwnershipRange()
-        found = []
+        pieces, found = self._solid.vectors.pieces, []
         for point in np.linspace(0, len(self.reference) - 1, ASKED).astype(int):
             rows = [self._whole[point * d + k].indices for k in range(d)]
             node = np.array([row[0] for row in rows if len(row)], dtype=int)
             if len(node) and first <= node.min() <= node.max() < last:
-                found.append(yielding(matrix, node))
+                piece = pieces.of_nodes[(node[0] - first) // d]
+                found.append(yielding(matrix, node, d * int(pieces.nodes[piece])))
         least = min((x for every in self._comm.allgather(found) for x in every), default=1.0)
         return float(2 ** np.round(np.log2(least) + 0.25)) if 1 <= least < np.inf else 1.0
 

@@ -110,13 +110,17 @@ class VectorSpace:
         nodes = np.unique(np.concatenate(blocks)).astype(np.int64)
         return nodes[nodes < self.owned // self.dim]
 
-    def nearest(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The owned node next to each point (n, d): distances in m, infinite where this process
-        owns none, and nodes, (n,)."""
-        if not len(self.sites):
+    def nearest(self, points: np.ndarray, facets: str = "") -> tuple[np.ndarray, np.ndarray]:
+        """The owned node next to each point (n, d), of named facets if given: distances in m,
+        infinite where this process owns none, and nodes, (n,)."""
+        sites, nodes = self.sites, self.site_nodes
+        if facets:
+            there = np.isin(nodes, self.nodes_of(facets, "facets"))
+            sites, nodes = sites[there], nodes[there]
+        if not len(sites):
             return np.full(len(points), np.inf), np.zeros(len(points), dtype=np.int64)
-        distance, site = cKDTree(self.sites).query(points)
-        return distance, self.site_nodes[site]
+        distance, site = cKDTree(sites).query(points)
+        return distance, nodes[site]
 
     def twins(self, points: np.ndarray) -> np.ndarray:
         """For each of these nodes, given by coordinates (n, d), which of them stands for it: itself

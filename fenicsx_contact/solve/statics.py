@@ -72,13 +72,13 @@ def _glued(contact: Contact, motions: dict[int, Motions]) -> tuple[np.ndarray, l
     is next to them, (n,), and for each solid the pieces, (n,)."""
     coupling, points = contact.coupling, np.arange(len(contact.normal))
     slave, *masters = (motions[id(solid)].pieces for solid in contact.solids)
-    own, theirs = slave.at(coupling.reference), []
+    own, theirs = slave.at(coupling.reference, contact.facets), []
     for master in masters:
         sees = np.ones((len(points), 1), dtype=bool)
         if master.count > 1:
             trace = contact.traces[1]
             assert isinstance(trace, DeformableTrace)
-            at, n = master.at(trace.reference), len(contact.traces[0].positions())
+            at, n = master.at(trace.reference, trace.facets), len(contact.traces[0].positions())
             marks = np.concatenate([np.full((n, master.count), False), np.eye(master.count)[at]])
             every = [np.repeat(mark, contact.solid.dim).astype(float) for mark in marks.T]
             sees = np.stack([coupling.to_jump(mark).any(axis=1) for mark in every], axis=1)

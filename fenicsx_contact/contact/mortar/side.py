@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 from ...base.cells import degree_of, lagrange
 from ...base.checks import StepFailed
 from ...base.vectors import cross
+from ...solids import DeformableSolid, Solid, Trace
 
 #: The corners of a facet in the order of its outline.
 OUTLINE = {"triangle": [0, 1, 2], "quadrilateral": [0, 1, 3, 2]}
@@ -44,6 +45,7 @@ class Side:
         degree: of the displacement, 1 or 2.
         places: of the nodes of each facet, (m, k, d), where these are curved.
         revolution: whether a place at x stands for 2 pi x of the solid.
+        facets: their name.
 
     Attributes:
         nodes: reference coordinates of the nodes of the trace, (N, d); the first n are ``points``.
@@ -64,7 +66,9 @@ class Side:
         degree: int = 1,
         places: np.ndarray | None = None,
         revolution: bool = False,
+        facets: str = "",
     ) -> None:
+        self.facets = facets
         self.dim, self.cell, self.degree = points.shape[1], cell, degree
         self._revolution = revolution
         self.straight = degree == 1 and cell != "quadrilateral"
@@ -88,6 +92,12 @@ class Side:
         self._measures = np.linalg.norm(normal, axis=1)  # at the middles
         outwards = points[cells].mean(axis=1) - inside[nearest, 1]
         self.sign = np.where(np.einsum("ij,ij->i", normal, outwards) < 0, -1.0, 1.0)
+
+    def trace(self, solid: Solid) -> Trace:
+        """The solid seen from the nodes."""
+        if isinstance(solid, DeformableSolid):
+            return solid.trace(self.nodes, facets=self.facets)
+        return solid.trace(self.nodes)
 
     @property
     def flat(self) -> Side:

@@ -40,10 +40,14 @@ class Pieces:
         self._vectors, comm, d = vectors, vectors.comm, vectors.dim
         mesh = vectors.mesh.mesh
         of_cells, self.count = _pieces(mesh)
-        corners = mesh.geometry.x[compat.cell_geometry(mesh)[: len(of_cells)], :d]
+        x = mesh.geometry.x[:, :d]
+        nodes = compat.cell_geometry(mesh)[: len(of_cells)]
         bounds = np.full((2, self.count, d), -np.inf)
         for bound, sign in zip(bounds, (1.0, -1.0)):
-            np.maximum.at(bound, of_cells, (sign * corners).max(axis=1))
+            if self.count == 1:
+                bound[0] = (sign * x).max(axis=0, initial=-np.inf)
+            else:
+                np.maximum.at(bound, of_cells, (sign * x[nodes]).max(axis=1))
         high, low = np.max(comm.allgather(bounds), axis=0)
         self.centres, self.sizes = (high - low) / 2, (high + low).max(axis=1) / 2
         self.of_nodes = np.zeros(vectors.owned // d, dtype=np.int64)
@@ -92,8 +96,8 @@ class Pieces:
         if twice := self._twice():
             told += (
                 f" ({twice} nodes of one coincide with some of others and are not the same, which "
-                "joins nothing: merge them, in gmsh by Coherence or BooleanFragments, unless the pieces "
-                "are to come apart)"
+                "joins nothing: merge them, in gmsh by Coherence or BooleanFragments, unless the "
+                "pieces are to come apart)"
             )
         return told
 
@@ -119,6 +123,8 @@ def _pieces(mesh: Any) -> tuple[np.ndarray, int]:
     links = np.stack([cells[two], cells[two + 1]])
     links = links[:, (links < n).all(axis=0)]
     count, own = _components(n, links)
+    if count == comm.size == 1:
+        return own, count
     given = compat.given_cells(mesh)
     firsts = np.full(count, np.iinfo(np.int64).max)
     np.minimum.at(firsts, own, given)

@@ -165,15 +165,22 @@ class LawFields:
 
     @cached_property
     def touched(self) -> Any:
-        """1 where a point touches as time begins to pass, else 0; such points are asked."""
+        """1 where a point touches as time begins to pass, else 0; such points are asked. What has
+        borne since it touched does, whatever it has drifted; what a law of velocities stops on its
+        way there does not yet."""
+        last = self.memory.field("touched", 0.0).x.array
+
+        def at(contact: Teller, step: Step) -> np.ndarray:
+            there = contact.gap >= -contact.tolerance
+            if not step.scheme.inertia:  # nothing leaves by itself
+                return contact.touching() | (contact.chosen & there)
+            return contact.touching() & (there | (last > 0))
 
         def tell(contact: Teller, step: Step) -> np.ndarray:
-            at = contact.touching()
-            if not step.scheme.inertia:  # nothing leaves by itself
-                at = at | (contact.chosen & (contact.gap >= -contact.tolerance))
-            self.held = at & bool(step.loaded)
+            self.held = at(contact, step) & bool(step.loaded)
             return self.held.astype(float)
 
+        self.memory.rule("touched", self._function(at, self.surface.scalar()), struck=True)
         return self._function(tell, self.surface.scalar())
 
     # -- parameters and memory --------------------------------------------------------------------

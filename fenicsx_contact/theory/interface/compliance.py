@@ -62,7 +62,11 @@ class Compliance:
     @property
     def stiffness_t(self) -> float:
         """Tangential stiffness, Pa/m."""
-        return checks.number("tangential_stiffness", self.tangential_stiffness, above=0)
+        if self.tangential_stiffness is None:
+            raise checks.InputError(
+                "tangential_stiffness = None: friction needs it of asperities; a number > 0, Pa/m"
+            )
+        return self.tangential_stiffness
 
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """Pressures and friction, and the status of each point."""

@@ -25,6 +25,7 @@ from fenicsx_contact import (
     name_facets,
     neo_hookean,
 )
+from fenicsx_contact.solve.equilibrium import unbearable
 from fenicsx_contact.theory.theta import Step
 
 
@@ -236,3 +237,27 @@ def test_a_horseshoe_bent_beyond_itself_stops():
     history = Scene([solid], [contact], QuasiStatic()).run(1.05, 0.05)
     assert "is inverted" in history.reason
     assert np.isfinite(history.rows()).all() and history.time[-1] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("load", [0.0, 1e-6])
+def test_round_off_is_no_load(load):
+    """A strained block on a smooth floor: internal forces of 1e3 N sum up to 1e-13 N, against which
+    no floor was said to hold it; what really acts along it is named, however small."""
+    block = HyperelasticSolid(
+        rectangle((4, 4), (1.0, 1.0)),
+        energy=neo_hookean(1e5, 0.3),
+        density=1.0,
+        gravity=(load, 0.0),
+        displacement=lambda x: 0.03 * np.stack([np.sin(5 * x[0] + x[1]), np.cos(7 * x[1] - x[0])]),
+        name="block",
+    )
+    contact, step = Contact(block, "base", FLOOR, "gap"), Step(0.1, QuasiStatic())
+    block.predict(step)
+    contact.begin(step)
+    contact.predict(step, True)
+    block.linearise(step)
+    contact.linearise(step)
+    said = unbearable([block], [contact], step)
+    assert said == (
+        bool(load) * "no equilibrium: contacts cannot hold 'block' against moving along x"
+    )

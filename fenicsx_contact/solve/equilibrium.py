@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from scipy.optimize import nnls
 
+from ..base.constants import ROUND_OFF
+from ..base.vectors import largest
 from ..contact.contact import Contact
 from ..solids.motions import FREE, Motions
 from ..theory.theta import Step
@@ -28,7 +30,8 @@ def unbearable(solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -
     supports allow; if it must, then what is left at least tells a motion that begins (Farkas).
     """
     shares = {id(solid): Motions(solid).free() for solid in solids}
-    load = np.concatenate([_loads(solid, shares[id(solid)], step) for solid in solids])
+    found = [_loads(solid, shares[id(solid)], step) for solid in solids]
+    load, terms = np.concatenate([each for each, _ in found]), max(size for _, size in found)
     columns = [np.empty((len(load), 0))]
     for contact in contacts:
         points, directions = contact.equations.candidates, _cone(contact)
@@ -36,7 +39,7 @@ def unbearable(solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -
         across = np.einsum("ndk,njd->njk", np.concatenate(rates, axis=2), directions[points])
         columns.append(across.reshape(-1, len(load)).T)
     size = np.abs(load).max(initial=0.0)
-    if not size or not np.isfinite(size):
+    if size <= ROUND_OFF * terms or not np.isfinite(size):
         return ""
     forces = np.concatenate(columns, axis=1)
     left = load / size
@@ -51,15 +54,19 @@ def unbearable(solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -
     return f"no equilibrium: contacts cannot hold {solids[which].name!r} against {motion}"
 
 
-def _loads(solid: Any, shares: np.ndarray, step: Step) -> np.ndarray:
-    """The loads on a solid along its free motions, N, from the balance as it was linearised."""
+def _loads(solid: Any, shares: np.ndarray, step: Step) -> tuple[np.ndarray, float]:
+    """The loads on a solid along its free motions, N, from the balance as it was linearised; the
+    sum of the sizes of what is added up, of internal forces, too."""
     trial, motions = solid.trial_velocity.copy(), Motions(solid)
     solid.go(solid.velocity, step)
     solid.drop_forces()
     rows = motions.at_nodes() @ shares
-    load = np.array(solid.comm.allreduce(-rows.T @ solid.linear_residual()))
+    left = solid.linear_residual()
+    moved = solid.free_load + left
+    load = np.array(solid.comm.allreduce(-rows.T @ left))
+    terms = np.abs(rows).T @ (np.abs(moved) + np.abs(solid.free_load))
     solid.go(trial, step)
-    return load
+    return load, largest(solid.comm.allreduce(terms))
 
 
 def _rates(contact: Contact, solid: Any, shares: dict[int, np.ndarray], step: Step) -> np.ndarray:

@@ -13,6 +13,7 @@ from fenicsx_contact import (
     Compliance,
     Contact,
     HalfSpace,
+    Heap,
     HyperelasticSolid,
     Moved,
     Restitution,
@@ -120,3 +121,27 @@ def test_who_passes_by_sees_what_contacts_give(speed):
     history = Scene([step, block], [contact]).run(until=0.1, dt=5e-3)
     assert "contacts would have given 0.049" in history.reason
     np.testing.assert_allclose(history["time"][-1], 0.05)
+
+
+def test_a_heap_that_travels_takes_the_same_steps():
+    """Two boxes and a thin plate that come together, and go 30 m/s beside that."""
+
+    def met(speed):
+        def slab(size, corner, **solid):
+            mesh = rectangle((1, 1), size, comm=MPI.COMM_SELF).mesh
+            mesh.geometry.x[:, :2] += np.add(corner, (size[0] / 2, 0.0))
+            skin = name_facets(mesh, {"skin": lambda x: np.full(x.shape[1], True)})
+            return RigidSolid(skin, density=10.0, **solid)
+
+        plate = slab((2.0, 0.02), (-1.0, -0.02), velocity=(speed, 0.3), name="plate")
+        one = slab((0.2, 0.2), (-0.3, 0.003), velocity=(speed, 0.0), spin=0.2, name="one")
+        other = slab((0.2, 0.2), (0.1, 0.003), velocity=(speed, -0.5), name="other")
+        bodies = [plate, one, other]
+        heap = Heap(bodies, "skin", friction=0.3)
+        history = Scene(bodies, [heap], locate_impacts=False).run(until=0.04, dt=2e-3)
+        assert history.finished
+        return history["time"], [body.velocity - [speed, 0, 0] for body in bodies]
+
+    (times, still), (others, passing) = met(0.0), met(30.0)
+    np.testing.assert_allclose(others, times, atol=1e-12)
+    np.testing.assert_allclose(passing, still, atol=1e-9)

@@ -15,7 +15,8 @@ from ..contact.contact import Contact
 from ..solids import Trace
 from ..theory.theta import Step
 
-#: Cost: so many times the way that bodies have speed for in a step must lie between two that sleep.
+#: Cost: so many times the way to each other that bodies have speed for in a step must lie between
+#: two that sleep.
 AHEAD = 4.0
 
 
@@ -78,9 +79,9 @@ class Neighbours:
         return np.sqrt((between**2).sum(axis=1)) - self._radii
 
     def _ways(self, of_each: list[np.ndarray]) -> np.ndarray:
-        """How far the bodies of the pairs go together."""
-        lengths = np.linalg.norm(of_each, axis=1)
-        return np.asarray(lengths[self._of].sum(axis=1))
+        """How far the bodies of the pairs go to or from each other."""
+        a, b = np.array(of_each)[self._of.T]
+        return np.asarray(np.linalg.norm(a - b, axis=1))
 
     @staticmethod
     def _wake(contact: Contact, step: Step) -> None:

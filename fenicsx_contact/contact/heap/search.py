@@ -25,7 +25,7 @@ from .crossing import THROUGH, crossing, nearest
 from .shape import Ragged, Shape
 
 #: Cost: bodies are asked that are nearer than this share of the smaller, and than so many times
-#: their ways in the step; what goes farther stops the step.
+#: their ways to each other in the step; what goes farther stops the step.
 CLOSE, AHEAD = 0.05, 4.0
 
 
@@ -90,11 +90,13 @@ class Search:
     def __init__(self, shape: Shape, fixed: np.ndarray) -> None:
         self._shape, self._fixed = shape, fixed
         self._starts = [at.start for at in shape.slices]
+        self._sizes = np.array([at.stop - at.start for at in shape.slices])
 
     def __call__(self, x: np.ndarray, way: np.ndarray) -> Features:
         """Those of nodes at x (N, d) that are about to go a ``way`` (N, d), both in m."""
+        way = self._seen(way)
         pairs, reach = self._pairs(x, way)
-        goes = AHEAD * self.ways(way)[pairs].sum(axis=1)
+        goes = AHEAD * self._apart(way, pairs)
         places = Places(x, x + way, self._starts, *np.tile([reach, goes], 2))
         found = [self._corners(np.concatenate([pairs, pairs[:, ::-1]]), places)]
         if self._shape.dim == 3:
@@ -120,9 +122,9 @@ class Search:
         """Whether two bodies went so far, by the ways (N, d) of their nodes, that they might have
         met otherwise than was asked for those that were ``foreseen``, or where they came near each
         other gone through a thin one."""
-        s = self._shape
+        s, way = self._shape, self._seen(way)
         pairs, _ = self._pairs(x, way)
-        gone, known = (self.ways(each)[pairs].sum(axis=1) for each in (way, foreseen))
+        gone, known = (self._apart(each, pairs) for each in (way, foreseen))
         size, thin = (each[pairs].min(axis=1) for each in (s.sizes, s.thin))
         low, high = Places(x, x + way, self._starts).boxes
         a, b = pairs.T
@@ -130,13 +132,26 @@ class Search:
         far = gone > CLOSE * size + AHEAD * known
         return bool((far | (meets & (gone > WALL * thin))).any())
 
-    def ways(self, way: np.ndarray) -> np.ndarray:
-        """The longest way of a node of each body, (B,)."""
-        return np.asarray(np.maximum.reduceat(np.sqrt(dot(way, way)), self._starts))
+    def _means(self, way: np.ndarray) -> np.ndarray:
+        """The mean way of each body, (B, d)."""
+        return np.asarray(np.add.reduceat(way, self._starts) / self._sizes[:, None])
+
+    def _seen(self, way: np.ndarray) -> np.ndarray:
+        """Ways as they are seen by who moves along, unless something stands."""
+        return way if self._fixed.any() else way - self._means(way).mean(axis=0)
+
+    def _apart(self, way: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+        """The longest ways, at most, of nodes of the bodies of pairs (p, 2) to each other, (p,)."""
+        means = self._means(way)
+        off = way - np.repeat(means, self._sizes, axis=0)
+        around = np.maximum.reduceat(np.sqrt(dot(off, off)), self._starts)
+        a, b = pairs.T
+        between = means[a] - means[b]
+        return np.asarray(np.sqrt(dot(between, between)) + around[a] + around[b])
 
     def _pairs(self, x: np.ndarray, way: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Bodies whose boxes are near each other, (p, 2), and how near counts, (p,) in m."""
-        s, ways = self._shape, self.ways(way)
+        s, ways = self._shape, np.maximum.reduceat(np.sqrt(dot(way, way)), self._starts)
         low, high = Places(x, x + way, self._starts).boxes
         grown = CLOSE * s.sizes + AHEAD * ways
         low, high = low - grown[:, None], high + grown[:, None]
@@ -151,7 +166,7 @@ class Search:
         near &= ~(self._fixed[a] & self._fixed[b])
         pairs = np.sort(np.stack([a[near], b[near]], axis=1), axis=1)
         pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
-        reach = CLOSE * s.sizes[pairs].min(axis=1) + AHEAD * ways[pairs].sum(axis=1)
+        reach = CLOSE * s.sizes[pairs].min(axis=1) + AHEAD * self._apart(way, pairs)
         return pairs, reach
 
     def _around(

@@ -310,3 +310,21 @@ def test_round_off_that_is_above_the_loads_certifies_nothing(springs):
     elif springs < 1e-3:
         assert "no certificate: relative error of momentum" in history.reason
     assert history.finished or "no certificate" in history.reason
+
+
+@pytest.mark.parametrize("share", [1e-9, 1e-11])
+def test_what_is_unloaded_bears_what_is_left(share):
+    """To a share of its load, less than round-off of the forces inside at the step's start."""
+    mesh = rectangle((3, 2), (0.6, 0.3), "triangle")
+    solid = ElasticSolid(
+        mesh,
+        youngs_modulus=2e6,
+        poisson_ratio=0.3,
+        density=10.0,
+        prescribed={"left": (0, None)},
+        tractions={"top": lambda t: (0.0, -1e5 * (1.0 if t < 0.05 else share))},
+    )
+    contact = Contact(solid, "base", HalfSpace((0, 0), (0, 1)), "gap", friction=0.3, name="c")
+    history = Scene([solid], [contact], QuasiStatic()).run(until=0.06, dt=2.5e-3)
+    assert history.finished
+    np.testing.assert_allclose(history["c.force_y"][-1], 0.6e5 * share, rtol=1e-4)

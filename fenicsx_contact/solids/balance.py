@@ -141,8 +141,11 @@ class BalancedSolid(MonolithicSolid):
         moved = self.grain + np.abs(self.trial_displacement)
         for damper in self.dampers:
             moved = moved + damper.time * np.abs(self.trial_velocity)
-        strained = np.abs(self.vectors.diagonal(self.last_stiffness)) * moved
+        stiffness = np.abs(self.vectors.diagonal(self.last_stiffness))
+        strained = stiffness * moved
         strained = strained[self.fixed_unknowns] if self.floating else strained
+        # nor is it less than where the step starts, to which velocities add what they change
+        strained = np.append(strained, stiffness * np.abs(self.displacement))
         round_off = ROUND_OFF * (np.abs(self._momentum) / step.span)
         bent = ROUND_OFF * strained.max(initial=0.0) if step.loaded else 0.0
         left = np.sum(terms, axis=0)

@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 import ufl
 from petsc4py import PETSc
 
@@ -75,8 +74,7 @@ class DeformableSolid(SystemRows, Stressed):
     """
 
     parameters: str  # for describe()
-    #: What a reader of a run should know of it.
-    remark = ""
+    remark = ""  # what a reader of a run should know of it
     #: Arrays of the state that hold owned unknowns.
     distributed: tuple[str, ...] = ("displacement", "velocity", "momentum", "memory")
     #: Only contact holds it: its matrix is singular.
@@ -154,9 +152,9 @@ class DeformableSolid(SystemRows, Stressed):
         self.dampers = []
         self.parameters += "".join(f", springs {f.told}" for f in self.foundations)
         self.parameters += f", {damping!r}" if damping else ""
-        if pieces := self.vectors.pieces.told:
-            self.parameters += f", {pieces}"
-            self.remark = f"solid {self.name!r} is in {pieces}"
+        pieces = self.vectors.pieces.told
+        self.parameters += pieces and f", {pieces}"
+        self.remark = pieces and f"solid {self.name!r} is in {pieces}"
         if self.damping.alpha:
             self.dampers.append(MassDamper(self.damping.alpha, self.inertia))
 
@@ -264,19 +262,16 @@ class DeformableSolid(SystemRows, Stressed):
         return kinetic, self.strain_energy(), -self._sum(self.weight @ self.displacement)
 
     def drift(self) -> tuple[float, np.ndarray] | None:
-        if self.supported or self.revolution or self.damping.alpha:
-            return None
-        momentum = [self._sum(self._momentum[i :: self.dim].sum()) for i in range(self.dim)]
-        return self.mass, np.array(momentum)
+        at_rest = self.supported or self.revolution or self.damping.alpha  # something is
+        momentum = self._momentum.reshape(-1, self.dim).sum(axis=0)
+        return None if at_rest else (self.mass, self.comm.allreduce(momentum))
 
     def root_mean_square(self, velocity: np.ndarray) -> float:
         return self.inertia.root_mean_square(velocity)
 
-    def trace(
-        self, points: np.ndarray, means: sp.csr_matrix | None = None, facets: str = ""
-    ) -> DeformableTrace:
+    def trace(self, points: np.ndarray, means: Any = None, facets: str = "") -> DeformableTrace:
         """The solid seen from points (N, d), nodes of the named facets if any are, or from means of
-        them by a matrix (n, N)."""
+        them by a sparse matrix (n, N)."""
         return DeformableTrace(self, points, means, facets)
 
     def twins(self, points: np.ndarray) -> np.ndarray:

@@ -25,6 +25,8 @@ from fenicsx_contact import (
     neo_hookean,
 )
 from fenicsx_contact.base import compat
+from fenicsx_contact.contact.mortar.itself import Itself
+from fenicsx_contact.contact.mortar_jump import side_of
 
 
 @pytest.mark.parametrize(
@@ -145,3 +147,25 @@ def test_a_heap_that_travels_takes_the_same_steps():
     (times, still), (others, passing) = met(0.0), met(30.0)
     np.testing.assert_allclose(others, times, atol=1e-12)
     np.testing.assert_allclose(passing, still, atol=1e-9)
+
+
+@pytest.mark.parametrize("angle", [1.0, 2.0, 3.1])
+def test_which_facet_of_one_surface_is_the_slave_does_not_hang_on_the_world(angle):
+    """The order of the facets of one surface, of a body that is turned as a whole."""
+
+    def order(angle):
+        mesh = rectangle((6, 8), (0.36, 0.80), comm=MPI.COMM_SELF).mesh
+        x = mesh.geometry.x
+        x[:, 0] += 0.3 * x[:, 1] ** 2 + 0.1 * x[:, 0] * x[:, 1]
+        c, s = np.cos(angle), np.sin(angle)
+        x[:, :2] = x[:, :2] @ [[c, s], [-s, c]]
+        skin = name_facets(mesh, {"skin": lambda x: np.full(x.shape[1], True)})
+        side = side_of(RigidSolid(skin, mass=1.0), "skin")
+        middles = side.nodes[side.corners].mean(axis=1)
+        admits, facets = Itself(side), np.arange(len(middles))
+        one, other = (each.ravel() for each in np.meshgrid(facets, facets))
+        may = admits(one, other, np.zeros(len(one))).reshape(len(facets), -1)
+        lies = np.lexsort((middles @ [[c, -s], [s, c]]).round(9).T)  # in the turned world, too
+        return may[np.ix_(lies, lies)]
+
+    np.testing.assert_array_equal(order(angle), order(0.0))

@@ -3,9 +3,10 @@
 
 Every two that face each other are asked once: the first of them, in an order that does not change,
 is the slave. Sharp edges divide the surface into smooth parts, of which the smaller one is slave,
-as if they were named. Within a part the order runs along a direction of the undeformed body: what
-folds then meets as two surfaces that are named, one of them slave throughout, but where a fold lies
-across the direction. And what a ray meets on the far side of the body's own wall is no contact.
+as if they were named. Within a part the order runs away from an extremity of the undeformed body,
+however that lies in the world: what folds then meets as two surfaces that are named, one of them
+slave throughout, but where a fold lies across the way. And what a ray meets on the far side of the
+body's own wall is no contact.
 """
 
 from __future__ import annotations
@@ -31,10 +32,12 @@ class Admits(Protocol):
 #: What lies so deep in the wall behind a facet, as a share of how deep it was in the undeformed
 #: body, is the far side of the wall, not what went through the facet.
 WALL = 0.5
-#: Cost: the direction of the order, which no symmetry of a mesh is likely to have: where a fold
-#: lies across it slave and master take turns, and Newton's method some more iterations.
+#: Cost: which of the extremities of a symmetric body begins the order, by a direction that no
+#: symmetry of a mesh is likely to have: where a fold lies across the order slave and master take
+#: turns, and Newton's method some more iterations.
 ALONG = (1.0, 0.618, 0.382)
-#: Cost: parts whose shares of the surface agree to so many digits are taken for equally large.
+#: Cost: parts whose shares of the surface, and extremities whose distances from its middle, agree
+#: to so many digits are taken for equally large.
 DIGITS = 6
 
 
@@ -52,13 +55,22 @@ class Itself:
         normals = side.normals(side.nodes, np.arange(m), slopes)
         self._normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         self._rank = np.empty(m, dtype=int)
-        way, part = self._middles @ ALONG[: side.dim], smooth_parts(side)
+        area, part = np.linalg.norm(normals, axis=1), smooth_parts(side)
+        way = self._far(self._middles - area @ self._middles / area.sum())
         first = np.full(part.max() + 1, np.inf)
         np.minimum.at(first, part, way)
-        area = np.bincount(part, np.linalg.norm(normals, axis=1))
-        size = np.round(area / area.sum(), DIGITS)  # alike ones as their first facets lie
+        size = np.bincount(part, area / area.sum())
+        size = np.round(size, DIGITS)  # alike ones as their first facets lie
         order = np.lexsort((way, part, first[part], size[part]))
         self._rank[order] = np.arange(m)
+
+    @staticmethod
+    def _far(places: np.ndarray) -> np.ndarray:
+        """How far facets at places (m, d) about the middle are from the farthest of them, (m,)."""
+        away = np.linalg.norm(places, axis=1)
+        ends = places[np.round(away / away.max(), DIGITS) == 1]
+        first = ends[(ends @ ALONG[: places.shape[1]]).argmin()]
+        return np.asarray(np.linalg.norm(places - first, axis=1))
 
     def __call__(self, facet: np.ndarray, other: np.ndarray, away: np.ndarray) -> np.ndarray:
         """Whether facets (q,) may meet others ``away`` [m] along their normals, (q,) of bool."""

@@ -114,6 +114,7 @@ class Factorisation:
         large = matrix.comm.size > 1 or matrix.getInfo()["nz_used"] > LARGE
         self._solver = Direct(matrix, name, "mumps" if large else "petsc")
         self._x, self._b = matrix.createVecs()
+        self._diagonal: np.ndarray | None = None
 
     def solve(self, values: np.ndarray) -> np.ndarray:
         """A^-1 times the owned part of a vector."""
@@ -142,8 +143,16 @@ class Factorisation:
 
     def refactor(self, rate: float = 0.0) -> None:
         """The matrix has new values; it is factored when it is next needed."""
-        self.rate = rate
+        self.rate, self._diagonal = rate, None
         self._solver.refactor()
+
+    @property
+    def diagonal(self) -> np.ndarray:
+        """Of the matrix, the owned part."""
+        if self._diagonal is None:
+            self._matrix.getDiagonal(self._x)
+            self._diagonal = self._x.array_r.copy()
+        return self._diagonal
 
     @property
     def bytes(self) -> int:

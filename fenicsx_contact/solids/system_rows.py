@@ -37,7 +37,7 @@ class SystemRows(BalancedSolid):
 
     def load_speed(self) -> float:
         """The largest speed that the loads of the step give to a node alone, m/s: a scale."""
-        free = self.free_load / self.vectors.diagonal(self.factorisation.matrix)
+        free = self.free_load / self.factorisation.diagonal
         free[self.fixed_unknowns] = 0.0
         own = largest(free)
         return max(self.comm.allgather(own))

@@ -159,7 +159,7 @@ class StepSolver:
             contact.screen(velocities, step)
         noise = ROUND_OFF / self._newton.tolerance
         speed = max(self._all.fastest(free, noise), SLOW * self._pushed) or self._speeds.known()
-        inside = self._speeds.inside(body.free_velocity() for body in self._speeds.bodies)
+        inside = max((body.load_speed() for body in self._speeds.bodies), default=0.0)
         speed = self._scale(step, max(speed, SLOW * inside))
         for contact, velocities in new:
             contact.start(velocities)

@@ -37,7 +37,8 @@ class Frames:
         groups = range(of_solid.max(initial=-1) + 1)
         bodies = [[s for s, at in zip(solids, of_solid) if at == k] for k in groups]
         met = [[c for c, of in zip(contacts, links) if of_solid[of[0]] == k] for k in groups]
-        self._groups, self.most = list(zip(bodies, met)), 0.0
+        self._groups = [each for each in zip(bodies, met) if _may_drift(*each)]
+        self.most = 0.0
 
     def energy(self, energies: tuple[float, float, float]) -> float:
         """The largest kinetic and strain energy that contacts knew of, up to the start of the begun
@@ -57,3 +58,10 @@ class Frames:
         told = [v for c in contacts if (v := c.coupling.drift()) is not None]
         velocities = told or [momentum / mass]
         return min(float(momentum @ v - 0.5 * mass * (v @ v)) for v in velocities)
+
+
+def _may_drift(bodies: Sequence[Solid], contacts: Sequence[Contact]) -> bool:
+    """Whether something is at rest for a group that is not at rest for all."""
+    walls = [contact.coupling for contact in contacts if contact.coupling.drift() is not None]
+    standing = walls and not any(wall.driven for wall in walls)
+    return not standing and all(body.drift() is not None for body in bodies)

@@ -49,7 +49,7 @@ class Candidates:
         if not step.dt and not self._formulation.percussive:
             allowed = np.zeros(len(allowed), dtype=bool)
         if step.within < inf:
-            approach = dot(self._coupling.struck_jump(), self._coupling.start_normals())
+            approach = self._coupling.coming(self._coupling.struck_jump(), gap >= -tolerance)
             allowed = allowed & (gap + step.within * approach >= -tolerance)
         self.allowed, self._gap = allowed, gap
         self.earlier: list[tuple[np.ndarray, np.ndarray]] = []

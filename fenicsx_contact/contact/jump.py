@@ -106,6 +106,14 @@ class Coupling(ABC):
         """Those at the start of the step, along which what comes there is seen, (n, d)."""
         return self.normals()
 
+    def coming(self, jump: np.ndarray, touches: np.ndarray) -> np.ndarray:
+        """How fast points come by jumps at the start of the step (n, d), (n,) in m/s: along the
+        normals there where they touch, (n,) of bool; elsewhere along those where they are about to
+        be, which may be beyond what they would meet."""
+        start, now = self.start_normals(), self.normals()
+        along = self.start_along(jump, now)
+        return along if start is now else np.where(touches, dot(jump, start), along)
+
     def start_along(self, jump: np.ndarray, normals: np.ndarray) -> np.ndarray:
         """Jumps at the start of the step (n, d) along normals at its end, (n,): how fast the gap
         there changes by them."""

@@ -72,7 +72,7 @@ def _excess(contact: Contact, step: Step, stopped: bool = False) -> np.ndarray:
 
 def _approach(contact: Contact) -> np.ndarray:
     """w_n at the start of the begun step, if it starts with a percussion, (n,)."""
-    return dot(_struck_jump(contact), contact.coupling.start_normals())
+    return contact.coupling.coming(_struck_jump(contact), contact.touching())
 
 
 def _struck_jump(contact: Contact) -> np.ndarray:

@@ -107,9 +107,7 @@ class Ride:
         assert step is not None
         if not step.dt:
             return 0.0
-        late = step.implicitness == 1
-        mean = self.end if late else self._wall.velocity(x, step.start, step.end)
-        return dot(mean, normal) - self._mean
+        return dot(self._wall.velocity(x, step.start, step.end), normal) - self._mean
 
     def aside(
         self, x: np.ndarray, normal: np.ndarray, force: np.ndarray, share: np.ndarray

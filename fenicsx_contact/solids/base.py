@@ -171,11 +171,6 @@ class Solid(ABC):
     def energies(self) -> tuple[float, float, float]:
         """Kinetic, strain and potential energy of the state, J (J/m in 2D)."""
 
-    def drift(self) -> tuple[float, np.ndarray] | None:
-        """Mass [kg] and momentum (d,) [kg m/s] of the state, or None where it is not only contacts
-        that hold the solid: it can tell then what is at rest."""
-        return None
-
     @abstractmethod
     def root_mean_square(self, velocity: np.ndarray) -> float:
         """Of a velocity [m/s] or an acceleration [m/s²], over the mass."""

@@ -224,6 +224,7 @@ class StepSolver:
                         contact.follow()
                 return force, iteration + settled, 1, remarks
             if not np.isfinite(error):
+                self._all.refuse_broken()
                 break
             if error > WORSE * max(last, 1.0) and halved < HALVINGS:
                 halved += 1

@@ -9,6 +9,7 @@ sees no more. An obstacle says what is at rest, and so does a support.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -52,7 +53,7 @@ class Frames:
     def _common(bodies: Sequence[Solid], contacts: Sequence[Contact]) -> float:
         mass, momentum = 0.0, np.zeros(bodies[0].dim)
         for body in bodies:
-            if (drift := body.drift()) is None:
+            if (drift := _drift(body)) is None:
                 return 0.0
             mass, momentum = mass + drift[0], momentum + drift[1]
         told = [v for c in contacts if (v := c.coupling.drift()) is not None]
@@ -64,4 +65,10 @@ def _may_drift(bodies: Sequence[Solid], contacts: Sequence[Contact]) -> bool:
     """Whether something is at rest for a group that is not at rest for all."""
     walls = [contact.coupling for contact in contacts if contact.coupling.drift() is not None]
     standing = walls and not any(wall.driven for wall in walls)
-    return not standing and all(body.drift() is not None for body in bodies)
+    return not standing and all(_drift(body) is not None for body in bodies)
+
+
+def _drift(body: Any) -> tuple[float, np.ndarray] | None:
+    """Mass [kg] and momentum (d,) [kg m/s] of a solid, or None where it does not tell them, or
+    where it is not only contacts that hold it: it can tell then what is at rest."""
+    return body.drift() if hasattr(body, "drift") else None

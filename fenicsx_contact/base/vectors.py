@@ -4,16 +4,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isnan
 
 import numpy as np
 
 _ONES = np.ones(3)
 
 
-def largest(values: np.ndarray | Sequence[float]) -> float:
+def largest(values: np.ndarray) -> float:
     """The largest absolute value; 0 of none, NaN where there is one."""
     sizes = np.abs(values)
     return float(sizes.item(sizes.argmax())) if sizes.size else 0.0
+
+
+def worst(errors: Sequence[float]) -> float:
+    """The largest of a few, none of them negative; 0 of none, NaN where there is one."""
+    whole = sum(errors)
+    return whole if isnan(whole) else float(max(errors, default=0.0))
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..base import checks
 from ..base.constants import SAME
-from ..base.vectors import largest
+from ..base.vectors import worst
 from ..solids.base import Solid, Trace
 from ..theory.theta import Step
 from .beam import BeamSolid
@@ -109,7 +109,7 @@ class RodInTube(Solid):
         return np.concatenate([solid.mean_velocity(step) for solid in self._both])
 
     def imbalance(self, step: Step, noise: float = 0.0) -> float:
-        return largest([solid.imbalance(step, noise) for solid in self._both])
+        return worst([solid.imbalance(step, noise) for solid in self._both])
 
     def unsound(self, step: Step) -> str:
         return self.rod.unsound(step) or self.tube.unsound(step)

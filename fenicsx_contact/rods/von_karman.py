@@ -21,7 +21,7 @@ from scipy.linalg import block_diag
 
 from ..base import checks
 from ..base.constants import ROUND_OFF
-from ..base.vectors import largest
+from ..base.vectors import largest, worst
 from ..theory.theta import Step
 from .beam import BeamSolid
 from .coupled_trace import CoupledTrace
@@ -209,7 +209,7 @@ class VonKarmanBeam(BeamSolid):
         inertia, _, loads, contact = terms
         sizes = [largest(self._lever * term) for term in (inertia, loads, contact, law, held)]
         wrong = largest(self._lever * (left - held)) - ROUND_OFF * round_off
-        size = largest(sizes)
+        size = worst(sizes)
         if size <= noise and wrong < np.inf:  # NaN is neither
             return 0.0
         return max(wrong, 0.0) / size

@@ -11,7 +11,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from ..base.constants import ROUND_OFF, SAME
-from ..base.vectors import largest
+from ..base.vectors import largest, worst
 from ..theory.theta import Step
 from .base import MonolithicSolid
 from .boundary import Supports
@@ -158,7 +158,7 @@ class BalancedSolid(MonolithicSolid):
         acting = [reaction, contact, inertia, *others[1:]]
         own = [largest(term) for term in (total, off, *acting)]
         residual, whole, *sizes, bent = np.max(self.comm.allgather([*own, bent]), axis=0)
-        self.acts = largest(sizes)
+        self.acts = worst(sizes)
         if self.acts <= noise and residual < np.inf:  # NaN is neither
             self.forgiven = self.whole = 0.0
             return 0.0

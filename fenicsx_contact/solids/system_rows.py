@@ -40,7 +40,7 @@ class SystemRows(BalancedSolid):
         free = self.free_load / self.factorisation.diagonal
         free[self.fixed_unknowns] = 0.0
         own = largest(free)
-        return max(self.comm.allgather(own))
+        return own if self.comm.size == 1 else max(self.comm.allgather(own))
 
     def linear_residual(self) -> np.ndarray:
         moved = self.vectors.multiply(self.factorisation.matrix, self.trial_velocity)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..base.checks import InputError
-from ..base.vectors import largest
+from ..base.vectors import largest, worst
 from ..solids import Solid
 from ..theory.theta import Step
 from .problem import Assembly
@@ -88,7 +88,7 @@ class Condensed:
             errors.append(self.surfaces.error(slow=0.0))
             errors.append(SETTLED * self._changed(force))
             self.surfaces.remember()
-        return largest(errors), force
+        return worst(errors), force
 
     def renew(self, step: Step) -> None:
         """Take up the derivatives of the geometry, which have been seen since `begin`."""

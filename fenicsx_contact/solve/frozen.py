@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from mpi4py import MPI
 
-from ..base.vectors import largest
+from ..base.vectors import largest, worst
 from ..contact.part import Part
 from ..solids import MonolithicSolid
 from ..theory.theta import Step
@@ -163,7 +163,7 @@ class FrozenContact(Statuses):
             if solid.shiftable:
                 size = max(size, system.assembly.stopping_force(solid))
             momentum.append(largest(left) / (size or 1.0))
-        self.worst = largest([*system.comm.allgather(largest(momentum)), *rows])
+        self.worst = worst([*system.comm.allgather(worst(momentum)), *rows])
         return self.worst if np.isfinite(self.worst) else np.inf
 
     def soften(self, compliance: float) -> None:

@@ -19,7 +19,7 @@ import numpy as np
 from ..base.checks import StepFailed
 from ..base.constants import ROUND_OFF
 from ..base.overflow import diverging
-from ..base.vectors import largest
+from ..base.vectors import worst
 from ..contact.trial import in_round_hole, nonlinearity
 from ..solids import DeformableSolid
 from ..theory.theta import Step
@@ -126,7 +126,7 @@ class StepSolver:
             clock("solids")
             error = self._nonlinearity(step, speed, solution.force)
             self.errors.append(error)
-            self.reached = largest([solution.error, error])
+            self.reached = worst([solution.error, error])
             grown = [contact.grow(step) for contact in self._all.contacts]
             clock("pairing")
             if any(grown):
@@ -193,7 +193,7 @@ class StepSolver:
             jump, gap, size = nonlinearity(contact, step)
             size = max(speed, size, SLOW * contact.push(force[part], step))
             errors += [jump / size, gap / (size * step.span)]
-        return largest(errors)
+        return worst(errors)
 
     # -- everything at once -----------------------------------------------------------------------
 

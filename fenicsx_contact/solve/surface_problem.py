@@ -20,7 +20,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.linalg import lapack
 
-from ..base.vectors import largest
+from ..base.vectors import largest, worst
 from ..contact.part import Part
 from .by_points import ByPoints, Place
 from .factored import Factored, by_factors, factored_sparsely
@@ -262,7 +262,7 @@ class SurfaceSystem(Statuses):
             resolved = slow * (self._absolute() @ np.abs(self.assembled[:nw])) * self._rows[:nw]
             scaled[:nw] /= np.maximum(1.0, resolved)
         errors = [largest(part.equations.natural(scaled[place])) for part, place in self.placed]
-        self.worst = largest(errors)
+        self.worst = worst(errors)
         self.worst = self.worst if np.isfinite(self.worst) else np.inf
         self._judged = self.residual if slow == SLOW else np.empty(0)
         return self.worst

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..base.constants import SAME
-from ..base.vectors import largest
+from ..base.vectors import largest, worst
 from ..contact.contact import Contact
 from ..contact.trial import candidate_force, rounded_drive, trial_work, violation
 from ..solids.balance import BalancedSolid
@@ -55,7 +55,7 @@ class Certificate:
     @property
     def worst(self) -> float:
         """The largest error."""
-        return largest([self.momentum, self.contact])
+        return worst([self.momentum, self.contact])
 
     @property
     def refusal(self) -> str:
@@ -115,8 +115,8 @@ def certify(problem: Assembly, step: Step, books: Books, force: float) -> Certif
     flexible = [solid for solid in problem.solids if isinstance(solid, BalancedSolid)]
     imbalances += [solid.whole for solid in flexible if solid.forgiven > ACCEPTED]
     return Certificate(
-        largest(imbalances),
-        largest([violation(contact, step, force) for contact, force in acting]),
+        worst(imbalances),
+        worst([violation(contact, step, force) for contact, force in acting]),
         given,
         next((c.name for c, pushes in acting if _wedges(problem, c, largest(pushes))), ""),
         (moved, drive),

@@ -20,6 +20,7 @@ from fenicsx_contact import (
     HalfSpace,
     Heap,
     InputError,
+    Newton,
     RigidSolid,
     Scene,
     ThetaScheme,
@@ -27,6 +28,7 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.base import compat
 from fenicsx_contact.solve import surface_problem
+from fenicsx_contact.solve.multipliers import ROUGH
 
 HELD = {
     2: ("x", "y", "turning"),
@@ -97,7 +99,8 @@ def test_a_stack_rests(dim, formulation):
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_meshes_change_nothing(dim):
-    """Nodes within faces and edges are no corners."""
+    """Nodes within faces and edges are no corners. What corners that land together share is found to
+    what is accepted there, of speeds and spins of the order of one."""
     places = []
     for n, cell in [(1, CELLS[dim][0]), (1, CELLS[dim][1]), (3, CELLS[dim][0]), (2, CELLS[dim][1])]:
         low = at(dim, (0.0, 0.1), 0.2, "low", n=n, cell=cell)
@@ -109,7 +112,7 @@ def test_meshes_change_nothing(dim):
         assert len(corners) == 3 * 2**dim
         places.append([*low.place, *up.place, *up.velocity])
     for other in places[1:]:
-        np.testing.assert_allclose(other, places[0], rtol=1e-7, atol=1e-8)
+        np.testing.assert_allclose(other, places[0], rtol=0, atol=ROUGH * Newton().tolerance)
 
 
 def struck(dim, locate):

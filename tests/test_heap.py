@@ -99,8 +99,8 @@ def test_a_stack_rests(dim, formulation):
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_meshes_change_nothing(dim):
-    """Nodes within faces and edges are no corners. What corners that land together share is found to
-    what is accepted there, of speeds and spins of the order of one."""
+    """Nodes within faces and edges are no corners. What corners that land together share is found
+    to what is accepted there, of speeds and spins of the order of one."""
     places = []
     for n, cell in [(1, CELLS[dim][0]), (1, CELLS[dim][1]), (3, CELLS[dim][0]), (2, CELLS[dim][1])]:
         low = at(dim, (0.0, 0.1), 0.2, "low", n=n, cell=cell)

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from processes import mpirun, needs_mpirun, output_of
@@ -120,3 +122,30 @@ def test_a_run_is_resumed_by_any_number_of_processes(scene, before, after, runs)
     for collection in (runs / f"{name}_{after}" / "fields").glob("*.pvd"):
         files = [line.split('"')[-2] for line in collection.read_text().splitlines()[3:-2]]
         assert files and all((collection.parent / file).is_file() for file in files)
+
+
+KNOWN = """
+import sys
+sys.path.insert(0, {tests!r})
+import numpy as np, scenes
+from mpi4py import MPI
+from fenicsx_contact import Contact, RigidSolid, Scene
+from fenicsx_contact.steps.fingerprint import fingerprint
+
+mesh = scenes.rectangle((7, 5), (0.37, 0.83))
+x = mesh.mesh.geometry.x
+x[:, :2] = x[:, :2] @ [[0.8, 0.6], [-0.6, 0.8]] + [0.3, 0.7]  # where round-off is not 0
+rigid = RigidSolid(mesh, mass=1.0, spin=0.3, name="rigid")
+(elastic,) = scenes.elastic_block().solids
+contacts = [Contact(solid, "base", scenes.FLOOR, name=solid.name[0]) for solid in (rigid, elastic)]
+words = fingerprint(Scene([rigid, elastic], contacts), 1e-3, None)
+if MPI.COMM_WORLD.rank == 0:
+    print(words)
+"""
+
+
+def test_a_start_is_known_by_any_number_of_processes():
+    """Round-off about 0 has signs, by which another number of processes had another start."""
+    code = KNOWN.format(tests=str(Path(__file__).parent))
+    first, *others = (output_of(mpirun(code, count)) for count in (1, 2, 3))
+    assert "rigid, its place" in first and others == [first, first]

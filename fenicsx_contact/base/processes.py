@@ -32,42 +32,20 @@ def on_first(comm: Any, action: Callable[[], T]) -> T:
     return result
 
 
-def together(comm: Any, action: Callable[[], T]) -> T:
-    """What an action returns on each process; a step that fails on any fails on all.
-
-    Raises:
-        StepFailed: on any process.
-    """
+def together(comm: Any, action: Callable[[], T], kind: type[Exception] = StepFailed) -> T:
+    """What an action returns on each process; what fails by an error of this kind on any fails by
+    it on all."""
     if comm.size == 1:
         return action()
     result: Any = None
-    failure: StepFailed | None = None
+    failure: Exception | None = None
     try:
         result = action()
-    except StepFailed as problem:  # the others have not met it
+    except kind as problem:  # the others have not met it
         failure = problem
     failed = [each for each in comm.allgather(failure) if each is not None]
     if failed:
         raise failed[0]
-    return result
-
-
-def refused_by_all(comm: Any, action: Callable[[], T]) -> T:
-    """What an action returns on each process; what is refused on any is refused on all.
-
-    Raises:
-        InputError: on any process.
-    """
-    if comm.size == 1:
-        return action()
-    result: Any = None
-    problem = ""
-    try:
-        result = action()
-    except InputError as refusal:
-        problem = str(refusal)
-    if problem := max(comm.allgather(problem)):
-        raise InputError(problem)
     return result
 
 

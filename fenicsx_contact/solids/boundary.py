@@ -12,7 +12,7 @@ from petsc4py import PETSc
 from ..base import checks
 from ..base.constants import BRIEF, SAME
 from ..base.expressions import is_expression
-from ..base.processes import refused_by_all
+from ..base.processes import together
 from .coefficients import arguments, field, is_field
 from .locations import Location, nodes_at
 from .vector_space import VectorSpace
@@ -49,7 +49,7 @@ def told(what: str, motion: Motion, vectors: VectorSpace, nodes: np.ndarray) -> 
         return [None if v is None else checks.number(which, v) for v in values]
 
     if not is_field(motion) and not (checks.is_function(motion) and len(arguments(motion)) == 2):
-        return lambda time: refused_by_all(vectors.comm, lambda: alike(time))
+        return lambda time: together(vectors.comm, lambda: alike(time), checks.InputError)
     made = field(what, motion, vectors.mesh, (d,))
     read = vectors.reader(made.expression)
 

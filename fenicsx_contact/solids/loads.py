@@ -14,7 +14,7 @@ from dolfinx import fem
 from ..base import assembly, checks
 from ..base.checks import is_function
 from ..base.compiling import compiled
-from ..base.processes import refused_by_all
+from ..base.processes import together
 from .coefficients import Field, arguments, field, is_field
 from .vector_space import VectorSpace
 
@@ -45,7 +45,7 @@ class _Uniform:
         self._what, self._value, self._units, self._comm = what, value, units, comm
 
     def at(self, time: float) -> np.ndarray:
-        return refused_by_all(self._comm, lambda: self._vector(time)) @ self._units
+        return together(self._comm, lambda: self._vector(time), checks.InputError) @ self._units
 
     def _vector(self, time: float) -> np.ndarray:
         value, what = self._value, self._what

@@ -37,15 +37,15 @@ def fingerprint(scene: Described, dt: float, step_error: float | None) -> str:
     lines = [scene.describe(), f"dt = {dt!r}, from {scene.time!r}, {scene.scheme}"]
     lines.append(f"impacts located: {scene.locate_impacts}, step_error: {step_error!r}")
     most = max(map(abs, scene.stepper.energies))  # their round-off depends on the processes
-    shares = ", ".join(f"{energy / (most or 1.0) + 0.0:.6f}" for energy in scene.stepper.energies)
+    shares = ", ".join(f"{round(energy / (most or 1.0), 6) + 0.0:.6f}" for energy in scene.stepper.energies)
     lines.append(f"energies {shares} of {most:.9g}")
     for solid in scene.solids:
-        geometry = solid.mesh.mesh.geometry
+        geometry, comm = solid.mesh.mesh.geometry, solid.mesh.mesh.comm
         own = geometry.x[: geometry.index_map().size_local, : solid.dim]
-        lines.append(f"{solid.name}: {_shape(own, solid.mesh.mesh.comm)}")
-        for name, values in solid.fields().items():
-            start = _mean(own, values[: len(own), : solid.dim], solid.mesh.mesh.comm)
-            lines.append(f"{solid.name}, {name}: {start}")
+        fields = {k: v[: len(own), : solid.dim] for k, v in solid.fields().items()}
+        lines.append(f"{solid.name}: {_shape(own, comm)}")
+        lines.append(f"{solid.name}, its place: {_shape(own + fields['displacement'], comm)}")
+        lines.append(f"{solid.name}, its velocity: {_field(own, fields['velocity'], comm)}")
     for contact in scene.contacts:
         lines.append(
             f"{contact.name}: {contact.formulation}, friction {contact.friction_law!r} "
@@ -69,16 +69,15 @@ def shared(scene: Described) -> dict[str, Any]:
     return {**lines, "time": scene.time, **starts}
 
 
-def _mean(points: np.ndarray, values: np.ndarray, comm: Any) -> str:
+def _field(points: np.ndarray, values: np.ndarray, comm: Any) -> str:
     """Of a field, by its values at the nodes that this process owns: the largest, and eight digits
     of the mean and of the first moments, which have signs."""
-    largest = max(comm.allgather(float(np.abs(values).max(initial=0.0))))
-    reach = max(comm.allgather(float(np.abs(points).max(initial=0.0))))
-    arms = np.column_stack([np.ones(len(points)), points / (reach or 1.0)])
-    sums = np.sum(comm.allgather(arms.T @ values), axis=0)
-    count = sum(comm.allgather(len(points)))
-    numbers = sums / (pi * count * (largest or 1.0)) + 0.0
-    return f"{largest:.9g}, {digits([f'{number + 0.0:.6f}' for number in numbers.ravel()])}"
+    own = [np.abs(each).max(initial=0.0) for each in (values, points)]
+    most, reach = (float(each) or 1.0 for each in np.max(comm.allgather(own), axis=0))
+    arms = np.column_stack([np.ones(len(points)), points / reach])
+    sums = np.sum(comm.allgather(arms.T @ (values / most)), axis=0)
+    means = sums / (pi * sum(comm.allgather(len(points))))
+    return f"{most:.9g}, {_rounded(means, 6)}"
 
 
 def _shape(points: np.ndarray, comm: Any) -> str:
@@ -90,6 +89,10 @@ def _shape(points: np.ndarray, comm: Any) -> str:
     unit = pi * (length or 1.0)  # in which round-off turns no digit of regular meshes
     off = (points - low) / unit
     sums = np.sum(comm.allgather(np.vstack([off.sum(axis=0), off.T @ off])), axis=0)
-    numbers = [low / unit + 0.0, *sums / count]
-    placed = digits([f"{number:.9f}" for row in numbers for number in row])
+    placed = _rounded(np.vstack([low / unit, sums / count]), 9)
     return f"{count} nodes over {length:.9g} m, {placed}"
+
+
+def _rounded(numbers: np.ndarray, places: int) -> str:
+    """Eight digits of numbers to so many places: round-off about 0 has no sign."""
+    return digits([f"{each:.{places}f}" for each in (numbers.round(places) + 0.0).ravel()])

@@ -37,7 +37,9 @@ def fingerprint(scene: Described, dt: float, step_error: float | None) -> str:
     lines = [scene.describe(), f"dt = {dt!r}, from {scene.time!r}, {scene.scheme}"]
     lines.append(f"impacts located: {scene.locate_impacts}, step_error: {step_error!r}")
     most = max(map(abs, scene.stepper.energies))  # their round-off depends on the processes
-    shares = ", ".join(f"{round(energy / (most or 1.0), 6) + 0.0:.6f}" for energy in scene.stepper.energies)
+    shares = ", ".join(
+        f"{round(energy / (most or 1.0), 6) + 0.0:.6f}" for energy in scene.stepper.energies
+    )
     lines.append(f"energies {shares} of {most:.9g}")
     for solid in scene.solids:
         geometry, comm = solid.mesh.mesh.geometry, solid.mesh.mesh.comm

@@ -18,6 +18,7 @@ from fenicsx_contact import (
     Heap,
     HyperelasticSolid,
     InputError,
+    Moved,
     QuasiStatic,
     RigidSolid,
     Scene,
@@ -137,6 +138,27 @@ def test_a_heavy_block_on_a_light_one(ratio, friction, heap):
     assert history.finished, history.reason
     assert max(np.abs(body.velocity).max() for body in (below, above)) < 1e-6 * G * 2e-3
     assert history["floor.force_y"][-1] == pytest.approx((1 + ratio) * G, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("light", "heavy", "belt", "pressing"),
+    [(1e-3, 1.0, 1e-4, 1e4), (1.0, 1e3, 1e-6, 1e6), (1e-2, 10.0, 1e-4, 1e4)],
+)
+def test_a_shim_between_a_belt_and_a_plate(light, heavy, belt, pressing):
+    """It rides on the belt and slides below the plate. Points of it that stuck to both contradict
+    each other, slowly over the speeds of this step: taken for round-off, half of the friction."""
+    shim = RigidSolid(rectangle((1, 1), (1.0, 0.01)), mass=light, held=["turning"], name="shim")
+    over = moved(rectangle((1, 1), (1.0, 0.1)), 0, 0.01)
+    held = {"held": ["x", "turning"], "name": "plate"}
+    plate = RigidSolid(over, mass=heavy, force=(0, -pressing), **held)
+    moving = Moved(FLOOR, lambda t: (belt * t, 0.0))
+    below = Contact(shim, "base", moving, friction=0.2, name="belt")
+    above = Contact(shim, "top", (plate, "base"), friction=0.1, name="pair")
+    history = Scene([shim, plate], [below, above], ThetaScheme(1.0)).run(until=10.0, dt=1.0)
+    assert history.finished, history.reason
+    assert history["belt.force_x"][1:] == pytest.approx(0.1 * pressing, rel=1e-9)
+    resolved = 1e-10 * pressing / heavy  # speeds, m/s, of those without contact
+    assert shim.place[0] == pytest.approx(10 * belt, rel=1e-9, abs=10 * resolved)
 
 
 @pytest.mark.parametrize("kind", [ElasticSolid, HyperelasticSolid])

@@ -43,7 +43,8 @@ SYSTEMS: dict[str, type[Condensed] | type[Monolithic]] = {
     "monolithic": Sparse,
     "iterative": Krylov,
 }
-#: Relative error of the linearised operator, gaps and momentum at which the fixed point ends.
+#: Relative error of the linearised operator, gaps and momentum at which the fixed point ends where
+#: solids deform; of rigid bodies alone it is Newton's tolerance.
 GEOMETRY_TOLERANCE = 1e-8
 #: How often a correction that inverts an element, or goes beyond what its linearisation knows, is
 #: halved: it does if it makes the error so many times what it was, or than the terms.
@@ -84,8 +85,8 @@ class StepSolver:
         self.system = SYSTEMS[solver](problem)
         # whether velocities without contact are known, which deformable solids have to solve for
         self._foresees = isinstance(self.system, Condensed) or not self._speeds.bodies
-        # what sweeps leave adds up over steps: of rigid bodies, which are quick to linearise, nothing
-        self.geometry_tolerance = GEOMETRY_TOLERANCE if self._speeds.bodies else newton.tolerance
+        # what sweeps leave adds up over steps: where nothing deforms they are cheap
+        self._enough = GEOMETRY_TOLERANCE if self._speeds.bodies else newton.tolerance
         # sweeps follow slowly what slides along a narrow hole, or not at all
         self._turns = self._foresees and any(map(in_round_hole, problem.contacts))
         if floating:
@@ -133,9 +134,9 @@ class StepSolver:
             clock("pairing")
             if any(grown):
                 continue
-            if error <= self.geometry_tolerance or last <= error <= ROUGH * self._newton.tolerance:
+            if error <= self._enough or last <= error <= ROUGH * self._newton.tolerance:
                 return solution.force, iterations, sweep, remarks
-            if self._turns and error**2 > last * self.geometry_tolerance:  # nor by one more
+            if self._turns and error**2 > last * self._enough:  # nor by one more
                 force, more, _, told = self._full(step, clock)
                 iterations, remarks = iterations + more, remarks + told
                 if not any([contact.grow(step) for contact in self._all.contacts]):

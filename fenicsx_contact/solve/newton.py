@@ -85,7 +85,7 @@ class Newton:
         start = system.state()
         # where many bodies stick their points contradict each other by how they lie
         rough = ROUGH * self.tolerance if system.crowded else self.tolerance
-        iterations, enough = self._iterate(system)
+        iterations, enough = self._iterate(system, rough)
         if system.worst <= enough:
             return Solution(system.force(), iterations, system.worst)
         if hopeless and (reason := hopeless()):
@@ -106,7 +106,7 @@ class Newton:
                 return Solution(system.force(), iterations, system.worst, remarks)
         raise NotConverged(f"{system.stall()}; {flips}{notes}")
 
-    def _iterate(self, system: ContactProblem) -> tuple[int, float]:
+    def _iterate(self, system: ContactProblem, rough: float) -> tuple[int, float]:
         """Newton steps until converged, or until the statuses cycle; how many, and the error to be
         accepted: where it falls no more that is round-off, by which points of a rigid solid that
         stick contradict each other."""
@@ -120,8 +120,8 @@ class Newton:
             if not np.isfinite(error) or error <= self.tolerance:
                 return iteration, self.tolerance
             stalls = stalls + 1 if before <= 2 * error else 0
-            if stalls >= STALLS and error <= ROUGH * self.tolerance:
-                return iteration, ROUGH * self.tolerance
+            if stalls >= STALLS and error <= rough:
+                return iteration, rough
             if iteration == 1:  # from a first guess statuses may change
                 continue
             key = system.remember().tobytes()

@@ -24,8 +24,8 @@ def worst(errors: Sequence[float]) -> float:
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Scalar products of vectors (n, d), point by point, (n,)."""
-    return np.asarray((a * b) @ _ONES[: a.shape[1]])
+    """Scalar products of vectors (..., d), point by point, (...,)."""
+    return np.asarray((a * b) @ _ONES[: a.shape[-1]])
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -13,17 +13,12 @@ from ..base.checks import StepFailed
 from ..base.mesh import NamedMesh
 from ..solids import Solid
 from .mortar.search import Near, Spheres
+from .simplices import SIMPLICES, nearest
 from .wall import Wall
 
 #: Cost: the direction in which points look for the facets around them, which no symmetry of a mesh
 #: is likely to have: what passes through an edge of two facets is not told from what misses both.
 LOOK = (1.0, 0.41421356, 0.73205081)
-#: The simplices of which a facet consists.
-SIMPLICES = {
-    "interval": [[0, 1]],
-    "triangle": [[0, 1, 2]],
-    "quadrilateral": [[0, 1, 3], [0, 3, 2]],
-}
 
 
 def deepest(points: np.ndarray, solid: Solid, limits: np.ndarray) -> float:
@@ -43,7 +38,7 @@ def deepest(points: np.ndarray, solid: Solid, limits: np.ndarray) -> float:
     for k in np.argsort(-bound):  # no farther from the facets than from their corners
         if bound[k] <= depth:
             break
-        found = _distance(points[asked[k]], places[cells])
+        found = nearest(points[asked[k], None], places[cells])
         if found > limits[asked[k]]:
             depth = max(depth, found)
     return depth
@@ -87,20 +82,3 @@ def swallowed(solid: Solid, wall: Wall, most: float) -> float:
         depth = 0.0
     depth = mesh.mesh.comm.allreduce(depth, MPI.MAX)
     return float(depth) if depth > most else 0.0
-
-
-def _distance(point: np.ndarray, simplices: np.ndarray) -> float:
-    """The distance of a point (d,) from the nearest of simplices (m, k, d) of at most d corners."""
-    arm = simplices - point
-    first, sides = arm[:, 0], arm[:, 1:] - arm[:, :1]
-    square = np.einsum("mkj,mlj->mkl", sides, sides)
-    turned = np.einsum("mkj,mj->mk", sides, -first)
-    shares = np.einsum("mkl,ml->mk", np.linalg.pinv(square), turned)
-    nearest = first + np.einsum("mk,mkj->mj", shares, sides)
-    over = (shares >= 0).all(axis=1) & (shares.sum(axis=1) <= 1)
-    best = np.linalg.norm(nearest[over], axis=1).min(initial=np.inf)
-    best = min(best, float(np.linalg.norm(arm, axis=2).min()))
-    if simplices.shape[1] < 3:
-        return float(best)
-    edges = np.concatenate([simplices[:, [0, 1]], simplices[:, [1, 2]], simplices[:, [2, 0]]])
-    return min(float(best), _distance(point, edges))

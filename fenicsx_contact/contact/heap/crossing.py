@@ -16,6 +16,7 @@ import numpy as np
 
 from ...base.constants import SAME, SHARP
 from ...base.vectors import dot
+from ..simplices import shares
 from .shape import Shape
 
 #: The sine of the angle by which a body may reach through the plane of a face or two edges that
@@ -77,12 +78,3 @@ def nearest(
     (a, b), (c, d) = ((x[i] for i in s.ends[edge].T) for edge in (mine, theirs))
     share, other = shares(a, b - a, c, d - c)
     return a + share[:, None] * (b - a), c + other[:, None] * (d - c)
-
-
-def shares(a: np.ndarray, u: np.ndarray, c: np.ndarray, v: np.ndarray) -> tuple:
-    """Where lines from a along u and from c along v are nearest to each other, in shares of these;
-    of parallel ones anywhere."""
-    w, uu, vv, uv = a - c, dot(u, u), dot(v, v), dot(u, v)
-    det = uu * vv - uv**2
-    det = np.where(det > 0, det, np.inf)
-    return (uv * dot(v, w) - vv * dot(u, w)) / det, (uu * dot(v, w) - uv * dot(u, w)) / det

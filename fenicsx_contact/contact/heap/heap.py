@@ -17,12 +17,13 @@ from ...theory.friction import Coulomb, FrictionBound
 from ...theory.interface.adhesion import Adhesive
 from ...theory.theta import Step
 from ..contact import Contact
-from ..inside import SIMPLICES, deepest
+from ..inside import deepest
 from ..jump import Coupling
 from ..mortar import Side
 from ..mortar.walls import WALL
 from ..mortar_jump import side_of
 from ..pair_equations import PairedEquations
+from ..simplices import SIMPLICES
 from ..surface import Surface
 from .meetings import PLACES, Meetings
 from .search import Features, Search

@@ -21,7 +21,7 @@ import scipy.sparse as sp
 from ...base.checks import StepFailed
 from ...base.vectors import dot
 from ..mortar.matrices import DENSE, Matrix, used_columns
-from .crossing import shares
+from ..simplices import shares
 from .search import Features
 from .shape import Shape
 

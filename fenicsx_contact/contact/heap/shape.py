@@ -18,9 +18,9 @@ from scipy.spatial import cKDTree
 
 from ...base.constants import SAME
 from ...base.vectors import dot
-from ..inside import SIMPLICES
 from ..mortar.side import Side, unit_and_length
 from ..mortar.walls import Walls
+from ..simplices import SIMPLICES
 
 
 class Ragged:

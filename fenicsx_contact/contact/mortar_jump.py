@@ -20,7 +20,7 @@ from .inside import deepest
 from .jump import Coupling
 from .mortar import Pairing, Side
 from .mortar.facing import faces_anywhere
-from .mortar.matrices import Matrix, square
+from .mortar.matrices import Matrix, dense, square
 from .mortar.passing import gone_through
 from .mortar.stance import Stance
 from .mortar.standing import Standing
@@ -262,8 +262,7 @@ class MortarJump(Coupling):
         d, start, result = self._shape[1], 0, []
         for trace in self.traces:
             size = len(trace.positions()) * d
-            J = self.pairing.operator[rows][:, start : start + size]
-            J = self.pairing.shared.sum(J if isinstance(J, np.ndarray) else J.toarray())
+            J = self.pairing.shared.sum(dense(self.pairing.operator[rows][:, start : start + size]))
             result.append(J @ trace.rows(np.arange(size)))
             start += size
         return result

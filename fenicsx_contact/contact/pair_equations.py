@@ -20,6 +20,7 @@ from .mortar.matrices import (
     along,
     block,
     by_point,
+    dense,
     gather,
     nonzero,
     placed,
@@ -223,8 +224,7 @@ class PairedEquations:
 
     def active_tangent(self) -> np.ndarray:
         """Their tangent, dense."""
-        tangent = self._everything(self._tangent())
-        return tangent if self._dense else tangent.toarray()
+        return dense(self._everything(self._tangent()))
 
     def _everything(self, share: Matrix) -> Matrix:
         """The tangent of which this is this process's share."""
@@ -264,10 +264,8 @@ class PairedEquations:
 
     def jump_operator(self) -> np.ndarray:
         """Jumps of the candidates from the active velocities."""
-        J = self._of_all(self._J, self._d)
-        return J if self._dense else J.toarray()
+        return dense(self._of_all(self._J, self._d))
 
     def force_operator(self) -> np.ndarray:
         """Its transpose makes forces on the active velocities of those on the candidates."""
-        S = self._of_all(self._spread, self._d)
-        return S if self._dense else S.toarray()
+        return dense(self._of_all(self._spread, self._d))

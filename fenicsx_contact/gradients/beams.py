@@ -19,10 +19,10 @@ import scipy.sparse as sp
 
 from ..base import checks
 from ..base.constants import KEPT
+from ..contact.mortar.matrices import dense
 from ..rods.beam import BeamSolid
 from ..rods.drive import AxialLaw
 from ..theory.theta import Step
-from .blocks import dense
 from .duals import Dual, variables
 from .motion import Motion, Row
 from .parameters import Parameter

@@ -17,6 +17,7 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from ..base.constants import ROUND_OFF, SAME
+from ..contact.mortar.matrices import dense
 from .residuals import Ways, share
 
 
@@ -57,11 +58,6 @@ class Blocks:
         for rows, columns, block in self.parts:
             result[columns] += block.T @ values[rows]
         return result
-
-
-def dense(block: Any) -> np.ndarray:
-    """A block as an array."""
-    return block if isinstance(block, np.ndarray) else block.toarray()
 
 
 class Inner(Protocol):

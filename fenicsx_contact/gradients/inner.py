@@ -10,8 +10,8 @@ import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
+from ..contact.mortar.matrices import dense
 from ..solids.factor import Factorisation
-from .blocks import dense
 from .seen import Picked, Pushed
 
 

@@ -5,12 +5,12 @@ and the derivatives of that; see :mod:`~.hold`."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag
 
 from ..base.vectors import dot
+from ..contact.mortar.matrices import dense
 from ..theory.theta import Step
 from .kinematics import Kinematics
 from .pairs import PairRows
@@ -39,8 +39,8 @@ class PairBearing:
         contact, coupling, d = rows.contact, rows.contact.coupling, rows.normal.shape[1]
         self._rows, self._points, self._at = rows, points, rows.components(points)
         self._nodes = [each for each in rows.nodes if isinstance(each, RigidPoints)]
-        self._n, self._J = rows.normal[points], _dense(rows.pair.operator)[self._at]
-        self._turn = _dense(rows.rates.normal)[self._at].reshape(len(points), d, -1)
+        self._n, self._J = rows.normal[points], dense(rows.pair.operator)[self._at]
+        self._turn = dense(rows.rates.normal)[self._at].reshape(len(points), d, -1)
         self._place = _together([each.new for each in self._nodes], "place")
         rises = _along(self._n, self._J)
         self.G = rises @ self._place
@@ -55,14 +55,14 @@ class PairBearing:
         n_old = np.where(turns, rows.then.normal[points], n)
         self.off = gap - rate * dot(w, n) - rest * starts * dot(w_old, n_old)
         towards = rate * w + early * ~turns * w_old
-        by_places = _dense(rows.rates.gap)[points] - np.einsum("pi,pij->pj", towards, self._turn)
-        by_places -= rate * _along(self._n, _dense(rows.rates.jump(rows.velocities))[self._at])
+        by_places = dense(rows.rates.gap)[points] - np.einsum("pi,pij->pj", towards, self._turn)
+        by_places -= rate * _along(self._n, dense(rows.rates.jump(rows.velocities))[self._at])
         bend = _together([each.new for each in self._nodes], "bend")
         self.q, self.v = by_places @ self._place - rate * rises @ bend, -rate * self.G
-        rises = _along(n_old, _dense(rows.then.operator)[self._at])
-        by_places = -_dense(then.gap)[points]
-        by_places -= early * _along(n_old, _dense(then.jump(rows.old_velocities))[self._at])
-        by_places -= early * _along(turns * w_old, _dense(then.normal)[self._at])
+        rises = _along(n_old, dense(rows.then.operator)[self._at])
+        by_places = -dense(then.gap)[points]
+        by_places -= early * _along(n_old, dense(then.jump(rows.old_velocities))[self._at])
+        by_places -= early * _along(turns * w_old, dense(then.normal)[self._at])
         place, bend = (_together([e.old for e in self._nodes], name) for name in ("place", "bend"))
         self.q_old, self.v_old = by_places @ place - early * rises @ bend, -early * rises @ place
         self.dt = np.zeros(len(points))  # instants are not located between two solids
@@ -77,7 +77,7 @@ class PairBearing:
         """Derivative of G' y by q, (n, n)."""
         rows, forces = self._rows, np.zeros_like(self._rows.normal)
         forces[self._points] = y[:, None] * self._n
-        spread = _dense(rows.rates.spread(forces))
+        spread = dense(rows.rates.spread(forces))
         spread = spread + self._J.T @ (y[:, None, None] * self._turn).reshape(len(self._at), -1)
         given = rows.sides((forces[self._points].ravel() @ self._J)[None])
         arms = [each.arms[1] for each in self._nodes]
@@ -88,7 +88,7 @@ class PairBearing:
         """Derivative of G u by q, (k, n)."""
         rows, way = self._rows, self._place @ u
         seen = (self._J @ way).reshape(self._n.shape)
-        moved = _dense(rows.rates.jump(way.reshape(rows.velocities.shape)))[self._at]
+        moved = dense(rows.rates.jump(way.reshape(rows.velocities.shape)))[self._at]
         by_places = _along(self._n, moved) + np.einsum("pi,pij->pj", seen, self._turn)
         spins, first = [], 0
         for each in self._nodes:
@@ -106,7 +106,3 @@ def _along(directions: np.ndarray, matrix: np.ndarray) -> np.ndarray:
 
 def _together(kinematics: Sequence[Kinematics], name: str) -> np.ndarray:
     return np.asarray(block_diag(*(getattr(each, name) for each in kinematics)))
-
-
-def _dense(matrix: Any) -> np.ndarray:
-    return matrix if isinstance(matrix, np.ndarray) else matrix.toarray()

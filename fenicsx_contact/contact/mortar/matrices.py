@@ -48,6 +48,11 @@ def gather(
     return result
 
 
+def dense(matrix: Matrix) -> np.ndarray:
+    """The matrix as an array."""
+    return matrix if isinstance(matrix, np.ndarray) else matrix.toarray()
+
+
 def stack(matrices: Sequence[Matrix]) -> Matrix:
     """Below each other."""
     if isinstance(matrices[0], np.ndarray):

@@ -18,10 +18,10 @@ DENSE = 400_000
 
 
 def add_up(values: np.ndarray, rows: np.ndarray, n: int) -> np.ndarray:
-    """Sums (n, k) of the values (q, k) that belong to the same row."""
-    k = values.shape[1]
-    places = rows if k == 1 else (rows[:, None] * k + np.arange(k)).ravel()
-    return _sums(places, values, n * k).reshape(n, k)
+    """Sums (n, k) of the values (..., k) that belong to the same row (...)."""
+    k = values.shape[-1]
+    places = rows if k == 1 else rows[..., None] * k + np.arange(k)
+    return _sums(places.ravel(), values, n * k).reshape(n, k)
 
 
 def _sums(places: np.ndarray, values: np.ndarray, size: int) -> np.ndarray:

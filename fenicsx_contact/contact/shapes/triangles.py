@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 from ...base import checks
 from ...base.constants import SAME
 from ...base.vectors import cross
+from ..mortar.matrices import add_up
 
 
 class Triangles:
@@ -85,7 +86,8 @@ class Triangles:
         ahead, back = self.edges, -np.roll(self.edges, 1, axis=1)
         sine = np.linalg.norm(cross(ahead, back), axis=2)
         angle = np.arctan2(sine, (ahead * back).sum(axis=2))
-        return added_up(angle[:, :, None] * self.normals[:, None], self.cells)
+        weighted = angle[:, :, None] * self.normals[:, None]
+        return add_up(weighted, self.cells, len(self.points))
 
     def at(self, cells: np.ndarray, shares: np.ndarray) -> np.ndarray:
         """Places in triangles, (n, 3), from shares of the corners, (n, 3)."""
@@ -127,13 +129,6 @@ class Triangles:
         corner = self._summed[self.cells[cells, shares.argmax(axis=1)]]
         summed = np.stack([own, own + self.normals[beyond], corner])[zero.sum(axis=1), rows]
         return summed / np.linalg.norm(summed, axis=1)[:, None]
-
-
-def added_up(shares: np.ndarray, number: np.ndarray) -> np.ndarray:
-    """Sums of what triangles have at their corners, (m, 3, 3), of those of one number, (v, 3)."""
-    total = np.zeros((number.max() + 1, shares.shape[2]))
-    np.add.at(total, number, shares)
-    return total
 
 
 def first_of_each(

@@ -15,7 +15,8 @@ from ...base.constants import ROUND_OFF, SAME, SHARP
 from ...base.mesh_files import read_mesh
 from ...base.told import digits
 from ...base.vectors import cross
-from .triangles import Triangles, added_up, first_of_each
+from ..mortar.matrices import add_up
+from .triangles import Triangles, first_of_each
 
 
 class _Beside(NamedTuple):
@@ -75,7 +76,7 @@ class Triangulated:
         square = (t.edges**2).sum(axis=2)
         area = cross(t.edges[:, 0], t.edges[:, 1])
         weight = 1 / (square * np.roll(square, 1, axis=1))  # of the two edges that meet there
-        total = added_up(weight[:, :, None] * area[:, None], fans)[fans]
+        total = add_up(weight[:, :, None] * area[:, None], fans, int(fans.max()) + 1)[fans]
         folded = (np.einsum("mid,md->mi", total, t.normals) <= 0).any(axis=1)
         if folded.any():
             at = t.corners[folded][0].mean(axis=0).tolist()

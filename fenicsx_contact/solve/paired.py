@@ -23,9 +23,9 @@ import scipy.sparse as sp
 from scipy.linalg import lapack
 
 from ..base.constants import ROUND_OFF
-from ..base.vectors import largest
 from ..contact.mortar.matrices import by_point
 from ..contact.tangent import PointRows
+from .pointwise import refined
 from .yielding import FIRM
 
 
@@ -141,14 +141,14 @@ class _Inverse:
         result[self._others] = velocities[self._others] - self._turned @ turned
         return result
 
-    def __call__(self, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """dy and dq from the right sides (v + q,)."""
+    def __call__(self, b: np.ndarray) -> np.ndarray:
+        """dy and dq, flat, from the right sides (v + q,)."""
         v = self.shape[0]
         y, right = self._yielding(b[:v]), b[v:].copy()
         for mine, forces, _, look, _ in self._parts:
             right[forces] -= look @ y[mine]
         dq = lapack.dgetrs(*self._factors, right)[0]
-        return y + self._gains @ dq, dq
+        return np.concatenate([y + self._gains @ dq, dq])
 
 
 class PairedSolver:
@@ -167,36 +167,17 @@ class PairedSolver:
         Args:
             b: right sides, b_y and b_q.
         """
-        kept = self._inverse
+        kept, v = self._inverse, len(system.W)
         for way in ("as it is", "renewed", "made anew"):
             if way == "made anew":
                 self._inverse = kept = _Inverse(system)
-            elif kept is None or kept.shape != (len(system.W), len(b) - len(system.W)):
+            elif kept is None or kept.shape != (v, len(b) - v):
                 continue
             elif way == "renewed":
                 kept.renew(system)
             if not kept.singular:
-                dy, dq, left = _corrected(kept, system, b)
+                x, left = refined(kept, lambda x: system.rows(x[:v], x[v:]), b)
                 if left <= 10 * ROUND_OFF or (way == "made anew" and np.isfinite(left)):
-                    return dy, dq
+                    return x[:v], x[v:]
         self.forget()
         return None
-
-
-def _corrected(
-    inverse: _Inverse, system: PairedSystem, b: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, float]:
-    """The solution by corrections, as long as they halve its relative residual, and this."""
-    v = len(system.W)
-    dy, dq, left, residual = np.zeros(v), np.zeros(len(b) - v), np.inf, b
-    size = largest(b) or 1.0
-    while True:
-        more_y, more_q = inverse(residual)
-        new_y, new_q = dy + more_y, dq + more_q
-        residual = b - system.rows(new_y, new_q)
-        now = largest(residual) / size
-        gained = 2 * now < left
-        if now < left:
-            dy, dq, left = new_y, new_q, now
-        if left <= ROUND_OFF or not gained:
-            return dy, dq, left

@@ -19,10 +19,14 @@ What is kept is a matter of time only: the same rounded blocks give the same fac
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 from scipy.linalg import lapack
 
 from ..base.constants import ROUND_OFF
+from ..base.vectors import largest
 
 #: Cost: C and D are rounded to these decimals in the factors.
 DECIMALS = 1
@@ -101,15 +105,21 @@ class PointwiseSolver:
         """
         rows = 1 / np.maximum(np.abs(C).max(axis=2), np.abs(D).max(axis=2))
         C, D, b = C * rows[..., None], D * rows[..., None], b * rows
-        x, left = np.zeros_like(b), np.inf
+        x, left, flat = b, np.inf, b.ravel()
+
+        def product(x: np.ndarray) -> np.ndarray:
+            x = x.reshape(b.shape)
+            moved = (W @ (sizes * x).ravel()).reshape(len(b), -1)
+            return (_times(C, moved) + _times(D, x)).ravel()
+
         exact, rounded = (C, D), (_rounded(C), _rounded(D))
         for blocks in (rounded, exact) if keeps else (exact,):
             factors = self._factors(*blocks, W, sizes)
             if factors is not None:
-                x, left = _corrected(factors, C, D, W, sizes, b)
+                x, left = refined(partial(_backwards, factors), product, flat)
             if left <= 10 * ROUND_OFF:  # else the rounded factors have not served
-                return x
-        return x if np.isfinite(left) else None
+                break
+        return x.reshape(b.shape) if np.isfinite(left) else None
 
     def _factors(
         self, C: np.ndarray, D: np.ndarray, W: np.ndarray, sizes: np.ndarray
@@ -133,28 +143,27 @@ class PointwiseSolver:
         return self._kept[key]
 
 
-def _corrected(
-    factors: tuple[np.ndarray, np.ndarray],
-    C: np.ndarray,
-    D: np.ndarray,
-    W: np.ndarray,
-    sizes: np.ndarray,
+def refined(
+    inverse: Callable[[np.ndarray], np.ndarray],
+    product: Callable[[np.ndarray], np.ndarray],
     b: np.ndarray,
 ) -> tuple[np.ndarray, float]:
-    """The solution by corrections with factors of about the matrix, as long as they
-    halve its relative residual, and this."""
-    x, left, residual, size = np.zeros_like(b), np.inf, b, np.abs(b).max() or 1.0
+    """The solution of a system (n,), given its products and about its inverse, by corrections as
+    long as they halve its relative residual, and this."""
+    x, left, residual, size = np.zeros_like(b), np.inf, b, largest(b) or 1.0
     while True:
-        step, _ = lapack.dgetrs(*factors, residual.ravel())
-        new = x + step.reshape(b.shape)
-        moved = (W @ (sizes * new).ravel()).reshape(len(b), -1)
-        residual = b - _times(C, moved) - _times(D, new)
-        now = float(np.abs(residual).max()) / size
+        new = x + inverse(residual)
+        residual = b - product(new)
+        now = largest(residual) / size
         gained = 2 * now < left
         if now < left:
             x, left = new, now
         if left <= ROUND_OFF or not gained:
             return x, left
+
+
+def _backwards(factors: tuple[np.ndarray, np.ndarray], b: np.ndarray) -> np.ndarray:
+    return np.asarray(lapack.dgetrs(*factors, b)[0])
 
 
 def _rounded(blocks: np.ndarray) -> np.ndarray:

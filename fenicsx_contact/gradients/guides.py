@@ -63,7 +63,7 @@ class GuideRows(ContactRows):
         contact, solid = self.contact, self.motion.solid
         self._velocity = solid.trial_velocity
         self.start_jump, self.jump = contact.jump, contact.trial_jump
-        self.normal = contact.normal
+        self.normal, self.turns = contact.normal, np.zeros(len(contact.normal), dtype=bool)
         self._ahead = solid.displacement + self.motion.horizon * solid.velocity
         self._sights: dict[bytes, tuple[Sight, Sight]] = {}
 
@@ -79,36 +79,18 @@ class GuideRows(ContactRows):
             self._sights[key] = old, Sight(contact, self.points, end, ahead[-1])
         return self._sights[key]
 
-    def _weights(self) -> tuple[np.ndarray, ...]:
-        """Derivatives of the rows of the points, (k, rows, ...), by the jump at the end and at the
-        start, by the normal, and by the gap at the start and at the end."""
-        p, d = self.points, self._d
-        T, G = self._blocks[p], self._parameters[p]
-        start = (self._start[p] * self.reads_start[p][:, None])[:, :, None]
-        share = float(self.contact.formulation.gap_share)
-        gap, n = G[:, :, :1], self.normal[p][:, None]
-        end = share * gap
-        rate = self.step.gap_rate * end  # the gap at the end is read without its part in w
-        by_normal = G[:, :, 1:] + start * self.start_jump[p][:, None]
-        return (
-            T[:, :, :d] - rate * n,
-            start * n + self._slip[p],
-            by_normal - rate * self.jump[p][:, None],
-            gap * self._reads_gap[p][:, None, None],
-            end,
-        )
-
     def derivatives(self) -> dict[str, tuple[Any, Any]]:
         d, n, solid = self._d, self.motion.size, self.motion.solid
         old, new = self._seen()
-        by_jump, by_start, by_normal, by_gap, by_end = self._weights()
-        by_slope = by_normal @ new.normal_by[:, :, None]
+        w = self._weights()
+        by_start = w.start * self.normal[self.points][:, None] + self._slip[self.points]
+        by_slope = w.normal @ new.normal_by[:, :, None]
         rows = {
-            "v": by_jump @ new.jump,
+            "v": w.jump @ new.jump,
             "v_old": by_start @ new.jump,
-            "q_old": by_gap * old.gap[:, None],
+            "q_old": w.gap * old.gap[:, None],
         }
-        seen = by_slope * new.slope[:, None] + by_end * new.gap[:, None]
+        seen = by_slope * new.slope[:, None] + w.end * new.gap[:, None]
         if self._back:
             rows["q_old"] += seen @ self._back.by_place
             rows["v_old"] += seen @ self._back.by_velocity
@@ -118,10 +100,10 @@ class GuideRows(ContactRows):
         else:
             rows["q"] = seen
         slides = by_slope * new.slope_slides[:, None, None]
-        slides += by_end * new.gap_slides[:, None, None]
-        slides += by_jump @ (new.jump_slides @ self._velocity)[:, :, None]
+        slides += w.end * new.gap_slides[:, None, None]
+        slides += w.jump @ (new.jump_slides @ self._velocity)[:, :, None]
         slides += by_start @ (new.jump_slides @ solid.velocity)[:, :, None]
-        rows["q_old"][:, :, -1:] -= slides + by_gap * old.gap_slides[:, None, None]
+        rows["q_old"][:, :, -1:] -= slides + w.gap * old.gap_slides[:, None, None]
         rows["v_old"][:, :, -1:] -= self.motion.horizon * slides
         T = self._blocks[self.points]
         result: dict[str, tuple[Any, Any]] = {"m": (square(T[:, d:, d:]), -square(T[:, :d, d:]))}
@@ -136,13 +118,13 @@ class GuideRows(ContactRows):
             result += rows[p]
         old, new = self._seen()
         if self._back:
-            by_slope = self._weights()[2] @ new.normal_by[:, :, None]
+            by_slope = self._weights().normal @ new.normal_by[:, :, None]
             result += by_slope[:, :, 0] * (new.slope @ self._back.by(parameter))[:, None]
         (slope, gap), (_, before) = new.moved(parameter), old.moved(parameter)
         if slope.any() or gap.any() or before.any():
-            _, _, by_normal, by_gap, by_end = self._weights()
-            result += (by_normal @ (new.normal_by * slope[:, None])[:, :, None])[:, :, 0]
-            result += by_end[:, :, 0] * gap[:, None] + by_gap[:, :, 0] * before[:, None]
+            w = self._weights()
+            result += (w.normal @ (new.normal_by * slope[:, None])[:, :, None])[:, :, 0]
+            result += w.end[:, :, 0] * gap[:, None] + w.gap[:, :, 0] * before[:, None]
         return result[:, d:].ravel(), -result[:, :d].ravel()
 
     def spread(self) -> Any:

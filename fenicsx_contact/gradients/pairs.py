@@ -118,43 +118,34 @@ class PairRows(ContactRows):
 
     def derivatives(self) -> dict[str, tuple[Any, Any]]:
         p, d = self.points, self._d
-        T, G = self._blocks[p], self._parameters[p]
-        start = (self._start[p] * self.reads_start[p][:, None])[:, :, None]
-        share = float(self.contact.formulation.gap_share)
-        gap, n, rate = G[:, :, :1], self.normal[p][:, None], share * self.step.gap_rate
-        by_jump = T[:, :, :d] - rate * gap * n
-        turns = self.turns[p][:, None, None]
-        by_normal = G[:, :, 1:] + start * ~turns * self.start_jump[p][:, None]
-        by_normal = by_normal - rate * gap * self.jump[p][:, None]
-        by_old_normal = (start * self.start_jump[p][:, None] + self._turned[p]) * turns
-        before = gap * self._reads_gap[p][:, None, None]
+        T, w = self._blocks[p], self._weights()
         places = self.components(p)
         J, moving = self._J[places], self._turning[places]
         by_gap, turned = (sp.csr_matrix(each) for each in (self.rates.gap, self.rates.normal))
 
-        starts = bool(before.any() or start.any() or self._slip[p].any() or by_old_normal.any())
+        starts = bool(w.gap.any() or w.start.any() or self._slip[p].any() or w.old_normal.any())
         if starts:  # the gaps, jumps and normals that there were
             rates = self.before()
-            old_normal = np.where(turns, self.then.normal[p][:, None], n)
-            by_start = start * old_normal + self._slip[p]
+            old_normal = np.where(self.turns[:, None], self.then.normal, self.normal)[p]
+            by_start = w.start * old_normal[:, None] + self._slip[p]
             turned_normals = sp.csr_matrix(rates.normal)[places]
             J_then = sp.csr_matrix(self.then.operator)[places]
             turned_then = sp.csr_matrix(rates.jump(self.old_velocities))[places]
             gap_then = sp.csr_matrix(rates.gap)[p]
 
         def told(rows: slice) -> Iterator[tuple[str, Any]]:
-            by_velocities = diagonal(by_jump[:, rows]) @ J
-            by_places = diagonal(by_jump[:, rows]) @ moving
-            by_places += diagonal(share * gap[:, rows]) @ by_gap[p]
-            by_places += diagonal(by_normal[:, rows]) @ turned[places]
+            by_velocities = diagonal(w.jump[:, rows]) @ J
+            by_places = diagonal(w.jump[:, rows]) @ moving
+            by_places += diagonal(w.end[:, rows]) @ by_gap[p]
+            by_places += diagonal(w.normal[:, rows]) @ turned[places]
             both = zip(self.nodes, self.sides(by_velocities), self.sides(by_places))
             for i, (nodes, velocities, places_) in enumerate(both):
                 yield from zip(self.keys("v", "q", i), nodes.new.by(velocities, places_))
             if not starts:
                 return
             then = diagonal(by_start[:, rows])
-            by_places = then @ turned_then + diagonal(before[:, rows]) @ gap_then
-            by_places += diagonal(by_old_normal[:, rows]) @ turned_normals
+            by_places = then @ turned_then + diagonal(w.gap[:, rows]) @ gap_then
+            by_places += diagonal(w.old_normal[:, rows]) @ turned_normals
             both = zip(self.nodes, self.sides(then @ J_then), self.sides(by_places))
             for i, (nodes, velocities, places_) in enumerate(both):
                 yield from zip(self.keys("v_old", "q_old", i), nodes.old.by(velocities, places_))

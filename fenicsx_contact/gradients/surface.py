@@ -11,12 +11,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from copy import copy
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..base import checks
-from ..base.vectors import dot
 from ..contact.contact import Contact
 from ..contact.level_set import LevelSet
 from ..contact.nodal import NodalJump
@@ -31,6 +30,23 @@ from .motion import Motion
 from .parameters import Parameter
 from .points import points_of
 from .seen import Pushed
+
+
+class Weights(NamedTuple):
+    """Derivatives of the rows of points, (k, rows, d or 1).
+
+    Attributes:
+        jump: by the jump at the end, and ``start``: by its normal component at the start.
+        normal, old_normal: by the normals at the end, and where they turn at the start.
+        gap, end: by the gaps at the start and at the end.
+    """
+
+    jump: np.ndarray
+    start: np.ndarray
+    normal: np.ndarray
+    old_normal: np.ndarray
+    gap: np.ndarray
+    end: np.ndarray
 
 
 class ContactRows:
@@ -171,34 +187,40 @@ class ContactRows:
 
     # -- its rows ---------------------------------------------------------------------------------
 
+    def _weights(self) -> Weights:
+        p, d = self.points, self._d
+        T, G, turns = self._blocks[p], self._parameters[p], self.turns[p][:, None, None]
+        start = (self._start[p] * self.reads_start[p][:, None])[:, :, None]
+        gap, arriving = G[:, :, :1], start * self.start_jump[p][:, None]
+        end = float(self.contact.formulation.gap_share) * gap
+        rate = self.step.gap_rate * end  # the gap at the end is read without its part in w
+        return Weights(
+            T[:, :, :d] - rate * self.normal[p][:, None],
+            start,
+            G[:, :, 1:] + arriving * ~turns - rate * self.jump[p][:, None],
+            (arriving + self._turned[p]) * turns,
+            gap * self._reads_gap[p][:, None, None],
+            end,
+        )
+
     def derivatives(self) -> dict[str, tuple[Any, Any]]:
         """Of the rows of the multipliers, and of the forces at the candidates (k d, ...): by ``v``,
         ``q`` at the end, ``v_old``, ``q_old``, and by the multipliers, ``m``."""
         p, d = self.points, self._d
-        T, G, S = self._blocks[p], self._parameters[p], self._start[p]
+        T, w = self._blocks[p], self._weights()
         new, old = self.new.at(p, d), self.old.at(p, d)
-        n, w, C = self.normal[p][:, None, :], self.jump[p][:, None, :], self.bend[p]
-        start = S[:, :, None] * self.reads_start[p][:, None, None]
-        share = float(self.contact.formulation.gap_share)
-        rate, gap = share * self.step.gap_rate, G[:, :, :1]
         # what the rows depend on: velocities and places at the end, and at the start
-        by_jump = T[:, :, :d] - rate * gap * n
-        slope, old_slope = self.slope[p][:, None, :], self.old_slope[p][:, None, :]
-        by_place = share * gap * slope - rate * gap * (w @ C) + G[:, :, 1:] @ C
-        arriving = start * ~self.turns[p][:, None, None]
-        by_place = by_place + arriving * (self.start_jump[p][:, None, :] @ C)
-        by_start = start * self.old_normal[p][:, None, :] + self._slip[p]
-        by_gap = gap * self._reads_gap[p][:, None, None] * old_slope
-        turned = start * self.start_jump[p][:, None, :] + self._turned[p]
-        by_gap = by_gap + turned @ self.old_bend[p]
+        by_place = w.end * self.slope[p][:, None] + w.normal @ self.bend[p]
+        by_start = w.start * self.old_normal[p][:, None] + self._slip[p]
+        by_gap = w.gap * self.old_slope[p][:, None] + w.old_normal @ self.old_bend[p]
         result = {"m": (square(T[:, d:, d:]), -square(T[:, :d, d:]))}
 
         def told(weights: Callable[[slice], Any]) -> tuple[Any, Any]:
             return weights(slice(d, None)), -weights(slice(0, d))
 
-        result["v"] = told(lambda r: new.by_place(by_jump[:, r]))
+        result["v"] = told(lambda r: new.by_place(w.jump[:, r]))
         if by_place.any() or new.bend is not None:
-            result["q"] = told(lambda r: new.by_both(by_jump[:, r], by_place[:, r]))
+            result["q"] = told(lambda r: new.by_both(w.jump[:, r], by_place[:, r]))
         if by_start.any():
             result["v_old"] = told(lambda r: old.by_place(by_start[:, r]))
         if by_gap.any() or (by_start.any() and old.bend is not None):
@@ -212,18 +234,12 @@ class ContactRows:
         if (rows := parameter.rows(self.contact)) is not None:
             result += rows[p]
         if (wall := parameter.wall(self.contact, self.places)) is not None:
-            G, share = self._parameters[p], float(self.contact.formulation.gap_share)
-            closer, turned = (-change[p] for change in wall)  # gaps and normals of the slave
-            gap = share * (closer - self.step.gap_rate * dot(self.jump[p], turned))
-            if self._reads_gap[p].any():
-                gap += self._reads_gap[p] * self.closer(parameter, self.old_places)[p]
-            result += G[:, :, 0] * gap[:, None] + np.einsum("pci,pi->pc", G[:, :, 1:], turned)
-            before = parameter.wall(self.contact, self.old_places)
+            before, w = parameter.wall(self.contact, self.old_places), self._weights()
             assert before is not None
-            at_start = np.where(self.turns[p][:, None], -before[1][p], turned)
-            started = dot(self.start_jump[p], at_start) * self.reads_start[p]
-            result += self._start[p] * started[:, None]
-            result += np.einsum("pci,pi->pc", self._turned[p], at_start)
+            ends = (wall, w.end, w.normal), (before, w.gap, w.old_normal)
+            for (closer, turned), by_gap, by_normal in ends:  # those of the slave: the opposite
+                result -= by_gap[:, :, 0] * closer[p][:, None]
+                result -= np.einsum("pci,pi->pc", by_normal, turned[p])
         return result[:, d:].ravel(), -result[:, :d].ravel()
 
     def closer(self, parameter: Parameter, places: np.ndarray) -> np.ndarray:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The four formulations of contact that the paper compares: VELOCITY, GAP, LAGRANGE, DISCRETE.
+"""The four formulations of contact that the paper compares, VELOCITY, GAP, LAGRANGE and DISCRETE,
+and PRINTED, the first as it stands there.
 
 Each is a small frozen object with only its own parameters. It gives the contact terms of the weak
 form (7) on the contact surface, and the velocities that its law allows. Nothing here knows a mesh,
@@ -16,7 +17,7 @@ import numpy as np
 import ufl
 
 from ..base import checks
-from .springs import spring_form
+from .springs import Springs
 from .step_data import StepData
 from .weak_form import ContactFields, weak_form
 
@@ -192,7 +193,7 @@ class Lagrange(Gap):
 
 
 @dataclass(frozen=True)
-class Discrete:
+class Discrete(Springs):
     """DISCRETE: springs and dashpots at points, acting in compression only; no multipliers.
 
     Args:
@@ -207,10 +208,7 @@ class Discrete:
     tangential_stiffness: float | None = None
     points: Sequence[Sequence[float]] | np.ndarray | None = None
     name: ClassVar[str] = "discrete"
-    multipliers: ClassVar[bool] = False
-    percussive: ClassVar[bool] = False
     at_points: ClassVar[bool] = True
-    gap_share: ClassVar[float] = 1.0
 
     def __post_init__(self) -> None:
         checks.keep(self, "stiffness", above=0)
@@ -223,10 +221,6 @@ class Discrete:
         """Tangential stiffness, N/m."""
         return self.stiffness if self.tangential_stiffness is None else self.tangential_stiffness
 
-    def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
-        """Forces of the springs and the status of each point."""
-        return spring_form(k, self)
-
     def reaction(self, k: ContactFields, depth: Any) -> Any:
         """Force of a spring that is penetrated so deep."""
         return self.stiffness * depth
@@ -234,9 +228,6 @@ class Discrete:
     def mean_reaction(self, k: ContactFields, a: Any, b: Any) -> Any:
         """Its mean over the way from one depth to another."""
         return 0.5 * self.stiffness * (a + b)
-
-    def limit(self, data: StepData) -> None:
-        """Springs allow any speed."""
 
 
 VELOCITY = Velocity()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The contact terms of springs and dashpots at points: the discrete formulation.
+"""The contact terms of springs and dashpots that formulations without multipliers have.
 
 A spring that acts in compression only makes energy where its force is read at one point of a step:
 the work of that force is not the change of the stored energy. So the force is the mean over the way
@@ -15,11 +15,13 @@ as a point dips in, and takes ``(b - a)/dt``.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import ufl
 
 from .laws import Expr, bounded, slipping
+from .step_data import StepData
+from .weak_form import ContactFields
 
 
 def _positive(x: Expr) -> Expr:
@@ -63,3 +65,18 @@ def spring_form(k: Any, spring: Any) -> tuple[ufl.Form, Expr]:
         form += k.integral(ufl.dot(bounded(limit, held), k.test_jump_t))
         status = status + status * slipping(limit, held)
     return form, status
+
+
+class Springs:
+    """What such formulations have in common."""
+
+    multipliers: ClassVar[bool] = False
+    percussive: ClassVar[bool] = False
+    gap_share: ClassVar[float] = 1.0
+
+    def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
+        """Forces of the springs, or pressures, and the status of each point."""
+        return spring_form(k, self)
+
+    def limit(self, data: StepData) -> None:
+        """Springs allow any speed."""

@@ -7,12 +7,9 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import Any, ClassVar
 
-import ufl
-
 from ...base import checks
 from ..parameter import Parameter, keep_parameter
-from ..springs import spring_form
-from ..step_data import StepData
+from ..springs import Springs
 from ..weak_form import ContactFields
 
 #: Gauss points of the way of a step and their weights: exact for exponents up to 5.
@@ -20,7 +17,7 @@ _GAUSS = ((0.5 - sqrt(0.15), 5 / 18), (0.5, 8 / 18), (0.5 + sqrt(0.15), 5 / 18))
 
 
 @dataclass(frozen=True)
-class Compliance:
+class Compliance(Springs):
     """``p = c <d_n>^m``, a pressure that grows with the penetration: no multipliers.
 
     The force of a step is the mean over its way (see :mod:`fenicsx_contact.theory.springs`), so
@@ -46,11 +43,8 @@ class Compliance:
     tangential_stiffness: float | None = None
     damping: float = 0.0
     name: ClassVar[str] = "compliance"
-    multipliers: ClassVar[bool] = False
-    percussive: ClassVar[bool] = False
     at_points: ClassVar[bool] = False
     points: ClassVar[None] = None
-    gap_share: ClassVar[float] = 1.0
 
     def __post_init__(self) -> None:
         keep_parameter(self, "coefficient", above=0)
@@ -68,10 +62,6 @@ class Compliance:
             )
         return self.tangential_stiffness
 
-    def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
-        """Pressures and friction, and the status of each point."""
-        return spring_form(k, self)
-
     def reaction(self, k: ContactFields, depth: Any) -> Any:
         """Pressure at a depth."""
         return k.field("coefficient", self.coefficient) * depth**self.exponent
@@ -80,6 +70,3 @@ class Compliance:
         """Its mean over the way from one depth to another."""
         mean = sum(w * (a + s * (b - a)) ** self.exponent for s, w in _GAUSS)
         return k.field("coefficient", self.coefficient) * mean
-
-    def limit(self, data: StepData) -> None:
-        """Asperities allow any speed."""

@@ -23,14 +23,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
 from ..base import checks
-from .scheme import Points
+from .scheme import Points, gauss
 from .theta import ThetaScheme
 
 # C of a way is farther from linear than F
-_GAUSS = [(float(1 + x) / 2, float(w) / 2) for x, w in zip(*np.polynomial.legendre.leggauss(5))]
+_GAUSS = gauss(5)
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,11 @@ import numpy as np
 Points = Sequence[tuple[float, float]]
 
 
+def gauss(n: int) -> Points:
+    """Gauss' n points over the way of a step, exact for polynomials of degree 2 n - 1."""
+    return [(float(1 + x) / 2, float(w) / 2) for x, w in zip(*np.polynomial.legendre.leggauss(n))]
+
+
 @runtime_checkable
 class Scheme(Protocol):
     """A one-step scheme. Arrays are those of a solid's n unknowns; forces are means over a step.

@@ -9,12 +9,12 @@ from typing import ClassVar
 import numpy as np
 
 from ..base import checks
-from .scheme import Points, Scheme, Step
+from .scheme import Points, Scheme, Step, gauss
 
 __all__ = ["QuasiStatic", "Scheme", "Step", "ThetaScheme"]
 
-#: Gauss points over the way of a step, and weights: exact for stored energies of degree 6 in F.
-_GAUSS = [(float(1 + x) / 2, float(w) / 2) for x, w in zip(*np.polynomial.legendre.leggauss(3))]
+#: Exact for stored energies of degree 6 in F.
+_GAUSS = gauss(3)
 
 
 @dataclass(frozen=True)

@@ -4,16 +4,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
 from typing import Any, ClassVar
 
 from ...base import checks
 from ..parameter import Parameter, keep_parameter
+from ..scheme import gauss
 from ..springs import Springs
 from ..weak_form import ContactFields
 
-#: Gauss points of the way of a step and their weights: exact for exponents up to 5.
-_GAUSS = ((0.5 - sqrt(0.15), 5 / 18), (0.5, 8 / 18), (0.5 + sqrt(0.15), 5 / 18))
+#: Exact for exponents up to 5.
+_GAUSS = gauss(3)
 
 
 @dataclass(frozen=True)

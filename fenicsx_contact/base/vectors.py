@@ -36,6 +36,11 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return result
 
 
+def components(points: np.ndarray, d: int) -> np.ndarray:
+    """Where the d components of points (n,) stand among those of all, (n d,)."""
+    return (points[:, None] * d + np.arange(d)).ravel()
+
+
 def across(normal: np.ndarray) -> np.ndarray:
     """Unit vectors (n, 3) orthogonal to these normals, by the axis that is least along each."""
     result = cross(np.eye(3)[np.abs(normal).argmin(axis=1)], normal)

@@ -13,7 +13,7 @@ from mpi4py import MPI
 
 from ..base import compat
 from ..base.expressions import finite_form
-from ..base.vectors import largest
+from ..base.vectors import components, largest
 from ..theory.formulations import Formulation
 from ..theory.friction import FrictionBound
 from .memory import at_points
@@ -92,7 +92,7 @@ class SurfaceEquations(SurfaceUnknowns):
         self.candidates = np.flatnonzero(candidates)
         self._stopping: float | None = None
         n, d = self._surface.points.shape
-        self.active_jumps = (self.candidates[:, None] * d + np.arange(d)).ravel()
+        self.active_jumps = components(self.candidates, d)
         blocks = np.arange(self.jumps, self.size, n)[:, None] + self.candidates
         self.active_multipliers = blocks.ravel()
         self.active = np.concatenate([self.active_jumps, blocks.ravel()]).astype(np.int64)
@@ -241,7 +241,7 @@ class SurfaceEquations(SurfaceUnknowns):
     def share(self, own: np.ndarray, frozen: bool = False) -> sp.csr_matrix:
         """What these candidates add to the tangent, in the active jumps and their multipliers."""
         d, n = self.fields.surface.dim, self.active_jumps.size
-        places = (own[:, None] * d + np.arange(d)).ravel()
+        places = components(own, d)
         multipliers = own_multipliers(own, len(self.candidates), self.multipliers)
         active = self.active[np.concatenate([places, n + multipliers])]
         onto = np.concatenate([places, n + np.arange(len(multipliers))])

@@ -13,6 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 from mpi4py import MPI
 
+from ..base.vectors import components
 from .equations import SurfaceEquations, own_multipliers
 from .mortar import Pairing
 from .mortar.matrices import (
@@ -86,7 +87,7 @@ class PairedEquations:
         pair, here = self.pairing, self.pairing.shared.node_here
         self._own = np.flatnonzero(here[e.candidates])
         points = e.candidates[self._own]
-        jumps = (points[:, None] * d + np.arange(d)).ravel()
+        jumps = components(points, d)
         J = pair.operator[jumps]
         S = J if start is None else self._mean(J, start[jumps], points)
         self.keeps = kept and self._rows is not None and self._of is e.candidates
@@ -235,7 +236,7 @@ class PairedEquations:
 
     def _of_all(self, rows: Matrix, each: int) -> Matrix:
         """Rows of all candidates, so many of each, from those of this process's."""
-        place = (self._own[:, None] * each + np.arange(each)).ravel()
+        place = components(self._own, each)
         shape = len(self.equations.candidates) * each, rows.shape[1]
         return self.pairing.shared.whole(placed(rows, place, np.arange(shape[1]), shape))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base.vectors import dot, largest
+from ..base.vectors import components, dot, largest
 from ..theory.theta import Step
 from .contact import Contact
 
@@ -115,6 +115,6 @@ def farthest(contact: Contact) -> float:
 def normal_rows(contact: Contact, points: np.ndarray) -> list[np.ndarray]:
     """For each solid the derivatives of the gaps of these points by its unknowns."""
     d, normals = contact.surface.dim, contact.normal[points, None]
-    rows = (points[:, None] * d + np.arange(d)).ravel()
+    rows = components(points, d)
     operators = contact.coupling.jump_rows(rows)
     return [(normals @ J.reshape(len(points), d, -1))[:, 0] for J in operators]

@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..base.vectors import largest
+from ..base.vectors import components, largest
 from ..contact.equations import SurfaceEquations
 from ..contact.scales import inverse
 from ..contact.surface import Surface
@@ -62,7 +62,7 @@ class Points:
         e.freeze_bound(0.0)  # as the method of multipliers may have left it, if it was stopped
         e.choose(self._contact < n)
         mine = self._contact[e.candidates]
-        order = (mine[:, None] * d + np.arange(d)).ravel()
+        order = components(mine, d)
         W, q = W[np.ix_(order, order)], q[order]
         self._mu.x.array[e.candidates] = mu[mine]
         yields = W.diagonal().reshape(n, d)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ..base import checks
-from ..base.vectors import dot
+from ..base.vectors import components, dot
 from ..contact.contact import Contact
 from ..rods import GuideContact
 from ..solve.yielding import COMPLIANCE
@@ -166,7 +166,7 @@ class Sweep:
         n, d = rows.motion.size, rows.normal.shape[1]
         with self._as_it_was():
             mine._linearise()
-            mine._force = -e.residual()[(points[:, None] * d + np.arange(d)).ravel()]
+            mine._force = -e.residual()[components(points, d)]
         lifted = rows.motion.lift(sight.jump.reshape(-1, n).T)
         mine._velocity = solid.free_velocity + lifted @ mine._force
         mine.motion = rows.motion.with_velocity(mine._velocity)

@@ -17,7 +17,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from scipy.linalg import block_diag
 
-from ..base.vectors import dot
+from ..base.vectors import components, dot
 from ..theory.theta import Step
 from .kinematics import Arms
 from .pair_hold import PairBearing
@@ -157,7 +157,7 @@ class ObstacleBearing:
         contact, size = rows.contact, rows.motion.size
         assert isinstance(rows.at, RigidPoints)
         d = contact.surface.dim
-        at = (points[:, None] * d + np.arange(d)).ravel()
+        at = components(points, d)
         new, old = rows.new, rows.old
         assert new.bend is not None and old.bend is not None
         J, H, J_old, H_old = (

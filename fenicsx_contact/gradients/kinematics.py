@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base.constants import KEPT
+from ..base.vectors import components
 from ..solids.rotations import GENERATORS
 from .seen import Picked, Seen
 
@@ -27,7 +28,7 @@ class Kinematics:
 
     def at(self, points: np.ndarray, d: int) -> Kinematics:
         """Those of some points; where places are linear they are kept."""
-        rows = (points[:, None] * d + np.arange(d)).ravel()
+        rows = components(points, d)
         if self.bend is not None or isinstance(self.place, np.ndarray):
             return Kinematics(self.place[rows], None if self.bend is None else self.bend[rows])
         key = points.tobytes()

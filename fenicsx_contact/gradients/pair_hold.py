@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import block_diag
 
-from ..base.vectors import dot
+from ..base.vectors import components, dot
 from ..contact.mortar.matrices import dense
 from ..theory.theta import Step
 from .kinematics import Kinematics
@@ -37,7 +37,7 @@ class PairBearing:
         parameters: Sequence[Parameter],
     ) -> None:
         contact, coupling, d = rows.contact, rows.contact.coupling, rows.normal.shape[1]
-        self._rows, self._points, self._at = rows, points, rows.components(points)
+        self._rows, self._points, self._at = rows, points, components(points, d)
         self._nodes = [each for each in rows.nodes if isinstance(each, RigidPoints)]
         self._n, self._J = rows.normal[points], dense(rows.pair.operator)[self._at]
         self._turn = dense(rows.rates.normal)[self._at].reshape(len(points), d, -1)

@@ -17,6 +17,7 @@ import scipy.sparse as sp
 
 from ..base import checks
 from ..base.constants import SAME
+from ..base.vectors import components
 from ..contact.contact import Contact
 from ..contact.mortar import Pairing
 from ..contact.mortar.rates import Rates
@@ -108,10 +109,6 @@ class PairRows(ContactRows):
                 "reaches beyond its master while it bears, which is not supported"
             )
 
-    def components(self, points: np.ndarray) -> np.ndarray:
-        """Where the components of points of the slave stand among those of all of them."""
-        return (points[:, None] * self._d + np.arange(self._d)).ravel()
-
     def sides(self, matrix: Any) -> list[Any]:
         """What of a matrix (..., N d) belongs to the nodes of either side."""
         return [matrix[:, side] for side in self._sides]
@@ -119,7 +116,7 @@ class PairRows(ContactRows):
     def derivatives(self) -> dict[str, tuple[Any, Any]]:
         p, d = self.points, self._d
         T, w = self._blocks[p], self._weights()
-        places = self.components(p)
+        places = components(p, d)
         J, moving = self._J[places], self._turning[places]
         by_gap, turned = (sp.csr_matrix(each) for each in (self.rates.gap, self.rates.normal))
 
@@ -175,7 +172,7 @@ class PairRows(ContactRows):
         return (end @ self._J + start @ sp.csr_matrix(self.then.operator)).tocsr()
 
     def spreads(self) -> Iterator[tuple[Motion, Any]]:
-        both = self.sides(self._forcing()[self.components(self.points)])
+        both = self.sides(self._forcing()[components(self.points, self._d)])
         for m, nodes, J in zip(self.motions, self.nodes, both):
             yield m, -(nodes.forces.T @ J.T)
 

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..base import checks
+from ..base.vectors import components
 from ..contact.contact import Contact
 from ..contact.level_set import LevelSet
 from ..contact.nodal import NodalJump
@@ -264,7 +265,7 @@ class ContactRows:
         forced = self.at.forces
         if forced is self.new.place and not isinstance(forced, np.ndarray):
             return Pushed(self.new.at(self.points, self._d).place)
-        places = (self.points[:, None] * self._d + np.arange(self._d)).ravel()
+        places = components(self.points, self._d)
         return -self.at.forces[places].T
 
     @staticmethod

@@ -19,6 +19,7 @@ import numpy as np
 from ..base import checks
 from ..base.checks import LARGEST
 from ..base.constants import SAME
+from ..base.vectors import components
 from ..theory.formulations import Velocity
 from ..theory.theta import Step, ThetaScheme
 from .beam import BeamSolid
@@ -124,7 +125,7 @@ def _relax(
             raise checks.InputError(reason)
         off, wide = guide.holes(trace.positions(), touch.stations)[0], touch.coupling.clearance()
         near = np.flatnonzero(wide < guide.far)
-        rows = (near[:, None] * d + np.arange(d)).ravel()
+        rows = components(near, d)
         W = trace.compliance(rows, trace, rows).reshape(len(near), d, len(near), d)
         across = guide.lateral
         G = step.dt * np.einsum("ai,minj,bj->manb", across, W, across)

@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 from ..base import checks, compat
 from ..base.expressions import is_expression
 from ..base.mesh import NamedMesh
+from ..base.vectors import components
 from .coefficients import field as in_ufl
 from .pieces import Pieces
 
@@ -139,7 +140,7 @@ class VectorSpace:
 
     def at(self, nodes: np.ndarray) -> np.ndarray:
         """All unknowns of some nodes, flat."""
-        return (nodes[:, None] * self.dim + np.arange(self.dim)).ravel()
+        return components(nodes, self.dim)
 
     def multiply(self, matrix: PETSc.Mat, values: np.ndarray) -> np.ndarray:
         """A matrix of the space times values of the owned unknowns."""

@@ -36,6 +36,11 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return result
 
 
+def normalised(vectors: np.ndarray) -> np.ndarray:
+    """Vectors (..., d) at length 1."""
+    return np.asarray(vectors / np.sqrt(dot(vectors, vectors))[..., None])
+
+
 def components(points: np.ndarray, d: int) -> np.ndarray:
     """Where the d components of points (n,) stand among those of all, (n d,)."""
     return (points[:, None] * d + np.arange(d)).ravel()
@@ -43,8 +48,7 @@ def components(points: np.ndarray, d: int) -> np.ndarray:
 
 def across(normal: np.ndarray) -> np.ndarray:
     """Unit vectors (n, 3) orthogonal to these normals, by the axis that is least along each."""
-    result = cross(np.eye(3)[np.abs(normal).argmin(axis=1)], normal)
-    return np.asarray(result / np.sqrt(dot(result, result))[:, None])
+    return normalised(cross(np.eye(3)[np.abs(normal).argmin(axis=1)], normal))
 
 
 def orthogonal(normal: np.ndarray, vectors: np.ndarray) -> np.ndarray:
@@ -54,5 +58,4 @@ def orthogonal(normal: np.ndarray, vectors: np.ndarray) -> np.ndarray:
 
 def beside(normal: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """Unit vectors (n, 3) orthogonal to these normals, as near as can be to some others."""
-    result = orthogonal(normal, vectors)
-    return np.asarray(result / np.sqrt(dot(result, result))[:, None])
+    return normalised(orthogonal(normal, vectors))

@@ -10,7 +10,7 @@ import ufl
 from dolfinx import fem
 
 from ..base import checks, compat
-from ..base.vectors import across, beside, cross, dot, orthogonal
+from ..base.vectors import across, beside, cross, dot, normalised, orthogonal
 from ..theory.formulations import Formulation
 from ..theory.friction import Asked, FrictionBound
 from .law_fields import LawFields
@@ -210,7 +210,7 @@ class SurfaceFields(LawFields):
             return normal.reshape(-1, d).copy()
         share = np.repeat(self.end_share.x.array, d)
         mean = (share * normal + (1 - share) * self.start_normal.x.array).reshape(-1, d)
-        return np.asarray(mean / np.linalg.norm(mean, axis=1)[:, None])
+        return normalised(mean)
 
     def begin_frame(self, normal: np.ndarray, where: np.ndarray) -> None:
         """Choose the first tangents anew at some points, (n,) of bool."""

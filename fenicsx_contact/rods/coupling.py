@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from ..base.vectors import dot, normalised
 from ..contact.equations import SurfaceEquations
 from ..contact.nodal import NodalJump
 from ..theory.formulations import Formulation
@@ -108,8 +109,7 @@ class GuideCoupling(NodalJump):
     def _tilt(self, slopes: np.ndarray) -> None:
         """Turn the normals with an elastic tube; its slopes are by s, as vectors (n, d)."""
         up = self._rod.axis.direction
-        self._outward -= np.einsum("ij,ij->i", self._outward, slopes)[:, None] * up
-        self._outward /= np.linalg.norm(self._outward, axis=1)[:, None]
+        self._outward = normalised(self._outward - dot(self._outward, slopes)[:, None] * up)
 
     def near(self) -> np.ndarray:
         # a station that the rod has passed meets nothing, though it bore a moment ago

@@ -15,7 +15,7 @@ from math import sqrt
 import numpy as np
 
 from ...base.constants import SAME, SHARP
-from ...base.vectors import dot
+from ...base.vectors import dot, normalised
 from ..simplices import shares
 from .shape import Shape
 
@@ -67,8 +67,7 @@ def crossing(
 
 def _across(arm: np.ndarray, edge: np.ndarray) -> np.ndarray:
     """The directions of arms (k, 3) across edges."""
-    arm = arm - (dot(arm, edge) / dot(edge, edge))[:, None] * edge
-    return np.asarray(arm / np.sqrt(dot(arm, arm))[:, None])
+    return normalised(arm - (dot(arm, edge) / dot(edge, edge))[:, None] * edge)
 
 
 def nearest(

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from ...base.constants import SAME
-from ...base.vectors import dot
+from ...base.vectors import dot, normalised
 from ..mortar.walls import WALL
 from .between import apart, distances
 from .crossing import THROUGH, crossing, nearest
@@ -244,14 +244,13 @@ class Search:
         over = s.holds(p, face, x)
         row, node = s.beside.of(corner[over])
         which = np.flatnonzero(over)[row]
-        arm = x[node] - p[which]
-        arm /= np.sqrt(dot(arm, arm))[:, None]
+        arm = normalised(x[node] - p[which])
         rise = -dot(arm, normal[which])
         over[which[rise > THROUGH]] = False
         # what reaches through a little is what goes on over the face
         little = np.flatnonzero((rise > SAME) & over[which])
         which, level = which[little], arm[little] + rise[little, None] * normal[which[little]]
-        level *= (far[which] / np.sqrt(dot(level, level)))[:, None]
+        level = far[which, None] * normalised(level)
         over[which[~self._within(p[which] + level, face[which], x)]] = False
         return height, over
 

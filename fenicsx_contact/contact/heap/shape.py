@@ -17,7 +17,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ...base.constants import SAME
-from ...base.vectors import dot
+from ...base.vectors import dot, normalised
 from ..mortar.side import Side, unit_and_length
 from ..mortar.walls import Walls
 from ..simplices import SIMPLICES
@@ -136,8 +136,7 @@ class Shape:
 
     def units(self, x: np.ndarray, face: np.ndarray) -> np.ndarray:
         """Those of facets (k,), of length 1."""
-        normal = self.normals(x)[face]
-        return np.asarray(normal / np.sqrt(dot(normal, normal))[:, None])
+        return normalised(self.normals(x)[face])
 
     def holds(self, p: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Whether places p (k, d) lie over or below faces (k,), (k,) of bool."""
@@ -198,8 +197,7 @@ class Shape:
 
     def _wing(self, facet: np.ndarray, ends: np.ndarray) -> np.ndarray:
         """The node of each facet that is farthest from its edge."""
-        x, way = self.nodes, self.nodes[ends[:, 1]] - self.nodes[ends[:, 0]]
-        way /= np.linalg.norm(way, axis=1)[:, None]
+        x, way = self.nodes, normalised(self.nodes[ends[:, 1]] - self.nodes[ends[:, 0]])
         arm = x[self.outline[facet]] - x[ends[:, 0]][:, None]
         off = arm - (arm @ way[:, :, None]) * way[:, None]
         far = np.linalg.norm(off, axis=2).argmax(axis=1)
@@ -209,8 +207,7 @@ class Shape:
         """Nodes at which edges do not go straight on."""
         x = self.nodes
         both = np.concatenate([self.ends, self.ends[:, ::-1]])
-        way = x[both[:, 1]] - x[both[:, 0]]
-        way /= np.linalg.norm(way, axis=1)[:, None]
+        way = normalised(x[both[:, 1]] - x[both[:, 0]])
         at, inverse, count = np.unique(both[:, 0], return_inverse=True, return_counts=True)
         total = np.zeros((len(at), 3))
         np.add.at(total, inverse.ravel(), way)

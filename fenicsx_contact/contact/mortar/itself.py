@@ -15,6 +15,7 @@ from typing import Protocol
 
 import numpy as np
 
+from ...base.vectors import normalised
 from .ridges import smooth_parts
 from .side import Side
 
@@ -53,7 +54,7 @@ class Itself:
         self._middles = side.nodes[side.corners].mean(axis=1)
         slopes = side.shape(np.tile(side.midpoint, (m, 1)))[1]
         normals = side.normals(side.nodes, np.arange(m), slopes)
-        self._normals = normals / np.linalg.norm(normals, axis=1)[:, None]
+        self._normals = normalised(normals)
         self._rank = np.empty(m, dtype=int)
         area, part = np.linalg.norm(normals, axis=1), smooth_parts(side)
         way = self._far(self._middles - area @ self._middles / area.sum())

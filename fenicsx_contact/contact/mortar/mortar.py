@@ -29,6 +29,7 @@ from math import prod
 import numpy as np
 from mpi4py import MPI
 
+from ...base.vectors import normalised
 from .integration import Lines, whole
 from .matrices import DENSE, Matrix, add_up, along, by_component, by_point, gather
 from .overlaps import Overlaps
@@ -217,7 +218,7 @@ class Pairing:
         if alone.any():  # by all of the facets
             normal = self.slave.normals(xs, self._rule.facet, self.rule_slopes)
             normal = normal.reshape(*self.mean_weight.shape[:2], 1, -1)
-            whole = self.collect(self.mean_weight[..., None] * normal, self._whole)[alone]
-            mean[alone] = whole / np.linalg.norm(whole, axis=1)[:, None]
+            whole = self.collect(self.mean_weight[..., None] * normal, self._whole)
+            mean[alone] = normalised(whole[alone])
         self.length = np.where(self.paired, length, 1.0)
         self.normal = mean / self.length[:, None]

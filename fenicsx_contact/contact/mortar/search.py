@@ -15,6 +15,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...base.checks import StepFailed
+from ...base.vectors import normalised
 
 #: Partners are sought within so many facets, and four times the way of the step.
 FACETS = 3.0
@@ -117,8 +118,7 @@ def candidates(
     """
     start = np.flatnonzero(first_of_each(bundle))
     count = np.bincount(bundle)
-    axis = np.add.reduceat(n, start)
-    axis /= np.sqrt((axis**2).sum(axis=1))[:, None]
+    axis = normalised(np.add.reduceat(n, start))
     turned = np.sqrt(((n - axis[bundle]) ** 2).sum(axis=1))
     slack = bundles.radii + 2 * np.maximum.reduceat(turned, start) * far
     one, facet = in_tubes(axis, far, slack, bundles, facets, near)

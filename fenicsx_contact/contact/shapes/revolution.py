@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...base import checks
+from ...base.vectors import normalised
 from ..wall import Obstacle, Wall
 
 
@@ -51,8 +52,7 @@ class Revolution:
         aside = off @ self._across
         radius = np.linalg.norm(aside, axis=1)
         any_one = self._across[np.abs(np.diag(self._across)).argmax()]
-        away = np.where(radius[:, None] > 0, aside, any_one)
-        away = away / np.linalg.norm(away, axis=1)[:, None]
+        away = normalised(np.where(radius[:, None] > 0, aside, any_one))
         along = np.broadcast_to(self.axis, away.shape)
         return np.stack([off @ self.axis, radius], axis=1), np.stack([along, away], axis=1)
 

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from ...base import checks
 from ...base.constants import SAME
-from ...base.vectors import cross
+from ...base.vectors import cross, normalised
 from ..mortar.matrices import add_up
 
 
@@ -128,7 +128,7 @@ class Triangles:
         beyond = self.beyond[cells, (zero.argmax(axis=1) + 1) % 3]
         corner = self._summed[self.cells[cells, shares.argmax(axis=1)]]
         summed = np.stack([own, own + self.normals[beyond], corner])[zero.sum(axis=1), rows]
-        return summed / np.linalg.norm(summed, axis=1)[:, None]
+        return normalised(summed)
 
 
 def first_of_each(

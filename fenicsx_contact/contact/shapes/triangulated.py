@@ -14,7 +14,7 @@ from ...base import checks
 from ...base.constants import ROUND_OFF, SAME, SHARP
 from ...base.mesh_files import read_mesh
 from ...base.told import digits
-from ...base.vectors import cross
+from ...base.vectors import cross, normalised
 from ..mortar.matrices import add_up
 from .triangles import Triangles, first_of_each
 
@@ -84,7 +84,7 @@ class Triangulated:
                 f"smooth = True: the surface is folded up near {at}, its points have no normals; "
                 "smooth=False takes its faces as they are"
             )
-        return total / np.linalg.norm(total, axis=2)[:, :, None]
+        return normalised(total)
 
     # -- beside points --------------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 
 from ..base.constants import KEPT
 from ..base.vectors import components
-from ..solids.rotations import GENERATORS
+from ..solids.rotations import GENERATORS, by_spins
 from .seen import Picked, Seen
 
 
@@ -73,7 +73,7 @@ class Arms:
     def __init__(self, arms: np.ndarray) -> None:
         G = GENERATORS[arms.shape[1]]
         self.arms = arms
-        self.first = np.einsum("lij,nj->nil", G, arms)
+        self.first = by_spins(arms)
         self.second = np.einsum("kij,njl->nikl", G, self.first)
 
     def kinematics(self, spin: np.ndarray) -> Kinematics:

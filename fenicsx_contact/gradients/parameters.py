@@ -15,7 +15,7 @@ from ..rods.beam import BeamSolid
 from ..rods.drive import AxialLaw
 from ..rods.sections import Lateral, values_of
 from ..solids import DeformableSolid, RigidSolid, Solid
-from ..solids.rotations import angles, cross
+from ..solids.rotations import angles, by_spins
 from ..theory.theta import Step
 from .forms import ByConstant
 
@@ -188,7 +188,7 @@ class Start(OfSolid):
         )
         moved = zero if place is None else checks.vector("place", place, d)
         if about is not None:
-            moved = moved + cross(turns, (solid.place - checks.vector("about", about, d))[None])[0]
+            moved = moved + by_spins(solid.place - checks.vector("about", about, d)) @ turns
         speed = zero if velocity is None else checks.vector("velocity", velocity, d)
         self._place, self._velocity = np.append(moved, turns), np.append(speed, spins)
         if self._velocity[solid.held].any():

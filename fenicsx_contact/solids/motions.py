@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from .rotations import by_spins
+
 #: Rigid motions that meet less than this share of the greatest resistance are free.
 FREE = 1e-10
 
@@ -56,12 +58,9 @@ class Motions:
     def rows(self, points: np.ndarray, pieces: np.ndarray) -> sp.csr_matrix:
         """Velocities of points (n, 2 or 3) of some pieces, (n,): (n d, motions)."""
         n, d = len(points), self._solid.dim
-        arm = np.zeros((n, 3))
-        arm[:, :d] = (points[:, :d] - self.pieces.centres[pieces]) / self.pieces.sizes[pieces, None]
-        axes = np.eye(3)[2:] if d == 2 else np.eye(3)
-        turns = np.stack([np.cross(axis, arm)[:, :d] for axis in axes], axis=-1)
+        arm = (points[:, :d] - self.pieces.centres[pieces]) / self.pieces.sizes[pieces, None]
         steady = np.broadcast_to(np.eye(d), (n, d, d))
-        values = np.concatenate([steady, turns], axis=-1)
+        values = np.concatenate([steady, by_spins(arm)], axis=-1)
         columns = np.repeat(self.each * pieces, d)[:, None] + np.arange(self.each)
         ends = np.arange(n * d + 1) * self.each
         return sp.csr_matrix((values.ravel(), columns.ravel(), ends), (n * d, len(self.names)))

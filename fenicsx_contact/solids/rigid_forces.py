@@ -13,7 +13,7 @@ import numpy as np
 
 from ..base import checks
 from ..theory.theta import Step
-from .rotations import GENERATORS, angles, cross_matrix
+from .rotations import GENERATORS, angles, by_spins
 
 #: d numbers (of a torque in the plane: one), or a function of time that gives them.
 Load = float | Sequence[float] | Callable[[float], Any]
@@ -72,8 +72,7 @@ class Spring:
     def _operator(self, turn: np.ndarray) -> np.ndarray:
         """J: the velocity of the point by those of the unknowns."""
         arm = turn @ self._point
-        spins = np.array([[-arm[1]], [arm[0]]]) if len(arm) == 2 else -cross_matrix(arm)
-        return np.hstack([np.eye(len(arm)), spins])
+        return np.hstack([np.eye(len(arm)), by_spins(arm)])
 
     def force(self, place: np.ndarray, turn: np.ndarray) -> np.ndarray:
         """On the solid, N and N m."""

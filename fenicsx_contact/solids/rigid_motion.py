@@ -13,7 +13,7 @@ from ..theory.theta import Step
 from .base import MonolithicSolid
 from .rigid_forces import without
 from .rigid_trace import RigidTrace
-from .rotations import EYE, cross, rotation_matrix
+from .rotations import EYE, by_spins, rotation_matrix
 
 
 class RigidMotion(MonolithicSolid):
@@ -135,5 +135,5 @@ class RigidMotion(MonolithicSolid):
         spin = self.velocity[self.dim :]
         return {
             "displacement": self._place + arm - x,
-            "velocity": self.velocity[: self.dim] + cross(spin, arm),
+            "velocity": self.velocity[: self.dim] + by_spins(arm) @ spin,
         }

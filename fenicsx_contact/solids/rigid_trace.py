@@ -10,7 +10,7 @@ import scipy.sparse as sp
 
 from ..theory.theta import Step
 from .base import MonolithicTrace, Trace
-from .rotations import ARMS
+from .rotations import ARMS, by_spins
 
 
 class TracedSolid(Protocol):
@@ -71,9 +71,9 @@ class RigidTrace(MonolithicTrace):
 
     def _build(self, turn: np.ndarray) -> np.ndarray:
         d, n = self._solid.dim, len(self._reference)
-        self._arm = arm = self._reference @ turn.T
+        self._arm = self._reference @ turn.T
         operator = self._translation.copy()
-        operator[:, :, d:] = (arm @ ARMS[d]).reshape(n, d, -1)
+        operator[:, :, d:] = by_spins(self._arm)
         if len(self._solid.held):
             operator[:, :, self._solid.held] = 0.0  # does not move
         return operator.reshape(n * d, -1)

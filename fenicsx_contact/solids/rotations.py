@@ -52,9 +52,14 @@ def rotation_matrix(increment: np.ndarray) -> np.ndarray:
     )
 
 
+def by_spins(arms: np.ndarray) -> np.ndarray:
+    """Velocities of the ends of arms (..., d) by unit spins about each axis, (..., d, spins)."""
+    return (arms @ ARMS[arms.shape[-1]]).reshape(*arms.shape, -1)
+
+
 def cross_matrix(a: np.ndarray) -> np.ndarray:
-    """A with A b = a x b, (3, 3)."""
-    return np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
+    """A with A b = a x b for vectors (..., 3), (..., 3, 3)."""
+    return -by_spins(a)
 
 
 def turning(way: np.ndarray) -> np.ndarray:
@@ -75,10 +80,3 @@ def turned_tensor(tensor: np.ndarray, vector: np.ndarray) -> np.ndarray:
     if len(vector) == 1:
         return np.zeros((1, 1))
     return tensor @ cross_matrix(vector) - cross_matrix(tensor @ vector)
-
-
-def cross(spin: np.ndarray, arm: np.ndarray) -> np.ndarray:
-    """spin x arm for arms (n, d), (n, d)."""
-    if len(spin) == 1:
-        return spin[0] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
-    return np.cross(spin, arm)

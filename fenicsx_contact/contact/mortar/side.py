@@ -14,6 +14,7 @@ from ...base.cells import degree_of, lagrange
 from ...base.checks import StepFailed
 from ...base.vectors import cross
 from ...solids import DeformableSolid, Solid, Trace
+from ...solids.rotations import cross_matrix
 
 #: The corners of a facet in the order of its outline.
 OUTLINE = {"triangle": [0, 1, 2], "quadrilateral": [0, 1, 3, 2]}
@@ -166,10 +167,9 @@ class Side:
         """Derivatives of :meth:`normals` by the places of the facet's nodes, (q, k, d, d)."""
         if self.dim == 2:
             return np.einsum("q,qk,ij->qkij", self.sign[facets], slopes[0], TURN)
-        g = self.tangents(nodes, facets, slopes)
-        cross = [_cross_matrix(g[0]), _cross_matrix(g[1])]
-        rates = np.einsum("qk,qij->qkij", slopes[1], cross[0])
-        rates -= np.einsum("qk,qij->qkij", slopes[0], cross[1])
+        crosses = cross_matrix(self.tangents(nodes, facets, slopes))
+        rates = np.einsum("qk,qij->qkij", slopes[1], crosses[0])
+        rates -= np.einsum("qk,qij->qkij", slopes[0], crosses[1])
         return rates * self.sign[facets, None, None, None]
 
     def at_corners(self, forces: np.ndarray) -> np.ndarray:
@@ -197,13 +197,6 @@ def _tabulate(element: basix.finite_element.FiniteElement, order: int, xi: np.nd
     if element.dim == 2:  # linear on a line, asked for most often
         return np.stack([np.hstack([1 - xi, xi]), np.tile([-1.0, 1.0], (q, 1))])[: order + 1]
     return element.tabulate(order, xi if q else np.zeros((1, xi.shape[1])))[:, :q, :, 0]
-
-
-def _cross_matrix(a: np.ndarray) -> np.ndarray:
-    """[a]x, so that [a]x b = a x b, (q, 3, 3)."""
-    zero = np.zeros(len(a))
-    rows = [[zero, -a[:, 2], a[:, 1]], [a[:, 2], zero, -a[:, 0]], [-a[:, 1], a[:, 0], zero]]
-    return np.moveaxis(np.array(rows), 2, 0)
 
 
 def _number(points: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -15,6 +15,7 @@ import numpy as np
 from ..base import checks
 from ..base.constants import SAME
 from ..base.signatures import whole
+from ..base.vectors import dot
 from ..contact.contact import Contact
 from ..contact.surface import Surface
 from ..theory.formulations import Formulation, Velocity
@@ -190,14 +191,13 @@ class GuideContact(Contact):
 
     def normal_force(self) -> float:
         """Sum of the sizes of the normal forces in the last step, N (in an impact N s)."""
-        return float(np.abs(np.einsum("ij,ij->i", self.force, self.normal)).sum())
+        return float(np.abs(dot(self.force, self.force_normal)).sum())
 
     def axial_force(self) -> tuple[float, float]:
         """Forces along the travel in the last step, of the normals and of friction, N (in an
         impact N s)."""
-        normal = np.einsum("ij,ij->i", self.force, self.normal)
         down = -self.solid.rod.axis.direction
-        pushed = float(normal @ (self.normal @ down))
+        pushed = float((self.normal_forces @ down).sum())
         return pushed, float((self.force @ down).sum()) - pushed
 
 

@@ -80,16 +80,15 @@ class Passage:
         """Where the rod sticks in its guide, and what holds it; "" if it slides, or stands on its
         stop: a rod does not move while a point of it sticks, none at its bound."""
         contact, rod = self.contact, self.rod
-        pressed = np.einsum("ij,ij->i", contact.force, contact.normal)
-        rubbing = np.linalg.norm(contact.force - pressed[:, None] * contact.normal, axis=1)
-        holding = np.flatnonzero((contact.status == 1) & (rubbing > SAME * abs(pressed)))
+        pressed = np.linalg.norm(contact.normal_forces, axis=1)
+        rubbing = np.linalg.norm(contact.force - contact.normal_forces, axis=1)
+        holding = np.flatnonzero((contact.status == 1) & (rubbing > SAME * pressed))
         if not len(holding) or self.history["stop"][-1]:
             return ""
         depth = contact.obstacle.depth(contact.trace.positions())
         first = holding[np.argsort(-rubbing[holding])][:3]
         worst = ", ".join(
-            f"at the depth {depth[i]:.4g} m {rubbing[i]:.4g} N of friction under "
-            f"{abs(pressed[i]):.4g} N"
+            f"at the depth {depth[i]:.4g} m {rubbing[i]:.4g} N of friction under {pressed[i]:.4g} N"
             for i in first
         )
         wall, friction = contact.axial_force()

@@ -42,7 +42,7 @@ class ForceMap:
             nodes = np.setdiff1d(np.arange(len(depth)), contact.stations)
             lateral = (places[nodes] - guide.origin) @ guide.lateral[0]
             self.shapes.append((step.end, depth[nodes], lateral))
-        force = np.abs(np.einsum("ij,ij->i", contact.force, contact.normal))
+        force = np.linalg.norm(contact.normal_forces, axis=1)
         column = int(step.start / self.duration)
         for i in np.flatnonzero(force):
             key = column, int(np.floor(depth[i] / self.height))

@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 
 from ...base.constants import SAME
 from ...base.vectors import dot, normalised
+from ..mortar.ridges import shared
 from ..mortar.side import Side, unit_and_length
 from ..mortar.walls import Walls
 from ..simplices import SIMPLICES
@@ -152,25 +153,18 @@ class Shape:
 
     def _corners(self) -> np.ndarray:
         """Nodes at which the surface bends outwards, or where it ends; takes up the edges."""
-        x, k = self.nodes, self.outline.shape[1]
+        x = self.nodes
         unit, _ = unit_and_length(self.normals(x))
         middle = x[self.outline].mean(axis=1)
-        ridges = self.outline[:, :, None]
-        if self.dim == 3:
-            ridges = np.stack([self.outline, np.roll(self.outline, -1, axis=1)], axis=2)
-        facet = np.arange(len(middle)).repeat(k)
-        flat = np.sort(ridges.reshape(len(facet), -1), axis=1)
-        ends, which, count = np.unique(flat, axis=0, return_inverse=True, return_counts=True)
-        order = np.argsort(which.ravel(), kind="stable")
-        first = np.cumsum(count) - count
-        a, b = facet[order[first]], facet[order[first + np.minimum(count - 1, 1)]]
+        ends, flanks, count = shared(self.outline)
+        a, b = flanks.T
         across = middle[b] - middle[a]
         falls = -(across * unit[a]).sum(axis=1)
         juts = (falls > SAME * np.linalg.norm(across, axis=1)) | (count == 1)
         if self.dim == 2:
             return ends[juts, 0]
         self.ends = ends[juts]
-        self.flanks = np.stack([a[juts], b[juts]], axis=1)
+        self.flanks = flanks[juts]
         bends = self._bends()
         self._join(bends, unit)
         self.wings = np.stack([self._wing(each, self.ends) for each in self.flanks.T], axis=1)

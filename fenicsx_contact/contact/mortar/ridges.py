@@ -34,17 +34,9 @@ class Ridges:
     def of(cls, side: Side) -> Ridges:
         """Those of a side."""
         m, cells, nodes = side.corners.shape[0], side.corners, side.nodes
-        ridges = cells[:, :, None]
-        if side.dim == 3:
-            outline = cells[:, OUTLINE[side.cell]]
-            ridges = np.sort(np.stack([outline, np.roll(outline, -1, axis=1)], axis=2), axis=2)
-        flat = ridges.reshape(-1, ridges.shape[2])
-        _, which, count = np.unique(flat, axis=0, return_inverse=True, return_counts=True)
-        of = np.argsort(which.ravel(), kind="stable")
-        facet = np.repeat(np.arange(m), ridges.shape[1])[of]
-        first = np.cumsum(count) - count
+        ends, facets, count = shared(cells[:, OUTLINE.get(side.cell, [0, 1])])
         inner = np.flatnonzero(count == 2)
-        a, b = facet[first[inner]], facet[first[inner] + 1]
+        a, b = facets[inner].T
         flat_side = side.flat
         normal, _ = unit_and_length(
             flat_side.normal(flat_side.middle_tangents(nodes), np.arange(m))
@@ -52,7 +44,20 @@ class Ridges:
         middle = nodes[cells].mean(axis=1)
         bent = (normal[a] * normal[b]).sum(axis=1) < SHARP
         behind = ((middle[b] - middle[a]) * normal[a]).sum(axis=1) < 0
-        return cls(flat[of[first]], inner, np.stack([a, b], axis=1), bent, bent & behind)
+        return cls(ends, inner, facets[inner], bent, bent & behind)
+
+
+def shared(outlines: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What facets (m, k) of so many corners round about have in common: corners of the points in
+    the plane or edges in space, (r, d - 1), the first and the second of the facets beside each, the
+    same where there is but one, (r, 2), and how many there are, (r,)."""
+    k = outlines.shape[1]
+    ridges = [outlines] if k == 2 else [outlines, np.roll(outlines, -1, axis=1)]
+    flat = np.sort(np.stack(ridges, axis=2).reshape(outlines.size, -1), axis=1)
+    ends, which, count = np.unique(flat, axis=0, return_inverse=True, return_counts=True)
+    facet = np.argsort(which.ravel(), kind="stable") // k
+    first = np.cumsum(count) - count
+    return ends, np.stack([facet[first], facet[first + np.minimum(count - 1, 1)]], axis=1), count
 
 
 def smooth_parts(side: Side) -> np.ndarray:

@@ -64,9 +64,10 @@ def run(study: Study, quick: bool = False) -> list[Sample]:
 def draw(study: Study, samples: list[Sample]) -> None:
     """Dots: all samples; lines: each method's front; grey: the front of all."""
     from fenicsx_contact.output import plots
+    from fenicsx_contact.study.plots import fronts
 
     fig, ax = plots.figure(size=(6.5, 4.5))
-    plots.fronts(ax, samples, pareto)
+    fronts(ax, samples)
     ax.set_title(f"{study.title}\nerror of {study.quantity}", fontsize=8)
     ax.set_ylabel("relative error")
     plots.save(fig, RESULTS / f"{study.name}.png")

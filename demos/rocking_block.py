@@ -267,9 +267,10 @@ def draw_energy(histories: dict[str, dict[str, History]]) -> None:
 def draw_studies(times: dict[str, list[tuple[float, float]]], stiff: dict[str, Any]) -> None:
     """Error against run time, and the elastic block on its way to the rigid one."""
     from fenicsx_contact.output import plots
+    from fenicsx_contact.study.plots import error_against_run_time
 
     fig, ax = plots.figure(size=(6, 4))
-    plots.error_against_run_time(ax, times)
+    error_against_run_time(ax, times)
     ax.set_ylabel("worst error of the first three maxima")
     plots.save(fig, RESULTS / "error_against_run_time.png")
 

@@ -65,15 +65,16 @@ def run(quick: bool = False) -> tuple[list[Map], dict[str, list[Verdict]]]:
 def draw(maps: list[Map], verdicts: dict[str, list[Verdict]]) -> None:
     """All maps, six to a figure."""
     from fenicsx_contact.output import plots
+    from fenicsx_contact.study.plots import class_legend, stability_map
 
     for page, first in enumerate(range(0, len(maps), 6), start=1):
         shown = maps[first : first + 6]
         fig, axes = plots.grid(2, 3, size=(13, 8))
         for ax, chart in zip(np.ravel(axes), shown):
-            plots.stability_map(ax, chart, [v.kind for v in verdicts[chart.name]])
+            stability_map(ax, chart, [v.kind for v in verdicts[chart.name]])
         for ax in np.ravel(axes)[len(shown) :]:
             ax.set_visible(False)
-        plots.class_legend(fig)
+        class_legend(fig)
         plots.save(fig, RESULTS / f"maps_{page}.png")
 
 

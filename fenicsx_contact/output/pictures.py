@@ -193,8 +193,6 @@ def deformed(
     label: str,
     middle: tuple[float, float],
     height: float,
-    magnify: float = 1.0,
-    size: tuple[int, int] = (900, 600),
 ) -> Path:
     """A picture of deformed 2D solids at the end of a run, coloured by what their strain gives.
 
@@ -204,9 +202,8 @@ def deformed(
         path: of the picture, PNG.
         label: of the colours.
         middle: of the view, m; ``height``: of the view, m.
-        magnify: factor on the displacements.
-        size: pixels.
     """
+    size = 900, 600  # pixels
     plotter = _plotter(size)
     wide = height * size[0] / size[1]
     shown = 0.8 * wide  # what is right of it is for the bar
@@ -217,7 +214,7 @@ def deformed(
         mesh = read(len(times) - 1)
         gradient = mesh.compute_derivative(scalars="displacement", gradient=True)["gradient"]
         mesh[label] = colour(np.asarray(gradient).reshape(-1, 3, 3))
-        mesh.points = mesh.points + magnify * mesh["displacement"]
+        mesh.points = mesh.points + mesh["displacement"]
         meshes.append(mesh)
     box = [left, left + shown, -1e9, 1e9, -1.0, 1.0]
     limit = max(float(mesh.clip_box(box, invert=False)[label].max()) for mesh in meshes)

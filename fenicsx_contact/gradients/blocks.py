@@ -60,7 +60,7 @@ class Blocks:
         return result
 
 
-class Inner(Protocol):
+class InnerSolver(Protocol):
     """The rows of a solid among its own unknowns, for which it has a solver of its own."""
 
     def solve(self, right: np.ndarray, transposed: bool) -> np.ndarray:
@@ -107,7 +107,7 @@ class LinearStep:
         by: np.ndarray,
         soft: np.ndarray,
         forces: list[slice],
-        inner: list[tuple[slice, Inner]],
+        inner: list[tuple[slice, InnerSolver]],
         before: tuple[LinearStep, np.ndarray] | None = None,
     ) -> None:
         self._minus, self._by, self.forces, self._inner = minus, by, forces, inner
@@ -278,7 +278,7 @@ class _Joint:
         out: outer unknowns, and what they make of the own ones.
     """
 
-    def __init__(self, at: slice, solid: Inner) -> None:
+    def __init__(self, at: slice, solid: InnerSolver) -> None:
         self.at, self.solid = at, solid
         self.last = slice((at.start + at.stop) // 2, at.stop)
         self.into: list[tuple[slice, slice, Any]] = []

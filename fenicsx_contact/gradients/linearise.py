@@ -17,7 +17,7 @@ from ..scene import Scene
 from ..solve.yielding import COMPLIANCE
 from ..steps.trial import Trial
 from ..theory.theta import QuasiStatic, Step, ThetaScheme
-from .blocks import Blocks, Inner, LinearStep
+from .blocks import Blocks, InnerSolver, LinearStep
 from .hold import shift
 from .kinks import refuse_grazing
 from .motion import Motion, Row
@@ -142,7 +142,7 @@ class Linearisation:
         for rows in contacts:
             soft[self._m[id(rows.contact)]] = rows.soft(COMPLIANCE)
         forces = [self._f[id(rows.contact)] for rows in contacts]
-        inner: list[tuple[slice, Inner]] = []
+        inner: list[tuple[slice, InnerSolver]] = []
         for m in self.motions:
             if (own := m.inner()) is not None:
                 inner.append((slice(self._q[id(m)].start, self._v[id(m)].stop), own))

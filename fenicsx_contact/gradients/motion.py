@@ -23,7 +23,7 @@ from petsc4py import PETSc
 from ..base.constants import KEPT
 from ..solids import DeformableSolid
 from ..theory.theta import Step, ThetaScheme
-from .blocks import Inner as OwnRows
+from .blocks import InnerSolver
 from .inner import Factor, Inner
 from .kinematics import Kinematics
 from .parameters import Parameter
@@ -73,7 +73,7 @@ class Motion(ABC):
     def by(self, parameter: Parameter, step: Step) -> np.ndarray:
         """Derivative of the balance by a parameter."""
 
-    def inner(self) -> OwnRows | None:
+    def inner(self) -> InnerSolver | None:
         """Its rows among its own unknowns, after :meth:`balance`, if it has a solver of its own."""
         return None
 

@@ -12,7 +12,7 @@ from ..base import checks
 from ..base.constants import SAME
 from ..contact.contact import Contact
 from ..contact.level_set import LevelSet
-from ..rods import Curve, GuideContact
+from ..rods import CentreLine, GuideContact
 from ..solids import Solid
 from .parameters import Parameter, among
 
@@ -98,11 +98,11 @@ class Bend(Parameter):
     def __init__(
         self,
         contact: GuideContact,
-        curve: Curve,
+        curve: CentreLine,
         within: tuple[float, float] = (-np.inf, np.inf),
     ) -> None:
         checks.instance("contact", contact, GuideContact, "a GuideContact")
-        checks.offers("curve", curve, Curve, "a curve (Straight, Sine, Bow, ...)")
+        checks.offers("curve", curve, CentreLine, "a curve (Straight, Sine, Bow, ...)")
         self.contact, self.curve = contact, curve
         top, bottom = checks.listed("within", within, "two depths, m")
         same = SAME * float(np.ptp(contact.obstacle.stations))

@@ -6,7 +6,7 @@ from .contact import GuideContact
 from .drop import Passage, RodDrop, time_at
 from .force_map import ForceMap
 from .guide import Guide
-from .pieces import AnyCurve, Bow, Card, Curve, Sine, Straight, Tube
+from .pieces import AnyCurve, Bow, Card, CentreLine, Sine, Straight, Tube
 from .settle import lay_in, settle
 from .tube import RodInTube
 from .von_karman import VonKarmanBeam
@@ -15,7 +15,7 @@ __all__ = [
     "AnyCurve",
     "Bow",
     "Card",
-    "Curve",
+    "CentreLine",
     "ForceMap",
     "Guide",
     "GuideContact",

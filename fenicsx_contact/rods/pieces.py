@@ -14,7 +14,7 @@ from ..base import checks
 
 
 @runtime_checkable
-class Curve(Protocol):
+class CentreLine(Protocol):
     """A centre line. Arrays (n,) in its plane, or (n, d - 1) for a curve in space.
 
     Derivatives of runs (:mod:`fenicsx_contact.gradients`) ask for ``curvature``, the second
@@ -152,7 +152,7 @@ class Tube:
     top: float
     bottom: float
     clearance: float | Sequence[tuple[float, float]]
-    curve: Curve = field(default_factory=Straight)
+    curve: CentreLine = field(default_factory=Straight)
     kinks: Sequence[float] = ()
 
     def __post_init__(self) -> None:
@@ -162,7 +162,7 @@ class Tube:
             raise checks.InputError(
                 f"top = {self.top!r}, bottom = {self.bottom!r}: the top must be above"
             )
-        checks.offers("curve", self.curve, Curve, "a curve (Straight, Sine, Bow, ...)")
+        checks.offers("curve", self.curve, CentreLine, "a curve (Straight, Sine, Bow, ...)")
         problem = f"kinks = {self.kinks!r}: must be a list of depths, finite numbers"
         if checks.table(problem, self.kinks).ndim != 1:
             raise checks.InputError(problem)

@@ -102,7 +102,7 @@ class HyperelasticSolid(DeformableSolid):
 
     def cauchy(self, displacement: Any) -> Any:
         F = ufl.variable(deformation(self.gradient(displacement)))
-        return ufl.diff(self._energy(F), F) * F.T / ufl.det(self.plane.in_space(self._given, F))
+        return ufl.diff(self._energy(F), F) * F.T / ufl.det(self.plane.stretched(self._given, F))
 
     def _set(self, displacement: np.ndarray) -> None:
         self.vectors.assign(self._field, displacement)

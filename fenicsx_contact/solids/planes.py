@@ -41,7 +41,7 @@ class Whole:
         """Stress across the plane."""
         return lmbda * ufl.tr(strain)
 
-    def in_space(self, energy: Any, F: Any) -> Any:
+    def stretched(self, energy: Any, F: Any) -> Any:
         """The deformation gradient of a solid with a stored energy, from that with 1 across the
         mesh; both (3, 3)."""
         return F
@@ -71,7 +71,7 @@ class PlaneStress(Whole):
     def across(self, lmbda: Any, strain: Any) -> Any:
         return 0
 
-    def in_space(self, energy: Any, F: Any) -> Any:
+    def stretched(self, energy: Any, F: Any) -> Any:
         return in_space(
             ufl.as_matrix([[F[i, j] for j in range(2)] for i in range(2)]), energy.across(F)
         )
@@ -82,7 +82,7 @@ class PlaneStress(Whole):
                 f"plane = 'stress': energy = {energy!r} does not tell its stretch across the "
                 "plane; neo_hookean, ciarlet and st_venant_kirchhoff do"
             )
-        return lambda F: energy(self.in_space(energy, F))
+        return lambda F: energy(self.stretched(energy, F))
 
 
 class Axisymmetric(Whole):

@@ -42,6 +42,7 @@ def test_benchmark_of_fenet():
 def test_effective_values():
     assert effective_modulus(10.0, 0.0, 10.0, 0.0) == pytest.approx(5.0, rel=1e-14)
     assert effective_modulus(3.0, 0.5) == pytest.approx(4.0, rel=1e-14)
+    assert effective_modulus(1.0, 2**-30 - 1) == pytest.approx(2.0**29, rel=1e-8)
     assert effective_radius(2.0, 2.0) == pytest.approx(1.0, rel=1e-14)
     assert effective_radius(2.0, -4.0) == pytest.approx(4.0, rel=1e-14)
     assert effective_radius(2.0, 1e30) == pytest.approx(effective_radius(2.0), rel=1e-14)
@@ -248,6 +249,7 @@ def test_combinations_that_are_refused():
         (lambda: effective_radius(1.0, -0.9), "other_radius = -0.9"),
         (lambda: effective_radius(1.0, 0.0), "other_radius = 0.0"),
         (lambda: effective_modulus(1.0, 0.6), "poisson_ratio = 0.6"),
+        (lambda: effective_modulus(1.0, -1.0), "poisson_ratio = -1.0.* > -1"),
         (lambda: effective_modulus(1.0, 0.3, 0.0), "other_modulus = 0.0"),
         (lambda: ThrownBar(1.0, 1.0, 1.0, 1.0, 1.0), "speed = 1.0.* waves"),
         (lambda: ReleasedBar(1.0, 1.0, 1.0, 1.0), "strain = 1.0"),

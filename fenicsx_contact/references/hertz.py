@@ -45,7 +45,7 @@ def effective_modulus(
     """E*, Pa, of a body against another one; against a rigid one if no other modulus is given.
 
     Raises:
-        InputError: a modulus that is not positive, a ratio outside [-1, 1/2].
+        InputError: a modulus that is not positive, a ratio outside (-1, 1/2].
     """
     first = _compliance("youngs_modulus", youngs_modulus, "poisson_ratio", poisson_ratio)
     if other_modulus is None:
@@ -56,7 +56,7 @@ def effective_modulus(
 def _compliance(name: str, modulus: float, ratio_name: str, ratio: float) -> float:
     """(1 - nu^2)/E."""
     modulus = checks.number(name, modulus, above=0)
-    nu = checks.number(ratio_name, ratio, at_least=-0.999999, at_most=0.5)
+    nu = checks.number(ratio_name, ratio, above=-1, at_most=0.5)
     return (1 - nu**2) / modulus
 
 

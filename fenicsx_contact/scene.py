@@ -23,7 +23,8 @@ from .steps.impacts import LocatedImpacts, UniformImpacts
 from .steps.run import run
 from .steps.step import Stepper
 from .steps.taker import StepTaker
-from .theory.theta import Scheme, ThetaScheme
+from .theory.scheme import Scheme
+from .theory.theta import ThetaScheme
 
 
 class Scene:

@@ -25,7 +25,7 @@ from fenicsx_contact import (
 from fenicsx_contact.base import compat
 from fenicsx_contact.rods import VonKarmanBeam
 from fenicsx_contact.rods.drive import AxialForce
-from fenicsx_contact.theory.theta import Step
+from fenicsx_contact.theory.scheme import Step
 
 UNIFORM = (1.0, 8)
 UNEVEN = np.array([0.0, 0.03, 0.31, 0.35, 0.36, 0.71, 0.9, 0.97, 1.0])

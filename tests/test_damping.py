@@ -172,7 +172,7 @@ def test_rotation_is_not_damped():
         velocity=lambda x: spin @ R @ x[:2],
     )
     (viscous,) = solid.dampers
-    from fenicsx_contact.theory.theta import Step
+    from fenicsx_contact.theory.scheme import Step
 
     step = Step(1e-3, ThetaScheme())
     force = viscous.force(step, solid.displacement, solid.displacement, solid.velocity)

@@ -19,7 +19,7 @@ from fenicsx_contact import (
     neo_hookean,
     st_venant_kirchhoff,
 )
-from fenicsx_contact.theory.theta import Step
+from fenicsx_contact.theory.scheme import Step
 
 YOUNG = 1e6
 ENERGIES = {

@@ -27,7 +27,7 @@ from fenicsx_contact import (
     neo_hookean,
 )
 from fenicsx_contact.solve.equilibrium import unbearable
-from fenicsx_contact.theory.theta import Step
+from fenicsx_contact.theory.scheme import Step
 
 
 def test_free_jumps_that_are_round_off():

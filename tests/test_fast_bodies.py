@@ -23,7 +23,7 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.contact.candidates import Candidates
 from fenicsx_contact.contact.trial import candidate_force, violation
-from fenicsx_contact.theory.theta import Step
+from fenicsx_contact.theory.scheme import Step
 
 SIDE, DT, STEPS = 0.2, 1e-3, 4
 LAWS = ["velocity", "gap", "printed", "lagrange", Discrete(stiffness=1e13)]

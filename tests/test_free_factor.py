@@ -16,7 +16,7 @@ from fenicsx_contact import (
     neo_hookean,
 )
 from fenicsx_contact.solids.free_factor import FreeFactorisation
-from fenicsx_contact.theory.theta import Step
+from fenicsx_contact.theory.scheme import Step
 
 #: What a solid is given, and how many of its rigid motions are then free.
 SOLIDS = {

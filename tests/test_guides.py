@@ -41,7 +41,7 @@ from fenicsx_contact.rods import (
     Tube,
     settle,
 )
-from fenicsx_contact.theory.theta import Step
+from fenicsx_contact.theory.scheme import Step
 
 L, EI, C = 3.66, 850.0, 0.775e-3
 ROD = Section(mass=16.662, bending=EI)

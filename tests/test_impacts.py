@@ -19,7 +19,7 @@ from fenicsx_contact import (
     neo_hookean,
 )
 from fenicsx_contact.references.housner import Block, rocking
-from fenicsx_contact.theory.theta import Step
+from fenicsx_contact.theory.scheme import Step
 
 BLOCK = Block(width=0.36, height=0.80, mass=417.6)
 

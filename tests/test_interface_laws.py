@@ -376,7 +376,7 @@ def test_steps_that_are_not_taken_leave_no_memory():
     solid = thrown()
     contact = Contact(solid, "base", FLOOR, friction=Warming(0.2, 0.1))
     stepper = Scene([solid], [contact]).stepper
-    from fenicsx_contact.theory.theta import Step
+    from fenicsx_contact.theory.scheme import Step
 
     step = Step(0.01, ThetaScheme())
     stepper.attempt(step)

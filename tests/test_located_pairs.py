@@ -16,7 +16,7 @@ from fenicsx_contact import (
     Scene,
     neo_hookean,
 )
-from fenicsx_contact.theory.theta import Step
+from fenicsx_contact.theory.scheme import Step
 
 DT = 1e-3
 

@@ -26,7 +26,7 @@ from fenicsx_contact import (
 from fenicsx_contact.solids.factor import Direct
 from fenicsx_contact.solids.neighbourhood import ABOUT, yielding
 from fenicsx_contact.solve.solid_rows import petsc_matrix
-from fenicsx_contact.theory.theta import Step
+from fenicsx_contact.theory.scheme import Step
 
 CELLS_2D, CELLS_3D = ("triangle", "quadrilateral"), ("tetrahedron", "hexahedron")
 CELLS = CELLS_2D + CELLS_3D

@@ -22,7 +22,7 @@ from fenicsx_contact import (
     torques,
 )
 from fenicsx_contact.contact.wall import Wall
-from fenicsx_contact.theory.theta import Step
+from fenicsx_contact.theory.scheme import Step
 
 SPIN = 2.0
 

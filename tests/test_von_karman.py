@@ -28,7 +28,7 @@ from fenicsx_contact.rods import (
     VonKarmanBeam,
     settle,
 )
-from fenicsx_contact.theory.theta import Step
+from fenicsx_contact.theory.scheme import Step
 
 EI, EA, L, MASS = 70.0, 1e6, 2.0, 1.0
 FAST, STATIC = math.inf, ThetaScheme(1.0, forces="end")

@@ -15,8 +15,8 @@ import numpy as np
 from ..base.constants import ROUND_OFF
 from ..base.vectors import dot, largest
 from ..theory.formulations import Formulation
+from ..theory.scheme import Step
 from ..theory.step_data import StepData
-from ..theory.theta import Step
 from .equations import SurfaceEquations
 from .jump import Coupling
 

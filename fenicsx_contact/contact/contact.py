@@ -13,7 +13,7 @@ from ..solids import Solid
 from ..theory.formulations import Formulation
 from ..theory.formulations import formulation as as_formulation
 from ..theory.friction import FrictionBound, friction_bound
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .candidates import Candidates
 from .clearance import Clearance
 from .equations import SurfaceEquations

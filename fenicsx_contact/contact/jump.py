@@ -15,7 +15,7 @@ import numpy as np
 from ..base import checks
 from ..base.vectors import dot, largest
 from ..solids import Solid, Trace
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .clearance import Clearance
 from .part import Part
 

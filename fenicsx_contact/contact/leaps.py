@@ -12,7 +12,7 @@ import numpy as np
 from ..base.checks import StepFailed
 from ..base.constants import BRIEF, ROUND_OFF
 from ..base.vectors import dot, largest
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .wall import Wall
 
 

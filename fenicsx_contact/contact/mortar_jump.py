@@ -13,7 +13,7 @@ from ..base.cells import NODES
 from ..base.checks import StepFailed
 from ..base.vectors import dot, largest
 from ..solids import Solid, communicator
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .clearance import Clearance, apart_at
 from .equations import SurfaceEquations
 from .inside import deepest

@@ -10,7 +10,7 @@ import numpy as np
 from ..base.vectors import dot
 from ..solids import Solid, Trace
 from ..solids.trace import DeformableTrace
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .equations import SurfaceEquations
 from .inside import swallowed
 from .jump import Coupling

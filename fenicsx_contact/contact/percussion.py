@@ -9,7 +9,7 @@ from math import inf
 import numpy as np
 
 from ..base.vectors import dot
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .contact import Contact
 
 

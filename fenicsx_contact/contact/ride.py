@@ -15,7 +15,7 @@ import numpy as np
 
 from ..base.constants import BRIEF
 from ..base.vectors import dot
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .leaps import refuse_leaps
 from .wall import Wall
 

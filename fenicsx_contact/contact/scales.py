@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base.constants import SAME
 from ..base.vectors import largest
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .equations import SurfaceEquations
 from .jump import Coupling
 

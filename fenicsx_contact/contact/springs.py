@@ -17,7 +17,7 @@ import numpy as np
 
 from ..base.vectors import orthogonal
 from ..theory.formulations import Formulation
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .equations import SurfaceEquations
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..base.vectors import components, dot, largest
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .contact import Contact
 
 

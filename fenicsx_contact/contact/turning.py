@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..base.vectors import dot
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .jump import Coupling
 from .surface_fields import SurfaceFields
 

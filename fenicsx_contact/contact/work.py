@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .contact import Contact
 
 

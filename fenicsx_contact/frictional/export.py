@@ -12,7 +12,7 @@ from ..scene import Scene
 from ..theory.formulations import Gap, Lagrange, Printed, Velocity
 from ..theory.friction import Coulomb
 from ..theory.parameter import varies
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .problem import FrictionalProblem
 
 #: Laws that say ``w_n <= limit``, lam <= 0, complementary, and nothing else.

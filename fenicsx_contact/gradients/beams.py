@@ -22,7 +22,7 @@ from ..base.constants import KEPT
 from ..contact.mortar.matrices import dense
 from ..rods.beam import BeamSolid
 from ..rods.drive import AxialLaw
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .duals import Dual, variables
 from .motion import Motion, Row
 from .parameters import Parameter

@@ -20,7 +20,7 @@ from ..base.vectors import components, dot
 from ..contact.contact import Contact
 from ..rods import GuideContact
 from ..solve.yielding import COMPLIANCE
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .beams import BeamMotion
 from .blocks import Blocks, LinearStep
 from .kinematics import square

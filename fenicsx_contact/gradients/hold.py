@@ -18,7 +18,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from ..base.vectors import components, dot
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .kinematics import Arms
 from .pair_hold import PairBearing
 from .pairs import PairRows

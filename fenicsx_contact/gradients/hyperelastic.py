@@ -14,7 +14,8 @@ import scipy.sparse as sp
 from petsc4py import PETSc
 
 from ..solids import HyperelasticSolid
-from ..theory.theta import Step, ThetaScheme
+from ..theory.scheme import Step
+from ..theory.theta import ThetaScheme
 from .inner import Factor, Inner
 from .motion import DeformableMotion, Motion, Row, scipy_of
 

@@ -20,7 +20,7 @@ from ..base.constants import ROUND_OFF
 from ..base.vectors import dot, largest
 from ..steps.certificate import ACCEPTED
 from ..steps.trial import Trial
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .edge import Edge
 from .surface import ContactRows
 

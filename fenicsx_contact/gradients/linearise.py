@@ -16,7 +16,8 @@ from ..contact.contact import Contact
 from ..scene import Scene
 from ..solve.yielding import COMPLIANCE
 from ..steps.trial import Trial
-from ..theory.theta import QuasiStatic, Step, ThetaScheme
+from ..theory.scheme import Step
+from ..theory.theta import QuasiStatic, ThetaScheme
 from .blocks import Blocks, InnerSolver, LinearStep
 from .hold import shift
 from .kinks import refuse_grazing

@@ -16,7 +16,7 @@ from ..base.constants import SAME
 from ..solids import DeformableSolid, ElasticSolid, HyperelasticSolid, Solid
 from ..solids.energies import Energy, deformation
 from ..solids.viscous import ViscousStress
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .parameters import OfSolid, damping
 
 

@@ -22,7 +22,8 @@ from petsc4py import PETSc
 
 from ..base.constants import KEPT
 from ..solids import DeformableSolid
-from ..theory.theta import Step, ThetaScheme
+from ..theory.scheme import Step
+from ..theory.theta import ThetaScheme
 from .blocks import InnerSolver
 from .inner import Factor, Inner
 from .kinematics import Kinematics

@@ -11,7 +11,7 @@ from scipy.linalg import block_diag
 
 from ..base.vectors import components, dot
 from ..contact.mortar.matrices import dense
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .kinematics import Kinematics
 from .pairs import PairRows
 from .parameters import Parameter

@@ -16,7 +16,7 @@ from ..rods.drive import AxialLaw
 from ..rods.sections import Lateral, values_of
 from ..solids import DeformableSolid, RigidSolid, Solid
 from ..solids.rotations import angles, by_spins
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .forms import ByConstant
 
 

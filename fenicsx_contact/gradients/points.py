@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..solids import MonolithicTrace
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .kinematics import Arms
 from .motion import Motion
 from .rigid import RigidMotion

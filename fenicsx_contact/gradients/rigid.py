@@ -13,7 +13,7 @@ import numpy as np
 from ..solids import RigidSolid
 from ..solids.rigid_forces import without
 from ..solids.rotations import rotation_matrix, turned_tensor, turning
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .motion import Motion, Row
 from .parameters import Parameter
 

@@ -22,7 +22,7 @@ from ..contact.level_set import LevelSet
 from ..contact.nodal import NodalJump
 from ..contact.obstacle import Circle, Cylinder, HalfSpace, Sphere
 from ..solids import MonolithicTrace
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .edge import Edge
 from .forms import ByField, ByVector
 from .kinematics import square

@@ -14,7 +14,7 @@ from math import isfinite
 import numpy as np
 
 from ..base import checks
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .drive import MASS, AxialForce, AxialLaw, Place
 
 

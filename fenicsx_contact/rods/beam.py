@@ -17,7 +17,7 @@ import numpy as np
 
 from ..base import checks
 from ..solids.base import Solid
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .axial_motion import AxialMotion
 from .axis import AxisMesh
 from .drive import AxialLaw, Place

@@ -20,7 +20,7 @@ from ..contact.contact import Contact
 from ..contact.surface import Surface
 from ..theory.formulations import Formulation, Velocity
 from ..theory.friction import FrictionBound
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .beam import BeamSolid
 from .coupling import GuideCoupling
 from .guide import Guide

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from ..solids.base import Trace
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .trace import BeamTrace, Slender
 
 

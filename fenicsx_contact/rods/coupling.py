@@ -12,7 +12,7 @@ from ..base.vectors import dot, normalised
 from ..contact.equations import SurfaceEquations
 from ..contact.nodal import NodalJump
 from ..theory.formulations import Formulation
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .beam import BeamSolid
 from .guide import Guide
 from .measure import Lengths

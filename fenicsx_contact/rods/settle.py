@@ -21,7 +21,8 @@ from ..base.checks import LARGEST
 from ..base.constants import SAME
 from ..base.vectors import components
 from ..theory.formulations import Velocity
-from ..theory.theta import Step, ThetaScheme
+from ..theory.scheme import Step
+from ..theory.theta import ThetaScheme
 from .beam import BeamSolid
 from .contact import GuideContact
 from .drive import Driven

@@ -12,7 +12,7 @@ import numpy as np
 from ..base import checks
 from ..base.constants import SAME
 from ..solids.base import Trace
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .axis import AxisMesh
 from .matrices import BeamMatrices
 

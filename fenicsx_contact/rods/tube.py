@@ -16,7 +16,7 @@ from ..base import checks
 from ..base.constants import SAME
 from ..base.vectors import worst
 from ..solids.base import Solid, Trace
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .beam import BeamSolid
 from .trace import BeamTrace
 

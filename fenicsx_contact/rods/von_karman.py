@@ -22,7 +22,7 @@ from scipy.linalg import block_diag
 from ..base import checks
 from ..base.constants import ROUND_OFF
 from ..base.vectors import largest, worst
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .beam import BeamSolid
 from .coupled_trace import CoupledTrace
 from .drive import Place

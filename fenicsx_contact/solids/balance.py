@@ -12,7 +12,7 @@ from petsc4py import PETSc
 
 from ..base.constants import ROUND_OFF, SAME
 from ..base.vectors import largest, worst
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .base import MonolithicSolid
 from .boundary import Supports
 from .damping import Damper, Damping

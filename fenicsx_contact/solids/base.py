@@ -25,7 +25,7 @@ from mpi4py import MPI
 
 from ..base.checks import InputError
 from ..base.mesh import NamedMesh
-from ..theory.theta import Step
+from ..theory.scheme import Step
 
 
 class Trace(ABC):

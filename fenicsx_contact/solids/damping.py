@@ -16,7 +16,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..base import checks
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .mass import Mass
 
 

@@ -18,7 +18,7 @@ from petsc4py import PETSc
 from ..base import checks
 from ..base.mesh import NamedMesh
 from ..base.told import given
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .boundary import Motion, Supports
 from .coefficients import Scalar
 from .damping import Damping, MassDamper, Rayleigh

@@ -17,7 +17,7 @@ from ..base import assembly
 from ..base.constants import KEPT
 from ..base.mesh import NamedMesh
 from ..base.signatures import whole
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .coefficients import Scalar, constant, scalar
 from .damping import StiffnessDamper
 from .deformable import DeformableSolid

@@ -22,7 +22,7 @@ from ..base.compiling import compiled
 from ..base.constants import MADE, ROUND_OFF
 from ..base.mesh import NamedMesh
 from ..base.signatures import whole
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .coefficients import of_a_field
 from .damping import StiffnessDamper
 from .deformable import DeformableSolid

@@ -20,7 +20,7 @@ from ..base import checks
 from ..base.mesh import NamedMesh
 from ..base.told import given
 from ..base.vectors import largest
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .moments import moments
 from .rigid_forces import Applied, Load, components, held_components, pull, without
 from .rigid_forces import springs as to_ground

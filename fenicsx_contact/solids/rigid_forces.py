@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..base import checks
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .rotations import GENERATORS, angles, by_spins
 
 #: d numbers (of a torque in the plane: one), or a function of time that gives them.

@@ -9,7 +9,7 @@ from math import sqrt
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .base import MonolithicSolid
 from .rigid_forces import without
 from .rigid_trace import RigidTrace

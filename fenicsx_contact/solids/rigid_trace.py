@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 import scipy.sparse as sp
 
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .base import MonolithicTrace, Trace
 from .rotations import ARMS, by_spins
 

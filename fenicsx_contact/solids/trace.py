@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from ..base import checks
 from ..base.constants import SAME
 from ..base.shared_rows import sum_of
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .base import MonolithicTrace, Trace
 from .factor import Factorisation
 from .neighbourhood import ASKED, yielding

@@ -13,7 +13,7 @@ from petsc4py import PETSc
 
 from ..base import assembly
 from ..base.compiling import compiled
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .deformable import DeformableSolid
 from .energies import Energy, deformation
 

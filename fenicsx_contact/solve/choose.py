@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from ..base import checks
 from ..contact.contact import Contact
 from ..solids import DeformableSolid, MonolithicSolid, Solid
-from ..theory.theta import Scheme
+from ..theory.scheme import Scheme
 from .loop import SYSTEMS
 from .statics import stands
 

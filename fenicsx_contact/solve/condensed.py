@@ -13,7 +13,7 @@ import numpy as np
 from ..base.checks import InputError
 from ..base.vectors import largest, worst
 from ..solids import Solid
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .problem import Assembly
 from .surface_problem import SurfaceSystem
 

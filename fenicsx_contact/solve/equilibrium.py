@@ -14,7 +14,7 @@ from ..base.constants import ROUND_OFF
 from ..base.vectors import largest
 from ..contact.contact import Contact
 from ..solids.motions import FREE, Motions
-from ..theory.theta import Step
+from ..theory.scheme import Step
 
 #: Cost: sides of the pyramid that holds a cone of friction in space: what it cannot bear, no cone
 #: can; what lies between is found out the long way.

@@ -12,7 +12,7 @@ from mpi4py import MPI
 from ..base.vectors import largest, worst
 from ..contact.part import Part
 from ..solids import MonolithicSolid
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .numbering import Numbering
 from .problem import Assembly
 from .statuses import Statuses

@@ -22,7 +22,7 @@ from ..base.overflow import diverging
 from ..base.vectors import worst
 from ..contact.trial import in_round_hole, nonlinearity
 from ..solids import DeformableSolid
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .condensed import Condensed
 from .equilibrium import unbearable
 from .frozen import FrozenContact

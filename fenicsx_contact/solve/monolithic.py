@@ -19,7 +19,7 @@ from mpi4py import MPI
 from ..base.processes import any_of
 from ..base.vectors import largest
 from ..solids import DeformableSolid, MonolithicSolid
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .frozen import FrozenContact
 from .numbering import Numbering, numbered_traces
 from .problem import Assembly

@@ -13,7 +13,7 @@ from ..base.checks import StepFailed
 from ..base.vectors import largest
 from ..contact.contact import Contact
 from ..solids import Solid, Trace
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .surface_problem import SurfaceSystem
 
 _Made = tuple[np.ndarray, list[tuple[slice, slice, np.ndarray]], np.ndarray]

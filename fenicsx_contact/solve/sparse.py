@@ -18,7 +18,7 @@ from mpi4py import MPI
 from scipy.sparse.linalg import splu
 
 from ..solids.factor import Direct
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .embedding import Added, Embedding
 from .monolithic import Monolithic
 from .problem import Assembly

@@ -13,7 +13,7 @@ from ..contact.contact import Contact
 from ..contact.jump import Coupling
 from ..contact.trial import candidate_force
 from ..solids import DeformableSolid, Solid, communicator
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .surface_problem import SLOW
 
 

@@ -15,7 +15,7 @@ from ..contact.contact import Contact
 from ..solids import DeformableSolid, RigidSolid
 from ..solids.motions import FREE, Motions
 from ..solids.trace import DeformableTrace
-from ..theory.theta import Step
+from ..theory.scheme import Step
 
 
 def refuse_free(solids: Sequence[Any], contacts: Sequence[Contact]) -> None:

@@ -31,7 +31,7 @@ from ..contact.arrivals import depth, short, struck
 from ..contact.contact import Contact
 from ..solids import Solid
 from ..solve.problem import Clock
-from ..theory.theta import Scheme, Step
+from ..theory.scheme import Scheme, Step
 from .pace import Pace
 from .step import Stepper
 from .trial import Trial

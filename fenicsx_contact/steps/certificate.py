@@ -23,7 +23,7 @@ from ..contact.contact import Contact
 from ..contact.trial import candidate_force, rounded_drive, trial_work, violation
 from ..solids.balance import BalancedSolid
 from ..solve.problem import Assembly
-from ..theory.theta import Step
+from ..theory.scheme import Step
 
 #: The largest error with which a step is accepted; what the loops end with is far below.
 ACCEPTED = 1e-5

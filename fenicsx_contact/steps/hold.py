@@ -19,7 +19,7 @@ from scipy.linalg import lapack
 
 from ..contact.contact import Contact
 from ..contact.trial import astray, farthest, normal_rows
-from ..theory.theta import Step
+from ..theory.scheme import Step
 
 
 def hold_gaps(contacts: Sequence[Contact], step: Step) -> bool:

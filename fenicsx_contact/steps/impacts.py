@@ -26,7 +26,7 @@ import numpy as np
 
 from ..contact.arrivals import arrival
 from ..contact.percussion import first_arrival, rebounding
-from ..theory.theta import Scheme, Step
+from ..theory.scheme import Scheme, Step
 from .taker import StepTaker
 from .trial import Trial
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..contact.contact import Contact
 from ..solids import Trace
-from ..theory.theta import Step
+from ..theory.scheme import Step
 
 #: Cost: so many times the way to each other that bodies have speed for in a step must lie between
 #: two that sleep.

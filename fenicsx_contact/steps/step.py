@@ -22,7 +22,7 @@ from ..solve.loop import GEOMETRY_TOLERANCE, StepSolver
 from ..solve.newton import Newton
 from ..solve.problem import Assembly, Clock
 from ..solve.surface_problem import SurfaceSystem
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .certificate import ACCEPTED, Books, Certificate, certify
 from .frames import Frames
 from .hold import hold_gaps

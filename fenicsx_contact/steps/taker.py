@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from ..contact.contact import Contact
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .trial import Trial
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..theory.theta import Step
+from ..theory.scheme import Step
 from .certificate import Certificate
 
 

@@ -9,9 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..base import checks
-from .scheme import Points, Scheme, Step, gauss
-
-__all__ = ["QuasiStatic", "Scheme", "Step", "ThetaScheme"]
+from .scheme import Points, gauss
 
 #: Exact for stored energies of degree 6 in F.
 _GAUSS = gauss(3)

@@ -15,7 +15,7 @@ from ...solids import RigidSolid, Solid
 from ...theory.formulations import Formulation
 from ...theory.friction import Coulomb, FrictionBound
 from ...theory.interface.adhesion import Adhesive
-from ...theory.theta import Step
+from ...theory.scheme import Step
 from ..contact import Contact
 from ..inside import deepest
 from ..jump import Coupling

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from ..base.constants import ROUND_OFF
-from ..base.vectors import largest
+from ..base.vectors import across, cross, largest
 from ..contact.contact import Contact
 from ..solids.motions import FREE, Motions
 from ..theory.scheme import Step
@@ -36,8 +36,8 @@ def unbearable(solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -
     for contact in contacts:
         points, directions = contact.equations.candidates, _cone(contact)
         rates = [_rates(contact, solid, shares, step)[points] for solid in solids]
-        across = np.einsum("ndk,njd->njk", np.concatenate(rates, axis=2), directions[points])
-        columns.append(across.reshape(-1, len(load)).T)
+        works = np.einsum("ndk,njd->njk", np.concatenate(rates, axis=2), directions[points])
+        columns.append(works.reshape(-1, len(load)).T)
     size = np.abs(load).max(initial=0.0)
     if size <= ROUND_OFF * terms or not np.isfinite(size):
         return ""
@@ -90,9 +90,8 @@ def _cone(contact: Contact) -> np.ndarray:
         along = push[:, :, ::-1] * np.array([1.0, -1.0])
         ring = np.concatenate([along, -along], axis=1)
     else:
-        first = np.cross(normal, np.eye(3)[np.abs(normal).argmin(axis=1)])
-        first /= np.linalg.norm(first, axis=1)[:, None]
-        axes = np.stack([first, np.cross(normal, first)], axis=1)
+        first = across(normal)
+        axes = np.stack([first, cross(normal, first)], axis=1)
         angles = 2 * np.pi / SIDES * np.arange(SIDES)
         turns = np.stack([np.cos(angles), np.sin(angles)], axis=1) / np.cos(np.pi / SIDES)
         ring = np.einsum("ij,njd->nid", turns, axes)

@@ -251,7 +251,7 @@ class Heap(Contact):
         self._sides = sides = [side_of(body, self.facets) for body in self.bodies]
         points, cells, owner, last = [], [], [], 0
         for body, side in enumerate(sides):
-            pick = SIMPLICES.get(side.cell, [[0, 1]])
+            pick = SIMPLICES[side.cell]
             for _ in range(PLACES[side.dim]):
                 points.append(side.nodes)
                 cells.append(side.corners[:, pick].reshape(-1, side.dim) + last)

@@ -77,7 +77,7 @@ class Shape:
         self.slices = [slice(a, b) for a, b in zip(starts[:-1], starts[1:])]
         self.nodes = np.concatenate([side.nodes for side in sides])
         self.body = np.repeat(np.arange(bodies), np.diff(starts))
-        around = [SIMPLICES.get(side.cell, [[0, 1]]) for side in sides]
+        around = [SIMPLICES[side.cell] for side in sides]
         facets = [side.corners[:, pick].reshape(-1, self.dim) for side, pick in zip(sides, around)]
         self.outline = np.concatenate([each + first for each, first in zip(facets, starts)])
         self.owner = np.repeat(np.arange(bodies), [len(each) for each in facets])

@@ -100,6 +100,19 @@ def test_few_numbers_decide():
     assert sum(not threshold.costs_only for threshold in thresholds()) <= 40
 
 
+ROLE = re.compile(r":(?:class|func|meth|data|attr):`(\w+)`")
+
+
+@pytest.mark.parametrize("path", [path for path, _ in modules()], ids=lambda path: path.stem)
+def test_docstrings_refer_to_what_there_is(path):
+    """A bare name is one of its file."""
+    text = path.read_text()
+    nodes = list(ast.walk(ast.parse(text)))
+    known = {name for node in nodes if (name := getattr(node, "name", None))}  # and of imports
+    known |= {node.id for node in nodes if isinstance(node, ast.Name)}
+    assert set(ROLE.findall(text)) <= known
+
+
 HANDING_ON = {
     name: getattr(room, name)
     for room in (fenicsx_contact, rods, gradients)

@@ -36,8 +36,8 @@ def mesh_from_file(
     The solid is made of the file's cells of highest dimension, of one type; those of second order
     (triangle6, quad9, tetra10, hexahedron27) keep all their nodes. Its facets have the names of
     the file's sets of facet elements (gmsh's physical names, Abaqus' element sets, MED's groups).
-    A file without names gives a mesh without; for facets by place, :func:`name_facets` takes its
-    ``mesh``.
+    A file without names gives a mesh without; for facets by place, :func:`~.mesh.name_facets` takes
+    its ``mesh``.
 
     Args:
         file: path of the file; its ending tells the format.

@@ -134,7 +134,7 @@ class Coupling(ABC):
 
     @abstractmethod
     def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
-        """Take up the geometry where it is; see :class:`PairedEquations`."""
+        """Take up the geometry where it is; see :class:`~.pair_equations.PairedEquations`."""
 
     @property
     @abstractmethod

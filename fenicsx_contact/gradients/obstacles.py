@@ -83,7 +83,8 @@ class Bend(Parameter):
     All that is at these depths moves along: the tubes, and the holes of cards, whose places are
     numbers of their own where a guide is made. ``within`` leaves those out that stay.
 
-    Where the rod starts is a parameter of its own (:class:`Start`): what both change adds up.
+    Where the rod starts is a parameter of its own (:class:`~.parameters.Start`): what both change
+    adds up.
 
     Args:
         contact: of a beam with the guide.

@@ -14,7 +14,7 @@ from .trial import Trial
 
 
 class StepTaker(Protocol):
-    """What takes steps: a :class:`Stepper`, or something that judges what one takes."""
+    """What takes steps: a :class:`~.step.Stepper`, or something that judges what one takes."""
 
     @property
     def contacts(self) -> Sequence[Contact]: ...

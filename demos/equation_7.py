@@ -57,6 +57,7 @@ from fenicsx_contact.base import assembly, compat
 from fenicsx_contact.output.report import write_summary
 from fenicsx_contact.theory.laws import (
     augmented_multiplier,
+    augmented_semi_multiplier,
     ball_projection,
     bounded,
     contact_status,
@@ -192,7 +193,7 @@ class Block:
         # friction (3)-(5): b P(x / b) = P_b(x)
         if semi:
             Lam, Lam_, rho_t = tau / rho, tau_ / rho, rho / 1e4  # as printed
-            P = ball_projection(Lam + rho_t * w_t)
+            P = ball_projection(augmented_semi_multiplier(Lam, rho_t, w_t))
             contact += -mu * S * lam * ufl.dot(P, T * v_) * dc
             contact += mu * S * abs(lam) / rho_t * ufl.dot(Lam - P, Lam_) * dc
             contact += rho * (1 - S) * ufl.dot(Lam, Lam_) * dc

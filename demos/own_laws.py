@@ -195,22 +195,7 @@ if __name__ == "__main__":
     main(quick="--quick" in sys.argv[1:])
 
 # %% [markdown]
-# ## Which formulation, law, scheme and solver, when
-#
-# | you have | take |
-# |---|---|
-# | impacts of rigid or stiff bodies | `"velocity"`, `locate_impacts=True`: second order |
-# | the same, thousands of small ones | `"velocity"`, uniform steps: first order |
-# | statics, slow loads, indentation | `"gap"` with `QuasiStatic()`: gaps close exactly |
-# | elastic bodies that bounce | `"velocity"`, or `"gap"` with `mass_redistribution` |
-# | point supports, point codes to compare | `Lagrange(points=...)`, `Discrete(...)` |
-# | smooth motion | `ThetaScheme()`: second order, no damping |
-# | high frequencies that mean nothing | `GeneralisedAlpha(0.8)` |
-# | hyperelastic bodies that turn and strain much | `EnergyMomentum()` |
-# | up to some 10 000 unknowns, few points | `solver="condensed"`: factored once |
-# | many points, or two hyperelastic solids | `"monolithic"` |
-# | above some 20 000 unknowns in space | `"iterative"`, `mpirun` |
-# | Newton's method stalls in large sliding | `geometry="fixed point"`: the paper's loop |
+# Which formulation, law, scheme and solver to take when: `site/reference/which.md`.
 #
 # ## What to try next
 #

@@ -2,7 +2,9 @@
 """The site: it is built from clean, every page is opened in headless Chromium, wide and narrow;
 every reason for which a run can stop is on its page; what plays in the browser computes rightly."""
 
+import ast
 import html.parser
+import importlib
 import inspect
 import json
 import os
@@ -11,6 +13,7 @@ import runpy
 import shutil
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
@@ -19,6 +22,7 @@ import pytest
 from test_lessons import LESSONS, learn
 
 import fenicsx_contact
+from fenicsx_contact import gradients, rods
 from fenicsx_contact.output import stops
 
 TOP = Path(__file__).resolve().parent.parent
@@ -67,6 +71,76 @@ def test_which_and_when_names_what_there_is():
     for name, given in calls:
         known = inspect.signature(getattr(fenicsx_contact, name)).parameters
         assert set(re.findall(r"(\w+)=", given)) <= set(known), name
+
+
+def included():
+    """(file, options, lines) of every piece of code that a page takes from the source."""
+    files = re.findall(r'"((?:fenicsx_contact|demos)/\S+\.py)"', (SITE / "generate.py").read_text())
+    paths = {Path(name).name: TOP / name for name in files}
+    for page in (SITE / "theory.md", SITE / "reference" / "extend.md"):
+        pieces = r"```\{literalinclude\} \S*code/(\S+)\n(.*?)```"
+        for name, told in re.findall(pieces, page.read_text(), re.S):
+            options = dict(re.findall(r':([\w-]+): *"?(.*?)"?$', told, re.M))
+            yield name, options, cut(paths[name].read_text(), options)
+
+
+def cut(text, options):
+    """The lines that Sphinx takes by these options."""
+    lines = text.splitlines()
+    if "pyobject" in options:
+        node = ast.parse(text)
+        for name in options["pyobject"].split("."):
+            node = next(each for each in node.body if getattr(each, "name", None) == name)
+        first = min([node.lineno, *(each.lineno for each in node.decorator_list)])
+        lines = lines[first - 1 : node.end_lineno]
+    if "start-at" in options:
+        lines = lines[next(i for i, line in enumerate(lines) if options["start-at"] in line) :]
+    if "end-at" in options:
+        lines = lines[: 1 + next(i for i, line in enumerate(lines) if options["end-at"] in line)]
+    kept = []
+    for part in options.get("lines", "1-").split(","):
+        start, to, end = part.partition("-")
+        kept += lines[int(start) - 1 : int(end or len(lines)) if to else int(start)]
+    return kept
+
+
+def test_code_on_a_page_is_whole_and_runs():
+    """What is shown is code, no torn docstring, and the laws shown are those that are solved."""
+    pieces = list(included())
+    assert len(pieces) > 20
+    solved = (TOP / "demos" / "equation_7.py").read_text()
+    solved += (TOP / "fenicsx_contact" / "theory" / "weak_form.py").read_text()
+    for name, options, lines in pieces:
+        ast.parse(textwrap.dedent("\n".join(lines)))
+        if name == "laws.py":
+            assert re.search(rf"\b{options['pyobject']}\(", solved), options
+
+
+PAGES = sorted([*SITE.rglob("*.md"), *(TOP / "demos").glob("*.md"), TOP / "README.md"])
+PAGES += sorted([*(TOP / "demos").glob("*.py"), *(TOP / "demos" / "lessons").rglob("*.py")])
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(TOP)))
+def test_rows_of_a_table_have_as_many_cells(page):
+    """A bar within a formula would be the border of a cell."""
+    text, mark = page.read_text(), "# " if page.suffix == ".py" else ""
+    text = re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)
+    for table in re.findall(rf"(?:^{mark}\|.*\n)+", text, re.M):
+        assert len({row.replace("\\|", "").count("|") for row in table.splitlines()}) == 1, table
+
+
+def test_the_api_has_every_name():
+    """Classes and functions that can be imported, and those alone."""
+    page = (SITE / "reference" / "api.md").read_text()
+    told = set(re.findall(r"auto(?:class|function):: fenicsx_contact\.(\S+)", page))
+    for package, of in ((fenicsx_contact, ""), (rods, "rods."), (gradients, "gradients.")):
+        things = {name: getattr(package, name) for name in package.__all__}
+        public = {of + n for n, thing in things.items() if callable(thing)}
+        private = {of + n for n, thing in things.items() if getattr(thing, "_is_protocol", False)}
+        assert not public - private - told
+    for path in told:
+        module, _, name = f"fenicsx_contact.{path}".rpartition(".")
+        assert hasattr(importlib.import_module(module), name)
 
 
 NODE = shutil.which("node")

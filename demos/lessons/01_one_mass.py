@@ -58,7 +58,7 @@ def newton(lam, v_old, dt, rho):
 
 dt = 0.01
 landing = newton(lam=30.0, v_old=-0.2, dt=dt, rho=0.3 * m / dt)
-print("approach and force:", *[f"({w:.3f} m/s, {lam:.2f} N)" for w, lam in landing])
+print("approach and force:", *[f"({w + 0.0:.3f} m/s, {lam:.2f} N)" for w, lam in landing])
 
 # %%
 fig, ax = plt.subplots(figsize=(5, 3.5), layout="constrained")

@@ -32,8 +32,8 @@ load, E, nu = 1e6, 1e9, 0.3  # Pa
 # %% [markdown]
 # ## The lines that solve it
 #
-# A square metre in plane strain, pressed at its top in ten steps. A point of the side that is held
-# in $x$ stops the block from sliding away as a whole, where there is no friction to do it.
+# A square metre in plane strain, pressed at its top in ten steps. The middle of the top is held in
+# $x$, which stops the block from sliding away as a whole where there is no friction to do it.
 
 
 # %%

@@ -102,7 +102,7 @@ fig, ax = plt.subplots(figsize=(6, 3.5), layout="constrained")
 ax.plot(master, share, "s--", color="C1", label="node to segment: force on the master")
 ax.plot(x, p / load, "o-", color="C0", label="mortar: computed pressure")
 ax.set_xlabel("place on the joint [m]")
-ax.set_ylabel("over that of an even pressure")
+ax.set_ylabel("force or pressure,\nover that of an even pressure")
 ax.legend()
 fig.savefig(RESULTS / "08_patch.png", dpi=150)
 

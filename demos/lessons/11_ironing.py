@@ -41,7 +41,7 @@ mu = 0.3
 
 # %%
 def iron(until=15, dt=1.0, n=6, friction=mu, depth=0.05):
-    """The solids and the history of a die that is pressed into a slab and drawn across it."""
+    """Solids, contact and history of a die that is pressed into a slab and drawn across it."""
     die_mesh, slab_mesh = (mesh_from_gmsh(f"{name}.geo", n=n) for name in ("die", "slab"))
 
     def motion(t):
@@ -54,13 +54,24 @@ def iron(until=15, dt=1.0, n=6, friction=mu, depth=0.05):
     slab = HyperelasticSolid(slab_mesh, energy=soft, density=1, fixed=["bottom"], name="slab")
     contact = Contact(die, "bottom", (slab, "top"), "gap", friction=friction, name="joint")
     scene = Scene([die, slab], [contact], QuasiStatic())
-    return die, slab, scene.run(until=until, dt=dt)
+    return die, slab, contact, scene.run(until=until, dt=dt)
 
 
-die, slab, history = iron()
+die, slab, contact, history = iron()
 print(history)
 ratio = -history["joint.force_x"] / np.maximum(history["joint.force_y"], 1e-12)
 print(f"drawn, the tangential over the normal force is {ratio[-1]:.6f}")
+
+# %% [markdown]
+# Every point that bears slips, and still that is not $\mu = 0.3$. Pressure and friction act across
+# and along the *deformed* face. With $\bar s$, its slope in the mean that the pressure feels, the
+# ratio is $(\mu + \bar s)/(1 - \mu\bar s)$. Here the die presses more behind its crest, where it
+# goes downhill: $\bar s < 0$.
+
+# %%
+push = -(contact.multiplier * contact.surface.area)[:, None] * contact.normal  # pressure alone, N
+slope = -push[:, 0].sum() / push[:, 1].sum()
+print(f"the mean slope is {slope:.6f}, which makes {(mu + slope) / (1 - mu * slope):.6f}")
 
 # %%
 fig, (above, below) = plt.subplots(2, 1, figsize=(7, 6), layout="constrained")

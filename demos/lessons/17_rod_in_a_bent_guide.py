@@ -8,11 +8,14 @@
 #
 # The rod is a beam, 0.8 mm smaller than its guide all round. In a straight guide it falls freely.
 # A guide that is bent by more than the clearance bends the rod as it passes; the walls bear normal
-# forces for that, $\sum N$, and friction holds back with $\mu\sum N$. In an endless sine of
-# amplitude $a$ and wavelength $L$ with the clearance $c$ near $a$ the rod touches each crest at one
-# point,
+# forces for that, $\sum N$, and friction holds back with $\mu\sum N$. How large are they? An
+# endless rod at rest in an endless sine of amplitude $a$ and wavelength $L$ touches each crest at
+# one point where the clearance is $c \ge 0.18\,a$, and follows the sine where there is none:
 #
-# $$ \sum N = 768\, EI\,(a - c)/L^3 \quad\text{a wavelength.} $$
+# $$ \sum N = 768\, EI\,(a - c)/L^3 \quad\text{or}\quad 32\pi^3 EI\,a/L^3
+#    \quad\text{a wavelength.} $$
+#
+# Here $c$ is less than that, and the forces are between the two (`references/rod.py` has them).
 #
 # The laws are the old ones. New is where they act: on the line of the beam, inside of a tube, where
 # it may touch either wall.
@@ -24,13 +27,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from fenicsx_contact import BeamSolid, Fall, Scene, Section, ThetaScheme, Velocity, axis_mesh
+from fenicsx_contact.references.rod import endless_insertion_force
 from fenicsx_contact.rods import Guide, GuideContact, Sine, Tube, settle
 
 RESULTS = Path("results/lessons")
 RESULTS.mkdir(parents=True, exist_ok=True)
 plt.style.use("seaborn-v0_8-colorblind")
 g, length, inside, clearance = 9.81, 4.0, 0.2, 0.8e-3  # m/s², m
-way = 3.0  # m, that it falls
+way, wavelength = 3.0, 3.6  # m: how far it falls, and of the bent guide
 section = Section(mass=16.7, bending=850.0)  # kg/m, N m²
 
 # %% [markdown]
@@ -46,7 +50,7 @@ def drop(amplitude, friction=0.3, dt=1e-3, until=1.2):
     guide = Guide(
         [
             Tube(-4.5, 0.0, clearance),
-            Tube(0.0, inside + way + 0.3, clearance, Sine(amplitude, wavelength=3.6)),
+            Tube(0.0, inside + way + 0.3, clearance, Sine(amplitude, wavelength)),
         ]
     )
     axis = axis_mesh((0, -inside), (0, 1), rods=(length, 80))
@@ -74,6 +78,18 @@ free = np.sqrt(2 * way / g)
 for a, run in runs.items():
     print(f"bent by {1e3 * a:.0f} mm: arrives after {arrival(run):.4f} s ({run.reason})")
 print(f"a free fall takes {free:.4f} s")
+bears = {}  # N, the sum of the normal forces in the mean of the last half metre
+for a in amplitudes[1:]:
+    last = (runs[a]["travel"] > way - 0.5) & (runs[a]["dt"] > 0)
+    bears[a] = runs[a]["normal"][last].mean()
+    endless = endless_insertion_force(a, clearance, wavelength, section.bending)
+    print(f"bent by {1e3 * a:.0f} mm: {bears[a]:.0f} N; endless, {endless:.0f} N a wavelength")
+
+# %% [markdown]
+# That is in 0.8 of a wavelength: this rod has an end, and a straight tube keeps it upright above
+# the bend, which takes forces of its own. The straight rod arrives *before* free fall: with
+# $\theta = 0.6$ the way of a step is longer by $0.1\,g\,\Delta t^2$, in all by
+# $0.1\,g\,t\,\Delta t$.
 
 # %%
 fig, (above, below) = plt.subplots(2, 1, figsize=(7, 5.5), sharex=True, layout="constrained")

@@ -94,7 +94,7 @@ for (a, f), style in {(10e-3, 0.3): "-", (20e-3, less): "--"}.items():
     travel, resistance, _ = way.resistance()
     mean, middle = (np.convolve(v, np.ones(40) / 40, mode="valid") for v in (resistance, travel))
     right.plot(middle, mean, style, label=f"{1e3 * a:.0f} mm, friction {f}")
-left.axvline(T5, color="0.8")
+left.axvline(ways[10e-3, 0.3].time_at(dashpot), color="0.8")
 left.set_xlabel("time [s]")
 left.set_ylabel("speed [m/s]")
 right.set_xlabel("travel [m]")

@@ -4,7 +4,7 @@
 # mesh's.) Reach **0.000**.
 
 # %%
-_, _, smooth = iron(friction=0.0)
+*_, smooth = iron(friction=0.0)
 answer = abs(smooth["joint.force_x"][-1] / smooth["joint.force_y"][-1])
 
 # %% [markdown]
@@ -19,5 +19,5 @@ answer = history["newton"][1:].mean()
 # pressing? Reach **2.5**.
 
 # %%
-_, _, deep = iron(depth=0.1, until=5)
+*_, deep = iron(depth=0.1, until=5)
 answer = deep["joint.force_y"][5] / history["joint.force_y"][5]

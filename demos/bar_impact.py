@@ -30,7 +30,6 @@ from typing import Any
 
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
@@ -43,7 +42,6 @@ from fenicsx_contact import (
 from fenicsx_contact.output.report import write_summary
 from fenicsx_contact.references.bars import ReleasedBar, ThrownBar
 
-MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "bar_impact"
 CELLS = 200
 #: The exact solutions.
@@ -68,7 +66,7 @@ SCHEMES: dict[str, tuple[str, ThetaScheme, bool]] = {
 def bar(name: str, length: float, gap: float, speed: float, **state: Any) -> Scene:
     """A bar of density and width 1, wave speed ``speed``, its left end ``gap`` from a wall."""
     formulation, scheme, massless = SCHEMES[name]
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=length, height=1.0, n_width=CELLS, n_height=1)
+    mesh = mesh_from_gmsh("block.geo", width=length, height=1.0, n_width=CELLS, n_height=1)
     solid = ElasticSolid(
         mesh,
         youngs_modulus=speed**2,

@@ -31,7 +31,6 @@ from typing import Any
 import numpy as np
 from problems.rigid_bodies import box, cube
 
-import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
@@ -44,7 +43,6 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.output.report import whence, write_summary, write_table
 
-MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "benchmark_contact_step"
 E, NU, DENSITY, G, FRICTION = 1e6, 0.3, 1000.0, 9.81, 0.3  # Pa, -, kg/m³, m/s², -
 DT, FIRST = 5e-4, 6  # s; steps that are not counted: factors are made, the block lands
@@ -76,7 +74,7 @@ def block(
     else:
         size = {"length_x": 1.0, "length_y": 1.0, "n_x": across, "n_y": across}
         size |= {"height": 0.5, "n_z": up}
-    mesh = mesh_from_gmsh(MESHES / ("block.geo" if dim == 2 else "box.geo"), **size)
+    mesh = mesh_from_gmsh("block.geo" if dim == 2 else "box.geo", **size)
     velocity, vertical = np.array([slide, *[0.0] * (dim - 2), -FALL]), np.eye(dim)[-1]
     others: dict[str, Any] = {
         "density": DENSITY,

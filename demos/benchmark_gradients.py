@@ -20,7 +20,7 @@ from time import process_time
 from typing import Any
 
 import numpy as np
-from gradients import FLOOR, MESHES, G, rocking, soft
+from gradients import FLOOR, G, rocking, soft
 from uncertainty import MEANS
 from uncertainty import scene as rod_drop
 
@@ -56,7 +56,7 @@ RESULTS = Path("results") / "benchmark_gradients"
 # %%
 def bar(cells: int) -> Scene:
     """An elastic bar thrown at a wall."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=10.0, height=0.5, n_width=cells, n_height=1)
+    mesh = mesh_from_gmsh("block.geo", width=10.0, height=0.5, n_width=cells, n_height=1)
     solid = ElasticSolid(
         mesh,
         youngs_modulus=900.0,
@@ -70,9 +70,7 @@ def bar(cells: int) -> Scene:
 
 def hyperelastic(cells: int) -> Scene:
     """A soft block of neo-Hooke's law that strikes the floor and slips."""
-    mesh = mesh_from_gmsh(
-        MESHES / "block.geo", width=0.4, height=0.4, n_width=cells, n_height=cells
-    )
+    mesh = mesh_from_gmsh("block.geo", width=0.4, height=0.4, n_width=cells, n_height=cells)
     solid = HyperelasticSolid(
         mesh,
         energy=neo_hookean(1e5, 0.3),
@@ -86,9 +84,7 @@ def hyperelastic(cells: int) -> Scene:
 
 def cube(spin: float) -> Scene:
     """A rigid cube that slides on four corners, or on a corner after another."""
-    mesh = mesh_from_gmsh(
-        MESHES / "box.geo", length_x=0.1, length_y=0.1, height=0.1, n_x=1, n_y=1, n_z=1
-    )
+    mesh = mesh_from_gmsh("box.geo", length_x=0.1, length_y=0.1, height=0.1, n_x=1, n_y=1, n_z=1)
     solid = RigidSolid(
         mesh, mass=1.0, gravity=(0, 0, -G), velocity=(3.0, 0, 0), spin=(0, spin, 0.3 * spin)
     )

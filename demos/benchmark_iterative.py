@@ -63,7 +63,7 @@ from fenicsx_contact import Contact, ElasticSolid, QuasiStatic, Scene, mesh_from
 from fenicsx_contact.output.report import whence, write_summary, write_table
 from fenicsx_contact.references.hertz import PointContact, effective_modulus
 
-MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
+DEMOS = Path(fenicsx_contact.__file__).resolve().parents[1] / "demos"
 RESULTS = Path("results") / "benchmark_iterative"
 STEEL, ALUMINIUM, NU = 210e3, 70e3, 0.3  # MPa
 WIDTH = 0.1  # contact radius over the sphere's
@@ -89,8 +89,8 @@ def pressed(n: int, solver: str, friction: float = 0.0) -> dict[str, Any]:
     """A steel half sphere of radius 1 pressed on aluminium, n elements over the contact radius."""
     begin = perf_counter()
     zone = {"h": WIDTH / n, "half_width": 1.2 * WIDTH, "coarse": 0.5}
-    ball_mesh = mesh_from_gmsh(MESHES / "half_sphere.geo", R=1.0, **zone)
-    block_mesh = mesh_from_gmsh(MESHES / "foundation3d.geo", width=1.0, height=1.0, **zone)
+    ball_mesh = mesh_from_gmsh("half_sphere.geo", R=1.0, **zone)
+    block_mesh = mesh_from_gmsh("foundation3d.geo", width=1.0, height=1.0, **zone)
     rollers = {"x0": (0.0, None, None), "y0": (None, 0.0, None)}
     start = perf_counter()
     before = memory_mb()
@@ -151,7 +151,7 @@ def measured(n: int, solver: str, friction: float = 0.0, processes: int = 1) -> 
     """The same in processes of its own."""
     run = [
         sys.executable,
-        str(MESHES.parent / "demos" / "benchmark_iterative.py"),
+        str(DEMOS / "benchmark_iterative.py"),
         "--one",
         str(n),
         solver,

@@ -43,7 +43,6 @@ import ufl
 from mpi4py import MPI
 from scipy.optimize import brentq
 
-import fenicsx_contact
 from fenicsx_contact import (
     Circle,
     Contact,
@@ -64,7 +63,6 @@ from fenicsx_contact import (
 from fenicsx_contact.output.report import write_summary
 from fenicsx_contact.references.hertz import LineContact, effective_modulus
 
-MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "canon"
 
 
@@ -181,7 +179,7 @@ def o_ring(h: float, squeeze: float, steps: int, wall: float = 0.0, **output: An
         wall: distance of walls from the middle; 0: none.
     """
     ring = HyperelasticSolid(
-        mesh_from_gmsh(MESHES / "disc.geo", h=h, coarse=max(h, 0.12)),
+        mesh_from_gmsh("disc.geo", h=h, coarse=max(h, 0.12)),
         energy=neo_hookean(1.0, 0.49),
         density=1.0,
         degree=2,

@@ -20,10 +20,10 @@
 #
 # ## The discrete form
 #
-# As in `hertz.py`, with the semi-multiplier $\Lambda$ at each node. Quasi-static: velocities are
-# increments over the step, so Coulomb's law is read on increments. The cylinder's top goes down in
-# one step, then sideways in a few; the forces that come out are measured. The load is light, $a$
-# is about $0.02 R$, so that both bodies are nearly half-planes.
+# As in `hertz.py`, with the traction $\tau = \mu|\lambda|\Lambda$ at each node. Quasi-static:
+# velocities are increments over the step, so Coulomb's law is read on increments. The cylinder's
+# top goes down in one step, then sideways in a few; the forces that come out are measured. The load
+# is light, $a$ is about $0.02 R$, so that both bodies are nearly half-planes.
 
 # %%
 import sys
@@ -32,7 +32,6 @@ from typing import Any
 
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
@@ -45,7 +44,6 @@ from fenicsx_contact import (
 from fenicsx_contact.output.report import write_summary, write_table
 from fenicsx_contact.references.hertz import LineContact, ShearedLine, effective_modulus
 
-MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "cattaneo_mindlin"
 E, NU, FRICTION = 210e3, 0.3, 0.3  # N/mm², -, -
 MODULUS = effective_modulus(E, NU, E, NU)
@@ -68,9 +66,9 @@ def push(
 ) -> tuple[Contact, dict[str, Any]]:
     """Press in ``press`` steps and push in ``steps``, ``n`` elements over the half width."""
     zone = {"h": WIDTH / n, "half_width": 1.3 * WIDTH, "coarse": R / 5}
-    round_one = mesh_from_gmsh(MESHES / "cylinder.geo", R=R, **zone)
+    round_one = mesh_from_gmsh("cylinder.geo", R=R, **zone)
     zone["h"] *= 0.8  # meshes that do not match
-    flat_one = mesh_from_gmsh(MESHES / "foundation.geo", width=4 * R, height=4 * R, **zone)
+    flat_one = mesh_from_gmsh("foundation.geo", width=4 * R, height=4 * R, **zone)
 
     def motion(time: float) -> tuple[float, float]:
         return SHIFT * max(0.0, time - 1), -DEPTH * min(time, 1.0)

@@ -48,13 +48,11 @@ import ufl
 from dolfinx import fem
 from scipy.optimize import least_squares
 
-import fenicsx_contact
 from fenicsx_contact import Contact, ElasticSolid, LevelSet, QuasiStatic, Scene, mesh_from_gmsh
 from fenicsx_contact.gradients import Pressure, Shape, tangents
 from fenicsx_contact.output.report import write_summary
 from fenicsx_contact.references.hertz import LineContact, effective_modulus
 
-MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "design"
 E, NU = 70e3, 0.3  # N/mm²: aluminium; lengths in mm
 WANTED = LineContact.of_half_width(2.0, effective_modulus(E, NU), 500.0)  # a, E*, R
@@ -88,7 +86,7 @@ def pressed(c: np.ndarray, cells: int) -> tuple[Scene, Contact, list[fem.Constan
     """A block under the die, with so many elements over Hertz's half width."""
     h = WANTED.half_width / cells
     zone = {"h": h, "half_width": 1.2 * HALF_WIDTH, "coarse": SIZE / 10}
-    mesh = mesh_from_gmsh(MESHES / "foundation.geo", width=SIZE, height=SIZE, **zone)
+    mesh = mesh_from_gmsh("foundation.geo", width=SIZE, height=SIZE, **zone)
     numbers = [fem.Constant(mesh.mesh, float(each)) for each in c]
 
     def phi(x: Any, t: Any) -> Any:

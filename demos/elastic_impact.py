@@ -44,14 +44,12 @@ from typing import Any
 
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import Contact, ElasticSolid, HalfSpace, History, Scene, mesh_from_gmsh
 from fenicsx_contact.output.report import write_summary
 from fenicsx_contact.references.hertz import effective_modulus, effective_radius
 from fenicsx_contact.references.impact import HertzImpact, ObliqueImpact
 from fenicsx_contact.solids.moments import moments
 
-MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "elastic_impact"
 NU = 0.3
 #: Of a ball, and of one that is larger, stiffer and denser: radius m, modulus Pa, density kg/m³.
@@ -67,7 +65,7 @@ def sphere(
     ``n`` elements over the radius of the contact."""
     radius, modulus, density = kind
     mesh = mesh_from_gmsh(
-        MESHES / "sphere_section.geo",
+        "sphere_section.geo",
         R=radius,
         h=contact_radius / n,
         half_width=1.3 * contact_radius,
@@ -174,9 +172,7 @@ def oblique(psi: float, small: float, n: int, steps: int, coarse: float = 0.15) 
             (psi = 1: 2.9 % off at 0.3, 1.7 % at 0.15).
     """
     modulus = effective_modulus(1.0, OBLIQUE_NU)
-    mesh = mesh_from_gmsh(
-        MESHES / "half_ball.geo", h=small / n, half_width=1.2 * small, coarse=coarse
-    )
+    mesh = mesh_from_gmsh("half_ball.geo", h=small / n, half_width=1.2 * small, coarse=coarse)
     size, _, second = moments(mesh)  # of half of it, about its centre, of which y is of no account
     mass, inertia = 2 * size, 2 * (second[0, 0] + second[2, 2])
     normal = HertzImpact.of_contact_radius(small, mass, modulus, 1.0)

@@ -48,8 +48,7 @@ from fenicsx_contact.base import compat
 from fenicsx_contact.output.report import whence, write_summary, write_table
 from fenicsx_contact.references.hertz import LineContact, effective_modulus
 
-TOP = Path(fenicsx_contact.__file__).resolve().parents[1]
-MESHES, PEERS = TOP / "meshes", TOP / "demos" / "peers"
+PEERS = Path(fenicsx_contact.__file__).resolve().parents[1] / "demos" / "peers"
 RESULTS = Path("results") / "fe_truth"
 E, NU, R, DEPTH = 1e3, 0.3, 1.0, 0.0035
 HALF_WIDTH = 0.06  # of the finely meshed zone; contact is 0.0425 wide
@@ -68,7 +67,7 @@ AUGMENTATION = {"hertz": 1.0, "patch": 1.0}
 def half_cylinder(h: float) -> NamedMesh:
     """Triangles of size h where it touches."""
     coarse = max(0.1, h)
-    return mesh_from_gmsh(MESHES / "cylinder.geo", R=R, h=h, half_width=HALF_WIDTH, coarse=coarse)
+    return mesh_from_gmsh("cylinder.geo", R=R, h=h, half_width=HALF_WIDTH, coarse=coarse)
 
 
 def hertz(h: float) -> tuple[dict[str, Any], dict[str, NamedMesh], Contact]:

@@ -34,7 +34,6 @@ from typing import Any
 
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
@@ -49,7 +48,6 @@ from fenicsx_contact import (
 from fenicsx_contact.output.report import write_summary, write_table
 from fenicsx_contact.references.hertz import LineContact, PointContact, effective_modulus
 
-MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "hertz"
 STEEL, ALUMINIUM, NU = 210e3, 70e3, 0.3  # N/mm²
 R = 50.0  # mm
@@ -144,9 +142,9 @@ def line(n: int, width: float, make: Any = elastic) -> Pressed:
     """Steel cylinder on aluminium block, ``n`` elements over the half width, which is given."""
     h = width / n
     zone = {"h": h, "half_width": 1.3 * width, "coarse": max(h, R / 5)}
-    cylinder = mesh_from_gmsh(MESHES / "cylinder.geo", R=R, **zone)
+    cylinder = mesh_from_gmsh("cylinder.geo", R=R, **zone)
     zone |= {"h": 0.8 * h, "coarse": max(h, 2 * R / 5)}
-    block = mesh_from_gmsh(MESHES / "foundation.geo", width=4 * R, height=4 * R, **zone)
+    block = mesh_from_gmsh("foundation.geo", width=4 * R, height=4 * R, **zone)
     return Pressed(make, (cylinder, block), (STEEL, ALUMINIUM))
 
 
@@ -237,7 +235,7 @@ def counts(sizes: list[int], steps: int = 4) -> dict[str, list[int]]:
 # %%
 def peers(make: Any = elastic, h: float = 0.005, depth: float = 0.0035) -> dict[str, float]:
     """Errors of the profile, and iterations of the one step."""
-    mesh = mesh_from_gmsh(MESHES / "cylinder.geo", R=1, h=h, half_width=0.06, coarse=0.1)
+    mesh = mesh_from_gmsh("cylinder.geo", R=1, h=h, half_width=0.06, coarse=0.1)
     half = make(mesh, 1e3, prescribed={"top": lambda t: (0.0, -depth * t)})
     plane = HalfSpace(point=(0, 0), normal=(0, 1))
     contact = Contact(half, "bottom", plane, "gap", name="plane")
@@ -261,8 +259,8 @@ def peers(make: Any = elastic, h: float = 0.005, depth: float = 0.0035) -> dict[
 def sphere(n: int, width: float = 0.1) -> dict[str, float]:
     """A steel half sphere on an aluminium block, R = 1, ``n`` elements over the radius."""
     zone = {"h": width / n, "half_width": 1.2 * width, "coarse": 0.5}
-    ball = mesh_from_gmsh(MESHES / "half_sphere.geo", R=1.0, **zone)
-    block = mesh_from_gmsh(MESHES / "foundation3d.geo", width=1.0, height=1.0, **zone)
+    ball = mesh_from_gmsh("half_sphere.geo", R=1.0, **zone)
+    block = mesh_from_gmsh("foundation3d.geo", width=1.0, height=1.0, **zone)
     rollers = {"x0": (0.0, None, None), "y0": (None, 0.0, None)}
     pressed = Pressed(elastic, (ball, block), (STEEL, ALUMINIUM), rollers)
     exact = PointContact(4 * pressed.to(width**2), FENET.modulus, 1.0)

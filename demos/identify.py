@@ -31,13 +31,11 @@ import numpy as np
 from rod_drop import SCHEME, VELOCITY, Assumed, guide, rod
 from scipy.optimize import least_squares
 
-import fenicsx_contact
 from fenicsx_contact import Contact, ElasticSolid, HalfSpace, Scene, mesh_from_gmsh
 from fenicsx_contact.gradients import At, Bend, Law, Modulus, Start, Travel, tangents
 from fenicsx_contact.output.report import write_summary
 from fenicsx_contact.rods import GuideContact, Sine
 
-MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "identify"
 FLOOR = HalfSpace(point=(0, 0), normal=(0, 1))
 NAMES = ("friction", "stiffness", "release")
@@ -57,7 +55,7 @@ def motion(p: np.ndarray, steps: int) -> tuple[np.ndarray, np.ndarray, np.ndarra
     """Times, the foot's place, its derivatives by the parameters (rows, parameters), and how many
     points were on an edge; ``steps`` to half a period."""
     friction, stiffness, release = map(float, p)
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=1.0, height=1.0, n_width=1, n_height=1)
+    mesh = mesh_from_gmsh("block.geo", width=1.0, height=1.0, n_width=1, n_height=1)
 
     def drawn(x: np.ndarray) -> np.ndarray:
         return np.stack([1 - x[1], 0 * x[0]])

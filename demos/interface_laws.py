@@ -41,7 +41,6 @@ import numpy as np
 from dolfinx import fem
 from scipy.integrate import solve_ivp
 
-import fenicsx_contact
 from fenicsx_contact import (
     Adhesive,
     Archard,
@@ -62,7 +61,6 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.output.report import write_summary
 
-MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "interface_laws"
 G = 9.81  # m/s²
 FLOOR = HalfSpace(point=(0, 0), normal=(0, 1))
@@ -104,7 +102,7 @@ class Warming:
 # %%
 def slide(friction: Any, until: float, dt: float) -> tuple[Contact, History]:
     """A block thrown along the floor, with its speed v and way s."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=1.0, height=HEIGHT)
+    mesh = mesh_from_gmsh("block.geo", width=1.0, height=HEIGHT)
     block = RigidSolid(mesh, mass=MASS, gravity=(0, -G), velocity=(THROWN, 0))
     start, contact = block.place[0], Contact(block, "base", FLOOR, friction=friction, name="floor")
     probes = {"v": lambda: block.velocity[0], "s": lambda: block.place[0] - start}
@@ -161,7 +159,7 @@ def spring_slider(
     dt: float,
 ) -> History:
     """A mass pressed on a belt, on a spring, from a stretch and a rate of it; u, v: its motion."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=1.0, height=1.0, n_width=1, n_height=1)
+    mesh = mesh_from_gmsh("block.geo", width=1.0, height=1.0, n_width=1, n_height=1)
     k = fem.Constant(mesh.mesh, stiffness)
     solid = HyperelasticSolid(
         mesh,
@@ -240,7 +238,7 @@ def critical_stiffness(shares: list[float], dt: float) -> dict[str, Any]:
 # %%
 def pull_off(stress: float = 133.0, dt: float = 0.01) -> tuple[dict[str, float], History]:
     """A cell is drawn from a floor to which it adheres, without inertia."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=1.0, height=HEIGHT)
+    mesh = mesh_from_gmsh("block.geo", width=1.0, height=HEIGHT)
     cell = ElasticSolid(
         mesh,
         youngs_modulus=1e6,
@@ -256,7 +254,7 @@ def pull_off(stress: float = 133.0, dt: float = 0.01) -> tuple[dict[str, float],
 def rebounds(e: float, dt: float) -> tuple[dict[str, float], History]:
     """Heights of a block that bounces, at located impacts."""
     height = 0.1
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=1.0, height=HEIGHT)
+    mesh = mesh_from_gmsh("block.geo", width=1.0, height=HEIGHT)
     block = RigidSolid(mesh, mass=MASS, gravity=(0, -G))
     block.restore({**block.state(), "place": block.place + np.array([0, height])})
     contact = Contact(block, "base", FLOOR, Restitution(coefficient=e), name="floor")

@@ -17,11 +17,15 @@
 # consistent units. Two materials: linear, and the compressible neo-Hookean law that Ciarlet gives,
 # $\mu/2\,(\mathrm{tr}\,C - 3 - 2\ln J) + \lambda/4\,(J^2 - 1 - 2 \ln J)$.
 #
-# The drag is not $\mu$ times the normal force: the die leans on the bulge before it.
+# Even where every point slips, the drag is not $\mu$ times the normal force, for both act along the
+# deformed surface: with $\bar s$, the slope that the pressure feels in the mean, it is
+# $(\mu + \bar s)/(1 - \mu\bar s)$ times it. With the linear material $\bar s$ is positive, the die
+# climbs on the bulge before it: more than $\mu$. With the neo-Hookean one it is negative, and the
+# drag is a little less.
 #
 # ## The discrete form
 #
-# The gap law at the end of each load step, $\lambda$ and $\Lambda$ at the nodes of the die's
+# The gap law at the end of each load step, $\lambda$ and $\tau$ at the nodes of the die's
 # bottom, which is the slave, and mortar integrals of gap and jump along the rays of its normals.
 # One Newton loop treats solids, contact *and geometry*: the tangent has the derivatives of gaps,
 # normals and partners. The paper's own algorithm, a fixed point over frozen geometries, is one

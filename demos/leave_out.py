@@ -9,7 +9,7 @@
 # without changing what it computes:
 #
 # - **friction**: where nothing slides a coefficient of 0.3 changes nothing, but brings the
-#   semi-multiplier $\Lambda$, its rows and its projection;
+#   traction $\tau$, its rows and its projection;
 # - **factors**: Hooke's law given as a stored energy, so that tangent and factors are made anew in
 #   each linearisation, and forms are integrated over the volume in each step;
 # - **normals**: the floor as an obstacle that does not tell that it is flat, whose normals are
@@ -32,7 +32,6 @@ from typing import Any
 import numpy as np
 import ufl
 
-import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
@@ -45,7 +44,6 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.output.report import whence, write_summary
 
-MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "leave_out"
 G = 9.81  # m/s²
 
@@ -91,7 +89,7 @@ def obstacle(full: bool, point: tuple[float, float], normal: tuple[float, float]
 # %%
 def rocking_block(full: bool) -> tuple[Scene, float, float]:
     """The rigid block of `rocking_block.py`: it needs friction; a rigid solid has no volume."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=0.36, height=0.80)
+    mesh = mesh_from_gmsh("block.geo", width=0.36, height=0.80)
     block = RigidSolid(mesh, mass=417.6, gravity=(0, -G), rotation=1e-3, about=(-0.18, 0))
     contact = Contact(block, "base", obstacle(full, (0, 0), (0, 1)), friction=0.9)
     return Scene([block], [contact]), 0.05, 5e-5
@@ -99,7 +97,7 @@ def rocking_block(full: bool) -> tuple[Scene, float, float]:
 
 def bar_at_wall(full: bool) -> tuple[Scene, float, float]:
     """The bar of `bar_impact.py`: nothing slides, so friction is switched on as well."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=10.0, height=1.0, n_width=100, n_height=1)
+    mesh = mesh_from_gmsh("block.geo", width=10.0, height=1.0, n_width=100, n_height=1)
     bar = elastic(
         full, mesh, 900.0, 0.0, density=1.0, velocity=lambda x: np.stack([-10 + 0 * x[0], 0 * x[1]])
     )
@@ -110,7 +108,7 @@ def bar_at_wall(full: bool) -> tuple[Scene, float, float]:
 
 def sliding_block(full: bool) -> tuple[Scene, float, float]:
     """The elastic block of `stick_slip.py`, sliding; it needs friction."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=1.0, height=1.0, n_width=8, n_height=8)
+    mesh = mesh_from_gmsh("block.geo", width=1.0, height=1.0, n_width=8, n_height=8)
     block = elastic(
         full,
         mesh,
@@ -126,7 +124,7 @@ def sliding_block(full: bool) -> tuple[Scene, float, float]:
 
 def dropped_block(full: bool) -> tuple[Scene, float, float]:
     """A rigid block of forty points that falls flat: nothing slides."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=1.0, height=0.2, n_width=40, n_height=1)
+    mesh = mesh_from_gmsh("block.geo", width=1.0, height=0.2, n_width=40, n_height=1)
     block = RigidSolid(mesh, mass=10.0, gravity=(0, -G), velocity=(0, -1.0))
     floor = obstacle(full, (0, -0.05), (0, 1))
     contact = Contact(block, "base", floor, friction=0.3 if full else 0.0)

@@ -56,7 +56,6 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.output.report import write_summary
 
-MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "reliability"
 FLOOR = HalfSpace(point=(0, 0), normal=(0, 1))
 UNTIL, DT = 0.3, 1e-3  # s
@@ -70,7 +69,7 @@ UNTIL, DT = 0.3, 1e-3  # s
 # %%
 def scene(friction: float = 0.3) -> Scene:
     """A block that is thrown at the floor."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=0.4, height=0.4, n_width=4, n_height=4)
+    mesh = mesh_from_gmsh("block.geo", width=0.4, height=0.4, n_width=4, n_height=4)
     block = ElasticSolid(
         mesh,
         youngs_modulus=1e6,
@@ -250,7 +249,7 @@ SELDOM_RIGHT: list[Any] = [
 
 def inputs() -> dict[str, int]:
     """How many were built, refused by name, and anything else."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo")
+    mesh = mesh_from_gmsh("block.geo")
     rigid = {"mass": 1.0, "gravity": (0, -9.81), "rotation": 0.0, "velocity": (0, 0), "force": None}
     material = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1.0, "gravity": (0, 0)}
     on_floor = {"friction": 0.3, "formulation": "gap", "gap_tolerance": 0.0, "facets": "base"}
@@ -299,13 +298,13 @@ def solid(kind: str, mesh: Any, name: str, **held: Any) -> Any:
 
 def pair(slave: str, master: str, law: Any, friction: float, scheme: Any) -> str:
     """What became of one."""
-    upper = mesh_from_gmsh(MESHES / "block.geo", width=0.4, height=0.2, n_width=2, n_height=1)
+    upper = mesh_from_gmsh("block.geo", width=0.4, height=0.2, n_width=2, n_height=1)
     up = solid(slave, upper, "up")
     try:
         if master == "obstacle":
             made = Scene([up], [Contact(up, "base", FLOOR, law, friction)], scheme)
         else:
-            lower = mesh_from_gmsh(MESHES / "block.geo", width=0.6, height=0.3, n_width=3)
+            lower = mesh_from_gmsh("block.geo", width=0.6, height=0.3, n_width=3)
             lower.mesh.geometry.x[:, 1] -= 0.3
             low = solid(master, lower, "low", **({} if master == "rigid" else {"fixed": ["base"]}))
             contacts = [Contact(up, "base", (low, "top"), law, friction)]

@@ -43,7 +43,6 @@ from typing import Any
 
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import (
     GAP,
     VELOCITY,
@@ -62,12 +61,11 @@ from fenicsx_contact.output.report import write_summary, write_table
 from fenicsx_contact.references.housner import Block, rocking
 from fenicsx_contact.references.swings import swings
 
-MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "rocking_block"
 
 BLOCK = Block(width=0.36, height=0.80, mass=417.6)  # m, m, kg
 GRAVITY = (0.0, -9.81)  # m/s²
-FRICTION = 0.9  # Code_Aster's SDNV105; Housner's block sticks from 0.3212 on
+FRICTION = 0.9  # Code_Aster's SDNV105; Housner's block sticks from BLOCK.smallest_friction on
 IMPACTS = 6
 CORNERS = [(-0.18, 0.0), (0.18, 0.0)]
 
@@ -120,7 +118,7 @@ def rock(
 ) -> History:
     """Release the rigid block at an angle and let it rock."""
     formulation, scheme = FORMULATIONS[name]
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=BLOCK.width, height=BLOCK.height)
+    mesh = mesh_from_gmsh("block.geo", width=BLOCK.width, height=BLOCK.height)
     block = RigidSolid(
         mesh, mass=BLOCK.mass, gravity=GRAVITY, rotation=angle, about=CORNERS[0], name="block"
     )
@@ -215,7 +213,7 @@ def ladder(quick: bool = False) -> dict[str, list[tuple[float, float]]]:
 def elastic(youngs_modulus: float, dt: float) -> float:
     """Share of the energy that an elastic block keeps in its first impact."""
     angle = CASES["degree"].angle
-    mesh = mesh_from_gmsh(MESHES / "block.geo", n_width=4, n_height=8)
+    mesh = mesh_from_gmsh("block.geo", n_width=4, n_height=8)
     block = ElasticSolid(
         mesh,
         youngs_modulus=youngs_modulus,
@@ -353,14 +351,15 @@ if __name__ == "__main__":
 # %% [markdown]
 # ## What to try next
 #
-# - `FRICTION = 0.3`: below 0.3212 the block slips at each impact, and Housner's ratio is lost.
+# - `FRICTION = 0.9 * BLOCK.smallest_friction`: the block slips at each impact, and Housner's ratio
+#   is lost.
 # - `(VELOCITY, ThetaScheme(1.0))`: the first maxima are lower, for the scheme is implicit Euler.
 # - `(GAP, ThetaScheme(0.5))`: the corner that lands bounces; look at the reaction, column
 #   `block.base.force_y`.
 # - `located=True` with a tenth of the steps: what is the error of the tenth impact?
 # - `(Discrete(STIFFNESS), ThetaScheme(0.5))`, no dashpots: the second maximum is 48 % too high, for
 #   the springs give energy back.
-# - `mesh_from_gmsh(MESHES / "block.geo", n_width=10)`: more points, the same motion.
+# - `mesh_from_gmsh("block.geo", n_width=10)`: more points, the same motion.
 #
 # ## Sources
 #

@@ -14,10 +14,10 @@
 # $$\rho A\,\ddot u + (EI\,u'')'' = q_c, \qquad
 #   (M + m_a(z))\,\ddot z = (M - m_w)\,g - C(z)\,\dot z|\dot z| - F_f + f_c .$$
 # The guide is a corridor of centre line $y(x)$ and clearance $c(x)$; the rod's point $s$ is now at
-# depth $x = x_0 + z - s$, and its gap is $c(x) - |u - y(x)|$. The law of Signorini and Moreau and
-# Coulomb's law act there on the *relative velocity*. The wall is inclined by $y'$: a rod that
-# slides past sees its wall move sideways at $y'\dot z$, and the normal force pushes it along the
-# axis.
+# depth $x = x_0 + z - s$, and its gap is $d_n = |u - y(x)| - c(x)$, positive inside a wall. The law
+# of Signorini and Moreau and Coulomb's law act there on the *relative velocity*. The wall is
+# inclined by $y'$: a rod that slides past sees its wall move sideways at $y'\dot z$, and the normal
+# force pushes it along the axis.
 #
 # ## The discrete form
 #

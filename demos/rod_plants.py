@@ -128,9 +128,9 @@ def with_flow(dt: float, lightened: float) -> dict[str, float]:
 
 
 # %%
-def come_to_rest(amplitude: float, dt: float) -> dict[str, float]:
-    """A drop into short waves, until the rod rests or is down."""
-    a = Assumed(amplitude=amplitude, wavelength=WAVE)
+def come_to_rest(amplitude: float, dt: float, **assumed: float) -> dict[str, float]:
+    """A drop into short waves, until the rod rests or is down; ``assumed`` as of `rod_drop.py`."""
+    a = Assumed(**{"amplitude": amplitude, "wavelength": WAVE, **assumed})
     solid, corridor = rod(a), guide(a)
     settle(solid, "rods", corridor)
     contact = GuideContact(solid, "rods", corridor, VELOCITY, a.friction, name="guide")
@@ -231,8 +231,8 @@ if __name__ == "__main__":
 # ## What to try next
 #
 # - `lightened` at 0.5: how little the prediction depends on what is not published.
-# - A `wavelength` of 3.66 m in `come_to_rest`: how large must the bow be?
-# - Friction of 0.5: the amplitude falls, the state of rest stays one of many.
+# - `come_to_rest(60e-3, 4e-3, wavelength=3.66)` is down: how large must a bow of one S be?
+# - `come_to_rest(15.7e-3, 4e-3, friction=0.5)` stops higher, and still below friction's bound.
 #
 # ## Sources
 #

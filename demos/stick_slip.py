@@ -33,7 +33,6 @@ from typing import Any
 
 import numpy as np
 
-import fenicsx_contact
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
@@ -47,7 +46,6 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.output.report import write_summary
 
-MESHES = Path(fenicsx_contact.__file__).resolve().parents[1] / "meshes"
 RESULTS = Path("results") / "stick_slip"
 G = 9.81  # m/s²
 FLOOR = HalfSpace(point=(0, 0), normal=(0, 1))
@@ -63,7 +61,7 @@ FLOOR = HalfSpace(point=(0, 0), normal=(0, 1))
 def incline(slope: float, friction: float = 0.5) -> float:
     """Acceleration [m/s²] of a rigid block on a slope of the given tangent."""
     angle = atan(slope)
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=1.0, height=0.2)
+    mesh = mesh_from_gmsh("block.geo", width=1.0, height=0.2)
     block = RigidSolid(mesh, mass=1.0, gravity=(G * sin(angle), -G * cos(angle)))
     scene = Scene([block], [Contact(block, "base", FLOOR, friction=friction)])
     scene.run(until=1.0, dt=0.01)
@@ -90,7 +88,7 @@ def slopes() -> dict[str, list[float]]:
 # %%
 def stop_of_rigid(friction: float = 0.3, speed: float = 2.0, dt: float = 0.005) -> dict[str, Any]:
     """Time and distance to rest of a rigid block."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=1.0, height=0.2)
+    mesh = mesh_from_gmsh("block.geo", width=1.0, height=0.2)
     block = RigidSolid(mesh, mass=1.0, gravity=(0, -G), velocity=(speed, 0))
     scene = Scene([block], [Contact(block, "base", FLOOR, friction=friction)])
     start = block.place[0]
@@ -100,7 +98,7 @@ def stop_of_rigid(friction: float = 0.3, speed: float = 2.0, dt: float = 0.005) 
 
 def elastic_block(gravity: tuple[float, float], **state: Any) -> ElasticSolid:
     """One metre square, soft."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=1.0, height=1.0, n_width=8, n_height=8)
+    mesh = mesh_from_gmsh("block.geo", width=1.0, height=1.0, n_width=8, n_height=8)
     return ElasticSolid(
         mesh,
         youngs_modulus=1e6,
@@ -169,7 +167,7 @@ def figures_of_stop(history: History, friction: float, speed: float) -> dict[str
 # %%
 def oscillator(steps: int = 80) -> tuple[dict[str, Any], History]:
     """Turning points, and the largest motion after the last; ``steps`` to half a period."""
-    mesh = mesh_from_gmsh(MESHES / "block.geo", width=1.0, height=1.0, n_width=1, n_height=1)
+    mesh = mesh_from_gmsh("block.geo", width=1.0, height=1.0, n_width=1, n_height=1)
     solid = HyperelasticSolid(
         mesh,
         energy=lambda F: 1e4 / 2 * F[0, 1] ** 2,

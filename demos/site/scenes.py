@@ -30,7 +30,6 @@ from fenicsx_contact import (
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
-MESHES = ROOT / "meshes"
 
 #: Facets of quadrilaterals (the cell itself) and of hexahedra, corners in dolfinx's order.
 FACETS = {
@@ -157,7 +156,7 @@ def thrown() -> dict[str, Any]:
     """A soft block is thrown on a floor, aslant."""
     size = {"width": 1.0, "height": 0.6, "n_width": 20, "n_height": 12}
     solid = HyperelasticSolid(
-        mesh_from_gmsh(MESHES / "block.geo", **size),
+        mesh_from_gmsh("block.geo", **size),
         energy=neo_hookean(4e5, 0.3),
         density=1000.0,
         gravity=(0, -9.81),
@@ -172,7 +171,7 @@ def thrown() -> dict[str, Any]:
 
 def ironing() -> dict[str, Any]:
     """A stiff die is pressed into a soft slab and drawn across it."""
-    die_mesh, slab_mesh = (mesh_from_gmsh(MESHES / f"{name}.geo", n=8) for name in ("die", "slab"))
+    die_mesh, slab_mesh = (mesh_from_gmsh(f"{name}.geo", n=8) for name in ("die", "slab"))
 
     def motion(t: float) -> tuple[float, float]:
         return 0.06 * max(0.0, t - 6), -0.2 * min(t / 6, 1.0)

@@ -45,7 +45,7 @@ from fenicsx_contact.gradients import (
     adjoints,
     tangents,
 )
-from fenicsx_contact.output.report import write_summary, write_table
+from fenicsx_contact.output.report import whence, write_summary, write_table
 
 RESULTS = Path("results") / "benchmark_gradients"
 
@@ -174,6 +174,9 @@ def main(quick: bool = False, only: str = "") -> dict[str, Any]:
     summary = {"costs": costs}
     write_summary(RESULTS, summary)
     write_table(RESULTS, table(costs), quick)
+    most = {way: max(costs, key=lambda name: costs[name][way]) for way in WAYS}
+    said = (f"{way} {costs[name][way]:.2f} ({name})" for way, name in most.items())
+    print(f"the dearest, over their runs: {', '.join(said)}; {whence()}")
     return summary
 
 
@@ -181,3 +184,16 @@ def main(quick: bool = False, only: str = "") -> dict[str, Any]:
 if __name__ == "__main__":
     quick, names = "--quick" in sys.argv[1:], [a for a in sys.argv[1:] if a[0] != "-"]
     main(quick, *names)
+
+# %% [markdown]
+# ## What to try next
+#
+# - `main(only="rod")`, or `./run demos/benchmark_gradients.py rod`: one scene alone.
+# - Sizes and steps of `SCENES`: which derivative grows slower than its run?
+# - `adjoints(..., room=0)`: what does it cost to run once more what is not kept?
+#
+# ## Sources
+#
+# - The scenes are those of `gradients.py` and `uncertainty.py`.
+# - A. Griewank, A. Walther (2008), *Evaluating Derivatives*, SIAM: costs by counting, and what is
+#   kept for going back.

@@ -273,11 +273,16 @@ def draw(summary: dict[str, Any]) -> None:
     from fenicsx_contact.output import plots
 
     fig, ax = plots.figure(size=(5.5, 3.5))
+    sizes = set()
     for solver in ("iterative", "monolithic"):
         rows = summary[solver]
         size = [row["unknowns"] for row in rows]
         ax.loglog(size, [row["phases_s"]["linear solve"] for row in rows], "o-", label=solver)
-    ax.set_xlabel("unknowns")
+        sizes |= set(size)
+    ax.set_xticks([], minor=True)  # their labels would overlap within a decade
+    ax.set_xticks(sorted(sizes))
+    ax.set_xticklabels([f"{size / 1000:.3g}" for size in sorted(sizes)])
+    ax.set_xlabel("unknowns [thousands]")
     ax.set_ylabel("linear solves of a load step [s]")
     ax.grid(True, which="both", alpha=0.3)
     ax.legend()

@@ -304,6 +304,7 @@ def draw(
     off.plot(bounce.time, bounce["y"] / 0.1, label="height of a rebound / first")
     off.plot(pull.time, -pull["floor.force_y"] / 133.0, label="pull / adhesion")
     off.set_xlabel("time [s]")
+    off.set_ylabel("height, pull [1]")
     off.legend()
     plots.save(fig, RESULTS / "interface_laws.png")
 

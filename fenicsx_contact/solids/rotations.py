@@ -54,7 +54,8 @@ def rotation_matrix(increment: np.ndarray) -> np.ndarray:
 
 def by_spins(arms: np.ndarray) -> np.ndarray:
     """Velocities of the ends of arms (..., d) by unit spins about each axis, (..., d, spins)."""
-    return (arms @ ARMS[arms.shape[-1]]).reshape(*arms.shape, -1)
+    d = arms.shape[-1]
+    return (arms @ ARMS[d]).reshape(*arms.shape, ARMS[d].shape[-1] // d)
 
 
 def cross_matrix(a: np.ndarray) -> np.ndarray:

@@ -53,7 +53,7 @@ def shared(outlines: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     same where there is but one, (r, 2), and how many there are, (r,)."""
     k = outlines.shape[1]
     ridges = [outlines] if k == 2 else [outlines, np.roll(outlines, -1, axis=1)]
-    flat = np.sort(np.stack(ridges, axis=2).reshape(outlines.size, -1), axis=1)
+    flat = np.sort(np.stack(ridges, axis=2).reshape(-1, len(ridges)), axis=1)
     ends, which, count = np.unique(flat, axis=0, return_inverse=True, return_counts=True)
     facet = np.argsort(which.ravel(), kind="stable") // k
     first = np.cumsum(count) - count

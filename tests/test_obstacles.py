@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import ufl
+from dolfinx import fem
 from scenes import FLOOR, G, box, energy_size, rectangle, total_energy
 
 from fenicsx_contact import (
@@ -26,6 +27,7 @@ from fenicsx_contact import (
     ThetaScheme,
     Turned,
 )
+from fenicsx_contact.base import compat
 from fenicsx_contact.contact.leaps import leap
 from fenicsx_contact.contact.wall import Wall
 
@@ -138,6 +140,21 @@ def test_velocity_of_a_wall():
         1 + Wall(drum).velocity(x - [0.6, 0.36], 0.4, 0.6),
         rtol=1e-13,
     )
+
+
+def test_constants_in_the_velocity_of_a_level_set():
+    """Of a user's mesh, alone and with the position, of phi and of their own; as they are now."""
+    mesh = rectangle().mesh
+    rise, slow, fast = (fem.Constant(mesh, value) for value in (0.1, 3.0, 7.0))
+    x = np.random.default_rng(4).random((4, 2))
+    level = LevelSet(lambda x, t: x[1] - rise, 2, lambda x, t: (fast * x[1] + rise, slow))
+    belt = LevelSet(lambda x, t: x[1], 2, velocity=lambda x, t: (slow, 0.0))
+    for fast.value, slow.value, rise.value in ((7.0, 3.0, 0.1), (-2.0, 1.0, 0.3)):
+        here = np.stack([fast.value * x[:, 1] + rise.value, np.full(4, slow.value)], axis=1)
+        np.testing.assert_allclose(level.velocity(x, 0.0), here, rtol=1e-13)
+        np.testing.assert_allclose(belt.velocity(x, 0.0), np.outer(here[:, 1], [1, 0]), rtol=1e-13)
+    assert level.numbers == [rise] and belt.numbers == []
+    np.testing.assert_allclose(level.changes(rise, x)[0], -1.0, rtol=1e-13)
     assert not Wall(FLOOR).moving and not Wall(FLOOR).velocity(x, 0.0, 1.0).any()
 
 
@@ -496,6 +513,14 @@ def refused(make, *words):
         assert word in str(caught.value)
 
 
+def of_mesh():
+    return ufl.SpatialCoordinate(rectangle().mesh)
+
+
+def scalars():
+    return compat.cellwise_space(rectangle().mesh)
+
+
 def on(obstacle):
     return Contact(RigidSolid(rectangle(), mass=1.0), "base", obstacle)
 
@@ -511,6 +536,23 @@ def on(obstacle):
         (lambda: LevelSet(lambda x, t: x[0], 4), ("dim = 4", "2 or 3")),
         (lambda: LevelSet(lambda x, t: x[0], 2.0), ("dim = 2.0",)),
         (lambda: LevelSet(lambda x, t: x[0], 2, velocity=lambda x, t: t), ("velocity", "vector")),
+        (lambda: LevelSet(lambda x, t: x[0] + 1j, 2), ("phi", "1j", "real")),
+        (lambda: LevelSet(lambda x, t: x[0] + of_mesh()[0], 2), ("phi", "Coordinate", "mesh")),
+        (lambda: LevelSet(lambda x, t: x[0], 2, lambda x, t: of_mesh()), ("velocity", "mesh")),
+        (
+            lambda: LevelSet(lambda x, t: x[0] + fem.Function(scalars(), name="g"), 2),
+            ("phi", "Function g", "mesh"),
+        ),
+        (
+            lambda: LevelSet(lambda x, t: x[0], 2, lambda x, t: (fem.Function(scalars()), 0.0)),
+            ("velocity", "Function", "mesh"),
+        ),
+        (
+            lambda: LevelSet(
+                lambda x, t: x[0], 2, lambda x, t: fem.Constant(rectangle().mesh, (1.0, 0.0))
+            ),
+            ("velocity", "(2,)", "scalars"),
+        ),
         (lambda: Circle((0, 0), 0.0), ("radius",)),
         (lambda: Circle((0, 0, 0), 1.0), ("center",)),
         (lambda: Sphere((0, 0), 1.0), ("center",)),

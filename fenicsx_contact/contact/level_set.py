@@ -24,8 +24,9 @@ class LevelSet:
     first order next to the surface (all that a contact asks), normals ``grad phi/|grad phi|``;
     their derivatives are exact (``ufl.diff``). Numbers that change, or by which a run is to be
     differentiated (:class:`~fenicsx_contact.gradients.Shape`), stand in it as ``fem.Constant`` of
-    any mesh: what counts are their values when it is asked. Where the surface moves it does so
-    along its normals unless a velocity tells of the material (a belt, a drum that turns).
+    any mesh: what counts are their values when it is asked. Nothing else of a mesh can stand in it,
+    as an obstacle is none. Where the surface moves it does so along its normals unless a velocity
+    tells of the material (a belt, a drum that turns), in which Constants may stand, too.
 
     Args:
         phi: from a position x (a UFL vector) and the time t [s] to a UFL scalar, positive outside.
@@ -36,7 +37,8 @@ class LevelSet:
         numbers: the Constants that stand in phi.
 
     Raises:
-        InputError: no such functions, a phi without a gradient, a Constant that is no scalar.
+        InputError: no such functions, a phi without a gradient, a Constant that is no scalar, or
+            what belongs to a mesh: its coordinates, a Function.
     """
 
     flat = False
@@ -50,28 +52,29 @@ class LevelSet:
         self.dim = checks.whole_number("dim", dim, at_least=2)
         if dim > 3:
             raise checks.InputError(f"dim = {dim!r}: must be 2 or 3")
-        self._motion = velocity
         self._compiled: dict[tuple[str, int], tuple[PointCloud, list[Any], Callable]] = {}
         x, t = (cloud := PointCloud(1, dim)).x, cloud.t
         value = _as_ufl("phi", phi, x, t, ())
-        self._phi, self.numbers = value, _constants(value)
-        self._terminals = x, t, *self.numbers
+        self._phi, self.numbers = value, _constants("phi", value, x, t)
         used = ufl.algorithms.extract_coefficients(value)
         if x not in used:
             raise checks.InputError(f"phi = {phi!r}: must depend on the position, it is {value}")
         self.moving = t in used or velocity is not None
+        self._drift, every = None, self.numbers
         if velocity is not None:
-            self._drift(x, t)  # refuse now what can be refused
+            self._drift = _as_ufl("velocity", velocity, x, t, (dim,))
+            of_drift = _constants("velocity", self._drift, x, t)
+            every = [*every, *(c for c in of_drift if not any(c is each for each in every))]
             self.velocity = self._velocity
+        self._every = every  # the Constants of phi, and further ones of the velocity
+        self._terminals = x, t, *every
 
-    def _drift(self, x: Any, t: Any) -> Any:
-        return _as_ufl("velocity", self._motion, x, t, (self.dim,))
-
-    def _expression(self, what: str, x: Any, t: Any, numbers: list[Any]) -> Any:
-        """In UFL, ``x`` and ``numbers`` being variables of it."""
+    def _expression(self, what: str, x: Any, t: Any, fields: list[Any]) -> Any:
+        """In UFL, ``x`` and the ``fields`` in place of all Constants being variables of it."""
+        instead = dict(zip(self._terminals, (x, t, *fields)))
         if what == "velocity":
-            return self._drift(x, t)
-        phi = ufl.replace(self._phi, dict(zip(self._terminals, (x, t, *numbers))))
+            return ufl.replace(self._drift, instead)
+        phi, numbers = ufl.replace(self._phi, instead), fields[: len(self.numbers)]
         gradient = ufl.diff(phi, x)
         size = ufl.sqrt(ufl.dot(gradient, gradient))
         distance, normal = phi / size, gradient / size
@@ -90,13 +93,13 @@ class LevelSet:
         key = what, len(points)
         if key not in self._compiled:
             cloud = PointCloud(len(points), self.dim)
-            fields = [fem.Function(cloud.numbers) for _ in self.numbers]
-            x, *numbers = (ufl.variable(field) for field in (cloud.x, *fields))
-            expression = self._expression(what, x, cloud.t, numbers)
+            fields = [fem.Function(cloud.numbers) for _ in self._every]
+            x, *instead = (ufl.variable(field) for field in (cloud.x, *fields))
+            expression = self._expression(what, x, cloud.t, instead)
             self._compiled[key] = cloud, fields, cloud.compiled(expression)
         cloud, fields, compiled = self._compiled[key]
         cloud.place(points, time)
-        for field, number in zip(fields, self.numbers):
+        for field, number in zip(fields, self._every):
             field.x.array[:] = float(number.value)
         return compiled()
 
@@ -128,18 +131,31 @@ class LevelSet:
         return self._at("velocity", points, time)
 
     def __repr__(self) -> str:
-        drift = self._motion and f", velocity={self._drift(*self._terminals[:2])}"
-        return f"LevelSet({self._phi}, dim={self.dim}{drift or ''})"
+        drift = "" if self._drift is None else f", velocity={self._drift}"
+        return f"LevelSet({self._phi}, dim={self.dim}{drift})"
 
 
-def _constants(phi: Any) -> list[fem.Constant]:
-    """The Constants of an expression, each once, or a refusal."""
-    found = ufl.corealg.traversal.traverse_unique_terminals(phi)
-    constants = [each for each in found if isinstance(each, fem.Constant)]
-    for each in constants:
-        if each.ufl_shape:
+#: Terminals of UFL that are of no mesh: numbers, indices, the labels of variables.
+_OF_NO_MESH = ufl.classes.ConstantValue, ufl.classes.MultiIndex, ufl.classes.Label
+
+
+def _constants(name: str, value: Any, x: Any, t: Any) -> list[fem.Constant]:
+    """The Constants of an expression, each once; anything else but numbers, ``x`` and ``t`` is
+    refused: there is no mesh on which it would have a value."""
+    constants = []
+    for each in ufl.corealg.traversal.traverse_unique_terminals(value):
+        if isinstance(each, fem.Constant) and not each.ufl_shape:
+            constants.append(each)
+        elif isinstance(each, fem.Constant):
             raise checks.InputError(
-                f"phi: a Constant of shape {each.ufl_shape} stands in it; they must be scalars"
+                f"{name}: a Constant of shape {each.ufl_shape} stands in it; they must be scalars"
+            )
+        elif isinstance(each, ufl.classes.ComplexValue):
+            raise checks.InputError(f"{name}: {each} stands in it; numbers must be real")
+        elif each is not x and each is not t and not isinstance(each, _OF_NO_MESH):
+            raise checks.InputError(
+                f"{name} = {value}: {type(each).__name__} {each} stands in it, which is of a mesh; "
+                "an obstacle is of x, t, numbers and scalar Constants only"
             )
     return constants
 

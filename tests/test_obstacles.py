@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+import sys
+from threading import Thread
+
 import numpy as np
 import pytest
 import ufl
@@ -95,6 +98,28 @@ OBSTACLES = {
     "turned wave": Moved(Turned(LevelSet(wave, 2), (0.3, 0.1), lambda t: 2 * t), lambda t: (t, t)),
     "moved wave": Moved(LevelSet(wave, 2), lambda t: (ufl.sin(t), 0.2 * t)),
 }
+
+
+def test_a_level_set_is_asked_from_several_threads():
+    """Each got distances of the other's points now and then."""
+    level, rng = LevelSet(wave, 2), np.random.default_rng(5)
+    points = [rng.random((50, 2)) for _ in range(4)]
+    here = [level.distance(x) for x in points]
+    before, wrong = sys.getswitchinterval(), []
+
+    def asking(x, right):
+        wrong.extend(1 for _ in range(1000) if not np.array_equal(level.distance(x), right))
+
+    threads = [Thread(target=asking, args=each) for each in zip(points, here)]
+    sys.setswitchinterval(1e-6)
+    try:
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    finally:
+        sys.setswitchinterval(before)
+    assert not wrong
 
 
 @pytest.mark.parametrize("name", OBSTACLES)

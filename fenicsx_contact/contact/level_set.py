@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -52,6 +53,7 @@ class LevelSet:
         self.dim = checks.whole_number("dim", dim, at_least=2)
         if dim > 3:
             raise checks.InputError(f"dim = {dim!r}: must be 2 or 3")
+        self._asked = Lock()  # scenes in several threads may stand before it: its points are one's
         self._compiled: dict[tuple[str, int], tuple[PointCloud, list[Any], Callable]] = {}
         x, t = (cloud := PointCloud(1, dim)).x, cloud.t
         value = _as_ufl("phi", phi, x, t, ())
@@ -91,17 +93,18 @@ class LevelSet:
     def _at(self, what: str, points: np.ndarray, time: float) -> np.ndarray:
         """One of the expressions at the points, compiled once for each number of points."""
         key = what, len(points)
-        if key not in self._compiled:
-            cloud = PointCloud(len(points), self.dim)
-            fields = [fem.Function(cloud.numbers) for _ in self._every]
-            x, *instead = (ufl.variable(field) for field in (cloud.x, *fields))
-            expression = self._expression(what, x, cloud.t, instead)
-            self._compiled[key] = cloud, fields, cloud.compiled(expression)
-        cloud, fields, compiled = self._compiled[key]
-        cloud.place(points, time)
-        for field, number in zip(fields, self._every):
-            field.x.array[:] = float(number.value)
-        return compiled()
+        with self._asked:
+            if key not in self._compiled:
+                cloud = PointCloud(len(points), self.dim)
+                fields = [fem.Function(cloud.numbers) for _ in self._every]
+                x, *instead = (ufl.variable(field) for field in (cloud.x, *fields))
+                expression = self._expression(what, x, cloud.t, instead)
+                self._compiled[key] = cloud, fields, cloud.compiled(expression)
+            cloud, fields, compiled = self._compiled[key]
+            cloud.place(points, time)
+            for field, number in zip(fields, self._every):
+                field.x.array[:] = float(number.value)
+            return compiled()
 
     def distance(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Signed distance of the points (n, d), positive outside, to first order."""

@@ -18,6 +18,7 @@ from .solids import DeformableSolid, Solid, communicator, refuse_mixed
 from .solve.choose import choose
 from .solve.newton import Newton
 from .solve.statics import refuse_free, stands
+from .steps.alone import moved_alone
 from .steps.checkpoint import state_of, take_up
 from .steps.impacts import LocatedImpacts, UniformImpacts
 from .steps.run import run
@@ -87,7 +88,7 @@ class Scene:
         checks.instance("newton", self.newton, Newton, "a Newton")
         self.locate_impacts = checks.truth("locate_impacts", locate_impacts)
         crossing = LocatedImpacts if locate_impacts else UniformImpacts
-        self._impacts = crossing(self.scheme)
+        self.impacts: UniformImpacts | LocatedImpacts = crossing(self.scheme)
         checks.truth("allow_growth", allow_growth)
         self.deepest = checks.number("deepest", deepest, at_least=0)
         self._check(checks.truth("allow_free", allow_free))
@@ -184,19 +185,19 @@ class Scene:
         """Iterations of the last linear solves, at most 100, if the solver is iterative."""
         return self.stepper.krylov
 
-    def step(self, dt: float, stepper: StepTaker | None = None) -> Iterator[list[float]]:
+    def step(self, dt: float) -> Iterator[list[float]]:
         """Cross ``dt`` seconds; yields the rows of the history as the state reaches them.
 
         Args:
             dt: s.
-            stepper: takes the steps; default: :attr:`stepper`, whatever their error.
 
         Raises:
-            InputError: dt is no positive number.
+            InputError: dt is no positive number, or another run or step moves the solids now.
             StepFailed: with the reason; the state is that of the last row.
         """
-        self.remarks, stepper = [], stepper or self.stepper
-        yield from self._impacts.cross(stepper, checks.number("dt", dt, above=0), self.remarks)
+        dt, self.remarks = checks.number("dt", dt, above=0), []
+        with moved_alone(self.solids):
+            yield from self.impacts.cross(self.stepper, dt, self.remarks)
 
     def run(
         self,
@@ -238,21 +239,23 @@ class Scene:
 
         Raises:
             InputError: dt <= 0, an end before the start, resume or fields without a directory, a
-                step_error <= 0 or with a scheme that is not of second order.
+                step_error <= 0 or with a scheme that is not of second order; another run or step
+                moves the solids now.
         """
-        return run(
-            self,
-            until,
-            dt,
-            step_error=step_error,
-            directory=directory,
-            resume=resume,
-            fields_every=fields_every,
-            progress=progress,
-            shortest=shortest,
-            probes=checks.mapping("probes", probes, "of functions"),
-            stop_when=stop_when,
-        )
+        with moved_alone(self.solids):
+            return run(
+                self,
+                until,
+                dt,
+                step_error=step_error,
+                directory=directory,
+                resume=resume,
+                fields_every=fields_every,
+                progress=progress,
+                shortest=shortest,
+                probes=checks.mapping("probes", probes, "of functions"),
+                stop_when=stop_when,
+            )
 
     def state(self) -> dict[str, np.ndarray]:
         """All that a run continues from, by name: copies, which stay as they are."""
@@ -266,7 +269,7 @@ class Scene:
         things: list[tuple[str, Any]] = []
         things += [(f"solid.{solid.name}.", solid) for solid in self.solids]
         things += [(f"contact.{contact.name}.", contact) for contact in self.contacts]
-        return [*things, ("impacts.", self._impacts), ("scene.", self.stepper)]
+        return [*things, ("impacts.", self.impacts), ("scene.", self.stepper)]
 
     def describe(self) -> str:
         """What the scene consists of: scheme, geometry, solver, solids, contacts and their

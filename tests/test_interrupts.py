@@ -236,3 +236,42 @@ def test_a_mesh_is_read_in_the_main_thread():
     thread.start()
     thread.join()
     assert found and "main thread" in found[0]
+
+
+def test_solids_are_moved_by_one_run_at_a_time():
+    """From a probe, or in another thread, a second one left garbage that was "finished"."""
+    scene, whole = sliding(), sliding().run(0.01, 1e-3, progress=False)
+    others = Scene(scene.solids, [], allow_free=True)
+    told = []
+
+    def again():
+        for each in (scene, others):
+            for move in (lambda one: one.run(0.02, 1e-3), lambda one: next(one.step(1e-3))):
+                try:
+                    move(each)
+                except InputError as refusal:
+                    told.append(str(refusal))
+        return 0.0
+
+    def elsewhere():
+        thread = Thread(target=again)
+        thread.start()
+        thread.join()
+        return again()
+
+    history = scene.run(0.01, 1e-3, progress=False, probes={"own": elsewhere})
+    assert history.finished and len(told) == 8 * len(history)
+    assert all("solids: ['elastic'] are on their way in another run" in each for each in told)
+    np.testing.assert_array_equal(history["kinetic"], whole["kinetic"])
+    np.testing.assert_array_equal(history.time, whole.time)
+    assert scene.run(0.02, 1e-3, progress=False).finished  # one after the other
+
+
+def test_a_step_whose_rows_are_not_all_taken_holds_its_solids():
+    scene = scenes.located_block()
+    rows = scene.step(1e-3)
+    next(rows)
+    with pytest.raises(InputError, match="in a step whose rows are not all taken"):
+        scene.run(0.1, 1e-3)
+    rows.close()
+    assert scene.run(0.01, 1e-3).finished

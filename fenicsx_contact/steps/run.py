@@ -23,8 +23,8 @@ from ..output.storage import NotWritten, RunDirectory
 from .adaptive import AdaptivePace, ErrorControl, StepTooLong
 from .checkpoint import collect, spread
 from .fingerprint import Described, fingerprint, shared
+from .impacts import LocatedImpacts, UniformImpacts
 from .pace import Pace
-from .taker import StepTaker
 
 
 class Runnable(Described, Protocol):
@@ -32,10 +32,9 @@ class Runnable(Described, Protocol):
 
     comm: Any
     columns: tuple[str, ...]
-    remarks: list[str]
+    impacts: UniformImpacts | LocatedImpacts
     deepest: float
 
-    def step(self, dt: float, stepper: StepTaker | None = None) -> Iterator[list[float]]: ...
     def state(self) -> dict[str, np.ndarray]: ...
     def restore(self, state: dict[str, np.ndarray]) -> None: ...
 
@@ -272,8 +271,9 @@ def _cross(
     pace.begin(done)
     while done < 1.0 - 1e-12:
         begin, end = scene.time, pace.end(done)
+        remarks: list[str] = []
         try:
-            for row in scene.step((end - done) * pace.dt, pace.stepper):
+            for row in scene.impacts.cross(pace.stepper, (end - done) * pace.dt, remarks):
                 history.append([*row, *_measure(probes)])
         except StepFailed as failure:
             tried = end - done
@@ -284,7 +284,7 @@ def _cross(
                 remark = f"step halved to {tried / 2 * pace.dt:.3g} s: {failure}"
                 history.remarks.append((scene.time, remark))
             continue
-        history.remarks += [(scene.time, remark) for remark in scene.remarks]
+        history.remarks += [(scene.time, remark) for remark in remarks]
         done = end
         pace.lengthen(done)
 

@@ -603,6 +603,8 @@ def test_stop_when(stop_when):
 
 def test_a_probe_that_raises():
     refused(lambda: run(probes={"p": lambda: 1 / 0}), "probes['p']", "ZeroDivisionError")
+    refused(lambda: run(probes={"p": lambda: 10**400}), "probes['p']", "range of floats")
+    refused(lambda: run(probes={"p": lambda: 10**9000}), "probes['p']", "range of floats")
 
 
 @pytest.mark.parametrize("value", [3, None, b"block.geo"])

@@ -52,6 +52,46 @@ def test_an_end_of_one_process_ends_all(failure, message, tmp_path):
     assert message in output
 
 
+EXITS = """
+def leaving(rank, done=None):
+    if world.rank == rank and (done is None or done()):
+        sys.exit("only here")
+    return False
+
+def wrong():  # of one process, caught by all
+    return "no number" if world.rank == 0 else 0.0
+
+try:
+    scenes.elastic_block().run(4e-3, 1e-3, probes={{"own": wrong}})
+except InputError as error:
+    problem = str(error)
+assert world.allgather(problem) == ["probes['own']() = 'no number': must be a number"] * 2
+
+left = []
+scene = scenes.elastic_block()
+for asked in (
+    {{"stop_when": world.rank and (lambda: leaving(1, lambda: scene.time > 2.5e-3)) or None}},
+    {{"probes": {{"own": lambda: leaving(0)}}}},
+):
+    try:
+        scene.run(1e-2, 1e-3, **asked)
+    except SystemExit as leave:
+        left.append(leave.code)
+assert world.allgather(left) == [["only here"] * 2] * 2
+scene.run(1e-2, 1e-3, probes={{"own": lambda: leaving(1)}})
+"""
+
+
+def test_who_exits_in_a_function_of_a_run_takes_the_others_along(tmp_path):
+    """They waited for it for ever: Python tells no hook of an exit."""
+    process = mpirun(code(EXITS, tmp_path), 2)
+    try:
+        output, _ = process.communicate(timeout=HANGS)
+    finally:
+        process.terminate()
+    assert process.returncode == 1 and "only here" in output and "Traceback" not in output, output
+
+
 SHARED = """
 def run(**others):
     return scenes.elastic_block().run(4e-3, 1e-3, **others)

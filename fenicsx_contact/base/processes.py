@@ -33,15 +33,15 @@ def on_first(comm: Any, action: Callable[[], T]) -> T:
 
 
 def together(comm: Any, action: Callable[[], T], kind: type[Exception] = StepFailed) -> T:
-    """What an action returns on each process; what fails by an error of this kind on any fails by
-    it on all."""
+    """What an action returns on each process; what fails by an error of this kind on any, or exits
+    there (``sys.exit``, of which no hook is told), does so on all."""
     if comm.size == 1:
         return action()
     result: Any = None
-    failure: Exception | None = None
+    failure: Exception | SystemExit | None = None
     try:
         result = action()
-    except kind as problem:  # the others have not met it
+    except (kind, SystemExit) as problem:  # the others have not met it
         failure = problem
     failed = [each for each in comm.allgather(failure) if each is not None]
     if failed:

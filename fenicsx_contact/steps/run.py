@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import closing, nullcontext
 from pathlib import Path
 from time import perf_counter
@@ -25,6 +25,7 @@ from .checkpoint import collect, spread
 from .fingerprint import Described, fingerprint, shared
 from .impacts import LocatedImpacts, UniformImpacts
 from .pace import Pace
+from .probes import check_probes, happened, measured
 
 
 class Runnable(Described, Protocol):
@@ -62,7 +63,7 @@ def run(
     shortest = checks.number("shortest", shortest, above=0, at_most=1)
     checks.whole_number("fields_every", fields_every, at_least=0)
     checks.truth("resume", resume)
-    _check_probes(scene, probes)
+    check_probes(scene.columns, probes)
     if progress is not None:
         checks.truth("progress", progress)
     if stop_when is not None and not checks.is_function(stop_when):
@@ -134,7 +135,7 @@ class _Course:
             return
         stepper = self.scene.stepper
         stepper.energies = stepper.sum_energies()  # another scene may have moved the solids
-        self.history.append([*stepper.row(), *_measure(self.probes)])
+        self.history.append([*stepper.row(), *measured(self.scene.comm, self.probes)])
         if self.scene.time == 0:  # others have told what is so
             told = [getattr(solid, "remark", "") for solid in self.scene.solids]
             told += map(starts_inside, self.scene.contacts)
@@ -200,7 +201,8 @@ class _Course:
         scene, history, pace, first = self.scene, self.history, self.pace, self.first
         writer = self._field_writer(fields_every)
         checkpoint = perf_counter()
-        if self.done and any_of(scene.comm, _happened(stop_when))[0]:  # before it was resumed
+        over = bool(self.done) and happened(scene.comm, stop_when)  # before it was resumed
+        if any_of(scene.comm, over)[0]:
             return
         for k in range(self.done, steps):
             try:
@@ -216,7 +218,7 @@ class _Course:
                 writer.write(scene.time)
             due = perf_counter() - checkpoint > CHECKPOINT_EVERY
             # the clocks of processes differ, and so may what they are asked
-            due, over = any_of(scene.comm, due, _happened(stop_when))
+            due, over = any_of(scene.comm, due, happened(scene.comm, stop_when))
             if due or k + 1 == steps or over:
                 self.save(k + 1)
                 checkpoint = perf_counter()
@@ -236,30 +238,6 @@ class _Course:
         return FieldWriter(scene.solids, scene.contacts, self.files.path, scene.time, resumed)
 
 
-def _check_probes(scene: Runnable, probes: Mapping[str, Callable[[], float]]) -> None:
-    for name, probe in probes.items():
-        if name in scene.columns:
-            raise checks.InputError(f"probes: {name!r} is a column of every history already")
-        if not checks.is_function(probe):
-            raise checks.InputError(f"probes[{name!r}] = {probe!r}: must be a function")
-
-
-def _measure(probes: Mapping[str, Callable[[], float]]) -> Iterator[float]:
-    for name, probe in probes.items():
-        what = f"probes[{name!r}]()"
-        value = checks.plain(checks.called(what, probe))
-        try:
-            yield float(value)
-        except (TypeError, ValueError):
-            raise checks.InputError(f"{what} = {value!r}: must be a number") from None
-
-
-def _happened(stop_when: Callable[[], bool] | None) -> bool:
-    if stop_when is None:
-        return False
-    return checks.truth("stop_when()", checks.called("stop_when", stop_when))
-
-
 def _cross(
     scene: Runnable,
     history: History,
@@ -274,7 +252,7 @@ def _cross(
         remarks: list[str] = []
         try:
             for row in scene.impacts.cross(pace.stepper, (end - done) * pace.dt, remarks):
-                history.append([*row, *_measure(probes)])
+                history.append([*row, *measured(scene.comm, probes)])
         except StepFailed as failure:
             tried = end - done
             done += (scene.time - begin) / pace.dt  # what an impact within the step had reached

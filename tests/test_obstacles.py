@@ -462,11 +462,11 @@ def test_a_sudden_start_is_a_blow():
 
 
 @pytest.mark.parametrize("law", ["velocity", "gap"])
-@pytest.mark.parametrize("at", [0.0105, 0.01, 0.00999999])
+@pytest.mark.parametrize("at", [0.0105, 0.01, 0.00999999, 0.0])
 @pytest.mark.parametrize("drift", [0.0, 0.3])
 def test_a_floor_that_jumps_is_refused(at, law, drift):
-    """In the midst of a step, at its end and right before that, at rest or sliding: by theta < 1 it
-    would throw the block at 1 km/s; by theta = 1 it arrives within the step."""
+    """In the midst of a step, at its end, right before that, just after t = 0, at rest or sliding:
+    by theta < 1 it would throw the block at 1 km/s; by theta = 1 it arrives within the step."""
     ends = []
     for theta in (0.5, 0.75, 1.0):
         block = RigidSolid(rectangle((2, 1)), mass=10.0, gravity=(0, -G))

@@ -17,7 +17,7 @@ from .wall import Wall
 
 
 class Leap(NamedTuple):
-    """How far it jumps, m, and when, s."""
+    """How far it jumps, m, and after when, s."""
 
     size: float
     time: float
@@ -29,7 +29,8 @@ def leap(
     """The jump that is more than half of the way between two times, or None.
 
     Of a motion that is continuous the half of its time in which it goes farther is halved until
-    less than half of the way is left; of one that jumps it never is, down to neighbouring numbers.
+    less than half of the way is left; of one that jumps it never is, down to the round-off of both
+    times.
 
     Args:
         place: as a function of the time, (n,) in m.
@@ -41,7 +42,10 @@ def leap(
         return None
     at, first, last = int(np.abs(way).argmax()), start, end
     size = whole = abs(way[at])
-    while (middle := 0.5 * (first + last)) not in (first, last):
+    # about t = 0 numbers go on to 5e-324, of which a motion may have no powers
+    least = np.spacing(max(abs(start), abs(end)))
+    while last - first > least:
+        middle = 0.5 * (first + last)
         here = place(middle)[at]
         left, right = abs(here - place(first)[at]), abs(place(last)[at] - here)
         first, last, size = (first, middle, left) if left > right else (middle, last, right)
@@ -49,7 +53,7 @@ def leap(
             return None
     # what begins to move at the very end goes on
     after = abs((place(last + (end - start)) - place(last))[at])
-    return Leap(float(size), last) if size > max(noise, after) else None
+    return Leap(float(size), first) if size > max(noise, after) else None
 
 
 def refuse_leaps(

@@ -113,6 +113,32 @@ def test_a_checkpoint_that_is_damaged_gives_way_to_the_one_before(checkpoints, t
         assert "state.npz cannot be read" in remark
 
 
+def test_both_checkpoints_damaged(checkpoints, tmp_path):
+    """Both are named, and pickles are not spoken of."""
+    run(0.005, directory=tmp_path)
+    for name in ("state.npz", "state.old.npz"):
+        (tmp_path / name).write_bytes(b"no archive")
+    both = (
+        f"directory = {str(tmp_path)!r}: state.npz cannot be read (it is damaged); "
+        "state.old.npz cannot be read (it is damaged)"
+    )
+    for read in (lambda: read_history(tmp_path), lambda: run(directory=tmp_path, resume=True)):
+        with pytest.raises(InputError) as refusal:
+            read()
+        assert str(refusal.value) == both
+
+
+@pytest.mark.parametrize("name", ["state.npz", "end.json"])
+def test_a_directory_in_the_place_of_a_file(name, checkpoints, tmp_path):
+    run(0.005, directory=tmp_path)
+    (tmp_path / name).unlink()
+    (tmp_path / name).mkdir()
+    with pytest.raises(InputError, match=rf"directory = .*: {name} cannot be .*s a directory"):
+        run(directory=tmp_path, resume=True)
+    (tmp_path / name).rmdir()
+    assert run(directory=tmp_path, resume=True).finished
+
+
 def test_rows_that_are_cut_lead_to_the_checkpoint_that_has_its_own(checkpoints, tmp_path):
     run(0.005, directory=tmp_path)
     rows = tmp_path / "history.f64"

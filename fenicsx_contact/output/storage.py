@@ -18,6 +18,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from zipfile import is_zipfile
 from zlib import crc32
 
 import numpy as np
@@ -159,8 +160,10 @@ class RunDirectory:
             )
         found, state, checksum = _last(self.path, history.columns)
         if found.reason and state is not None:  # what is damaged must not become the last but one
-            os.replace(self.path / BEFORE, self.path / LAST)
-        (self.path / "end.json").unlink(missing_ok=True)
+            with _using(self.path, LAST, "replaced"):
+                os.replace(self.path / BEFORE, self.path / LAST)
+        with _using(self.path, "end.json", "removed"):
+            (self.path / "end.json").unlink(missing_ok=True)
         return found, state, checksum
 
 
@@ -174,7 +177,7 @@ def read_history(path: str | Path) -> History:
     history, _, _ = _last(directory, tuple(_head(directory)["columns"]))
     damaged, history.reason = history.reason, "not finished"
     if not damaged and (directory / "end.json").is_file():
-        with _reading(directory, "end.json"):
+        with _using(directory, "end.json"):
             end: dict[str, Any] = json.loads((directory / "end.json").read_text())
             history.reason, history.times = end["reason"], end["times_s"]
             history.remarks = [(float(t), text) for t, text in end["remarks"]]
@@ -182,7 +185,7 @@ def read_history(path: str | Path) -> History:
 
 
 def _head(path: Path) -> dict[str, Any]:
-    with _reading(path, "history.json"):
+    with _using(path, "history.json"):
         head = json.loads((path / "history.json").read_text())
         return {"columns": list(head["columns"]), "scene": str(head["scene"])}
 
@@ -192,14 +195,14 @@ def _last(
 ) -> tuple[History, dict[str, np.ndarray] | None, int]:
     """The rows that the last good checkpoint counts, its state and the checksum of the rows. The
     reason of the history says what damage it had to pass over; a remark, too."""
-    problems = []
+    problems: dict[str, None] = {}  # each once
     for name in (LAST, BEFORE):
         try:
             history, state, checksum = _checkpoint(path, name, columns)
         except checks.InputError as problem:
-            problems.append(str(problem))
+            problems[str(problem).removeprefix(_where(path))] = None
             continue
-        history.reason = "; ".join(problems)
+        history.reason = _where(path) * bool(problems) + "; ".join(problems)
         if problems:
             remark = f"went back to the checkpoint before: {history.reason}"
             history.remarks.append((float(history.time[-1]), remark))
@@ -209,17 +212,20 @@ def _last(
     missing = not any((path / name).exists() for name in (LAST, BEFORE))
     if missing and (not rows.exists() or rows.stat().st_size <= 8 * len(columns)):
         return History(columns, reason=""), None, 0
-    raise checks.InputError(problems[0])
+    raise checks.InputError(_where(path) + "; ".join(problems))
 
 
 def _checkpoint(
     path: Path, name: str, columns: tuple[str, ...]
 ) -> tuple[History, dict[str, np.ndarray], int]:
-    with _reading(path, name), np.load(path / name, allow_pickle=False) as data:
+    with _using(path, name), open(path / name, "rb") as file:
+        if not is_zipfile(file):  # numpy would take it for a pickle
+            raise ValueError("it is damaged")
+    with _using(path, name), np.load(path / name, allow_pickle=False) as data:
         state = dict(data)
         count, checksum = map(int, state.pop("rows"))
         remarks = [(float(t), text) for t, text in json.loads(str(state.pop("remarks")))]
-    with _reading(path, "history.f64"):
+    with _using(path, "history.f64"):
         content = (path / "history.f64").read_bytes()[: count * len(columns) * 8]
         if len(content) < count * len(columns) * 8:
             raise ValueError(f"it lacks rows that {name} counts")
@@ -231,14 +237,16 @@ def _checkpoint(
     return history, state, checksum
 
 
+def _where(path: Path) -> str:
+    return f"directory = {str(path)!r}: "
+
+
 @contextmanager
-def _reading(path: Path, name: str) -> Iterator[None]:
+def _using(path: Path, name: str, done: str = "read") -> Iterator[None]:
     try:
         yield
     except Exception as failure:  # damaged archives raise almost anything
-        raise checks.InputError(
-            f"directory = {str(path)!r}: {name} cannot be read ({failure})"
-        ) from None
+        raise checks.InputError(f"{_where(path)}{name} cannot be {done} ({failure})") from None
 
 
 @contextmanager

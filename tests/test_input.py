@@ -607,6 +607,40 @@ def test_a_probe_that_raises():
     refused(lambda: run(probes={"p": lambda: 10**9000}), "probes['p']", "range of floats")
 
 
+def test_an_empty_path_is_not_the_present_directory(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    refused(lambda: run(directory=""), "directory = ''", "'.' is the present")
+    assert not list(tmp_path.iterdir())
+    assert run(directory=".").finished and (tmp_path / "state.npz").exists()
+
+
+@pytest.mark.parametrize("name", [500 * "a", 101 * "é"])
+def test_names_too_long_for_files(name):
+    """The run stopped where fields were to be written."""
+    refused(lambda: rigid(name=name), "name = ", "at most 200 bytes")
+    refused(lambda: contact(name=name), "name = ", "at most 200 bytes")
+
+
+def test_the_longest_name_names_files(tmp_path):
+    solid = rigid(name=200 * "a")
+    scene = Scene([solid], [Contact(solid, "base", FLOOR, name=200 * "b")])
+    assert scene.run(2e-3, 1e-3, directory=tmp_path, fields_every=1).finished
+
+
+@pytest.mark.parametrize("make", [elastic, hyperelastic])
+def test_a_degree_is_an_int(make):
+    """It was kept as it was given, of which UFL makes no degree in some versions."""
+    refused(lambda: make(degree=True), "degree = True", "whole number")
+    solid = make(degree=np.int64(2))
+    assert type(solid.degree) is type(solid.vectors.degree) is int
+
+
+@pytest.mark.parametrize("name", ["geometry", "solver"])
+@pytest.mark.filterwarnings("error")
+def test_methods_are_named(name):
+    refused(lambda: scene(**{name: np.array([1.0])}), name, "must be one of")
+
+
 @pytest.mark.parametrize("value", [3, None, b"block.geo"])
 @pytest.mark.parametrize("read", [mesh_from_gmsh, mesh_from_file])
 def test_files_that_are_no_paths(read, value):

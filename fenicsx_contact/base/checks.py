@@ -207,6 +207,8 @@ def label(name: str, value: Any) -> str:
     """``value`` if it can name a thing and its files, else an :class:`InputError`."""
     if not isinstance(value, str) or not value or "/" in value or not value.isprintable():
         raise InputError(f"{name} = {value!r}: must be a text that can name a file, without '/'")
+    if len(value.encode()) > 200:  # of 255 that file systems take, the rest for what is appended
+        raise InputError(f"{name} = {value!r}: must name a file, by at most 200 bytes")
     return value
 
 
@@ -220,7 +222,9 @@ def choice(name: str, value: Any, allowed: Iterable[str]) -> str:
 
 def path(name: str, value: Any) -> Path:
     """``value`` as a path, or an :class:`InputError`."""
-    if "\0" in str(instance(name, value, (str, Path), "a path")):
+    if instance(name, value, (str, Path), "a path") == "":  # Path takes it for the present one
+        raise InputError(f"{name} = {value!r}: must be a path ('.' is the present directory)")
+    if "\0" in str(value):
         raise InputError(f"{name} = {value!r}: must be a path, without a zero character")
     return Path(value)
 

@@ -109,8 +109,8 @@ class DeformableSolid(SystemRows, Stressed):
         checks.instance("mesh", mesh, NamedMesh, "a NamedMesh (mesh_from_gmsh, name_facets)")
         self.name, self.mesh, self.dim = checks.label("name", name), mesh, mesh.dim
         self.vectors = vector_space(mesh, degree, periodic)
-        self.joined = self.vectors.joined
-        self.comm, self.space, self.degree = self.vectors.comm, self.vectors.space, degree
+        self.joined, self.degree = self.vectors.joined, self.vectors.degree
+        self.comm, self.space = self.vectors.comm, self.vectors.space
         self.owned, self.unknowns = self.vectors.owned, self.vectors.unknowns
         checks.choice("plane", plane, self.planes if mesh.dim == 2 else self.planes[:1])
         self.plane = PLANES[plane]

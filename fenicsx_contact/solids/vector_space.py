@@ -54,7 +54,7 @@ class VectorSpace:
     joined: frozenset[str] = frozenset()
 
     def __init__(self, mesh: NamedMesh, degree: int, space: Any = None) -> None:
-        if checks.whole_number("degree", degree, at_least=1) > 2:
+        if (degree := checks.whole_number("degree", degree, at_least=1)) > 2:
             raise checks.InputError(f"degree = {degree!r}: must be 1 or 2")
         if degree < mesh.degree:
             raise checks.InputError(

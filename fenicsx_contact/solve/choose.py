@@ -34,6 +34,10 @@ def choose(
     Raises:
         InputError: an unknown name, or a solver that cannot take one of the solids.
     """
+    if geometry is not None:
+        checks.choice("geometry", geometry, ["newton", "fixed point"])
+    if solver is not None:
+        checks.choice("solver", solver, list(SYSTEMS))
     places = sum(contact.part.places for contact in contacts)
     large = places > LARGE_SURFACE
     deformable = [solid for solid in solids if isinstance(solid, DeformableSolid)]
@@ -66,8 +70,6 @@ def choose(
             solver = "iterative"
         else:
             solver = "monolithic"
-    checks.choice("geometry", geometry, ["newton", "fixed point"])
-    checks.choice("solver", solver, list(SYSTEMS))
     # by fixed point the sparse system of rigid solids is made from their compliance
     if solver == "iterative" or (geometry == "newton" and solver == "monolithic"):
         kind = MonolithicSolid if solver == "monolithic" else DeformableSolid

@@ -23,7 +23,6 @@ from .steps.checkpoint import state_of, take_up
 from .steps.impacts import LocatedImpacts, UniformImpacts
 from .steps.run import run
 from .steps.step import Stepper
-from .steps.taker import StepTaker
 from .theory.scheme import Scheme
 from .theory.theta import ThetaScheme
 

@@ -61,6 +61,9 @@ def test_rates_are_fitted_over_what_a_study_says():
         s.setting["elements"] = n
     assert np.isnan(rate(finer)) and rate(finer, "elements") == pytest.approx(2.0)
     assert "| 2.00 |" in table(finer, "elements")
+    for s, h in zip(finer, (0.2, 0.1)):  # a size falls where a count rises
+        s.setting["cell"] = h
+    assert rate(finer, "cell") == pytest.approx(2.0) and "| 2.00 |" in table(finer, "cell")
 
 
 def test_measuring_keeps_failures_with_their_reasons():

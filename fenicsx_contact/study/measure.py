@@ -146,18 +146,21 @@ def pareto(samples: Iterable[Sample]) -> list[Sample]:
 
 def rate(samples: Iterable[Sample], over: str = "steps") -> float:
     """Order of convergence: minus the slope of log(error) over log(steps), fitted; or over another
-    setting, by name, that varies. NaN where fewer than two samples have an error; InputError if no
-    setting has that name."""
+    setting, by name, that varies: of samples from coarse to fine, as a ladder has them, for it may
+    be a size, which falls, or a count. NaN where fewer than two samples have an error; InputError
+    if no setting has that name."""
     samples = list(samples)
     if over != "steps" and samples and not any(over in s.setting for s in samples):
         raise InputError(f"over = {over!r}: must be 'steps' or the name of a setting")
     good = [s for s in samples if np.isfinite(s.error) and s.error > 0]
     sizes = [s.setting.get(over, s.steps) for s in good]
+    falls = over != "steps" and len(sizes) > 0 and sizes[-1] < sizes[0]
     if len(set(sizes)) < 2:
         sizes = [s.steps for s in good]
     if len(set(sizes)) < 2:
         return np.nan
-    return float(-np.polyfit(np.log(sizes), np.log([s.error for s in good]), 1)[0])
+    slope = np.polyfit(np.log(sizes), np.log([s.error for s in good]), 1)[0]
+    return float(slope if falls else -slope)
 
 
 def table(samples: Sequence[Sample], over: str = "steps") -> str:

@@ -111,6 +111,11 @@ class Law(Parameter):
     def __init__(self, contact: Contact, name: Any = "friction") -> None:
         self.contact = checks.instance("contact", contact, Contact, "a Contact")
         numbers = contact.equations.fields.numbers
+        if not numbers:
+            raise checks.InputError(
+                f"contact: {contact.name!r} has no law of friction with a number; friction = 0 "
+                "leaves the law out, a small positive number keeps it"
+            )
         if not isinstance(name, Hashable) or name not in numbers:
             raise checks.InputError(f"name = {name!r}: must be one of {[*map(str, numbers)]}")
         self._derivative = ByConstant(contact, numbers[name])

@@ -4,7 +4,7 @@ tangents, and what is refused."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -34,6 +34,7 @@ from fenicsx_contact.gradients import (
     Kinetic,
     Law,
     Mass,
+    NoDerivative,
     ObstacleShift,
     Start,
     Stiffness,
@@ -46,6 +47,7 @@ from fenicsx_contact.gradients import (
 )
 from fenicsx_contact.gradients.duals import value_of, variables
 from fenicsx_contact.rods import AnyCurve, Card, Guide, GuideContact, RodInTube, Sine, Tube
+from fenicsx_contact.rods.drive import AxialForce
 from fenicsx_contact.rods.drop import time_at
 from fenicsx_contact.rods.sections import Support
 from fenicsx_contact.rods.settle import settle
@@ -336,6 +338,48 @@ def test_a_law_is_differentiated_as_it_stands():
         for i, h in enumerate([1e-6] * 4):
             high, low = (np.array(numbers(*at[:i], at[i] + s * h, *at[i + 1 :])) for s in (1, -1))
             np.testing.assert_allclose(slopes[:, i], (high - low) / (2 * h), rtol=1e-6, atol=1e-4)
+
+
+@pytest.mark.parametrize("way", [tangents, adjoints])
+def test_a_drive_friction_of_zero_has_a_derivative(way):
+    """z = (g - F/M) t²/2, at F = 0 as beyond."""
+    for friction in (0.0, 1.0):
+        rod = beam(law=Fall(drive_friction=friction))
+        by = {"F": DriveLaw(rod, "drive_friction")}
+        scene = Scene([rod], [], ThetaScheme(0.5), allow_free=True)
+        run = way(scene, 0.5, 1e-2, by, {"z": Travel(rod)})
+        assert run["z"].ravel()[-1] == pytest.approx(-(0.5**2) / (2 * rod.mass), rel=1e-12)
+
+
+@dataclass(frozen=True)
+class Catch(Fall):
+    """Somebody else's: beyond a travel it holds with a force that rises as a power."""
+
+    caught: float = 0.0
+    power: float = 1.0
+
+    def forces(self, travel, speed, mass, gravity, dt):
+        beyond = max(0.0, travel - self.caught)
+        rate = self.power * beyond ** (self.power - 1) if self.power > 1 else travel > self.caught
+        return [AxialForce("catch", -1e3 * beyond**self.power, 0.0, -1e3 * rate)]
+
+
+@pytest.mark.parametrize("way", [tangents, adjoints])
+def test_a_law_on_the_edge_of_two_branches_is_told(way):
+    """Where its slopes, or those of its rates, differ, and along the parameter only."""
+
+    def asked(of, **law):
+        rod = beam(law=Catch(**law))
+        scene = Scene([rod], [], ThetaScheme(1.0, forces="end"), allow_free=True)
+        return way(scene, 5e-3, 5e-3, {"p": of(rod)}, {"z": Travel(rod)})
+
+    run = asked(lambda rod: DriveLaw(rod, "caught"), caught=0.0)
+    assert "solid 'rod', t = 0.005 s: the law of its drive" in str(run.kinks[0])
+    with pytest.raises(NoDerivative, match="another branch"):
+        run["z"]
+    assert not asked(lambda rod: DriveLaw(rod, "caught"), caught=0.0, power=3.0).kinks
+    assert not asked(Mass, caught=0.0).kinks
+    assert not asked(lambda rod: DriveLaw(rod, "caught"), caught=-1e-9).kinks
 
 
 class Thick(GuideTubeWater):

@@ -16,7 +16,7 @@ from ..rods import GuideContact
 from ..rods.beam import BeamSolid
 from ..rods.drive import AxialLaw
 from ..solids import Solid
-from .duals import Dual
+from .duals import Dual, Sided
 from .parameters import OfSolid, Parameter, among
 
 
@@ -35,19 +35,20 @@ class DriveLaw(OfSolid):
 
     def __init__(self, solid: BeamSolid, name: str) -> None:
         self.solid = checks.instance("solid", solid, BeamSolid, "a BeamSolid")
-        self._law: AxialLaw = _with_dual(solid.law, checks.label("name", name), name.split("."))
+        of, path = solid.law, checks.label("name", name).split(".")
+        self._laws: list[AxialLaw] = [_with_dual(of, name, path, side) for side in (0, 1, -1)]
 
-    def law(self, solid: Solid) -> AxialLaw | None:
-        return self._law if solid is self.solid else None
+    def law(self, solid: Solid, side: int = 0) -> AxialLaw | None:
+        return self._laws[side] if solid is self.solid else None
 
 
-def _with_dual(thing: Any, name: str, path: Sequence[str]) -> Any:
+def _with_dual(thing: Any, name: str, path: Sequence[str], side: int) -> Any:
     """A copy of a thing, in which the number at the end of a path carries its derivative."""
     value = getattr(thing, path[0], None)
     if len(path) > 1:
-        value = _with_dual(value, name, path[1:])
+        value = _with_dual(value, name, path[1:], side)
     elif isinstance(value, (int, float)) and not isinstance(value, bool):
-        value = Dual(float(value), np.ones(1))
+        value = Sided(float(value), np.full(1, side)) if side else Dual(float(value), np.ones(1))
     else:
         raise checks.InputError(f"name = {name!r}: must be that of a number of {thing!r}")
     result = copy(thing)

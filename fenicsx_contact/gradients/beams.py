@@ -56,7 +56,7 @@ class BeamMotion(Motion):
         solid = self.solid
         self.horizon = step.coming.dt
         self._bending = solid.matrices.flexibilities(step.span, step.force_rate)[0]
-        self._law_sees = self._sees(step)
+        self._law_sees, self._tied = self._sees(step), False
         self._force, self._rate = self._take(solid.law, variables(*self._law_sees), step)
         self._axial = solid.mass * step.inertia_rate + self._rate.value
         self._inner = Inner(step.gap_rate)
@@ -93,6 +93,7 @@ class BeamMotion(Motion):
         if law is None:
             return force, rate
         weight, (travel, speed, mass, gravity) = step.scheme.force_weight, sees
+        ties = Dual.ties
         try:
             rate += law.added_mass(travel) / step.span
             forces = law.forces(travel, speed, mass, gravity, step.dt) if step.dt else ()
@@ -102,6 +103,7 @@ class BeamMotion(Motion):
         except (TypeError, AttributeError) as error:
             name = f"gradients: solid {solid.name!r} has the law {law!r}"
             raise checks.InputError(f"{name}, which is not differentiated: {error}") from None
+        self._tied |= Dual.ties > ties
         return force, rate
 
     def balance(self, step: Step) -> Row:
@@ -140,6 +142,23 @@ class BeamMotion(Motion):
         if (law := parameter.law(solid)) is not None:
             rows[-1] += self._driven(*self._take(law, self._law_sees, step, 1))[0]
         return self.lift(rows)
+
+    def kinked(
+        self, parameter: Parameter, step: Step, start: tuple[np.ndarray, np.ndarray] | None
+    ) -> bool:
+        solid, sides = self.solid, []
+        if solid.law is None or not self._tied:
+            return False
+        travel, speed = (1.0, 1.0) if start is None else (-float(each[-1]) for each in start)
+        ahead = step.scheme.force_weight * step.dt
+        changes = travel + ahead * speed, speed, *parameter.driven(solid)
+        for side in (1, -1):
+            sees = [Sided(at, np.full(1, side * by)) for at, by in zip(self._law_sees, changes)]
+            law = parameter.law(solid, side) or solid.law
+            force, rate = self._take(law, sees, step, 1)
+            slope = side * self._driven(force, rate)
+            sides.append(np.append(slope, [force.value, rate.value * self._change[-1]]))
+        return not alike(sides[0] - sides[1], np.abs(sides[0]) + np.abs(sides[1])).all()
 
     def lift(self, forces: np.ndarray) -> np.ndarray:
         """The velocities that forces on the unknowns make in the step, (size, ...)."""

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import Any, ClassVar, cast
 
 import numpy as np
 
@@ -12,13 +12,17 @@ class Dual:
     """A number and its derivatives.
 
     It adds, multiplies, divides, takes powers and compares as a number does, so that ``abs``,
-    ``min`` and ``max`` serve, too; at zero ``abs`` has the derivative 0. It is no float: functions
-    of ``math`` and numpy refuse it by a TypeError.
+    ``min`` and ``max`` serve, too; of what ties they have the derivative that the order of their
+    arguments gives, and at zero ``abs`` has 0: :class:`Sided` tells what either side has. It is no
+    float: functions of ``math`` and numpy refuse it by a TypeError.
 
     Attributes:
         value: the number.
         slopes: its derivatives, (k,).
+        ties: how often any have been compared with what they equal.
     """
+
+    ties: ClassVar[int] = 0
 
     __array_ufunc__ = None  # numpy's numbers leave arithmetic to it
     __hash__ = None  # type: ignore[assignment]
@@ -28,16 +32,16 @@ class Dual:
 
     def __add__(self, other: Any) -> Dual:
         b = self._like(other)
-        return Dual(self.value + b.value, self.slopes + b.slopes)
+        return type(self)(self.value + b.value, self.slopes + b.slopes)
 
     def __mul__(self, other: Any) -> Dual:
         b = self._like(other)
-        return Dual(self.value * b.value, self.slopes * b.value + self.value * b.slopes)
+        return type(self)(self.value * b.value, self.slopes * b.value + self.value * b.slopes)
 
     def __truediv__(self, other: Any) -> Dual:
         b = self._like(other)
         ratio = self.value / b.value
-        return Dual(ratio, (self.slopes - ratio * b.slopes) / b.value)
+        return type(self)(ratio, (self.slopes - ratio * b.slopes) / b.value)
 
     def __rtruediv__(self, other: Any) -> Dual:
         return self._like(other) / self
@@ -46,16 +50,17 @@ class Dual:
         if isinstance(power, Dual):
             raise TypeError("a power that is differentiated")
         slope = power * self.value ** (power - 1) if power else 0.0
-        return Dual(self.value**power, slope * self.slopes)
+        return type(self)(self.value**power, slope * self.slopes)
 
     def __neg__(self) -> Dual:
-        return Dual(-self.value, -self.slopes)
+        return type(self)(-self.value, -self.slopes)
 
     def __pos__(self) -> Dual:
         return self
 
     def __abs__(self) -> Dual:
-        return Dual(abs(self.value), float(np.sign(self.value)) * self.slopes)
+        self._beside(0.0)
+        return type(self)(abs(self.value), float(np.sign(self.value)) * self.slopes)
 
     def __sub__(self, other: Any) -> Dual:
         return self + -self._like(other)
@@ -66,22 +71,61 @@ class Dual:
     __radd__, __rmul__ = __add__, __mul__
 
     def __lt__(self, other: Any) -> bool:
-        return bool(self.value < value_of(other))
+        return bool(self.value < self._beside(other))
 
     def __le__(self, other: Any) -> bool:
-        return bool(self.value <= value_of(other))
+        return bool(self.value <= self._beside(other))
 
     def __gt__(self, other: Any) -> bool:
-        return bool(self.value > value_of(other))
+        return bool(self.value > self._beside(other))
 
     def __ge__(self, other: Any) -> bool:
-        return bool(self.value >= value_of(other))
+        return bool(self.value >= self._beside(other))
 
     def __eq__(self, other: object) -> bool:
-        return bool(self.value == value_of(other))
+        return bool(self.value == self._beside(other))
+
+    def _beside(self, other: object) -> float:
+        """The other's value, with which it is compared."""
+        value = value_of(other)
+        Dual.ties += self.value == value
+        return value
 
     def _like(self, other: Any) -> Dual:
-        return other if isinstance(other, Dual) else Dual(other, np.zeros_like(self.slopes))
+        if isinstance(other, Dual):
+            return other
+        return type(self)(other, np.zeros_like(self.slopes))
+
+    def _order(self) -> tuple[float, float]:
+        return self.value, float(self.slopes[0])
+
+
+class Sided(Dual):
+    """A number just beyond a value: ``value + slopes e``, (1,), with an infinitesimal e > 0.
+
+    It compares as such, so that ``min``, ``max``, ``abs`` and ``if`` choose what holds on this side
+    of a tie.
+    """
+
+    def __abs__(self) -> Dual:
+        return -self if self < 0 else self
+
+    def __lt__(self, other: Any) -> bool:
+        return self._order() < self._like(other)._order()
+
+    def __le__(self, other: Any) -> bool:
+        return self._order() <= self._like(other)._order()
+
+    def __gt__(self, other: Any) -> bool:
+        return self._order() > self._like(other)._order()
+
+    def __ge__(self, other: Any) -> bool:
+        return self._order() >= self._like(other)._order()
+
+    def __eq__(self, other: object) -> bool:
+        return self._order() == self._like(other)._order()
+
+    __hash__ = None
 
 
 def value_of(number: Any) -> float:

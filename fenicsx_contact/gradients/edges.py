@@ -41,7 +41,7 @@ class Edges:
             found += kinks(rows, trial, resolution, misses)
         if self._scene.locate_impacts and trial.step.dt:
             found += self._touches(trial, x)
-        return found
+        return found + self._driven(trial, start)
 
     def _misses(
         self,
@@ -120,6 +120,21 @@ class Edges:
             if id(rows) in slide:
                 place = tuple(rows.contact.surface.points[slide[id(rows)]].tolist())
                 found.append(Kink(rows.contact.name, place, trial.step.end, what))
+        return found
+
+    def _driven(self, trial: Trial, start: np.ndarray | None) -> list[Kink]:
+        """Beams whose law, in plain arithmetic, lies on the edge of two branches."""
+        found: list[Kink] = []
+        each: tuple[np.ndarray, np.ndarray] | None = None
+        for m in self._linear.motions:
+            for i, parameter in enumerate(self._parameters):
+                if start is not None:
+                    part = self._linear.part
+                    each = start[part("q", m.solid), i], start[part("v", m.solid), i]
+                if m.kinked(parameter, trial.step, each):
+                    what = "the law of its drive is on the edge of another branch"
+                    found.append(Kink(m.solid.name, (), trial.step.end, what))
+                    break
         return found
 
     def _touches(self, trial: Trial, x: np.ndarray | None) -> list[Kink]:

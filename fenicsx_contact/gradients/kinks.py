@@ -29,11 +29,11 @@ NAMES = ("open", "sticks", "slips")
 
 
 class Kink(NamedTuple):
-    """A point at which the derivative does not exist.
+    """A point at which the derivative does not exist, or a solid under a law without one.
 
     Attributes:
-        contact: its name.
-        place: reference coordinates of the point, m.
+        contact: its name, or that of the solid.
+        place: reference coordinates of the point, m; of a solid none.
         time: at the end of the step, s.
         what: the decision on whose edge it is.
     """
@@ -44,7 +44,10 @@ class Kink(NamedTuple):
     what: str
 
     def __str__(self) -> str:
-        return f"contact {self.contact!r}, point {self.place}, t = {self.time:.9g} s: {self.what}"
+        where = f"contact {self.contact!r}, point {self.place}"
+        if not self.place:
+            where = f"solid {self.contact!r}"
+        return f"{where}, t = {self.time:.9g} s: {self.what}"
 
 
 class NoDerivative(Exception):

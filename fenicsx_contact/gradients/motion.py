@@ -74,6 +74,13 @@ class Motion(ABC):
     def by(self, parameter: Parameter, step: Step) -> np.ndarray:
         """Derivative of the balance by a parameter."""
 
+    def kinked(
+        self, parameter: Parameter, step: Step, start: tuple[np.ndarray, np.ndarray] | None
+    ) -> bool:
+        """Whether the balance has other derivatives on either side of this step, by a parameter
+        that changes (q-, v-) so, or None: anyhow."""
+        return False
+
     def inner(self) -> InnerSolver | None:
         """Its rows among its own unknowns, after :meth:`balance`, if it has a solver of its own."""
         return None

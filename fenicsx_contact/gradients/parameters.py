@@ -70,9 +70,9 @@ class Parameter:
         travel, m/s²."""
         return 0.0, 0.0
 
-    def law(self, solid: Solid) -> AxialLaw | None:
+    def law(self, solid: Solid, side: int = 0) -> AxialLaw | None:
         """The law that drives a beam, where a number of its own changes: with a
-        :class:`~.duals.Dual` in its place."""
+        :class:`~.duals.Dual` in its place, or a :class:`~.duals.Sided` on a side, 1 or -1."""
         return None
 
     def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:

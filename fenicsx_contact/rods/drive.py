@@ -134,7 +134,11 @@ class Fall:
         if self.drive_friction:
             inertia = mass + self.added_mass(travel)
             driving = inertia * speed / dt + mass * gravity + sum(f.value for f in forces)
-            held = max(-self.drive_friction, min(driving, self.drive_friction))
+            held = driving
+            if driving > self.drive_friction:  # a friction of 0 ties with nothing: it has a slope
+                held = self.drive_friction
+            elif driving < -self.drive_friction:
+                held = -self.drive_friction
             forces.append(AxialForce("drive line", -held))
         return forces
 

@@ -46,6 +46,7 @@ from fenicsx_contact.gradients import (
     tangents,
 )
 from fenicsx_contact.gradients.duals import value_of, variables
+from fenicsx_contact.output.crossing import crossing
 from fenicsx_contact.rods import AnyCurve, Card, Guide, GuideContact, RodInTube, Sine, Tube
 from fenicsx_contact.rods.drive import AxialForce
 from fenicsx_contact.rods.drop import time_at
@@ -349,6 +350,37 @@ def test_a_drive_friction_of_zero_has_a_derivative(way):
         scene = Scene([rod], [], ThetaScheme(0.5), allow_free=True)
         run = way(scene, 0.5, 1e-2, by, {"z": Travel(rod)})
         assert run["z"].ravel()[-1] == pytest.approx(-(0.5**2) / (2 * rod.mass), rel=1e-12)
+
+
+@pytest.mark.parametrize("theta", [0.6, 1.0])
+def test_the_instant_of_a_passing_is_continuous_from_step_to_step(theta):
+    """A fall from rest by a theta-scheme: z = g t (t + (2 theta - 1) dt)/2 at its rows, between
+    which the instant is that of this parabola, with its derivative."""
+    dt = 1e-2
+    late = (theta - 0.5) * dt
+
+    def exact(z):
+        return np.sqrt(late**2 + 2 * z / G) - late
+
+    rod = beam(law=Fall())
+    asked = {"g": Gravity(rod, (0, -1))}
+    scene = Scene([rod], [], ThetaScheme(theta), allow_free=True)
+    run = tangents(scene, 0.1, dt, asked, {"travel": Travel(rod), "speed": Travel(rod, "velocity")})
+    rows = run.history["travel"][1:-1]
+    for z in (*(rows - 1e-10), *rows, *(rows + 1e-10), *(1.1 * rows), 1e-6):
+        time, (by_gravity,) = passing(run, "travel", "speed", z)
+        assert time == pytest.approx(exact(z), rel=1e-7)
+        assert time_at(run.history, z) == pytest.approx(time, rel=1e-8)
+        assert by_gravity == pytest.approx(-z / (G**2 * (exact(z) + late)), rel=1e-6)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_passing_after_a_turn_within_the_step(sign):
+    """z = 3/4 r² - r, or its mirror image: terms that cancel for levels near the start."""
+    for level in (1e-20, 1e-12, 0.5):
+        at = crossing(2.0, (0.0, sign * 1.0), (sign * -1.0, sign * 2.0), sign * level)
+        assert at.after == pytest.approx((1 + np.sqrt(1 + 3 * level)) / 1.5, rel=1e-14)
+        assert at.rate == pytest.approx(sign * np.sqrt(1 + 3 * level), rel=1e-14)
 
 
 @dataclass(frozen=True)

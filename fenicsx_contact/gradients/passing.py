@@ -1,13 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """When a quantity of a run reaches a level, and the derivatives of that instant.
 
-Within the step of length h that passes the level the quantity z is taken as a parabola, by its
-rate v at both ends::
-
-    z0 + v0 r + (v1 - v0)/h r²/2 = level
-
-The derivative of the instant is that of an implicit function: what the parameters change of the
-left side, over the rate at which it is passed.
+Within the step that passes the level the quantity is the parabola of
+:mod:`~fenicsx_contact.output.crossing`. The derivative of the instant is that of an implicit
+function: what the parameters change of the quantity there, over the rate at which it passes.
 """
 
 from __future__ import annotations
@@ -17,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..output.crossing import crossing
 from ..output.history import History
 from .results import Tangents
 
@@ -57,15 +54,13 @@ class Instant:
         if not len(above) or not above[0]:
             raise ValueError(f"{self.place!r} does not rise to {self.level!r} in the run")
         i = int(above[0])
-        h = t[i] - t[i - 1]
-        bend, way = (v[i] - v[i - 1]) / h, self.level - z[i - 1]
-        r = 2 * way / (v[i - 1] + np.sqrt(v[i - 1] ** 2 + 2 * bend * way))
-        slow, share = 1 / (v[i - 1] + bend * r), r**2 / (2 * h)
+        place, speed = (z[i - 1], z[i]), (v[i - 1], v[i])
+        at = crossing(t[i] - t[i - 1], place, speed, self.level)
         by_z, by_v, by_t = np.zeros((3, len(t)))
-        by_z[i - 1] = -slow
-        by_v[i - 1 : i + 1] = -slow * (r - share), -slow * share
-        by_t[i - 1 : i + 1] = 1 - slow * share * bend, slow * share * bend
-        return float(t[i - 1] + r), {self.place: by_z, self.rate: by_v, "time": by_t}
+        by_z[i - 1 : i + 1] = np.array(at.by_value) / -at.rate
+        by_v[i - 1 : i + 1] = np.array(at.by_rate) / -at.rate
+        by_t[i - 1 : i + 1] = 1 + at.by_length / at.rate, -at.by_length / at.rate
+        return float(t[i - 1] + at.after), {self.place: by_z, self.rate: by_v, "time": by_t}
 
 
 def passing(run: Tangents, place: str, rate: str, level: float) -> Passing:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..base import checks
 from ..base.constants import SAME
+from ..output.crossing import crossing
 from ..output.history import History
 from ..scene import Scene
 from ..theory.formulations import Formulation
@@ -27,7 +28,7 @@ from .settle import settle
 
 def time_at(history: History, travel: float) -> float:
     """When a rod first passed a travel, in or out, s, by the columns "travel" and "speed" of its
-    history; NaN if no two rows of it enclose that. In between its acceleration is constant."""
+    history; NaN if no two rows of it enclose that. In between, see :mod:`~.output.crossing`."""
     z, v, t = history["travel"], history["speed"], history.time
     low, high = np.sort([z[:-1], z[1:]], axis=0)
     near = SAME * float(np.ptp(z))
@@ -38,9 +39,8 @@ def time_at(history: History, travel: float) -> float:
     way = travel - z[i]
     if abs(way) <= near:
         return float(t[i])
-    rate = (v[i + 1] - v[i]) / (t[i + 1] - t[i])
-    root = np.sqrt(max(v[i] ** 2 + 2 * rate * way, 0.0))
-    return float(t[i] + 2 * way / (v[i] + np.sign(way) * root))
+    place, speed = (z[i], z[i + 1]), (v[i], v[i + 1])
+    return float(t[i] + crossing(t[i + 1] - t[i], place, speed, travel).after)
 
 
 @dataclass(frozen=True)

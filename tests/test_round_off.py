@@ -205,6 +205,45 @@ def test_forces_that_balance_each_other_in_a_corner_are_refused():
         assert np.abs(history["floor.force_y"]).max() < 1e5
 
 
+def thrown(velocity, walls, law, scheme, augmentation=1.0, end=0.4):
+    """A soft block is thrown along a floor, or into a corner, at 4 ms; how often points that slide
+    along the floor ended a step that is said to have stuck, and the displacement, m."""
+    body = solid(rectangle((6, 3), (1.0, 0.5)), 1e5, gravity=(0, -G), velocity=velocity)
+    sides = {"base": HalfSpace((0, -0.02), (0, 1)), "right": HalfSpace((0.53, 0), (-1, 0))}
+    others = {"friction": 0.3, "normal_augmentation": augmentation}
+    contacts = [Contact(body, s, sides[s], law, **others) for s in ("base", "right")[:walls]]
+    floor = contacts[0]
+
+    def wrong():
+        return np.count_nonzero((floor.status == 1) & (np.abs(floor.jump[:, 0]) > 1e-6))
+
+    history = Scene([body], contacts, scheme).run(until=end, dt=4e-3, probes={"wrong": wrong})
+    assert history.finished, history.reason
+    return history["wrong"].sum(), body.displacement
+
+
+@pytest.mark.parametrize(
+    ("theta", "law", "velocity"),
+    [
+        (0.5, "gap", (0.2, -1.0)),
+        (0.55, "velocity", (0.2, -1.0)),
+        (0.75, "velocity", (0.5, -2.0)),
+        (0.9, "gap", (0.5, -2.0)),
+    ],
+)
+def test_what_slides_is_not_said_to_stick(theta, law, velocity):
+    """A slip that has turned round to -a of (3') is one, however fast its point came: along the
+    surface, and by (1 - theta)/theta of what it was."""
+    assert thrown(velocity, 1, law, ThetaScheme(theta))[0] == 0
+
+
+def test_a_slip_that_turned_round_in_a_corner_is_kept():
+    """On the edge of the cone round-off said whether it had stuck, by which the next step began:
+    motions differed by 2e-4 m."""
+    runs = [thrown((1.0, -1.0), 2, "gap", ThetaScheme(), a, 0.1)[1] for a in (1.0, 16.0)]
+    np.testing.assert_allclose(runs[1], runs[0], rtol=0, atol=1e-10)
+
+
 def comes_down(tilt):
     """A box whose edge is level but for a tilt [1/s], on a soft slab."""
     slab = HyperelasticSolid(

@@ -187,9 +187,13 @@ class SurfaceFields(LawFields):
 
     @property
     def back(self) -> np.ndarray:
-        """To what slips of the start may turn round by (3'), (n, d) in m/s; springs do not ask."""
-        slips = self.start_slip.x.array.reshape(-1, self.surface.dim)
-        return -slips if self.traction is not None else np.zeros_like(slips)
+        """-a of (3'), to which slips of the start may turn round, (n, d) in m/s, along the surface
+        as the slips are; springs do not ask."""
+        d = self.surface.dim
+        slips = self.start_slip.x.array.reshape(-1, d)
+        if self.traction is None or not self.limit_rate.value or not slips.any():
+            return np.zeros_like(slips)
+        return -float(self.limit_rate.value) * orthogonal(self.normal.x.array.reshape(-1, d), slips)
 
     def set_normal(self, normal: np.ndarray) -> None:
         """Set the normals (n, d); a first tangent, where friction needs one, stays as it was."""

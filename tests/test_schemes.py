@@ -30,6 +30,7 @@ from fenicsx_contact import (
     HalfSpace,
     HyperelasticSolid,
     InputError,
+    QuasiStatic,
     RigidSolid,
     Scene,
     ThetaScheme,
@@ -298,6 +299,23 @@ def test_memory_is_part_of_the_state(make):
     assert again.run(0.02, 1e-3).finished
     np.testing.assert_array_equal(again.solids[0].velocity, whole.solids[0].velocity)
     np.testing.assert_array_equal(again.solids[0].memory, whole.solids[0].memory)
+
+
+@pytest.mark.parametrize(
+    ("make", "others"),
+    [(elastic_block, {"scheme": QuasiStatic()}), (soft_block, {"solver": "monolithic"})],
+)
+def test_a_scene_that_is_made_changes_no_other(make, others):
+    """Only contact holds a solid in one of them, or its old tangents serve: not in the other."""
+    runs = []
+    for alone in (True, False):
+        scene = make(solver="condensed", geometry="newton")
+        if not alone:
+            Scene(scene.solids, scene.contacts, geometry="newton", **others)
+        runs.append(scene.run(0.05, 2e-3))
+        assert runs[-1].finished, runs[-1].reason
+    for name in runs[0].columns:
+        np.testing.assert_array_equal(runs[0][name], runs[1][name], name)
 
 
 # -- the house --

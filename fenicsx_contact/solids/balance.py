@@ -34,7 +34,6 @@ class BalancedSolid(MonolithicSolid):
     supports: Supports
     fixed_unknowns: np.ndarray
     trial_displacement: np.ndarray
-    floating: bool
     displacement: np.ndarray
     damping: Damping
     dampers: list[Damper]
@@ -82,6 +81,14 @@ class BalancedSolid(MonolithicSolid):
     def inertial_rate(self, step: Step) -> float:
         """What the mass counts in the matrix of a step, 1/s, its damping included."""
         return step.inertia_rate + step.rate_weight * self.damping.alpha
+
+    def floats(self, step: Step) -> bool:
+        """Whether only contact holds it in the step: its matrix is singular."""
+        return not step.scheme.inertia and not self._stands
+
+    @cached_property
+    def _stands(self) -> bool:
+        return Motions(self).stand()
 
     @cached_property
     def _free_motions(self) -> tuple[np.ndarray, np.ndarray]:
@@ -143,7 +150,7 @@ class BalancedSolid(MonolithicSolid):
             moved = moved + damper.time * np.abs(self.trial_velocity)
         stiffness = np.abs(self.vectors.diagonal(self.last_stiffness))
         strained = stiffness * moved
-        strained = strained[self.fixed_unknowns] if self.floating else strained
+        strained = strained[self.fixed_unknowns] if self.floats(step) else strained
         # nor is it less than where the step starts, to which velocities add what they change
         strained = np.append(strained, stiffness * np.abs(self.displacement))
         round_off = ROUND_OFF * (np.abs(self._momentum) / step.span)

@@ -77,8 +77,6 @@ class DeformableSolid(SystemRows, Stressed):
     remark = ""  # what a reader of a run should know of it
     #: Arrays of the state that hold owned unknowns.
     distributed: tuple[str, ...] = ("displacement", "velocity", "momentum", "memory")
-    #: Only contact holds it: its matrix is singular.
-    floating = False
     #: Its matrix is symmetric.
     symmetric = True
     #: What a mesh in the plane may stand for.

@@ -55,6 +55,11 @@ class Motions:
             gram[which, which] += 1.0
         return gram
 
+    def stand(self, springs: bool = True) -> bool:
+        """Whether the supports hold them all; with springs, or without, which may be weak."""
+        values = np.linalg.eigvalsh(self.held(springs))
+        return bool(values[0] > FREE * values[-1])
+
     def rows(self, points: np.ndarray, pieces: np.ndarray) -> sp.csr_matrix:
         """Velocities of points (n, 2 or 3) of some pieces, (n,): (n d, motions)."""
         n, d = len(points), self._solid.dim

@@ -39,7 +39,6 @@ class TracedSolid(Protocol):
     fixed_unknowns: np.ndarray
     trial_displacement: np.ndarray
     trial_velocity: np.ndarray
-    floating: bool
     linearisation: int
 
     @property
@@ -50,6 +49,9 @@ class TracedSolid(Protocol):
 
     @property
     def free_load(self) -> np.ndarray: ...
+
+    def floats(self, step: Step) -> bool:
+        """Whether A is singular, as only contact holds the solid."""
 
     def free_velocity(self) -> np.ndarray:
         """A^-1 b, m/s."""
@@ -116,7 +118,7 @@ class DeformableTrace(MonolithicTrace):
         parts = self._comm.allgather((rows[free], vectors.first + columns[free]))
         row, column = (np.concatenate(each) for each in zip(*parts))
         self._whole = seen(row, column, vectors.unknowns)
-        self._linearisation = 0
+        self._linearisation, self._floats = 0, False
         self._known = np.zeros(
             self.reference.size, dtype=bool
         )  # columns of A^-1 J' that are computed
@@ -135,6 +137,7 @@ class DeformableTrace(MonolithicTrace):
         """Nothing to do: the operator is constant."""
 
     def linearise(self, step: Step) -> None:
+        self._floats = self._solid.floats(step)
         if self._linearisation != self._solid.linearisation:
             self._linearisation = self._solid.linearisation
             self._known[:] = False
@@ -199,7 +202,7 @@ class DeformableTrace(MonolithicTrace):
 
     def mobility(self) -> np.ndarray:
         size = self._spreading.shape[1]
-        if size <= FEW and not self._solid.floating:
+        if size <= FEW and not self._floats:
             return self.compliance(np.arange(size), self, np.arange(size)).diagonal()
         diagonal = self._solid.factorisation.matrix.getDiagonal()
         alone = self._sum(self._spreading.power(2).T @ (1 / diagonal.array_r))

@@ -66,6 +66,7 @@ class StepSolver:
         reached: the largest error at its end: of any row, and of what was linearised.
         speed: the typical one there, m/s; 0 where nothing moved.
         system: the linear systems.
+        patient: what its solids are while it solves their steps.
     """
 
     def __init__(
@@ -91,8 +92,7 @@ class StepSolver:
         self._turns = self._foresees and any(map(in_round_hole, problem.contacts))
         if floating:
             self.system.hold(floating)
-        for solid in problem.solids:
-            solid.patient = self._settles or self.system.patient
+        self.patient = self._settles or self.system.patient
 
     def solve(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         """Solve a step.

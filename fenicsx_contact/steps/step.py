@@ -63,8 +63,6 @@ class Stepper:
     ) -> None:
         self.solids, self._every = list(solids), list(contacts)
         self._tolerance = newton.tolerance
-        for solid in floating:
-            solid.floating = True
         self._solver = partial(
             StepSolver, newton=newton, geometry=geometry, solver=solver, floating=list(floating)
         )
@@ -192,6 +190,7 @@ class Stepper:
         if self._neighbours.look(step, bool(self.watchers)):  # who see all contacts
             self._arrange()
         for solid in self.solids:
+            solid.patient = self._method.patient  # whatever other scenes it is in
             solid.predict(step)
         for contact in self.contacts:
             contact.begin(step)

@@ -23,7 +23,8 @@ from ..contact.mortar.matrices import dense
 from ..rods.beam import BeamSolid
 from ..rods.drive import AxialLaw
 from ..theory.scheme import Step
-from .duals import Dual, variables
+from .duals import Dual, Sided, variables
+from .kinks import alike
 from .motion import Motion, Row
 from .parameters import Parameter
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 from math import ceil, inf, log2
 from time import perf_counter
 
@@ -13,6 +14,7 @@ from ..base.checks import StepFailed
 from ..base.vectors import largest
 from ..contact.contact import Contact
 from ..solids import Solid, Trace
+from ..solids.trace import DeformableTrace
 from ..theory.scheme import Step
 from .surface_problem import SurfaceSystem
 
@@ -45,11 +47,25 @@ class Assembly:
         self._made: _Made = np.empty(0), [], np.empty((0, 0))
         self.slices = _slices(trace.jump(s.velocity).size for s, trace in self.sides)
 
-    @property
+    @cached_property
     def hyperstatic(self) -> bool:
-        """Whether a contact is between rigid bodies only: it has more points than these freedoms,
-        and forces that the motion does not determine."""
-        return any(all(solid.shiftable for solid in c.solids) for c in self.contacts)
+        """Whether there may be forces that the motion does not determine: a contact is between
+        rigid bodies only, and has more points than these freedoms, or obstacles meet in a corner
+        and ask more of a node than it has components."""
+        rigid = any(all(solid.shiftable for solid in c.solids) for c in self.contacts)
+        return rigid or any(map(self._cornered, self._of.values()))
+
+    def _cornered(self, contacts: list[Contact]) -> bool:
+        """Whether these, of one solid, have more rows at a node than it has components."""
+        alone = [c for c in contacts if len(c.solids) == 1 and c.formulation.multipliers]
+        seen = [(c, t) for c in alone for t in c.traces if isinstance(t, DeformableTrace)]
+        if len(seen) < 2:
+            return False
+        rows = np.zeros(seen[0][1].seeing().shape[1], dtype=int)
+        for contact, trace in seen:
+            columns = np.unique(trace.seeing().indices)
+            rows[columns] += contact.solid.dim if contact.friction_law else 1
+        return bool(rows.max(initial=0) > contacts[0].solid.dim)
 
     @property
     def crowded(self) -> bool:

@@ -40,7 +40,8 @@ class SurfaceSystem(Statuses):
 
     Args:
         parts, names: of the contacts.
-        hyperstatic: whether W may be singular: some points are of rigid bodies alone.
+        hyperstatic: whether W may be singular, or forces are not unique, see
+            :attr:`~.problem.Assembly.hyperstatic`.
         crowded: whether these are many, that meet each other.
 
     Attributes:

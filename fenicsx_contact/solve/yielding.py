@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """How much a contact yields in an iteration, where its multipliers are not unique.
 
-Points of a rigid solid are hyperstatic: the tangent is singular, and a plain Newton step goes far
-along forces that do nothing, past points that then open or slip. Levenberg's and Marquardt's step
-stays near: each multiplier yields, in the tangent and never in the residual, as much as the error
-is large, with which the method still converges quadratically where solutions are not isolated
-(N. Yamashita, M. Fukushima, Computing Suppl. 15, 239-249, 2001).
+Points of a rigid solid are hyperstatic, and so is a node in a corner of obstacles, which ask more
+of it than it has components: the tangent is singular, and a plain Newton step goes far along forces
+that do nothing, past points that then open or slip. Levenberg's and Marquardt's step stays near:
+each multiplier yields, in the tangent and never in the residual, as much as the error is large,
+with which the method still converges quadratically where solutions are not isolated (N. Yamashita,
+M. Fukushima, Computing Suppl. 15, 239-249, 2001).
 """
 
 from __future__ import annotations

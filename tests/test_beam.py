@@ -266,6 +266,55 @@ def test_a_drive_holds_what_its_law_lists(kind):
     assert np.abs(history["balance"]).max() < 1e-10
 
 
+def dropped(stop, theta, kind=BeamSolid, axial=None, dt=1e-2, **law):
+    """A rod of 2 kg that falls on a spring, k = 1e4 N/m (omega dt = 0.7): the history with its
+    energies, that of the spring by where its tip is, over that of the fall; and the rod."""
+    k, section = 1e4, Section(2.0, 100.0) if axial is None else Section(2.0, 100.0, axial=axial)
+    axis = axis_mesh((0, 0), (0, 1), all=(1.0, 4))
+    fall = Fall(stop=stop, stop_stiffness=k, **law)
+    beam = kind(axis, section, gravity=(0, -9.81), law=fall)
+
+    def energy():
+        tip = -beam.split(beam.displacement)[1][0]
+        weight = -2 * 9.81 * beam.travel
+        kinetic, strain, _ = beam.energies()
+        return kinetic + strain + weight + k / 2 * max(tip - stop, 0.0) ** 2
+
+    def taken():
+        tip = -beam.split(beam.displacement)[1][0]
+        return beam.axial.taken.get("stop", 0.0) - k / 2 * max(tip - stop, 0.0) ** 2
+
+    probes = {"energy": energy, "taken": taken, "z": lambda: beam.travel, "v": lambda: beam.speed}
+    scene = Scene([beam], [], ThetaScheme(theta), allow_free=True)
+    history = scene.run(0.5, dt, probes=probes)
+    assert history.finished, history.reason
+    return history, beam
+
+
+@pytest.mark.parametrize("stop", [0.4, 0.413, 0.426])
+@pytest.mark.parametrize(
+    ("kind", "axial"), [(BeamSolid, None), (BeamSolid, 1e5), (VonKarmanBeam, 1e5)]
+)
+def test_a_stop_gives_back_what_it_took(kind, axial, stop):
+    """By theta = 1/2 exactly, wherever in a step it is met; the books have its energy; implicit
+    steps lose energy, and never make any."""
+    fall = 2 * 9.81 * stop
+    history, beam = dropped(stop, 0.5, kind, axial)
+    assert beam.speed < -1.0 and history["z"].max() > stop + 0.02
+    for name in ("energy", "taken", "balance"):
+        assert np.abs(history[name]).max() < 1e-8 * fall
+    history, beam = dropped(stop, 1.0, kind, axial)
+    assert np.diff(history["energy"]).max() < 1e-8 * fall
+    assert history["energy"].min() < -0.1 * fall and np.abs(history["balance"]).max() < 1e-8 * fall
+
+
+def test_a_step_is_continuous_in_where_the_stop_is():
+    """A rod at rest that just touches it, or not quite."""
+    ends = [dropped(stop, 0.5, dt=5e-3)[0]["z"] for stop in (-1e-9, 0.0, 1e-9)]
+    np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=1e-8)
+    np.testing.assert_allclose(ends[2], ends[1], rtol=0, atol=1e-8)
+
+
 def test_trace_is_consistent():
     """Free jump, compliance and spread forces belong to one operator, also between traces."""
     axis = axis_mesh((0, 0, 0), (1, 2, 2), all=UNEVEN)

@@ -5,6 +5,7 @@ tangents, and what is refused."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -350,6 +351,64 @@ def test_a_drive_friction_of_zero_has_a_derivative(way):
         scene = Scene([rod], [], ThetaScheme(0.5), allow_free=True)
         run = way(scene, 0.5, 1e-2, by, {"z": Travel(rod)})
         assert run["z"].ravel()[-1] == pytest.approx(-(0.5**2) / (2 * rod.mass), rel=1e-12)
+
+
+def bounce(stop=0.4, stiffness=2e3, line=1.0, mass=4.6, height=1e-2, mu=0.2, theta=0.5):
+    """A rod that slides down its wall, in water, on its stop, and back."""
+    law = Fall(WATER, line, stop, stiffness)
+    sections = Section(mass=3.0 * mass / 4.6, bending=40.0)
+    lies = {"gravity": (2.0, -G), "displacement": lambda s: 1e-3 + 0 * s[None]}
+    rod = beam(law=law, sections=sections, masses=[(1.2, mass / 4.6)], **lies)
+    state = rod.state()
+    state["displacement"] = state["displacement"] + np.append(
+        np.zeros(rod.unknowns.bending), height
+    )
+    rod.restore(state)
+    contact = GuideContact(rod, "rods", Guide([Tube(-3.0, 3.0, 1e-3)]), friction=mu, name="g")
+    return Scene([rod], [contact], ThetaScheme(theta))
+
+
+@pytest.mark.parametrize("theta", [0.5, 0.6, 1.0])
+def test_a_bounce_on_a_stop(theta):
+    """By where the stop is, its stiffness, and what brings the rod to it; an adjoint agrees."""
+    asked = {
+        "stop": (0.4, lambda s: DriveLaw(s.solids[0], "stop")),
+        "stiffness": (2e3, lambda s: DriveLaw(s.solids[0], "stop_stiffness")),
+        "line": (1.0, OTHERS["line"][1]),
+        "mass": (4.6, OTHERS["mass"][1]),
+        "height": (1e-2, OTHERS["height"][1]),
+        "mu": (0.2, lambda s: Law(s.contacts[0])),
+    }
+
+    build = partial(bounce, theta=theta)
+
+    def quantities(scene):
+        return {name: q for name, q in of_rod(scene).items() if name != "strain energy"}  # of none
+
+    run = check(build, asked, 0.6, 1e-2, quantities)
+    assert run.history["v"][-1] < -0.3 and run.history["z"].max() > 0.45
+    scene = build()
+    by = {name: of(scene) for name, (_, of) in asked.items()}
+    back = adjoints(scene, 0.6, 1e-2, by, quantities(scene))
+    for name in quantities(scene):
+        np.testing.assert_allclose(back.one_sided(name), run[name][-1], rtol=1e-8, atol=1e-12)
+
+
+def test_a_stop_that_just_touches_has_a_derivative():
+    """The step is smooth in where the stop is, and no kink is told."""
+
+    def late(stop):
+        rod = beam(law=Fall(stop=stop, stop_stiffness=2e3))
+        return Scene([rod], [], ThetaScheme(0.6), allow_free=True), rod
+
+    scene, rod = late(0.0)
+    run = tangents(scene, 0.05, 5e-3, {"s": DriveLaw(rod, "stop")}, {"z": Travel(rod)})
+    ends = []
+    for stop in (-1e-6, 1e-6):
+        scene, rod = late(stop)
+        assert scene.run(0.05, 5e-3).finished
+        ends.append(rod.travel)
+    assert run["z"][-1, 0] == pytest.approx((ends[1] - ends[0]) / 2e-6, rel=1e-3)
 
 
 @pytest.mark.parametrize("theta", [0.6, 1.0])

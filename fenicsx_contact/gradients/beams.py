@@ -5,7 +5,9 @@ Bending is linear, and so is axial motion but for the law that drives it. With u
 ``s = -u'`` the speed, F and c the force of the law and its rate as a step takes them
 (:mod:`fenicsx_contact.rods.drive`), z the travel at which it does::
 
-    m/dt (u'+ - u'-) - weight + F(z, s-) + c(z, s-) (u'+ - u'-) = f
+    m/dt (u'+ - u'-) - weight + F(z, s-) + c(z, s-) (u'+ - u'-) + S(z-, z+) = f
+
+S are the forces that are means over the way, as of a stop.
 """
 
 from __future__ import annotations
@@ -59,7 +61,9 @@ class BeamMotion(Motion):
         self._bending = solid.matrices.flexibilities(step.span, step.force_rate)[0]
         self._law_sees, self._tied = self._sees(step), False
         self._force, self._rate = self._take(solid.law, variables(*self._law_sees), step)
-        self._axial = solid.mass * step.inertia_rate + self._rate.value
+        self._met = self._means(solid.law, variables(*self._ends()), step)
+        rate = self._met.slopes[1] * step.gap_rate
+        self._axial = solid.mass * step.inertia_rate + self._rate.value - rate
         self._inner = Inner(step.gap_rate)
         self._end(solid.trial_velocity)
 
@@ -99,6 +103,8 @@ class BeamMotion(Motion):
             rate += law.added_mass(travel) / step.span
             forces = law.forces(travel, speed, mass, gravity, step.dt) if step.dt else ()
             for each in forces:
+                if each.mean:
+                    continue
                 force += each.value
                 rate -= weight * (each.by_speed + step.gap_rate * each.by_travel)
         except (TypeError, AttributeError) as error:
@@ -107,12 +113,28 @@ class BeamMotion(Motion):
         self._tied |= Dual.ties > ties
         return force, rate
 
+    def _ends(self) -> tuple[float, float]:
+        """The travel at both ends of the step."""
+        return self.solid.travel, self.solid.unknowns.along(self.solid.trial_displacement)
+
+    def _means(self, law: AxialLaw | None, ends: Sequence[Any], step: Step, size: int = 2) -> Dual:
+        """S with as many derivatives as there are: of travels, or of a law."""
+        total, share = Dual(0.0, np.zeros(size)), step.mean_share
+        if law is not None and step.dt:
+            for each in law.forces(*self._law_sees, step.dt):
+                if each.mean:
+                    total += share * each.mean(*ends)[0]
+                    total += (1 - share) * each.mean(ends[1], ends[1])[0]
+        return total
+
     def balance(self, step: Step) -> Row:
         q_old, v_old = np.zeros((2, self.size, self.size))
         q_old[:-1, :-1], v_old[:-1, :-1] = self._bend(step)
         by_travel, by_speed = self._drive[:2] / self._axial
-        q_old[-1, -1] = -by_travel
-        v_old[-1, -1] = -1 - by_speed - step.scheme.force_weight * step.dt * by_travel
+        by_start, by_end = self._met.slopes / self._axial  # z+ follows from z-, v- and v+
+        q_old[-1, -1] = -by_travel - by_start - by_end
+        ahead = step.scheme.force_weight * step.dt
+        v_old[-1, -1] = -1 - by_speed - ahead * by_travel - step.dt * by_end
         return Row(self._none, self.one, q_old, v_old, np.zeros(self.size))
 
     def _bend(self, step: Step) -> tuple[np.ndarray, np.ndarray]:
@@ -142,6 +164,7 @@ class BeamMotion(Motion):
         rows[-1] += self._drive[2:] @ parameter.driven(solid)
         if (law := parameter.law(solid)) is not None:
             rows[-1] += self._driven(*self._take(law, self._law_sees, step, 1))[0]
+            rows[-1] += self._means(law, self._ends(), step, 1).slopes[0]
         return self.lift(rows)
 
     def kinked(

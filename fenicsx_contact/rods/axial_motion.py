@@ -8,7 +8,7 @@ takes the one at which it holds the beam away.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import isfinite
 
 import numpy as np
@@ -16,6 +16,9 @@ import numpy as np
 from ..base import checks
 from ..theory.scheme import Step
 from .drive import MASS, AxialForce, AxialLaw, Place
+
+#: Values of the unknowns at the start and at the end of a step.
+Ends = tuple[np.ndarray, np.ndarray]
 
 
 class AxialMotion:
@@ -40,12 +43,13 @@ class AxialMotion:
         self.taken: dict[str, float] = {}
         self.drive_force = 0.0
         self._shares: dict[Place, np.ndarray] = {MASS: share(MASS)}
-        # of each place: its forces, what they change by with the speed, the inertia added
-        self._acting: list[tuple[Place, Sequence[AxialForce], Sequence[float], float]] = []
+        # of each place: its forces, as if the speed stayed, their rates by it, the inertia added
+        self._acting: list[tuple[Place, list[AxialForce], list[float], list[float], float]] = []
         self._works: dict[str, float] = {}
 
     def follow(self, law: AxialLaw | None) -> None:
         """Take up a law that can drive this beam."""
+        self._acting = []
         if law is not None:
             checks.instance("law", law, AxialLaw, "a Fall, a Driven, an AxialLaw or None")
             law.check(self.mass, self.gravity, self._held)
@@ -84,17 +88,39 @@ class AxialMotion:
             found += [force for force in seen[state] if force.at == place]
         return found
 
+    def mean(self, force: AxialForce, step: Step, place: Place, u: Ends) -> tuple[float, float]:
+        """Of a force that has a ``mean``, as far as the scheme takes forces in it, the rest at the
+        end: N, and its derivative by the travel at the end, N/m."""
+        assert force.mean is not None
+        start, end = (-float(self._shares[place] @ each) for each in u)
+        share, (value, rate) = step.mean_share, force.mean(start, end)
+        if share < 1:
+            last, half = force.mean(end, end)
+            value, rate = share * value + (1 - share) * last, share * rate + (1 - share) * 2 * half
+        _check([AxialForce(force.name, value, by_travel=rate)], end)
+        return value, rate
+
+    def meets(self, u: Ends) -> bool:
+        """Whether a force that has a mean acts between two states, or as the step was set up."""
+        for place, forces, values, changes, _ in self._acting:
+            start, end = (-float(self._shares[place] @ each) for each in u)
+            for force, *told in zip(forces, values, changes):
+                if force.mean and (any(told) or any(force.mean(start, end))):
+                    return True
+        return False
+
     def drive(
-        self, step: Step, u: np.ndarray, v: np.ndarray, inverse: np.ndarray, load: np.ndarray
+        self, step: Step, u: Ends, v: Ends, inverse: np.ndarray, load: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Take up the law for a step: adds its forces to the load and its rate to the matrix.
 
         The forces are those at the scheme's force point, their change within the step to first
-        order: what is left out is O(dt²) of it. A drive holds its place against them, too.
+        order: what is left out is O(dt²) of it. Those that have a mean over the way are linearised
+        about the trial state. A drive holds its place against all of them.
 
         Args:
             step: the step.
-            u, v: displacements and velocities at its start.
+            u, v: displacements and velocities at its start and in the trial state.
             inverse: of the matrix without the law.
             load: changed.
 
@@ -106,40 +132,64 @@ class AxialMotion:
             return inverse, np.zeros_like(load)
         weight = step.scheme.force_weight
         ahead = weight * step.dt
-        forces = self.forces(u, v, step.dt, ahead) if step.dt else []
+        forces = self.forces(u[0], v[0], step.dt, ahead) if step.dt else []
         for place in dict.fromkeys([MASS, *(force.at for force in forces)]):
             here, share = [f for f in forces if f.at == place], self._shares[place]
-            changes = [weight * (f.by_speed + step.gap_rate * f.by_travel) for f in here]
-            speed, added = -float(share @ v), 0.0
+            speed, other = (-float(share @ each) for each in v)
+            values, changes, added = [], [], 0.0
+            for f in here:
+                value, by = f.value, weight * (f.by_speed + step.gap_rate * f.by_travel)
+                if f.mean:
+                    value, rate = self.mean(f, step, place, u)
+                    by = step.gap_rate * rate
+                    value -= by * (other - speed)
+                values.append(value)
+                changes.append(by)
             if place == MASS:
-                added = self.law.added_mass(-float(share @ u) + ahead * speed)
+                added = self.law.added_mass(-float(share @ u[0]) + ahead * speed)
             c = added / step.span - sum(changes)
-            load -= share * (sum(f.value for f in here) + c * speed)
+            load -= share * (sum(values) + c * speed)
             y = inverse @ share  # Sherman-Morrison
             inverse = inverse - c / (1 + c * float(share @ y)) * np.outer(y, y)
-            self._acting.append((place, here, changes, added))
+            self._acting.append((place, here, values, changes, added))
         if self.prescribed is not None:
             y = inverse @ self.holding
             y /= float(self.holding @ y)
             return inverse - np.outer(y, self.holding @ inverse), -self.prescribed * y
         return inverse, np.zeros_like(load)
 
-    def balance(self, step: Step, before: np.ndarray, after: np.ndarray) -> np.ndarray | float:
+    def _found(self, step: Step, u: Ends, v: Ends) -> Iterator[tuple[Place, list[float], float]]:
+        """At each place the forces as they are between two states, N, and the inertia added."""
+        for place, forces, values, changes, added in self._acting:
+            change = -float(self._shares[place] @ (v[1] - v[0]))
+            found = [
+                self.mean(f, step, place, u)[0] if f.mean else value + by * change
+                for f, value, by in zip(forces, values, changes)
+            ]
+            yield place, found, added
+
+    def balance(self, step: Step, u: Ends, v: Ends) -> np.ndarray | float:
         """What the law's forces and the added inertia are in the balance of a step between two
-        velocities, on the unknowns, N; without a drive's force."""
+        states, on the unknowns, N; without a drive's force."""
         total: np.ndarray | float = 0.0
-        for place, forces, changes, added in self._acting:
+        for place, found, added in self._found(step, u, v):
             share = self._shares[place]
-            change = -float(share @ (after - before))
-            value = sum(f.value + by * change for f, by in zip(forces, changes))
-            total = total - share * (value - added * change / step.span)
+            change = -float(share @ (v[1] - v[0]))
+            total = total - share * (sum(found) - added * change / step.span)
         return total
+
+    def held(self, left: np.ndarray) -> np.ndarray | float:
+        """What a drive holds of forces on the unknowns that balance nothing, N."""
+        if self.prescribed is None:
+            return 0.0
+        share = self.holding
+        return float(share @ left) / float(share @ share) * share
 
     def works(
         self,
         step: Step,
-        before: np.ndarray,
-        after: np.ndarray,
+        u: Ends,
+        v: Ends,
         lacking: np.ndarray,
         others: dict[str, float],
     ) -> tuple[float, float]:
@@ -147,23 +197,22 @@ class AxialMotion:
 
         Args:
             step: the step.
-            before, after: velocities at its ends.
+            u, v: displacements and velocities at its ends.
             lacking: what is left of the balance without the law: its forces and a drive's, N.
             others: works that are kept in the same books.
         """
         works, inertial = dict(others), 0.0
-        for place, forces, changes, added in self._acting:
+        for (_, forces, *_), (place, found, added) in zip(self._acting, self._found(step, u, v)):
             share = self._shares[place]
-            change, middle = -float(share @ (after - before)), -float(share @ (after + before)) / 2
+            change, middle = -float(share @ (v[1] - v[0])), -float(share @ (v[1] + v[0])) / 2
             inertial += added * change * middle
-            for force, by in zip(forces, changes):
-                work = step.dt * middle * (force.value + by * change)
-                works[force.name] = works.get(force.name, 0.0) + work
+            for force, value in zip(forces, found):
+                works[force.name] = works.get(force.name, 0.0) + step.dt * middle * value
         if self.prescribed is not None:
             share = self.holding
-            given = lacking - self.balance(step, before, after)
+            given = lacking - self.balance(step, u, v)
             self.drive_force = -float(share @ given) / float(share @ share)
-            middle = -float(share @ (after + before)) / 2
+            middle = -float(share @ (v[1] + v[0])) / 2
             works["drive"] = step.span * middle * self.drive_force
         self._works = works
         return inertial, sum(works.values())
@@ -172,7 +221,7 @@ class AxialMotion:
         """Book the works of the step between two states (travel, speed)."""
         for name, work in self._works.items():
             self.taken[name] = self.taken.get(name, 0.0) - work
-        added = sum(each[3] for each in self._acting)
+        added = sum(each[-1] for each in self._acting)
         if added:  # (M + m_a(z)) z'' is not the rate of a kinetic energy alone
             inertial = added * 0.5 * (after[1] ** 2 - before[1] ** 2)
             lost = inertial - self.added_energy(*after) + self.added_energy(*before)

@@ -10,16 +10,17 @@ inverted once; a fall adds one rank to its axial part.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import sqrt
 from typing import Any
 
 import numpy as np
 
 from ..base import checks
-from ..solids.base import Solid
+from ..base.constants import ROUND_OFF
+from ..base.vectors import largest, worst
 from ..theory.scheme import Step
-from .axial_motion import AxialMotion
+from .axial_motion import AxialMotion, Ends
 from .axis import AxisMesh
+from .beam_state import BeamState
 from .drive import AxialLaw, Place
 from .matrices import BeamMatrices
 from .sections import Lateral, Section, Support, values_of
@@ -27,7 +28,7 @@ from .trace import BeamTrace
 from .unknowns import BeamUnknowns
 
 
-class BeamSolid(Solid):
+class BeamSolid(BeamState):
     """A beam.
 
     Args:
@@ -53,8 +54,20 @@ class BeamSolid(Solid):
         InputError: no mass, no section somewhere, numbers out of range, what a law cannot drive.
     """
 
-    linear = True
     _pushed: np.ndarray | float  # by the contacts
+    _about: np.ndarray  # the velocity that was linearised about
+
+    @property
+    def linear(self) -> bool:  # type: ignore[override]
+        """But for a stop that the trial state meets."""
+        return not self.axial.meets(self._states[0])
+
+    @property
+    def _states(self) -> tuple[Ends, Ends]:
+        """Displacements and velocities of the driven system, at the start and in the trial."""
+        drawn = self.driven
+        u = drawn(self.displacement), drawn(self.trial_displacement)
+        return u, (drawn(self.velocity), drawn(self.trial_velocity))
 
     def __init__(
         self,
@@ -79,7 +92,7 @@ class BeamSolid(Solid):
         self.axis, self.frame, self.mass = axis, axis.frame, k.mass
         self.supported = not (k.free_bending.all() and k.free_axial.all())
         self.unknowns = unknowns = BeamUnknowns(axis, k)
-        self.split, self._along = unknowns.split, unknowns.along
+        self.split = unknowns.split
         self._masses, self._stiffness = unknowns.masses, unknowns.stiffness
         held = len(unknowns.mean) == 1 and not k.free_axial.all()
         g = np.zeros(self.dim) if gravity is None else checks.vector("gravity", gravity, self.dim)
@@ -131,16 +144,6 @@ class BeamSolid(Solid):
         """A trace of the rod, seen from what is around it: from walls that do not give way."""
         return trace
 
-    @property
-    def travel(self) -> float:
-        """How far the beam has moved against the direction of its axis, m."""
-        return self._along(self.displacement)
-
-    @property
-    def speed(self) -> float:
-        """Rate of the travel, m/s."""
-        return self._along(self.velocity)
-
     def _begin(self) -> None:
         """Refresh what is kept from step to step."""
         self.trial_displacement, self.trial_velocity = self.displacement, self.velocity
@@ -164,9 +167,9 @@ class BeamSolid(Solid):
 
     def linearise(self, step: Step) -> None:
         self.drop_forces()
-        if self._linear:  # one linearisation serves a step
-            return
-        self._linear = True
+        if self._linear and (self._about is self.trial_velocity or self.linear):
+            return  # one linearisation serves a step that meets no stop
+        self._linear, self._about = True, self.trial_velocity
         self.flexibility, axial = self.matrices.flexibilities(step.span, step.force_rate)
         load = self._momentum / step.span
         if step.dt:
@@ -179,8 +182,7 @@ class BeamSolid(Solid):
                 self._flow = self.unknowns.flow(self.lateral_load, self.displacement)
                 load += self._flow
         bending, along = self.split(load)
-        start = self.driven(self.displacement), self.driven(self.velocity)
-        self.axial_flexibility, given = self.axial.drive(step, *start, axial, along)
+        self.axial_flexibility, given = self.axial.drive(step, *self._states, axial, along)
         given += self.axial_flexibility @ along
         self.free_velocity = np.concatenate([(bending @ self.flexibility).ravel(), given])
 
@@ -211,9 +213,6 @@ class BeamSolid(Solid):
         self._gain = np.zeros_like(self.weight)
         self._pushed = 0.0
 
-    def root_mean_square(self, velocity: np.ndarray) -> float:
-        return sqrt(float(velocity @ (self._masses * velocity)) / self.mass)
-
     def mean_velocity(self, step: Step) -> np.ndarray:
         # an impact finds what has no mass following: without a force it would have been, too
         start = self.velocity if step.dt else self.free_velocity
@@ -221,17 +220,34 @@ class BeamSolid(Solid):
 
     def works(self, step: Step) -> tuple[float, float, float, float]:
         mean = self.mean_velocity(step)
+        lacking, change = self._lacking(step), self._trial_momentum - self._momentum
+        flows = self.lateral_load is not None and step.dt
+        others = {"flow": step.dt * float(mean @ self._flow)} if flows else {}
+        against, works = self.axial.works(step, *self._states, lacking, others)
+        loads = step.dt * float(mean @ self._acting)
+        return float(mean @ change) + against, loads + works, 0.0, 0.0
+
+    def _lacking(self, step: Step) -> np.ndarray:
+        """What is left of the balance of the driven system without its law, N."""
         self._trial_momentum = self._masses * self.trial_velocity
         self._trial_internal = self.internal_force(self.trial_displacement)
         self._acting = self._loads(step) - self._mean_internal(step)
-        change = self._trial_momentum - self._momentum
-        flows = self.lateral_load is not None and step.dt
-        others = {"flow": step.dt * float(mean @ self._flow)} if flows else {}
-        lacking = self.driven(change / step.span - step.loaded * self._acting) - self._pushed
-        v = self.driven(self.velocity), self.driven(self.trial_velocity)
-        against, works = self.axial.works(step, *v, lacking, others)
-        loads = step.dt * float(mean @ self._acting)
-        return float(mean @ change) + against, loads + works, 0.0, 0.0
+        rate = (self._trial_momentum - self._momentum) / step.span
+        return self.driven(rate - step.loaded * self._acting) - self._pushed
+
+    def imbalance(self, step: Step, noise: float = 0.0) -> float:
+        if self.linear:
+            return 0.0
+        lacking, law = self._lacking(step), self.axial.balance(step, *self._states)
+        left = np.where(self.matrices.free_axial, lacking - law, 0.0)
+        left = left - self.axial.held(left)
+        stretched = np.abs(self.driven(self._stiffness.diagonal() * self.trial_displacement))
+        round_off = largest(self.driven(self._trial_momentum)) / step.span + largest(stretched)
+        wrong = largest(left) - ROUND_OFF * round_off
+        size = worst([largest(self.driven(self._acting)), largest(np.asarray(law))])
+        if size <= noise and wrong < np.inf:  # NaN is neither
+            return 0.0
+        return max(wrong, 0.0) / size
 
     def _mean_internal(self, step: Step) -> np.ndarray:
         """Of the internal forces of the step, as the scheme takes them."""
@@ -252,31 +268,6 @@ class BeamSolid(Solid):
         """A trace from places s [m] and from stations."""
         return BeamTrace(self, places, *stations)
 
-    def energies(self) -> tuple[float, float, float]:
-        """Kinetic (with the water that moves along), strain, and of weight plus ``taken``, J."""
-        kinetic = 0.5 * float(self.velocity @ self._momentum)
-        kinetic += self.axial.added_energy(self.travel, self.speed)
-        weight = -float(self.weight @ self.displacement)
-        return kinetic, self.strain_energy(), sum(self.axial.taken.values()) + weight
-
-    def strain_energy(self) -> float:
-        """Of the state, J."""
-        return 0.5 * float(self.displacement @ self._internal)
-
-    def lateral_energy(self) -> float:
-        """Kinetic and strain energy of bending, J."""
-        n = self.unknowns.bending
-        kinetic = self.velocity[:n] @ self._momentum[:n]
-        return 0.5 * float(kinetic + self.displacement[:n] @ self._internal[:n])
-
-    def state(self) -> dict[str, np.ndarray]:
-        return {
-            "displacement": self.displacement,
-            "velocity": self.velocity,
-            **self.axial.state(),
-            **self.memories(),
-        }
-
     def restore(self, state: dict[str, np.ndarray]) -> None:
         self.displacement = np.array(state["displacement"])
         self.velocity = np.array(state["velocity"])
@@ -289,11 +280,3 @@ class BeamSolid(Solid):
         self.velocity = np.zeros_like(self.velocity)
         self.axial.taken = {}
         self._begin()
-
-    def fields(self) -> dict[str, np.ndarray]:
-        at_mesh = self.unknowns.at_mesh
-        return {"displacement": at_mesh(self.displacement), "velocity": at_mesh(self.velocity)}
-
-    def describe(self) -> str:
-        given = f"gravity {self.gravity:.9g}, {self.law!r}"
-        return f"{self.unknowns.describe()}, {given}, {len(self.weight)} unknowns"

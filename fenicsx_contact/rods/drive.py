@@ -8,7 +8,7 @@ the direction of its axis: a rod whose axis runs upwards from its tip travels do
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple, Protocol, runtime_checkable
 
@@ -25,6 +25,10 @@ class AxialForce(NamedTuple):
 
     On an axis that stretches it acts ``at`` a place s [m], or spread over "mass" or "length", and
     depends on the travel and the speed there. A law always lists all its forces, zero or not.
+
+    Of a force of the travel alone, ``mean`` gives its mean over the way from one travel to another
+    (which is the fall of its potential over the way, the same from either end), and the derivative
+    of that by the latter. A step then solves for where it goes, and makes no energy by it.
     """
 
     name: str
@@ -32,6 +36,7 @@ class AxialForce(NamedTuple):
     by_speed: float = 0.0
     by_travel: float = 0.0
     at: Place = MASS
+    mean: Callable[[float, float], tuple[float, float]] | None = None
 
 
 @runtime_checkable
@@ -128,9 +133,8 @@ class Fall:
         if self.stop is not None:
             pressed = travel > self.stop
             force = -self.stop_stiffness * max(0.0, travel - self.stop)
-            forces.append(
-                AxialForce("stop", force, 0.0, -self.stop_stiffness * pressed, self.stop_at)
-            )
+            rate = -self.stop_stiffness * pressed
+            forces.append(AxialForce("stop", force, 0.0, rate, self.stop_at, self._stopped))
         if self.drive_friction:
             inertia = mass + self.added_mass(travel)
             driving = inertia * speed / dt + mass * gravity + sum(f.value for f in forces)
@@ -141,6 +145,18 @@ class Fall:
                 held = -self.drive_friction
             forces.append(AxialForce("drive line", -held))
         return forces
+
+    def _stopped(self, start: float, end: float) -> tuple[float, float]:
+        """Mean force of the stop over a way, N, and its derivative by the end, N/m."""
+        assert self.stop is not None
+        a, b, k = start - self.stop, end - self.stop, self.stop_stiffness
+        if a >= 0 and b >= 0:
+            return -k * (a + b) / 2, -k / 2
+        if a <= 0 and b <= 0:
+            return 0.0, 0.0
+        deepest, met = max(a, b), max(a, b) / abs(b - a)  # over this share of the way
+        rate = met - met * met / 2 if b > 0 else met * met / 2
+        return -k * deepest * met / 2, -k * rate
 
 
 @dataclass(frozen=True)

@@ -42,9 +42,13 @@ class RodInTube(Solid):
                 "tube: must be held along its axis (Support(axial=inf)) and driven by nothing"
             )
         self.rod, self.tube, self._both = rod, tube, (rod, tube)
-        self.linear = rod.linear and tube.linear
         self.supported = rod.supported and tube.supported
         self.name, self.mesh, self.dim = rod.name, rod.mesh, rod.dim
+
+    @property
+    def linear(self) -> bool:  # type: ignore[override]
+        """Whether both are."""
+        return self.rod.linear and self.tube.linear
 
     def split(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The unknowns of the rod and those of the tube."""

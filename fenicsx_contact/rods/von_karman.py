@@ -42,7 +42,6 @@ class VonKarmanBeam(BeamSolid):
     """
 
     linear = False
-    _about: np.ndarray  # the velocity that was linearised about
     _taken: tuple[np.ndarray, np.ndarray]  # a displacement, the mean internal force up to there
 
     def _share(self, place: Place) -> np.ndarray:
@@ -180,8 +179,7 @@ class VonKarmanBeam(BeamSolid):
             self._convex = True
             inverse = block_diag(*[bending] * self.unknowns.planes, axial)
             load = self._momentum / step.span
-        u, v = self.displacement, self.velocity
-        self.inverse, given = self.axial.drive(step, u, v, inverse, load)
+        self.inverse, given = self.axial.drive(step, *self._states, inverse, load)
         self.free_velocity = self.inverse @ load + given
 
     def drop_forces(self) -> None:
@@ -198,12 +196,9 @@ class VonKarmanBeam(BeamSolid):
         if not step.dt:  # which is linear
             return 0.0
         terms = self._balance(step)
-        law = self.axial.balance(step, self.velocity, self.trial_velocity)
-        left = sum(terms) - law
-        held = np.where(self._free, 0.0, left)
-        if self.axial.prescribed is not None:
-            share = self.axial.holding
-            held = held + float(share @ left) / float(share @ share) * share
+        law = self.axial.balance(step, *self._states)
+        left = np.asarray(sum(terms) - law)
+        held = np.where(self._free, 0.0, left) + self.axial.held(left)
         stretched = self._whole.diagonal() * np.abs(self.trial_displacement)
         round_off = np.abs(self._momentum).max() / step.span + (stretched * self._lever).max()
         inertia, _, loads, contact = terms

@@ -16,7 +16,9 @@ from test_self_contact import round_ring
 from fenicsx_contact import (
     Circle,
     Contact,
+    Curve,
     ElasticSolid,
+    HalfSpace,
     InputError,
     RigidSolid,
     Scene,
@@ -203,6 +205,24 @@ def test_no_fast_body_ends_inside_in_silence(d, seed):
         deep = max(deep, deepest(places, other, np.full(len(places), 0.01 * size)))
     remarks = " ".join(text for _, text in history.remarks)
     assert not deep or not history.finished or "inside its master" in remarks, (deep, history)
+
+
+@pytest.mark.parametrize("kind", ["rigid", "elastic"])
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [
+        (Curve([(1, 0), (-1, 0)]), Curve([(-1, 0), (1, 0)])),
+        (HalfSpace((0, 0), (0, -1)), HalfSpace((0, 0), (0, 1))),
+        (Circle((0, 10), 10.0), Circle((0, 10), 10.0, inside=True)),
+    ],
+    ids=["curve", "half space", "circle"],
+)
+def test_an_obstacle_told_the_wrong_way_round_is_refused(kind, wrong, right):
+    """A body whose base lay on it was let fall away freely."""
+    body = solid(kind, rectangle((4, 4), (0.02, 0.02)), "body")
+    Scene([body], [Contact(body, "base", right)])
+    with pytest.raises(InputError, match=r"all of 'body', 0.02 deep, inside .*wrong way round"):
+        Scene([body], [Contact(body, "base", wrong)])
 
 
 @pytest.mark.parametrize("kind", ["rigid", "elastic"])

@@ -5,7 +5,6 @@ obstacle, only near surfaces, and what lies deeper looks as if it were apart."""
 from __future__ import annotations
 
 import numpy as np
-from mpi4py import MPI
 
 from ..base import compat
 from ..base.cells import NODES
@@ -65,20 +64,29 @@ def within(points: np.ndarray, simplices: np.ndarray) -> np.ndarray:
     return np.bincount(ray[hit], minlength=len(x)) % 2 == 1
 
 
-def swallowed(solid: Solid, wall: Wall, most: float) -> float:
-    """How far inside an obstacle, at time 0, the nodes or middles of cells of a solid are at most,
-    in m, where all its boundary is outside: it has swallowed the obstacle; 0 if it has not, or if
-    that is less than ``most``."""
+def swallowed(solid: Solid, wall: Wall, most: float) -> str:
+    """Of a solid whose boundary, at time 0, is outside of an obstacle while nodes or middles of its
+    cells are inside (it has swallowed the obstacle), or that is all inside (an obstacle told the
+    wrong way round): which it is, and how deep; or nothing up to a depth of ``most``, m."""
     mesh = getattr(solid, "mesh", None)
     if not isinstance(mesh, NamedMesh):
-        return 0.0
+        return ""
     skin = solid.trace(mesh.skin()[0]).positions()
     x = mesh.mesh.geometry.x[:, : mesh.dim] + solid.fields()["displacement"]
     points = np.concatenate([x, x[compat.cell_geometry(mesh.mesh)].mean(axis=1)])
+    depth = 0.0
     try:
-        outside = (wall.distance(skin, 0.0) >= 0).all()
-        depth = -wall.distance(points, 0.0).min(initial=0.0) if outside else 0.0
+        away = wall.distance(skin, 0.0)
+        outside, inside = bool((away >= 0).all()), bool((away <= most).all())
+        depth = -wall.distance(points, 0.0).min(initial=0.0)
     except StepFailed:  # its distances are for points outside
-        depth = 0.0
-    depth = mesh.mesh.comm.allreduce(depth, MPI.MAX)
-    return float(depth) if depth > most else 0.0
+        outside = inside = False
+    together = mesh.mesh.comm.allgather((outside, inside, depth))
+    outside, inside = (all(each) for each in list(zip(*together))[:2])
+    depth = max(each for _, _, each in together)
+    if not (depth > most and (outside or inside)):
+        return ""
+    if outside:
+        return f"the obstacle, {depth:.4g} deep, inside {solid.name!r}"
+    whole = f"all of {solid.name!r}, {depth:.4g} deep, inside the obstacle"
+    return f"{whole} (is that told the wrong way round?)"

@@ -196,9 +196,7 @@ class NodalJump(Coupling):
         return deep
 
     def swallowed(self, most: float) -> str:
-        solid = self.solids[0]
-        depth = 0.0 if self.encloses else swallowed(solid, self.wall, most)
-        return f"the obstacle, {depth:.4g} deep, inside {solid.name!r}" if depth else ""
+        return "" if self.encloses else swallowed(self.solids[0], self.wall, most)
 
     @property
     def reference(self) -> np.ndarray:

@@ -176,6 +176,22 @@ def test_finite_vibration_is_of_second_order(rho):
     np.testing.assert_allclose(rates(changes), 2, atol=0.2)
 
 
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+def test_a_load_that_gives_its_mean_loses_no_pulse(theta):
+    """3 N s within 3 ms and a step of 10 ms, as the guide says."""
+    dt, ahead = 1e-2, 1e-2 * (1 - theta)
+
+    def impulse(t):
+        return 1000 * min(max(t - 0.1, 0), 3e-3)
+
+    def mean(t):
+        return (impulse(t + ahead) - impulse(t + ahead - dt)) / dt, 0.0
+
+    solid = RigidSolid(rectangle((1, 1), (1.0, 1.0)), mass=3.0, force=mean)
+    Scene([solid], [], ThetaScheme(theta), allow_free=True).run(0.2, dt)
+    assert 3 * solid.velocity[0] == pytest.approx(3.0, rel=1e-12)
+
+
 def test_free_flight_of_a_rigid_solid_is_exact():
     """But for the first step, in which A begins: (r - 1/2) h² g once."""
     scheme, dt = GeneralisedAlpha(0.5), 0.01

@@ -329,6 +329,32 @@ def test_contacts_age_at_rest_by_dieterichs_law_alone(law):
     np.testing.assert_array_equal(contact.memory.values["theta"], 2.0)
 
 
+@pytest.mark.parametrize("a", [0.01, 0.02])
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+def test_rate_and_state_holds_on_a_belt_as_on_a_floor(a, theta):
+    """In hold slips of 1e-12 or 1e-24 m/s are no digit of velocities; friction is what pulls."""
+    friction, reports = RateState(a, 0.005, 1e-4, 0.5, 1e-3), []
+    for speed in (0.0, 0.01):
+        solid = block(velocity=(speed, 0), held=["turning"], force=(10.0, 0))
+        belt = Moved(FLOOR, lambda t, v=speed: (v * t, 0))
+        contact = Contact(solid, "base", belt, friction=friction)
+        history = Scene([solid], [contact], ThetaScheme(theta)).run(0.02, 1e-3)
+        assert history.reason == "finished" and not history.remarks
+        assert contact.force[:, 0].sum() == pytest.approx(-10.0, rel=1e-6)
+        reports.append(solid.velocity[0] - speed)
+    np.testing.assert_allclose(reports, 0, atol=1e-10)
+
+
+def test_rate_and_state_turns_round():
+    """A block on a spring swings on the floor, its slip turning round, and stays."""
+    solid = block(velocity=(2.0, 0), held=["turning"], springs={(0.0, 0.0): (1e3, 0)})
+    friction = RateState(0.01, 0.005, 1e-4, 0.5, 1e-3)
+    history = Scene([solid], [Contact(solid, "base", FLOOR, friction=friction)]).run(0.3, 1e-3)
+    assert history.reason == "finished" and not history.remarks
+    assert history["newton"].max() <= 6
+    check_energies(history)
+
+
 # -- a law of one's own, and what it remembers -----------------------------------------------------
 
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import ufl
 
 from ...base import checks
-from ..laws import Expr
+from ..laws import Expr, magnitude
 from ..parameter import Parameter, keep_parameter, told, varies
 
 
@@ -41,8 +41,10 @@ class RateState:
     which is the same unless mu is as small as a. Nothing sticks by this law: it creeps, however
     slowly. A step has one solution, for friction rises with V at the given age, but in steps
     longer than about D/V, in which contacts are renewed; shorter ones are needed for the age, too.
-    The law is for slip that goes on. Where it turns round b jumps from one side to the other within
-    a V of V_0 exp(-mu/a), too steep for Newton's method: such a run may stop with its reason.
+    In hold V is V_0 exp(-mu/a), below the last digit of any velocity, and tells nothing of
+    friction. So where ``rho V < a |lam|`` the bound is told by what is borne: one step of Newton's
+    method for y of ``a |lam| y + rho c sinh y = |tau| + rho V``, the resolvent, which has c sinh y
+    = V where ``|tau| = a |lam| y``, for any rho, and nowhere else. (Springs read V alone.)
 
     In steady sliding mu = mu_0 + (a - b) ln(V/V_0). A slider that a spring pulls steadily is
     stable above the stiffness k_c = (b - a) sigma/D (1 + M V²/(a sigma D)), per area. ``theta``
@@ -84,7 +86,7 @@ class RateState:
             keep_parameter(self, "theta", above=0)
 
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
-        """By the speed of slip and the age that it leaves."""
+        """By the speed of slip and the age that it leaves; in hold by what is borne."""
         given = {name: k.field(name, getattr(self, name)) for name in ("a", "b", "mu", "speed")}
         a, b, mu, V0 = given.values()
         V, D = k.slip_speed, k.field("distance", self.distance)
@@ -93,8 +95,17 @@ class RateState:
             fields = varies(self.distance) or varies(self.speed)
             start = D / V0 if fields else self.distance / self.speed
         theta = k.state("theta", start, lambda old, time: LAWS[self.law](old, V, D, time))
-        z = V / (2 * V0) * ufl.exp((mu + b * ufl.ln(V0 * theta / D)) / a)
-        return a * ufl.ln(z + ufl.sqrt(z**2 + 1)) * pressure
+        c = 2 * V0 * ufl.exp(-(mu + b * ufl.ln(V0 * theta / D)) / a)
+        z, A = V / c, a * pressure
+        fast = a * ufl.ln(z + ufl.sqrt(z**2 + 1)) * pressure
+        if k.traction is None:  # what springs bear is no unknown
+            return fast
+        borne, R = magnitude(k.traction), k.rho_t
+        most = ufl.ln(1 + 2 * (borne / R + V) / c)  # y is less
+        y = ufl.min_value(borne / ufl.conditional(ufl.gt(A, 0), A, R * V0), most)
+        left = borne - A * y + R * (V - c * ufl.sinh(y))
+        slow = A * y + A * left / (A + R * c * ufl.cosh(y))
+        return ufl.conditional(ufl.lt(R * V, A), slow, fast)
 
     def describe(self) -> str:
         """All parameters."""

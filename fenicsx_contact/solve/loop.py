@@ -44,7 +44,7 @@ SYSTEMS: dict[str, type[Condensed] | type[Monolithic]] = {
     "iterative": Krylov,
 }
 #: Relative error of the linearised operator, gaps and momentum at which the fixed point ends where
-#: solids deform; of rigid bodies alone it is Newton's tolerance.
+#: solids deform, or many meet; of a few rigid bodies it is Newton's tolerance.
 GEOMETRY_TOLERANCE = 1e-8
 #: How often a correction that inverts an element, or goes beyond what its linearisation knows, is
 #: halved: it does if it makes the error so many times what it was, or than the terms.
@@ -86,8 +86,9 @@ class StepSolver:
         self.system = SYSTEMS[solver](problem)
         # whether velocities without contact are known, which deformable solids have to solve for
         self._foresees = isinstance(self.system, Condensed) or not self._speeds.bodies
-        # what sweeps leave adds up over steps: where nothing deforms they are cheap
-        self._enough = GEOMETRY_TOLERANCE if self._speeds.bodies else newton.tolerance
+        # what sweeps leave adds up over steps: of a few rigid bodies they are cheap
+        many = bool(self._speeds.bodies) or problem.crowded
+        self._enough = GEOMETRY_TOLERANCE if many else newton.tolerance
         # sweeps follow slowly what slides along a narrow hole, or not at all
         self._turns = self._foresees and any(map(in_round_hole, problem.contacts))
         if floating:

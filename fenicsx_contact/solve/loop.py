@@ -43,8 +43,7 @@ SYSTEMS: dict[str, type[Condensed] | type[Monolithic]] = {
     "monolithic": Sparse,
     "iterative": Krylov,
 }
-#: Relative error of the linearised operator, gaps and momentum at which the fixed point ends where
-#: solids deform, or many meet; of a few rigid bodies it is Newton's tolerance.
+#: Relative error of the linearised operator, gaps and momentum at which the fixed point ends.
 GEOMETRY_TOLERANCE = 1e-8
 #: How often a correction that inverts an element, or goes beyond what its linearisation knows, is
 #: halved: it does if it makes the error so many times what it was, or than the terms.
@@ -86,9 +85,6 @@ class StepSolver:
         self.system = SYSTEMS[solver](problem)
         # whether velocities without contact are known, which deformable solids have to solve for
         self._foresees = isinstance(self.system, Condensed) or not self._speeds.bodies
-        # what sweeps leave adds up over steps: of a few rigid bodies they are cheap
-        many = bool(self._speeds.bodies) or problem.crowded
-        self._enough = GEOMETRY_TOLERANCE if many else newton.tolerance
         # sweeps follow slowly what slides along a narrow hole, or not at all
         self._turns = self._foresees and any(map(in_round_hole, problem.contacts))
         if floating:
@@ -122,7 +118,7 @@ class StepSolver:
             clock("solids")
             speed = self._linearise(step, first=sweep == 1)
             clock("pairing")
-            solution = self._settle(step, first=sweep == 1)
+            solution = self._settle(step, first=sweep == 1, turning=last > GEOMETRY_TOLERANCE)
             iterations += solution.iterations
             remarks += solution.remarks
             clock("newton")
@@ -135,9 +131,10 @@ class StepSolver:
             clock("pairing")
             if any(grown):
                 continue
-            if error <= self._enough or last <= error <= ROUGH * self._newton.tolerance:
+            stalled = last <= error <= ROUGH * self._newton.tolerance
+            if stalled or (solution.exact and error <= GEOMETRY_TOLERANCE):
                 return solution.force, iterations, sweep, remarks
-            if self._turns and error**2 > last * self._enough:  # nor by one more
+            if self._turns and error**2 > last * GEOMETRY_TOLERANCE:  # nor by one more
                 force, more, _, told = self._full(step, clock)
                 iterations, remarks = iterations + more, remarks + told
                 if not any([contact.grow(step) for contact in self._all.contacts]):
@@ -176,14 +173,14 @@ class StepSolver:
         self._all.set_scale(step, scale)
         return scale
 
-    def _settle(self, step: Step, first: bool) -> Solution:
-        frozen, known = self.system.freeze(step), {}
+    def _settle(self, step: Step, first: bool, turning: bool = True) -> Solution:
+        frozen, hopeless = self.system.freeze(step), None
         if self._floating:
-            known["hopeless"] = partial(unbearable, self._floating, self._all.contacts, step)
+            hopeless = partial(unbearable, self._floating, self._all.contacts, step)
         if first and self._floating and isinstance(frozen, FrozenContact):
             frozen.glue()
         try:
-            return self._newton.solve(frozen, **known)
+            return self._newton.solve(frozen, hopeless, turning)
         except NotConverged as failure:
             raise StepFailed(str(failure)) from None
 

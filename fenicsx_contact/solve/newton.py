@@ -46,6 +46,7 @@ class Solution:
     force: np.ndarray
     iterations: int
     error: float = 0.0  # of any row, at most
+    exact: bool = True  # but for what is accepted while geometry turns
     remarks: list[str] = field(default_factory=list)
 
 
@@ -70,12 +71,19 @@ class Newton:
         checks.keep(self, "tolerance", above=0, at_most=1e-2)
         checks.whole_number("max_iterations", self.max_iterations, at_least=1)
 
-    def solve(self, system: ContactProblem, hopeless: Callable[[], str] | None = None) -> Solution:
+    def solve(
+        self,
+        system: ContactProblem,
+        hopeless: Callable[[], str] | None = None,
+        turning: bool = False,
+    ) -> Solution:
         """Solve the surface problem of a step; the surfaces then hold the solution.
 
         Args:
             system: the surface problem, begun.
             hopeless: why it has no solution, or nothing; asked where Newton's method finds none.
+            turning: whether its geometry is yet to be renewed, until when points of a rigid solid
+                that stick contradict each other: where the error falls no more that is accepted.
 
         Raises:
             NotConverged: with the reason.
@@ -85,9 +93,10 @@ class Newton:
         start = system.state()
         # where many bodies stick their points contradict each other by how they lie
         rough = ROUGH * self.tolerance if system.crowded else self.tolerance
-        iterations, enough = self._iterate(system, rough)
+        stalled = ROUGH * self.tolerance if turning else rough
+        iterations, enough = self._iterate(system, stalled)
         if system.worst <= enough:
-            return Solution(system.force(), iterations, system.worst)
+            return Solution(system.force(), iterations, system.worst, system.worst <= rough)
         if hopeless and (reason := hopeless()):
             raise NotConverged(reason)
         flips, notes = system.flips(), ""
@@ -103,13 +112,12 @@ class Newton:
                 iterations += steps
             if system.worst <= rough:  # NaN is not
                 remarks = [flips + notes] if notes else []
-                return Solution(system.force(), iterations, system.worst, remarks)
+                return Solution(system.force(), iterations, system.worst, remarks=remarks)
         raise NotConverged(f"{system.stall()}; {flips}{notes}")
 
     def _iterate(self, system: ContactProblem, rough: float) -> tuple[int, float]:
         """Newton steps until converged, or until the statuses cycle; how many, and the error to be
-        accepted: where it falls no more that is round-off, by which points of a rigid solid that
-        stick contradict each other."""
+        accepted: where it falls no more and is not above ``rough``, that."""
         seen: dict[bytes, float] = {}
         last, error, stalls, returns = b"", system.error(), 0, 0
         for iteration in range(1, self.max_iterations + 1):

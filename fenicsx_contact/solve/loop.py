@@ -174,13 +174,14 @@ class StepSolver:
         return scale
 
     def _settle(self, step: Step, first: bool, turning: bool = True) -> Solution:
-        frozen, hopeless = self.system.freeze(step), None
+        frozen, known = self.system.freeze(step), {}
+        frozen.turning = turning
         if self._floating:
-            hopeless = partial(unbearable, self._floating, self._all.contacts, step)
+            known["hopeless"] = partial(unbearable, self._floating, self._all.contacts, step)
         if first and self._floating and isinstance(frozen, FrozenContact):
             frozen.glue()
         try:
-            return self._newton.solve(frozen, hopeless, turning)
+            return self._newton.solve(frozen, **known)
         except NotConverged as failure:
             raise StepFailed(str(failure)) from None
 

@@ -24,11 +24,14 @@ class ContactProblem(Softened, Protocol):
         size: number of its unknowns; 0: nothing may touch.
         hyperstatic: whether there may be more forces than the motion determines.
         crowded: whether many rigid bodies meet each other.
+        turning: whether its geometry is yet to be renewed, until when points of a rigid solid that
+            stick contradict each other: where the error falls no more that is accepted.
     """
 
     size: int
     hyperstatic: bool
     crowded: bool
+    turning: bool
 
     def iterate(self, enough: float = 0.0) -> bool: ...
     def state(self) -> list[np.ndarray]: ...
@@ -71,19 +74,12 @@ class Newton:
         checks.keep(self, "tolerance", above=0, at_most=1e-2)
         checks.whole_number("max_iterations", self.max_iterations, at_least=1)
 
-    def solve(
-        self,
-        system: ContactProblem,
-        hopeless: Callable[[], str] | None = None,
-        turning: bool = False,
-    ) -> Solution:
+    def solve(self, system: ContactProblem, hopeless: Callable[[], str] | None = None) -> Solution:
         """Solve the surface problem of a step; the surfaces then hold the solution.
 
         Args:
             system: the surface problem, begun.
             hopeless: why it has no solution, or nothing; asked where Newton's method finds none.
-            turning: whether its geometry is yet to be renewed, until when points of a rigid solid
-                that stick contradict each other: where the error falls no more that is accepted.
 
         Raises:
             NotConverged: with the reason.
@@ -93,7 +89,7 @@ class Newton:
         start = system.state()
         # where many bodies stick their points contradict each other by how they lie
         rough = ROUGH * self.tolerance if system.crowded else self.tolerance
-        stalled = ROUGH * self.tolerance if turning else rough
+        stalled = ROUGH * self.tolerance if system.turning else rough
         iterations, enough = self._iterate(system, stalled)
         if system.worst <= enough:
             return Solution(system.force(), iterations, system.worst, system.worst <= rough)

@@ -15,7 +15,12 @@ class Statuses:
 
     Args:
         parts, names: of the contacts.
+
+    Attributes:
+        turning: whether the geometry is yet to be renewed.
     """
+
+    turning: bool = False
 
     def __init__(self, parts: Sequence[Part], names: Sequence[str]) -> None:
         self.parts, self.names = list(parts), list(names)

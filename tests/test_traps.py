@@ -246,7 +246,7 @@ def test_what_is_not_a_number_has_not_converged():
     """An error of NaN is above no tolerance."""
 
     class Endless:
-        size, worst, hyperstatic, crowded, turning = 1, np.nan, False, False, False
+        size, worst, hyperstatic, crowded, rounded = 1, np.nan, False, False, False
 
         def iterate(self, enough=0.0):
             return True

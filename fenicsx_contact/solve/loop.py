@@ -132,7 +132,8 @@ class StepSolver:
             if any(grown):
                 continue
             stalled = last <= error <= ROUGH * self._newton.tolerance
-            if stalled or (solution.exact and error <= GEOMETRY_TOLERANCE):
+            exact = solution.exact or self._speeds.bodies  # whose solves are rounded
+            if stalled or (exact and error <= GEOMETRY_TOLERANCE):
                 return solution.force, iterations, sweep, remarks
             if self._turns and error**2 > last * GEOMETRY_TOLERANCE:  # nor by one more
                 force, more, _, told = self._full(step, clock)
@@ -175,7 +176,7 @@ class StepSolver:
 
     def _settle(self, step: Step, first: bool, turning: bool = True) -> Solution:
         frozen, known = self.system.freeze(step), {}
-        frozen.turning = turning
+        frozen.rounded = turning or bool(self._speeds.bodies)
         if self._floating:
             known["hopeless"] = partial(unbearable, self._floating, self._all.contacts, step)
         if first and self._floating and isinstance(frozen, FrozenContact):

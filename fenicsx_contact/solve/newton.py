@@ -24,14 +24,15 @@ class ContactProblem(Softened, Protocol):
         size: number of its unknowns; 0: nothing may touch.
         hyperstatic: whether there may be more forces than the motion determines.
         crowded: whether many rigid bodies meet each other.
-        turning: whether its geometry is yet to be renewed, until when points of a rigid solid that
-            stick contradict each other: where the error falls no more that is accepted.
+        rounded: whether an error that falls no more is round-off: of solids that deform, or of a
+            geometry that is yet to be renewed, until when rigid points that stick contradict each
+            other.
     """
 
     size: int
     hyperstatic: bool
     crowded: bool
-    turning: bool
+    rounded: bool
 
     def iterate(self, enough: float = 0.0) -> bool: ...
     def state(self) -> list[np.ndarray]: ...
@@ -49,7 +50,7 @@ class Solution:
     force: np.ndarray
     iterations: int
     error: float = 0.0  # of any row, at most
-    exact: bool = True  # but for what is accepted while geometry turns
+    exact: bool = True  # but for what counts as round-off
     remarks: list[str] = field(default_factory=list)
 
 
@@ -89,7 +90,7 @@ class Newton:
         start = system.state()
         # where many bodies stick their points contradict each other by how they lie
         rough = ROUGH * self.tolerance if system.crowded else self.tolerance
-        stalled = ROUGH * self.tolerance if system.turning else rough
+        stalled = ROUGH * self.tolerance if system.rounded else rough
         iterations, enough = self._iterate(system, stalled)
         if system.worst <= enough:
             return Solution(system.force(), iterations, system.worst, system.worst <= rough)

@@ -17,10 +17,10 @@ class Statuses:
         parts, names: of the contacts.
 
     Attributes:
-        turning: whether the geometry is yet to be renewed.
+        rounded: whether an error that falls no more counts as round-off.
     """
 
-    turning: bool = False
+    rounded: bool = False
 
     def __init__(self, parts: Sequence[Part], names: Sequence[str]) -> None:
         self.parts, self.names = list(parts), list(names)

@@ -25,6 +25,7 @@ from fenicsx_contact import (
     name_facets,
 )
 from fenicsx_contact.contact.inside import deepest, within
+from fenicsx_contact.contact.simplices import nearest
 
 SKIN = {"skin": lambda x: x[0] < np.inf}
 CELLS = ["triangle", "quadrilateral", "tetrahedron", "hexahedron"]
@@ -150,6 +151,20 @@ except InputError as error:
     assert "'small' 0.48 inside 'large'" in str(error)
     print("refused")
 """
+
+
+@pytest.mark.filterwarnings("error")
+def test_distances_of_facets_that_are_flat():
+    """They count as edges, or as points; without numbers they hid what lay beside them."""
+    edge, point = [[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[1, 1, 1]] * 3
+    whole = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    for place, facets, distance in (
+        ([1.5, 0, 2], [edge], 2.0),
+        ([1.5, 0, 2], [point], 1.5),
+        ([0.2, 0.2, 0.5], [point, whole, edge], 0.5),
+    ):
+        found = nearest(np.array([place], dtype=float), np.array(facets, dtype=float))
+        assert found == pytest.approx(distance, rel=1e-15)
 
 
 @needs_mpirun

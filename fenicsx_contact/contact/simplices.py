@@ -18,19 +18,22 @@ SIMPLICES = {
 
 
 def nearest(points: np.ndarray, simplices: np.ndarray) -> float:
-    """The least distance of points (p, d) from simplices (n, k, d), k = 2 or 3, in m."""
+    """The least distance of points (p, d) from simplices (n, k, d), k = 2 or 3, in m; of what is
+    flat in its ends and edges."""
     p, a = points[:, None], simplices[:, 0]
     if simplices.shape[1] == 2:
         way = simplices[:, 1] - a
-        share = np.clip(dot(p - a, way) / dot(way, way), 0.0, 1.0)
+        square = dot(way, way)
+        share = np.clip(dot(p - a, way) / np.where(square > 0, square, np.inf), 0.0, 1.0)
         away = p - a - share[..., None] * way
         return float(np.sqrt(dot(away, away).min()))
     u, v = simplices[:, 1] - a, simplices[:, 2] - a
     normal = np.cross(u, v)
-    size = dot(normal, normal)
+    square = dot(normal, normal)
+    whole, size = square > 0, np.where(square > 0, square, np.inf)
     arm = p - a
     first, second = (dot(np.cross(*each), normal) / size for each in ((arm, v), (u, arm)))
-    over = (first >= 0) & (second >= 0) & (first + second <= 1)
+    over = whole & (first >= 0) & (second >= 0) & (first + second <= 1)
     height = np.abs(dot(arm, normal)) / np.sqrt(size)
     return min(float(height[over].min(initial=np.inf)), nearest(points, edges(simplices)))
 

@@ -112,13 +112,14 @@ class StepSolver:
 
     def _fixed_point(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         iterations, remarks, last = 0, [], 1.0
+        deforms = bool(self._speeds.bodies)  # their solves are rounded
         for sweep in range(1, self._newton.max_iterations + 1):
             for solid in self._all.solids:
                 solid.linearise(step)
             clock("solids")
             speed = self._linearise(step, first=sweep == 1)
             clock("pairing")
-            solution = self._settle(step, first=sweep == 1, turning=last > GEOMETRY_TOLERANCE)
+            solution = self._settle(step, sweep == 1, deforms or last > GEOMETRY_TOLERANCE)
             iterations += solution.iterations
             remarks += solution.remarks
             clock("newton")
@@ -132,8 +133,7 @@ class StepSolver:
             if any(grown):
                 continue
             stalled = last <= error <= ROUGH * self._newton.tolerance
-            exact = solution.exact or self._speeds.bodies  # whose solves are rounded
-            if stalled or (exact and error <= GEOMETRY_TOLERANCE):
+            if stalled or (error <= GEOMETRY_TOLERANCE and (deforms or solution.exact)):
                 return solution.force, iterations, sweep, remarks
             if self._turns and error**2 > last * GEOMETRY_TOLERANCE:  # nor by one more
                 force, more, _, told = self._full(step, clock)
@@ -174,9 +174,9 @@ class StepSolver:
         self._all.set_scale(step, scale)
         return scale
 
-    def _settle(self, step: Step, first: bool, turning: bool = True) -> Solution:
+    def _settle(self, step: Step, first: bool, rounded: bool = True) -> Solution:
         frozen, known = self.system.freeze(step), {}
-        frozen.rounded = turning or bool(self._speeds.bodies)
+        frozen.rounded = rounded
         if self._floating:
             known["hopeless"] = partial(unbearable, self._floating, self._all.contacts, step)
         if first and self._floating and isinstance(frozen, FrozenContact):

@@ -500,6 +500,21 @@ def test_what_is_between_tubes_has_no_length():
     np.testing.assert_allclose(history["length"][1:], tubes + card, atol=1e-12)
 
 
+@pytest.mark.parametrize("theta", [0.5, 0.6, 1.0])
+def test_friction_of_a_card_is_that_of_its_depth(theta):
+    """The rod slides past the cards, which stay: mu = 0.1 + 0.5 depth had been read where what they
+    touch had been in the midst of the step, by theta = 1/2 6 mm higher."""
+    rod = BeamSolid(axis_mesh((0, -2), (0, 1), rod=(2.0, 10)), ROD, law=Driven(0.5))
+    guide = Guide([Card(0.31, C), Card(1.03, C, centre=5e-3), Card(1.77, C)])
+    settle(rod, "rod", guide)
+    contact = GuideContact(rod, "rod", guide, friction=lambda x: 0.1 - 0.5 * x[1])
+    assert Scene([rod], [contact], ThetaScheme(theta)).run(0.1, 0.025).finished
+    cards = contact.stations
+    pressed = np.linalg.norm(contact.normal_forces[cards], axis=1)
+    rubbed = np.linalg.norm((contact.force - contact.normal_forces)[cards], axis=1)
+    np.testing.assert_allclose(rubbed / pressed, 0.1 + 0.5 * guide.stations, rtol=1e-9)
+
+
 # -- elastic guides -----------------------------------------------------------------------------
 
 

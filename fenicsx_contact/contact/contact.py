@@ -47,8 +47,8 @@ class Contact(Scaled, SurfaceResults):
 
     Attributes:
         gap, jump: at the start of the step, m, m/s; ``trial_jump``, ``trial_status``: in its trial.
-        start_jump_n: w_n at the start, by the operators of the step; ``end_gap``: at its end if
-            nothing approached.
+        start_positions: of its points, (n, d) in m; ``start_jump_n``: w_n at the start, by the
+            operators of the step; ``end_gap``: at its end if nothing approached.
         resolution: speeds below it, m/s, the last step did not resolve.
         moved: length of the step, s, of which the multipliers are: the last one, or one tried.
         noise: distances below it, m, are round-off of the places.
@@ -131,8 +131,8 @@ class Contact(Scaled, SurfaceResults):
 
     def _start(self) -> None:
         """Frame from which the next step starts, and round-off of the distances in it."""
-        self.noise = ROUND_OFF * largest(self.coupling.positions())
-        self.start_normal = self.coupling.keep_normals()
+        self.start_positions = at = self.coupling.positions()
+        self.noise, self.start_normal = ROUND_OFF * largest(at), self.coupling.keep_normals()
         self._springs.begin(self.start_normal, self.coupling.positions)
         if not self.coupling.fixed_normal:
             self.equations.fields.keep_frame()

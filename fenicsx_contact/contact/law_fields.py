@@ -17,7 +17,6 @@ import ufl
 
 from ..base import checks, compat
 from ..base.expressions import is_coordinate, is_expression, symbolic, terminals_off
-from ..solids import Solid, Trace
 from ..solids.coefficients import arguments
 from ..theory.laws import magnitude
 from ..theory.scheme import Step
@@ -27,14 +26,10 @@ from .memory import Memory, at_points
 class Teller(Protocol):
     """What a contact tells of the step that it is in; arrays are of the points."""
 
-    solids: list[Solid]
-    traces: list[Trace]
-    jump: np.ndarray
-    normal: np.ndarray
-
     @property
     def coupling(self) -> Any: ...
 
+    start_positions: np.ndarray
     chosen: np.ndarray
     gap: np.ndarray
     tolerance: float
@@ -48,10 +43,9 @@ Feed = Callable[[Teller, Step], Any]
 
 def places(contact: Teller, step: Step) -> np.ndarray:
     """Where the points are when the scheme takes the forces of contacts, flat, m."""
-    solid, trace, end = contact.solids[0], contact.traces[0], contact.coupling.positions()
-    old, new = trace.jump(solid.velocity), trace.jump(solid.trial_velocity)
-    way = step.gap_rate * new + (step.dt - step.gap_rate) * old
-    return np.asarray(end.ravel() - (1 - step.scheme.force_weight) * way.ravel())
+    late = step.scheme.force_weight
+    mean = late * contact.coupling.positions() + (1 - late) * contact.start_positions
+    return np.asarray(mean.ravel())
 
 
 class LawFields:

@@ -99,6 +99,56 @@ def test_friction_of_the_place_and_its_integral():
         check_energies(history)
 
 
+@pytest.mark.parametrize("geometry", ["fixed point", "newton"])
+@pytest.mark.parametrize("law", ["friction", "stress", "springs"])
+@pytest.mark.parametrize("scheme", [QuasiStatic(), IMPLICIT, ThetaScheme(0.5)], ids=repr)
+def test_laws_are_read_where_points_get_to(geometry, law, scheme):
+    """At each node, of an elastic block that is dragged faster and faster, in steps longer than a
+    cell. In the one linearisation of a linear solid on a flat floor they were read where it had
+    been predicted, in the first step where it started: mu = 0.101 in place of 0.152."""
+    value = lambda x: 0.1 + 0.5 * x[0]  # noqa: E731
+    laws = {
+        "friction": ("gap", value),
+        "stress": ("gap", Tresca(lambda x: 1e4 * value(x))),
+        "springs": (Compliance(lambda x: 1e10 * value(x)), 0.0),
+    }
+    way = lambda t: (0.1 * t**2, -1e-4 * t)  # noqa: E731
+    solid = ElasticSolid(
+        rectangle((2, 1), (0.1, 0.05)), youngs_modulus=1e9, poisson_ratio=0.0, density=1000.0,
+        prescribed={"top": way},
+    )  # fmt: skip
+    contact = Contact(solid, "base", FLOOR, *laws[law])
+    scene, area = Scene([solid], [contact], scheme, geometry=geometry), contact.surface.area
+    mean = lambda old, new: old + scheme.force_weight * (new - old)  # noqa: E731
+    start, gap = contact.coupling.positions(), contact.gap
+    for _ in range(3):
+        assert len(list(scene.step(1.0))) == 1
+        read = value(mean(start, contact.coupling.positions()).T)
+        along, up = contact.force.T
+        exact, found = {
+            "friction": (read * up, -along),
+            "stress": (1e4 * read * area, -along),
+            "springs": (1e10 * read * area * mean(gap, contact.gap), up),
+        }[law]
+        np.testing.assert_allclose(found, exact, rtol=1e-6)
+        start, gap = contact.coupling.positions(), contact.gap
+
+
+@pytest.mark.parametrize("geometry", ["fixed point", "newton"])
+def test_a_parameter_is_asked_where_points_get_to(geometry):
+    """mu = 0.15 - x before a block that is dragged beyond 0.15 in a step: it had been asked where
+    the step was predicted only, and friction drove the block."""
+    solid = ElasticSolid(
+        rectangle((2, 1), (0.1, 0.05)), youngs_modulus=1e9, poisson_ratio=0.0, density=1000.0,
+        prescribed={"top": lambda t: (0.3 * t, -1e-5)},
+    )  # fmt: skip
+    contact = Contact(solid, "base", FLOOR, "gap", lambda x: 0.15 - x[0])
+    history = Scene([solid], [contact], QuasiStatic(), geometry=geometry).run(1.0, 1.0)
+    assert "friction must be finite and >= 0" in history.reason
+    assert (np.diff(history["friction"]) <= 0).all()
+    assert contact.start_positions[:, 0].max() <= 0.15
+
+
 def test_friction_of_the_time():
     """mu = c t: v = v0 - c g t²/2, exactly, for the scheme takes forces in the midst of a step."""
     _, history = slide(lambda x, t: 0.5 * t, 0.4, dt=0.02)

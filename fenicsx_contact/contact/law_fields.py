@@ -62,6 +62,7 @@ class LawFields:
         numbers: the surface's constants of the parameters that are numbers, by name, and of the
             constants of UFL that stand in parameters, by these.
         held: points that a law holds though nothing presses there, (n,) of bool; False: none.
+        located: whether a law reads the place.
     """
 
     dt: Any
@@ -74,6 +75,7 @@ class LawFields:
         self.surface = surface
         self.memory = Memory(surface)
         self.held: np.ndarray | bool = False
+        self.located = False
         self.numbers: dict[Any, Any] = {}
         self._constants: list[tuple[Any, Feed]] = []
         self._functions: list[tuple[Any, Feed]] = []
@@ -93,12 +95,19 @@ class LawFields:
             constant.value = value
         for function, told in self._functions:
             function.x.array[:] = told(contact, step)
-        if self._varying and self._asked is not step:
+        if self._varying and (self.located or self._asked is not step):
             self._asked = step
             for name, values in self._varying:
                 if strange := self._strange(at_points(self.surface, values)):
                     raise checks.StepFailed(f"{name} must be finite and >= 0; {strange}")
         return changed
+
+    def strayed(self, contact: Teller, step: Step) -> np.ndarray:
+        """How far the points are from where laws that read this were told, (n,) in m."""
+        if not self.located:
+            return np.zeros(self.surface.size)
+        off = places(contact, step) - self._place.x.array
+        return np.asarray(np.linalg.norm(off.reshape(-1, self.surface.dim), axis=1))
 
     def _strange(self, values: np.ndarray) -> str:
         """Where values at the points (n,) are negative or not finite, or nothing."""
@@ -139,9 +148,14 @@ class LawFields:
         """1 where time passes, 0 in an impact, in which finite tractions do nothing."""
         return self._constant(lambda contact, step: step.loaded, 1.0)
 
-    @cached_property
+    @property
     def place(self) -> Any:
         """Where the points are at that time, a vector in m."""
+        self.located = True
+        return self._place
+
+    @cached_property
+    def _place(self) -> Any:
         place = self.surface.vector()
         place.x.array[:] = self.surface.points.ravel()
         return self._function(places, place)
@@ -196,6 +210,8 @@ class LawFields:
         field, _ = self._read(name, value)
         if not isinstance(value, Real):
             self._varying.append((name, compat.PointExpression(field, self.surface.scalars)))
+            read = ufl.algorithms.extract_coefficients(field)
+            self.located |= vars(self).get("_place") in read
         return field
 
     def _read(self, name: str, value: Any) -> tuple[Any, np.ndarray | float]:
@@ -217,7 +233,7 @@ class LawFields:
         """A function of place and time in UFL; there is no time on the surface if it has none."""
         timed = len(arguments(value)) > 1
         with symbolic():
-            given = value(self.place, self.t) if timed else value(self.place)
+            given = value(self._place, self.t) if timed else value(self._place)
         if isinstance(given, Real) and not np.isfinite(float(given)):
             raise ValueError(f"it is {given}")  # no compiler takes it
         return ufl.as_ufl(given)

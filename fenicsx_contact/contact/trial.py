@@ -12,9 +12,9 @@ from .contact import Contact
 
 def nonlinearity(contact: Contact, step: Step) -> tuple[float, float, float]:
     """Follow the solids to their trial states, which have just been computed; by how much the
-    jumps [m/s] and gaps [m] there differ from the linearised ones over the candidates, and the
-    largest speed [m/s] of a point. Where normals turned jumps differ, and so do forces, which are
-    worth the speeds that they give."""
+    jumps [m/s] and gaps [m] there differ from the linearised ones over the candidates, or places
+    from those at which laws were read, and the largest speed [m/s] of a point. Where normals turned
+    jumps differ, and so do forces, which are worth the speeds that they give."""
     contact.follow()
     points = contact.equations.candidates
     if not len(points):
@@ -29,12 +29,17 @@ def nonlinearity(contact: Contact, step: Step) -> tuple[float, float, float]:
         off = contact.push(force * np.linalg.norm(turned, axis=1), step)
         speed = contact.equations.speed
         jump = max(jump, off * speed / max(speed, contact.push(force, step)))  # in shares of both
-    gap = 0.0
+    gap = _strayed(contact, step)
     if contact.formulation.gap_share:
         expected = contact.end_gap + step.gap_rate * dot(linear, contact.normal)
-        gap = largest((contact.coupling.gaps() - expected)[points])
-        gap = max(0.0, gap - contact.noise)
+        gap = max(gap, largest((contact.coupling.gaps() - expected)[points]) - contact.noise)
     return jump, gap, largest(contact.trial_jump)
+
+
+def _strayed(contact: Contact, step: Step) -> float:
+    """How far candidates are from where laws were read, beyond round-off, m."""
+    points, fields = contact.equations.candidates, contact.equations.fields
+    return max(0.0, largest(fields.strayed(contact, step)[points]) - contact.noise)
 
 
 def in_round_hole(contact: Contact) -> bool:
@@ -46,7 +51,8 @@ def in_round_hole(contact: Contact) -> bool:
 def violation(contact: Contact, step: Step, force: np.ndarray) -> float:
     """By how much the rows of the candidates fail with the jumps and gaps of the trial state,
     in shares of the speeds of the step and of the forces that stop them: those of the unknowns, at
-    the candidates, flat, N. What meets nothing there bears nothing."""
+    the candidates, flat, N. What meets nothing there bears nothing, and laws read
+    the places of points there."""
     e, share = contact.equations, contact.formulation.gap_share
     if not len(e.candidates):
         return 0.0
@@ -64,7 +70,8 @@ def violation(contact: Contact, step: Step, force: np.ndarray) -> float:
     pushed = contact.push(force, step)
     near = contact.coupling.near()[e.candidates]
     lost = 0.0 if near.all() else contact.push(force[~near], step)
-    return max(largest(rows) * e.speed, lost) / max(e.speed, pushed)
+    strayed = _strayed(contact, step) / step.span
+    return max(largest(rows) * e.speed, lost, strayed) / max(e.speed, pushed)
 
 
 def candidate_force(contact: Contact) -> np.ndarray:

@@ -194,6 +194,16 @@ def test_slip_that_turns_round(kind):
     assert result.history["c.slipping"].max() > 0
 
 
+class Own:
+    """A friction bound without a number that has a name."""
+
+    def bound(self, k, pressure, S):
+        return 0.3 * pressure
+
+    def describe(self):
+        return "own"
+
+
 def bar(speed=0.4, E=900.0, gap=0.0, cells=20, formulation="velocity", theta=0.5, **scene):
     """A bar of unit length thrown at a wall."""
     solid = ElasticSolid(
@@ -676,6 +686,8 @@ def test_what_is_not_supported_is_refused_by_name():
         tangents(scene, 0.1, 0.01, {"E": 900.0})
     with pytest.raises(InputError, match=r"'wall' has no law .* friction = 0 leaves"):
         Law(scene.contacts[0])  # it has none
+    with pytest.raises(InputError, match="'own' has the law Own"):  # which has no number, or mu
+        Law(Contact(solid_of(scene), "base", HalfSpace((0, 0), (0, 1)), friction=Own(), name="own"))
     with pytest.raises(InputError, match="does not make the energy"):
         soft = thrown(HyperelasticSolid, mu=0.3)
         Material(solid_of(soft), lambda E: neo_hookean(E, 0.3), 2e6)

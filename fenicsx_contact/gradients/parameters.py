@@ -18,6 +18,7 @@ from ..solids import DeformableSolid, RigidSolid, Solid
 from ..solids.rotations import angles, by_spins
 from ..theory.scheme import Step
 from .forms import ByConstant
+from .laws import refuse_law
 
 
 class Parameter:
@@ -105,11 +106,12 @@ class Law(Parameter):
             ``fem.Constant`` that stands in what the law was given in UFL.
 
     Raises:
-        InputError: no such number stands in the law.
+        InputError: no such number stands in the law, or it is none that is differentiated.
     """
 
     def __init__(self, contact: Contact, name: Any = "friction") -> None:
         self.contact = checks.instance("contact", contact, Contact, "a Contact")
+        refuse_law(contact)
         numbers = contact.equations.fields.numbers
         if not numbers:
             raise checks.InputError(

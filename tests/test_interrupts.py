@@ -199,7 +199,7 @@ class Shrinking:
             FLOOR,
             "body_force raises ValueError: 1 components",
         ),
-        ({}, Shrinking(), r"its distance must be \(3,\) numbers for 3 points"),
+        ({}, Shrinking(), r"is of the shape \(1,\): must be \(3,\) real numbers"),
     ],
     ids=["traction", "body force", "components", "obstacle"],
 )

@@ -657,3 +657,50 @@ def test_a_motion_that_fails_later_stops_the_run(wrong):
     history = Scene([block], [Contact(block, "base", Moved(FLOOR, motion))]).run(0.03, 5e-3)
     assert not history.finished and len(history) == 4
     assert "an obstacle raises InputError: motion(" in history.reason
+
+
+class Own:
+    """A floor that may be given other members."""
+
+    dim = 2
+
+    def __init__(self, **members):
+        vars(self).update(members)
+
+    def distance(self, points, time):
+        return points[:, 1]
+
+    def normals(self, points, time):
+        return np.tile([0.0, 1.0], (len(points), 1))
+
+
+NONE = "is complex, masked, text, .*: must be"
+
+
+@pytest.mark.parametrize(
+    ("members", "said"),
+    [
+        ({"distance": lambda x, t: x[:, 1] + 1j}, rf"the distance of .* {NONE} \(2,\) real"),
+        ({"distance": lambda x, t: ["a"] * len(x)}, rf"the distance of .* {NONE} \(2,\) real"),
+        ({"normals": lambda x, t: x > 0}, rf"the normals of .* {NONE} \(2, 2\) real"),
+        ({"velocity": lambda x, t: np.ma.masked_less(x, 1)}, rf"the velocity of .* {NONE}"),
+        ({"velocity": lambda x, t: x[0]}, r"velocity .* is of the shape \(2,\): must be \(2, 2\)"),
+        ({"dim": "2"}, "has dimension '2', the solid 2"),
+        ({"flat": "no"}, "obstacle.flat = 'no': must be True or False"),
+        ({"moving": "x"}, "obstacle.moving = 'x': must be True or False"),
+    ],
+)
+def test_what_an_own_obstacle_gives_is_refused_by_its_name(members, said):
+    """It said "no real numbers", or that the obstacle raised, or took a text for True."""
+    block = RigidSolid(rectangle((1, 1), (0.2, 0.1)), mass=1.0)
+    with pytest.raises(InputError, match=said) as refused:
+        Contact(block, "base", Own(**members))
+    assert "raises" not in str(refused.value)
+
+
+def test_what_an_own_obstacle_gives_later_is_told_by_its_name():
+    block = RigidSolid(rectangle((1, 1), (0.2, 0.1)), mass=1.0, gravity=(0, -G))
+    late = Own(distance=lambda x, t: x[:, 1] if t < 5e-3 else x[:, 1] + 1j)
+    history = Scene([block], [Contact(block, "base", late)]).run(0.01, 2e-3)
+    assert "the distance of an obstacle is complex" in history.reason
+    assert "raises" not in history.reason and "'obstacle')" in history.reason

@@ -37,7 +37,7 @@ def check_master(solid: Solid, facets: str, master: Any) -> Master:
         checks.instance("master", _shown(master), Obstacle, allowed)
         if master.dim != solid.dim:
             raise checks.InputError(
-                f"master = {master!r}: has dimension {master.dim}, the solid {solid.dim}"
+                f"master = {master!r}: has dimension {master.dim!r}, the solid {solid.dim}"
             )
         return master
     if len(master) != 2 or not isinstance(master[1], str):

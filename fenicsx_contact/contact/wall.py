@@ -57,7 +57,7 @@ class Wall:
         what: the argument that gave it, for messages.
 
     Raises:
-        InputError: it has not.
+        InputError: it has not, or ``flat`` or ``moving`` is no truth value.
     """
 
     def __init__(self, obstacle: Obstacle, what: str = "obstacle") -> None:
@@ -65,7 +65,7 @@ class Wall:
             what, obstacle, Obstacle, "an obstacle (dim, distance and normals at least)"
         )
         self.obstacle, self.dim = obstacle, obstacle.dim
-        self.flat = bool(getattr(obstacle, "flat", False))
+        self.flat = checks.truth(f"{what}.flat", getattr(obstacle, "flat", False))
         self._distance, asks = _timed(obstacle.distance, self.flat)
         self._normals, _ = _timed(obstacle.normals, self.flat)
         self._slopes, _ = _timed(getattr(obstacle, "slopes", obstacle.normals))
@@ -73,7 +73,8 @@ class Wall:
         self._curvature = _timed(curvature)[0] if curvature and not self.flat else None
         velocity = getattr(obstacle, "velocity", None)
         self._velocity = _mean(velocity) if velocity else None
-        self.moving = bool(getattr(obstacle, "moving", velocity is not None or asks))
+        moving = getattr(obstacle, "moving", velocity is not None or asks)
+        self.moving = checks.truth(f"{what}.moving", moving)
 
     def distance(self, points: np.ndarray, time: float) -> np.ndarray:
         """Signed distance of the points (n, d) at a time, positive outside, (n,) in m.
@@ -82,17 +83,20 @@ class Wall:
             StepFailed: there is none.
         """
         with _asked(time):
-            return _finite("distance", self._distance(points, time), points, 0)
+            answer = self._distance(points, time)
+        return _finite("distance", answer, points, 0)
 
     def normals(self, points: np.ndarray, time: float) -> np.ndarray:
         """Outward unit normals, (n, d); raises likewise."""
         with _asked(time):
-            return _finite("normals", self._normals(points, time), points)
+            answer = self._normals(points, time)
+        return _finite("normals", answer, points)
 
     def slopes(self, points: np.ndarray, time: float) -> np.ndarray:
         """Derivatives of the distances by the position, (n, d)."""
         with _asked(time):
-            return _finite("slopes", self._slopes(points, time), points)
+            answer = self._slopes(points, time)
+        return _finite("slopes", answer, points)
 
     def curvature(self, points: np.ndarray, time: float) -> np.ndarray | None:
         """Derivatives of the normals, (n, d, d) in 1/m; None where they vanish or are not known."""
@@ -105,7 +109,8 @@ class Wall:
             return np.zeros(points.shape)
         if self._velocity:
             with told(), _asked(end):
-                return _finite("velocity", self._velocity(points, start, end), points)
+                answer = self._velocity(points, start, end)
+            return _finite("velocity", answer, points)
         closer = self.distance(points, end) - self.distance(points, start)
         return -(closer / (end - start))[:, None] * self.normals(points, end)
 
@@ -207,17 +212,20 @@ def _mean(velocity: Callable) -> Callable[[np.ndarray, float, float], np.ndarray
 
 
 def _finite(what: str, answer: Any, points: np.ndarray, order: int = 1) -> np.ndarray:
-    """An answer, at each point a tensor of an order, if it is one."""
-    if type(answer) is not np.ndarray or answer.dtype.kind != "f":  # it is asked often
-        answer = checks.floats(answer)
+    """An answer, at each point a tensor of an order, or StepFailed if it is none."""
     n, d = points.shape
-    if answer.shape != (n, *[d] * order):
-        shape = (n, *[d] * order)
-        raise ValueError(f"its {what} must be {shape} numbers for {n} points, not {answer.shape}")
-    if not largest(answer) < np.inf:  # nor NaN
-        at = np.argwhere(~np.isfinite(answer))[0]
-        raise checks.StepFailed(
-            f"the {what} of an obstacle is {answer[tuple(at)]} at the point "
-            f"{points[min(at[0], len(points) - 1)].tolist()}"
-        )
-    return answer
+    shape = (n, *[d] * order)
+    found, allowed = "", f"{shape} real numbers for {n} points"
+    if type(answer) is not np.ndarray or answer.dtype.kind != "f":  # it is asked often
+        try:
+            answer = checks.floats(answer)
+        except (TypeError, ValueError):
+            found = "complex, masked, text, truth values or lists of unlike lengths"
+    if not found and answer.shape != shape:
+        found = f"of the shape {answer.shape}"
+    if not found and not largest(answer) < np.inf:  # nor NaN
+        at, allowed = np.argwhere(~np.isfinite(answer))[0], "finite"
+        found = f"{answer[tuple(at)]} at the point {points[at[0]].tolist()}"
+    if found:
+        raise checks.StepFailed(f"the {what} of an obstacle is {found}: must be {allowed}")
+    return np.asarray(answer)

@@ -206,8 +206,8 @@ STOPS = {
         ),
         Stop(
             "obstacle",
-            "the ... of an obstacle is ... at the point ...",
-            "an own obstacle gave NaN or infinity there",
+            "the ... of an obstacle is ...: must be ...",
+            "an own obstacle gave NaN or infinity, or other than a number or a vector a point",
             "define its distance and normals everywhere near",
         ),
         Stop(

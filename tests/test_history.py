@@ -314,6 +314,19 @@ def pushed_by_the_module(time):
     return scaled(LOAD, time)
 
 
+class SlottedPush:
+    __slots__ = ("load",)
+
+    def __init__(self, load):
+        self.load = load
+
+    def __call__(self, time):
+        return scaled(self.load, time)
+
+    def at(self, time):
+        return self(time)
+
+
 class Push:
     def __init__(self, load):
         self.load, self.again = load, self  # holds itself
@@ -341,6 +354,8 @@ FORCES = {
     "a partial": lambda load: partial(scaled, load),
     "an object": Push,
     "a method": lambda load: Push(load).at,
+    "slots": SlottedPush,
+    "a method with slots": lambda load: SlottedPush(load).at,
     "a table": table,
     "a name space": from_a_space,
 }

@@ -9,7 +9,14 @@ from functools import partial
 from hashlib import sha256
 from numbers import Real
 from pathlib import PurePath
-from types import CodeType, FunctionType, MethodType, ModuleType, SimpleNamespace
+from types import (
+    CodeType,
+    FunctionType,
+    MemberDescriptorType,
+    MethodType,
+    ModuleType,
+    SimpleNamespace,
+)
 from typing import Any
 
 import numpy as np
@@ -41,6 +48,14 @@ def given(arguments: Mapping[str, Any]) -> str:
     """Those of some arguments that say anything, by their names."""
     every = {name: told(each) for name, each in arguments.items()}
     return "".join(f", {n} {text}" for n, text in every.items() if text not in ("None", "[]", "{}"))
+
+
+def held(thing: Any) -> dict[str, Any]:
+    """What an object holds, by name, in slots, too."""
+    every = {n: v for kind in type(thing).__mro__ for n, v in vars(kind).items()}
+    slots = [n for n, v in sorted(every.items()) if isinstance(v, MemberDescriptorType)]
+    filled = {name: getattr(thing, name) for name in slots if hasattr(thing, name)}
+    return {**getattr(thing, "__dict__", {}), **filled}
 
 
 def _digits(content: bytes) -> str:
@@ -112,11 +127,11 @@ def _parts(given: Any) -> tuple[Any, ...] | None:
         data = [pair for pair in data if isinstance(pair[1], _DATA)]
         return _code(code), given.__defaults__, given.__kwdefaults__, has, data
     if isinstance(given, MethodType):
-        return given.__func__, getattr(given.__self__, "__dict__", {})
+        return given.__func__, held(given.__self__)
     if isinstance(given, partial):
         return given.func, given.args, given.keywords
-    if is_function(given) and not isinstance(given, type) and hasattr(given, "__dict__"):
-        return type(given).__call__, vars(given)
+    if is_function(given) and not isinstance(given, type):
+        return type(given).__call__, held(given)
     return None
 
 

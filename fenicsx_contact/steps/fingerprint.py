@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from mpi4py import MPI
 
-from ..base.told import digits
+from ..base.told import digits, held
 from ..contact.contact import Contact
 from ..solids import DeformableSolid, Solid
 from ..theory.scheme import Scheme
@@ -51,7 +51,7 @@ def fingerprint(scene: Described, dt: float, step_error: float | None) -> str:
     for contact in scene.contacts:
         lines.append(
             f"{contact.name}: {contact.formulation}, friction {contact.friction_law!r} "
-            f"{digits(getattr(contact.friction_law, '__dict__', None))}, "
+            f"{digits(held(contact.friction_law))}, "
             f"gaps {contact.gap.min():.9g} to {contact.gap.max():.9g}, "
             f"{_shape(contact.surface.points, MPI.COMM_SELF)}"
         )

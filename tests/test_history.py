@@ -20,11 +20,14 @@ import meshio
 import numpy as np
 import pytest
 import scenes
+import ufl
+from dolfinx import fem
 from processes import killed_after
 from scenes import FLOOR, FLOOR_3D, G, box, check_energies, elastic_block, rectangle, rocking_block
 
 import fenicsx_contact
 from fenicsx_contact import (
+    Archard,
     Box,
     Contact,
     Curve,
@@ -39,10 +42,13 @@ from fenicsx_contact import (
     RigidSolid,
     Scene,
     ThetaScheme,
+    Tresca,
     Triangulated,
     neo_hookean,
     read_history,
 )
+from fenicsx_contact.base import compat
+from fenicsx_contact.base.told import told
 from fenicsx_contact.contact.wall import Wall
 from fenicsx_contact.output.history import COLUMNS
 from fenicsx_contact.solve.newton import NotConverged
@@ -301,6 +307,99 @@ def test_what_differs_only_later_is_another_scene(kind, tmp_path):
         told_in_time(kind, 0.2).run(8e-3, 1e-3, directory=tmp_path, resume=True)
     again = told_in_time(kind, 0.1).run(8e-3, 1e-3, directory=tmp_path, resume=True)
     assert again.finished and len(again) == 9
+
+
+def nodal(mesh, values):
+    """A Function of a function of x."""
+    field = fem.Function(compat.lagrange_space(mesh))
+    field.interpolate(values)
+    return field
+
+
+class OwnLaw:
+    def __init__(self, mu):
+        self.mu, self.again = mu, self  # holds itself
+
+    def bound(self, k, pressure, S):
+        return k.field("mu", self.mu) * pressure
+
+    def describe(self):
+        return "own"
+
+
+def written_in_ufl(kind, by):
+    """A block that meets what differs only by a number within UFL."""
+    named = rectangle((2, 2))
+    mesh, friction, obstacle, E = named.mesh, 0.3, FLOOR, 1e6
+    number, x, given = fem.Constant(mesh, by), ufl.SpatialCoordinate(mesh), {}
+    uneven = nodal(mesh, lambda x: 1 + by * np.sin(9 * x[0]))
+    if kind == "level set":
+        obstacle = LevelSet(lambda x, t: x[1] - number * x[0] ** 2 * t, 2)
+    elif kind == "belt":
+        obstacle = LevelSet(lambda x, t: x[1], 2, velocity=lambda x, t: (number, 0.0 * t))
+    elif kind == "friction":
+        friction = 0.1 * number + 0.1
+    elif kind == "stress":
+        friction = Tresca(number)
+    elif kind == "own law":
+        friction = Archard(OwnLaw(uneven), 1e-9, 1e9)
+    elif kind == "closure":
+        friction = lambda y: 0.1 * uneven + 0 * y[0]  # noqa: E731
+    elif kind == "traction":
+        given = {"tractions": {"top": ufl.as_vector((0.0, -number * x[0]))}}
+    elif kind == "field":
+        given = {"tractions": {"top": ufl.as_vector((0.0, uneven))}}
+    elif kind == "modulus":  # between the same numbers
+        E = nodal(mesh, lambda x: 1e6 * (2 + np.sign(by) * np.sin(9 * x[0])))
+    material = {"youngs_modulus": E, "poisson_ratio": 0.3}
+    if kind == "energy":
+        material = {"energy": lambda F: number * neo_hookean(1e6, 0.3)(F)}
+    solid = (HyperelasticSolid if kind == "energy" else ElasticSolid)(
+        named, **material, density=1000.0, name="s", **given
+    )
+    return Scene([solid], [Contact(solid, "base", obstacle, friction=friction)])
+
+
+KINDS = (
+    "level set",
+    "belt",
+    "friction",
+    "stress",
+    "own law",
+    "closure",
+    "traction",
+    "field",
+    "energy",
+)
+
+
+@pytest.mark.parametrize("kind", [*KINDS, "modulus"])
+def test_ufl_is_known_by_its_values_and_not_by_its_counters(kind, tmp_path):
+    """A run went on with another number; one of the same scene was refused where another Constant
+    had been made before."""
+    written_in_ufl(kind, 0.3).run(2e-3, 1e-3, directory=tmp_path)
+    with pytest.raises(InputError, match="another scene"):
+        written_in_ufl(kind, -0.3 if kind in ("modulus", "field", "belt") else 0.4).run(
+            3e-3, 1e-3, directory=tmp_path, resume=True
+        )
+    again = written_in_ufl(kind, 0.3)
+    assert again.run(3e-3, 1e-3, directory=tmp_path, resume=True).finished
+
+
+def test_ufl_is_told_the_same_whatever_was_made_before():
+    """UFL puts factors in the order of their texts, in which 10 is before 9."""
+    mesh = rectangle().mesh
+
+    def made(first=2.0, second=3.0, turned=False):
+        x, a, b = ufl.SpatialCoordinate(mesh), *(fem.Constant(mesh, c) for c in (first, second))
+        i, j = ufl.indices(2)
+        A = ufl.grad(ufl.as_vector((x[0] * x[1] ** 2, x[0])))
+        square = A[i, j] * (A[j, i] if turned else A[i, j])
+        return told((a * x[0] + 1) * (b * x[1] + 1) + ufl.variable(square))
+
+    assert len({made() for _ in range(60)}) == 1  # past 100
+    assert len({made(), made(3.0, 2.0), made(second=4.0), made(turned=True)}) == 4
+    assert made(0.0) == made(-0.0)
 
 
 LOAD, TIMES = 1.0, np.linspace(0, 1, 20)

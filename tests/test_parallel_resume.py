@@ -136,8 +136,10 @@ mesh = scenes.rectangle((7, 5), (0.37, 0.83))
 x = mesh.mesh.geometry.x
 x[:, :2] = x[:, :2] @ [[0.8, 0.6], [-0.6, 0.8]] + [0.3, 0.7]  # where round-off is not 0
 rigid = RigidSolid(mesh, mass=1.0, spin=0.3, name="rigid")
-(elastic,) = scenes.elastic_block().solids
-contacts = [Contact(solid, "base", scenes.FLOOR, name=solid.name[0]) for solid in (rigid, elastic)]
+(rubbed,) = scenes.rubbed_block().contacts
+elastic, rough = rubbed.solid, rubbed.friction_law.mu * rubbed.friction_law.mu
+laws = {{rigid: 0.3, elastic: rough}}
+contacts = [Contact(s, "base", scenes.FLOOR, friction=mu, name=s.name[0]) for s, mu in laws.items()]
 words = fingerprint(Scene([rigid, elastic], contacts), 1e-3, None)
 if MPI.COMM_WORLD.rank == 0:
     open({file!r}, "w").write(words)

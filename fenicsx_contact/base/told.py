@@ -6,7 +6,6 @@ from __future__ import annotations
 import dis
 from collections.abc import Iterator, Mapping, Set
 from functools import partial
-from hashlib import sha256
 from numbers import Real
 from pathlib import PurePath
 from types import (
@@ -20,8 +19,11 @@ from types import (
 from typing import Any
 
 import numpy as np
+from dolfinx import fem
 
 from .checks import is_function
+from .expressions import is_expression
+from .told_ufl import eight_digits, in_ufl
 
 #: Of more numbers than so only the size is told, and eight digits of what they are.
 MANY = 12
@@ -29,24 +31,29 @@ MANY = 12
 _DATA = (str, bool, Real, Mapping, list, tuple, np.ndarray)
 
 
-def told(given: Any) -> str:
-    """Numbers as they are, functions by their names and eight digits of what they do, which others
-    hardly share, fields by their kind: nothing that differs from run to run or from process to
-    process, as addresses in memory do."""
-    return _told(given, None)
+def told(given: Any, fields: bool = False) -> str:
+    """Numbers as they are, functions and UFL by their names and eight digits of what they do, which
+    others hardly share: nothing that differs from run to run or from process to process, as
+    addresses in memory do.
+
+    Args:
+        given: anything.
+        fields: with the values of Functions, for which all processes must ask together.
+    """
+    return _told(given, None, fields)
 
 
-def digits(*given: Any) -> str:
+def digits(*given: Any, fields: bool = False) -> str:
     """Eight digits of all that is given, with what functions have from around them."""
     whole = _Whole()
-    texts = [_told(each, whole) for each in given]
-    texts += [_told(parts, whole) for parts in whole]
-    return _digits("; ".join(texts).encode())
+    texts = [_told(each, whole, fields) for each in given]
+    texts += [_told(parts, whole, fields) for parts in whole]
+    return eight_digits("; ".join(texts).encode())
 
 
 def given(arguments: Mapping[str, Any]) -> str:
-    """Those of some arguments that say anything, by their names."""
-    every = {name: told(each) for name, each in arguments.items()}
+    """Those of some arguments that say anything, by their names, with the values of Functions."""
+    every = {name: told(each, fields=True) for name, each in arguments.items()}
     return "".join(f", {n} {text}" for n, text in every.items() if text not in ("None", "[]", "{}"))
 
 
@@ -56,10 +63,6 @@ def held(thing: Any) -> dict[str, Any]:
     slots = [n for n, v in sorted(every.items()) if isinstance(v, MemberDescriptorType)]
     filled = {name: getattr(thing, name) for name in slots if hasattr(thing, name)}
     return {**getattr(thing, "__dict__", {}), **filled}
-
-
-def _digits(content: bytes) -> str:
-    return sha256(content).hexdigest()[:8]
 
 
 class _Whole:
@@ -80,29 +83,32 @@ class _Whole:
         return (parts for _, parts in self._things)  # which grow on the way
 
 
-def _told(given: Any, whole: _Whole | None) -> str:
+def _told(given: Any, whole: _Whole | None, fields: bool) -> str:
     if given is None or isinstance(given, (str, bytes, bool, range, complex, PurePath)):
         return repr(given)
     if isinstance(given, Real):
         return str(given) if isinstance(given, int) else f"{float(given):.9g}"
     if isinstance(given, (Mapping, list, tuple, Set)):
-        return _many(given, whole)
+        return _many(given, whole, fields)
     name = getattr(given, "__name__", type(given).__name__)
     parts = _parts(given)
     if parts is not None:
-        return f"{name} {whole.place(given, parts) if whole else digits(given)}"
+        return f"{name} {whole.place(given, parts) if whole else digits(given, fields=fields)}"
+    if is_expression(given) and not isinstance(given, fem.Constant):
+        return f"{name} {in_ufl(given, fields)}"
     # an array, or a Constant
     values = given if isinstance(given, np.ndarray) else getattr(given, "value", None)
     return name if values is None else f"{name} {_array(np.asarray(values))}"
 
 
-def _many(given: Any, whole: _Whole | None) -> str:
+def _many(given: Any, whole: _Whole | None, fields: bool) -> str:
     if whole and isinstance(given, (Mapping, list)):  # which may hold themselves
         parts = tuple(given.items()) if isinstance(given, Mapping) else tuple(given)
         return f"list {whole.place(given, parts)}"
     if isinstance(given, Mapping):
-        return "{" + ", ".join(f"{told(k)}: {told(v)}" for k, v in given.items()) + "}"
-    texts = [_told(each, whole) for each in given]
+        texts = [f"{told(k, fields)}: {told(v, fields)}" for k, v in given.items()]
+        return "{" + ", ".join(texts) + "}"
+    texts = [_told(each, whole, fields) for each in given]
     return "[" + ", ".join(sorted(texts) if isinstance(given, Set) else texts) + "]"
 
 
@@ -111,7 +117,7 @@ def _array(values: np.ndarray) -> str:
         return str(values.tolist())
     if values.dtype.hasobject:
         return f"{values.shape} {digits(values.ravel().tolist())}"
-    return f"{values.shape} {_digits(values.dtype.str.encode() + values.tobytes())}"
+    return f"{values.shape} {eight_digits(values.dtype.str.encode() + values.tobytes())}"
 
 
 def _parts(given: Any) -> tuple[Any, ...] | None:

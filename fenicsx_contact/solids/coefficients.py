@@ -26,6 +26,7 @@ from ..base.checks import is_function
 from ..base.compiling import quiet
 from ..base.expressions import symbolic, terminals_off, wrong_number
 from ..base.mesh import NamedMesh
+from ..base.told_ufl import in_ufl
 
 Expression = ufl.core.expr.Expr
 #: A number, Constant, Function, expression in UFL, or function of x.
@@ -257,7 +258,8 @@ def scalar(
         raise checks.InputError(
             f"{what} = {_shown(value)}: must be {bounds}; it lies between {least:g} and {most:g}"
         )
-    return made.expression, f"between {least:.9g} and {most:.9g}"
+    digits = in_ufl(made.expression, fields=True)
+    return made.expression, f"between {least:.9g} and {most:.9g} {digits}"
 
 
 def constant(mesh: NamedMesh, value: Any) -> Any:

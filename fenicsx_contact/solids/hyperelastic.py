@@ -22,6 +22,7 @@ from ..base.compiling import compiled
 from ..base.constants import MADE, ROUND_OFF
 from ..base.mesh import NamedMesh
 from ..base.signatures import whole
+from ..base.told_ufl import in_ufl
 from ..theory.scheme import Step
 from .coefficients import of_a_field
 from .damping import StiffnessDamper
@@ -66,7 +67,7 @@ class HyperelasticSolid(DeformableSolid):
         density = of_a_field("energy", self._energy, F, mesh)
         potential = self.breadth * density * self.volume
         residual = ufl.derivative(potential, u, v)
-        self.parameters += f", energy {potential.signature()[:8]}"
+        self.parameters += f", energy {in_ufl(density, fields=True)}"
         self._volume_ratio = compat.PointExpression(ufl.det(F), compat.lagrange_space(mesh.mesh))
         self._potential_form = compiled(potential)
         self._force_form = compiled(residual)
@@ -83,8 +84,7 @@ class HyperelasticSolid(DeformableSolid):
         if self.damping.beta:
             beta = self.damping.beta
             self.dampers.append(ViscousStress(self, self._energy, beta, self.volume))
-            for foundation in self.foundations:
-                self.dampers.append(StiffnessDamper(beta, foundation.matrix, foundation.times))
+            self.dampers += [StiffnessDamper(beta, f.matrix, f.times) for f in self.foundations]
         self._factor: Factorisation | None = None
         self._made = False  # a tangent in this step
         self._free_load: np.ndarray | None = None

@@ -10,9 +10,11 @@ from typing import Any, Protocol
 import numpy as np
 from mpi4py import MPI
 
-from ..base.told import digits, held
+from ..base.told import held, told
+from ..base.told_ufl import field_digits, rounded
 from ..contact.contact import Contact
 from ..solids import DeformableSolid, Solid
+from ..theory.friction import FrictionBound
 from ..theory.scheme import Scheme
 from .step import Stepper
 
@@ -33,7 +35,8 @@ class Described(Protocol):
 
 def fingerprint(scene: Described, dt: float, step_error: float | None) -> str:
     """What must be the same for a run to be resumed: parameters, shapes, place, motion and energies
-    at the start. Not Newton's settings, by others of which a run that stopped may go on."""
+    at the start. Not Newton's settings, by others of which a run that stopped may go on, nor how
+    deep a start may be, which moves nothing."""
     lines = [scene.describe(), f"dt = {dt!r}, from {scene.time!r}, {scene.scheme}"]
     lines.append(f"impacts located: {scene.locate_impacts}, step_error: {step_error!r}")
     most = max(map(abs, scene.stepper.energies))  # their round-off depends on the processes
@@ -47,12 +50,11 @@ def fingerprint(scene: Described, dt: float, step_error: float | None) -> str:
         fields = {k: v[: len(own), : solid.dim] for k, v in solid.fields().items()}
         lines.append(f"{solid.name}: {_shape(own, comm)}")
         lines.append(f"{solid.name}, its place: {_shape(own + fields['displacement'], comm)}")
-        lines.append(f"{solid.name}, its velocity: {_field(own, fields['velocity'], comm)}")
+        lines.append(f"{solid.name}, its velocity: {field_digits(own, fields['velocity'], comm)}")
     for contact in scene.contacts:
         lines.append(
-            f"{contact.name}: {contact.formulation}, friction {contact.friction_law!r} "
-            f"{digits(held(contact.friction_law))}, "
-            f"gaps {contact.gap.min():.9g} to {contact.gap.max():.9g}, "
+            f"{contact.name}: {_law(contact.formulation)}, friction {_law(contact.friction_law)}, "
+            f"gaps {contact.gap.min() + 0.0:.9g} to {contact.gap.max() + 0.0:.9g}, "
             f"{_shape(contact.surface.points, MPI.COMM_SELF)}"
         )
     return re.sub(r" at 0x[0-9a-f]+", "", "\n".join(lines))  # no addresses in memory
@@ -71,15 +73,14 @@ def shared(scene: Described) -> dict[str, Any]:
     return {**lines, "time": scene.time, **starts}
 
 
-def _field(points: np.ndarray, values: np.ndarray, comm: Any) -> str:
-    """Of a field, by its values at the nodes that this process owns: the largest, and eight digits
-    of the mean and of the first moments, which have signs."""
-    own = [np.abs(each).max(initial=0.0) for each in (values, points)]
-    most, reach = (float(each) or 1.0 for each in np.max(comm.allgather(own), axis=0))
-    arms = np.column_stack([np.ones(len(points)), points / reach])
-    sums = np.sum(comm.allgather(arms.T @ (values / most)), axis=0)
-    means = sums / (pi * sum(comm.allgather(len(points))))
-    return f"{most:.9g}, {_rounded(means, 6)}"
+def _law(law: Any, within: tuple[Any, ...] = ()) -> str:
+    """Its class and what it holds, laws within it, too, which may hold it."""
+    parts, within = held(law), (*within, law)
+    laws = {n: v for n, v in parts.items() if isinstance(v, FrictionBound) or hasattr(v, "form")}
+    for name, inner in laws.items():
+        again = any(inner is each for each in within)
+        parts[name] = type(inner).__name__ if again else _law(inner, within)
+    return f"{type(law).__name__} {told(parts, fields=True)}"
 
 
 def _shape(points: np.ndarray, comm: Any) -> str:
@@ -91,10 +92,5 @@ def _shape(points: np.ndarray, comm: Any) -> str:
     unit = pi * (length or 1.0)  # in which round-off turns no digit of regular meshes
     off = (points - low) / unit
     sums = np.sum(comm.allgather(np.vstack([off.sum(axis=0), off.T @ off])), axis=0)
-    placed = _rounded(np.vstack([low / unit, sums / count]), 9)
+    placed = rounded(np.vstack([low / unit, sums / count]), 9)
     return f"{count} nodes over {length:.9g} m, {placed}"
-
-
-def _rounded(numbers: np.ndarray, places: int) -> str:
-    """Eight digits of numbers to so many places: round-off about 0 has no sign."""
-    return digits([f"{each:.{places}f}" for each in (numbers.round(places) + 0.0).ravel()])

@@ -39,6 +39,4 @@ def keep_parameter(thing: Any, name: str, *, above: float | None = None) -> None
 
 def told(value: Parameter) -> str:
     """In a few words, without an address in memory."""
-    if not varies(value):
-        return f"{value:g}"
-    return str(value) if is_expression(value) else in_words(value)
+    return in_words(value) if varies(value) else f"{value:g}"

@@ -284,6 +284,24 @@ def test_a_batch_tells_cases_by_all_of_their_names(tmp_path):
         batch(summed, [], tmp_path / "other")
 
 
+def subtracted(a, b=10):
+    return {"sum": a - b}
+
+
+def test_a_batch_takes_no_results_of_another_function(tmp_path):
+    """They stood for its own where cases had the same names."""
+    file = tmp_path / "lines.jsonl"
+    batch(summed, [{"a": 1}], file, processes=1)
+    before = file.read_bytes()
+    with pytest.raises(InputError, match=r"of test_study\.summed, not of .*\.subtracted"):
+        batch(subtracted, [{"a": 1}], file, processes=1)
+    assert file.read_bytes() == before
+    (line,) = batch(partial(summed, b=10), [{"a": 1}], file, processes=1)
+    assert line["sum"] == 11
+    file.write_text('{"case": {"a": 1}, "results": {"sum": 12}}\n')  # without a name
+    assert [line["sum"] for line in batch(summed, [{"a": 1}, {"a": 2}], file)] == [12, 12]
+
+
 @pytest.mark.parametrize(
     "content",
     [

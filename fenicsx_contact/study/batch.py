@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +39,8 @@ def batch(
     Args:
         function: at the top of a module; from a case, by name, to results, by other names.
         cases: numbers or texts, by the same names each; what stands there twice is run once.
-        file: of JSON lines, appended to: a case and its results each, all of one function.
+        file: of JSON lines, appended to: a case, its results and the name of the function each;
+            older ones have no name, and are taken to be of this function.
         processes: how many; default: one for each core.
         progress: show a bar; default: if a person watches.
 
@@ -47,8 +49,8 @@ def batch(
 
     Raises:
         InputError: no such function; no list of cases, or of names that differ or are none of its
-            arguments; a file of something else, which stays as it is; no processes; results that
-            a file of JSON cannot hold.
+            arguments; a file of something else, or of another function, which stays as it is; no
+            processes; results that a file of JSON cannot hold.
         RuntimeError: a process died; the message names the cases that were under way.
         Exception: what the function raised; other cases that are done by then are on file.
     """
@@ -66,20 +68,26 @@ def batch(
                 "same names"
             )
         _check_case(function, i, case)
-    known = {_key(case): results for case, results in records(file, START, _record, "a batch")}
+    found, name = records(file, START, _record, "a batch"), _name(function)
+    if others := sorted({of for *_, of in found} - {name, ""}):
+        raise checks.InputError(
+            f"file = {str(file)!r}: holds results of {others[0]}, not of {name}; each function "
+            "needs a file of its own"
+        )
+    known = {_key(case): results for case, results, _ in found}
     todo = list({_key(case): case for case in cases if _key(case) not in known}.values())
     file.parent.mkdir(parents=True, exist_ok=True)
     show = sys.stderr.isatty() if progress is None else progress
     fork = multiprocessing.get_context("fork")
     working, count = fork.RawArray("b", len(todo)), processes or os.cpu_count()
     with ProcessPoolExecutor(count, fork, initializer=_share, initargs=(working,)) as pool:
-        found = {pool.submit(_call, i, function, case): case for i, case in enumerate(todo)}
+        calls = {pool.submit(_call, i, function, case): case for i, case in enumerate(todo)}
         bar = tqdm(total=len(cases), initial=len(cases) - len(todo), disable=not show)
         try:
             with bar, file.open("a") as out:
-                for each in as_completed(found):
-                    line = _line(found[each], each.result())
-                    known[_key(found[each])] = json.loads(line)["results"]
+                for each in as_completed(calls):
+                    line = _line(name, calls[each], each.result())
+                    known[_key(calls[each])] = json.loads(line)["results"]
                     out.write(line + "\n")
                     out.flush()
                     bar.update()
@@ -122,6 +130,16 @@ def _check_function(function: Any) -> None:
         ) from None
 
 
+def _name(function: Any) -> str:
+    """Its file and its name in it, the same where that is the script and where it is imported."""
+    while isinstance(function, partial):
+        function = function.func
+    named = function if hasattr(function, "__qualname__") else type(function)
+    module = str(named.__module__)
+    path = getattr(sys.modules.get(module), "__file__", None) or module
+    return f"{Path(path).stem}.{named.__qualname__}"
+
+
 def _check_case(function: Callable[..., Any], i: int, case: Mapping[str, Any]) -> None:
     try:
         _key(case)
@@ -141,12 +159,13 @@ def _check_case(function: Callable[..., Any], i: int, case: Mapping[str, Any]) -
         ) from None
 
 
-def _line(case: Mapping[str, Any], results: Any) -> str:
+def _line(function: str, case: Mapping[str, Any], results: Any) -> str:
     name = f"function(**{dict(case)})"
     if not isinstance(results, Mapping):
         raise checks.InputError(f"{name} = {results!r}: must be results by their names, a dict")
     try:
-        return json.dumps({"case": case, "results": results}, default=listed)
+        line = {"case": case, "results": results, "function": function}
+        return json.dumps(line, default=listed)
     except (TypeError, ValueError) as problem:
         raise checks.InputError(
             f"{name} = {results!r}: must be of numbers, texts and lists of them ({problem})"
@@ -157,5 +176,5 @@ def _key(case: Mapping[str, Any]) -> str:
     return json.dumps(case, sort_keys=True, default=listed)
 
 
-def _record(line: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-    return dict(line["case"]), dict(line["results"])
+def _record(line: Any) -> tuple[dict[str, Any], dict[str, Any], str]:
+    return dict(line["case"]), dict(line["results"]), str(line.get("function", ""))

@@ -83,6 +83,18 @@ def test_the_error_is_that_of_the_natural_map():
     assert other.error(np.array([3e-6, 0, 0])) == pytest.approx(expected)
 
 
+@pytest.mark.parametrize("speed", [1e-250, 1e-170, 1.0, 1e60])
+@pytest.mark.parametrize("softness", [1e-50, 1.0, 1e60])
+def test_forces_go_with_speeds(speed, softness):
+    """Squares vanished: a slow point slid without friction, and the error was 0."""
+    problem = FrictionalProblem(softness * np.eye(2), [-speed, speed], [0.3], 2)
+    found = problem.solve()
+    np.testing.assert_allclose(found.r / speed * softness, [1, -0.3], rtol=1e-12)
+    assert not found.reason and found.error < 1e-12
+    # g = (0.7, -1), its nearest in the cone (1, -0.3) / 1.09, both times speed / softness
+    assert problem.error(np.zeros(2)) == pytest.approx((2 * 1.09) ** -0.5)
+
+
 @pytest.mark.parametrize("scale", [1e-8, 1.0, 1e8])
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("contacts", [1, 2, 7, 16])
@@ -303,6 +315,9 @@ def test_scenes_that_have_none_are_refused():
             {"W": np.eye(5)},
             r"W = an array of shape \(5, 5\): must be finite numbers, square, of 3 x 3 blocks",
         ),
+        ({"W": 1e-300 * np.eye(6)}, r"the least size on the diagonal of W = 1e-300: must lie"),
+        ({"W": 1e300 * np.eye(6)}, r"W = 1e\+300 at \(0, 0\): must be .* at most 1e\+60 in size"),
+        ({"q": np.full(6, 1e200)}, r"q = 1e\+200 at \(0,\): must be .* at most 1e\+60 in size"),
         ({"W": np.full((6, 6), np.nan)}, r"W = nan at \(0, 0\): must be finite"),
         ({"W": 1.0}, r"W = an array of shape \(\): must be .*square"),
         ({"dim": 4}, r"dim = 4: must be 2 or 3"),

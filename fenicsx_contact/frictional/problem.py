@@ -61,7 +61,8 @@ class FrictionalProblem:
         points: names of contacts of a scene, and those of their points that stand here, in order.
 
     Raises:
-        InputError: shapes that do not fit, numbers that are not finite, mu < 0.
+        InputError: shapes that do not fit, numbers that are not finite or above 1e60, mu < 0, what
+            is below 1e-60 on the diagonal of W without being 0: in other units they are not.
     """
 
     W: np.ndarray
@@ -83,6 +84,9 @@ class FrictionalProblem:
         if W.shape != (n, n) or not n or n % self.dim:
             raise checks.InputError(f"W = an array of shape {W.shape}: must be {wanted}")
         self._keep("W", W, (n, n), wanted)
+        diagonal = np.abs(self.W.diagonal())  # by which velocities are divided
+        if diagonal.any():
+            checks.number("the least size on the diagonal of W", diagonal[diagonal > 0].min())
         self._keep("q", self.q, (n,), f"{n} finite numbers, as many as W has rows")
         wanted = f"{n // self.dim} finite numbers >= 0, one of each contact"
         self._keep("mu", self.mu, (n // self.dim,), wanted)
@@ -100,15 +104,21 @@ class FrictionalProblem:
         result = _floats(name, value, wanted)
         if result.shape != shape:
             raise checks.InputError(f"{name} = an array of shape {result.shape}: must be {wanted}")
-        wrong = ~np.isfinite(result)
+        wrong = ~(np.abs(result) <= checks.LARGEST)
         if wrong.any():
             at = tuple(int(i) for i in np.argwhere(wrong)[0])
-            raise checks.InputError(f"{name} = {result[at]} at {at}: must be {wanted}")
+            most = f"of at most {checks.LARGEST:g} in size"
+            raise checks.InputError(f"{name} = {result[at]} at {at}: must be {wanted}, {most}")
         object.__setattr__(self, name, result)
 
     def __len__(self) -> int:
         """The number of contacts."""
         return len(self.mu)
+
+    @property
+    def _speed(self) -> float:
+        """A power of 2 near to the largest of q, with which forces go: squares stay numbers."""
+        return float(2.0 ** np.frexp(np.abs(self.q).max())[1])
 
     def velocities(self, r: np.ndarray) -> np.ndarray:
         """u = W r + q, flat, m/s."""
@@ -127,11 +137,12 @@ class FrictionalProblem:
         numerical comparisons*, Inria RR-9118, 2017, hal-01630836.)
         """
         rho = 1 / (float(self.W.diagonal().mean()) or 1.0)
-        u = self.velocities(r).reshape(-1, self.dim)
+        r, q = np.asarray(r) / self._speed, self.q / self._speed
+        u = (self.W @ r + q).reshape(-1, self.dim)
         forces = np.reshape(r, u.shape)
         u[:, 0] += self.mu * np.linalg.norm(u[:, 1:], axis=1)
         missed = forces - cone_projection(forces - rho * u, self.mu)
-        return float(np.linalg.norm(missed)) / (rho * (float(np.linalg.norm(self.q)) or 1.0))
+        return float(np.linalg.norm(missed)) / (rho * (float(np.linalg.norm(q)) or 1.0))
 
     def solve(self, newton: Newton | None = None) -> FrictionalSolution:
         """Solve it as the step of a scene is solved: the same laws in UFL, the same Newton's method
@@ -145,7 +156,9 @@ class FrictionalProblem:
         """
         newton = checks.instance("newton", newton or Newton(), Newton, "a Newton")
         size = 1 << (len(self) - 1).bit_length()
-        force, found, reason = points(size, self.dim).solve(self.W, self.q, self.mu, newton)
+        unit, known = self._speed, points(size, self.dim)
+        force, found, reason = known.solve(self.W, self.q / unit, self.mu, newton)
+        force *= unit
         return FrictionalSolution(
             self.velocities(force),
             force,

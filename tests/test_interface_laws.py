@@ -712,6 +712,7 @@ def contact_with(friction, law="velocity"):
         (lambda: Archard(0.2, 1e-3, 0.0), "hardness = 0.0: .*> 0"),
         (lambda: Archard(0.0, 1e-3, 1e6), "friction = 0.0: must be > 0"),
         (lambda: contact_with(Archard(0.2, 1e-3, 1e6), "lagrange"), "'lagrange': forces at points"),
+        (lambda: contact_with(Archard(0.2, 1e-3, 1e6), "printed"), "'printed': .*before the step"),
         (lambda: Adhesive(-1.0), "stress = -1.0: .*>= 0"),
         (lambda: Adhesive(1.0, Discrete(1e6)), "law = .*must be a formulation with multipliers"),
         (lambda: Restitution(coefficient=1.1), "coefficient = 1.1: .*<= 1"),

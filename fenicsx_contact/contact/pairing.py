@@ -93,12 +93,20 @@ def acting_points(
 
 def worn(memory: Memory, formulation: Formulation) -> np.ndarray | float:
     """How far the surface has worn back, or a refusal."""
-    if formulation.at_points and np.ndim(memory.recess):
+    if np.ndim(memory.recess) and (why := _unworn(formulation)):
         raise checks.InputError(
-            f"formulation = {formulation.name!r}: forces at points have no pressure that could "
-            "wear them; use a formulation that acts on areas (velocity, gap, printed, compliance)"
+            f"formulation = {formulation.name!r}: {why}; use velocity, gap or compliance"
         )
     return memory.recess
+
+
+def _unworn(formulation: Formulation) -> str:
+    """Why nothing wears by this formulation, or nothing."""
+    if formulation.at_points:
+        return "forces at points have no pressure that could wear them"
+    if hasattr(formulation, "closed"):
+        return "closed points are chosen before the step, which what wears back is not"
+    return ""
 
 
 def couple(

@@ -40,7 +40,7 @@ class Formulation(Protocol):
 
     Optional is ``closed(predicted_gap, tolerance)``: Su, (n,) of bool, where it is decided before
     the step, from the gaps (n,) [m] at the end of an explicit prediction, equal up to a tolerance
-    [m]. Without it the form decides.
+    [m]. Without it the form decides. No surface wears by one that has it.
     """
 
     @property

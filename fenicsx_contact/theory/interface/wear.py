@@ -18,7 +18,7 @@ class Archard:
 
     The worn volume is k F s/H, of the normal force F on the way s. The depth is remembered as
     "worn" [m] and enters the gap of the next step. Laws that act at points have no pressure, and
-    so no depth.
+    so no depth; "printed" chooses its closed points before the step, and lets go of what wears.
 
     J.F. Archard, J. Appl. Phys. 24, 981-988, 1953; with contact: N. Strömberg, L. Johansson, A.
     Klarbring, Int. J. Solids Struct. 33, 1817-1836, 1996.

@@ -99,10 +99,9 @@ class Scene:
         self.geometry, self.solver = choose(
             self.solids, self.contacts, self.scheme, geometry, solver
         )
-        floating = [] if self.scheme.inertia else [s for s in self.solids if not stands(s)]
-        self.stepper = Stepper(
-            self.solids, self.contacts, self.newton, self.geometry, self.solver, floating
-        )
+        inertia, how = self.scheme.inertia, (self.newton, self.geometry, self.solver)
+        floating = [] if inertia else [s for s in self.solids if not stands(s)]
+        self.stepper = Stepper(self.solids, self.contacts, *how, inertia, floating)
         self.remarks: list[str] = []
         self.stepper.times["set-up"] = perf_counter() - start
         columns = [*COLUMNS]

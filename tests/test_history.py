@@ -39,6 +39,7 @@ from fenicsx_contact import (
     LevelSet,
     Moved,
     Newton,
+    QuasiStatic,
     RigidSolid,
     Scene,
     ThetaScheme,
@@ -1137,3 +1138,21 @@ def test_a_run_that_has_stopped_where_it_was_to_is_done(tmp_path):
         rows.append(len(history))
         assert history.reason == "finished" and history.time[-1] < 0.1
     assert rows[0] == rows[1] == rows[2]
+
+
+def test_without_inertia_a_velocity_at_the_start_is_no_energy():
+    """It was the kinetic energy of the first row, which the scheme had to take."""
+
+    def rows(speed):
+        mesh = rectangle((2, 2), (1.0, 0.5))
+        down = {"top": lambda t: (0.1 * t, -1e-3 * min(t, 1.0))}
+        material = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1e3}
+        solid = ElasticSolid(mesh, **material, velocity=(speed, 0.0), prescribed=down)
+        contact = Contact(solid, "base", FLOOR, "gap", friction=0.3)
+        return Scene([solid], [contact], QuasiStatic()).run(1.0, 0.25)
+
+    still, moving = rows(0.0), rows(0.1)
+    books = ("kinetic", "strain", "drive", "friction", "scheme")
+    for book in books:
+        np.testing.assert_allclose(moving[book], still[book], rtol=0, atol=1e-9)
+    assert not moving["kinetic"].any() and not moving["scheme"][:1].any()

@@ -43,8 +43,8 @@ class HyperelasticSolid(DeformableSolid):
 
     Args:
         mesh: its shape.
-        energy: stored energy density, for instance
-            :func:`~fenicsx_contact.solids.energies.neo_hookean` (E, nu).
+        energy: stored energy density, :func:`~fenicsx_contact.solids.energies.neo_hookean` (E, nu)
+            say. What it stores as a Constant in it changes in a run is counted as of the scheme.
         plane: as of :class:`~.elastic.ElasticSolid`; ``"stress"`` of energies with ``across``.
         others: as for :class:`~fenicsx_contact.solids.deformable.DeformableSolid`.
     """

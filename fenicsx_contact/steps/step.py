@@ -42,7 +42,7 @@ class Stepper:
         newton: settings of the Newton loop.
         geometry: "newton" or "fixed point".
         solver: "condensed", "monolithic" or "iterative".
-        floating: solids that only contact holds, where nothing has inertia.
+        inertia, floating: that of the scheme, and without any solids that only contact holds.
 
     Attributes:
         time: s.
@@ -59,10 +59,11 @@ class Stepper:
         newton: Newton,
         geometry: str,
         solver: str,
-        floating: Sequence[DeformableSolid] = (),
+        inertia: float,
+        floating: Sequence[DeformableSolid],
     ) -> None:
         self.solids, self._every = list(solids), list(contacts)
-        self._tolerance = newton.tolerance
+        self._tolerance, self._inertia = newton.tolerance, inertia
         self._solver = partial(
             StepSolver, newton=newton, geometry=geometry, solver=solver, floating=list(floating)
         )
@@ -286,7 +287,7 @@ class Stepper:
     def sum_energies(self) -> tuple[float, float, float]:
         """Kinetic, strain and potential energy of all solids, J."""
         kinetic, strain, potential = zip(*(s.energies() for s in self.solids))
-        return sum(kinetic), sum(strain), sum(potential)
+        return self._inertia * sum(kinetic), sum(strain), sum(potential)
 
     def row(
         self, dt: float = 0.0, newton: int = 0, geometry: int = 0, certificate: float = 0.0

@@ -554,6 +554,33 @@ def test_a_block_hangs_by_adhesion(upwards, holds):
         assert lift == pytest.approx(0.5 * upwards * 0.099**2, rel=0.01)
 
 
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("law", ["gap", "velocity", Compliance(1e8, tangential_stiffness=1e8)])
+def test_what_is_pulled_off_in_statics_is_named(law, friction):
+    """By 1 % more than the glue bears, or than a load that presses on springs; 1 % less is held."""
+    stress = 1e3
+    held = {"prescribed": {"left": (0.0, None)}} if not friction else {}
+    glued, pressed = (Adhesive(stress, law), 0) if isinstance(law, str) else (law, 1)
+    for share in (0.99, 1.01):
+        solid = ElasticSolid(
+            rectangle((3, 2), (1.0, 0.5)),
+            youngs_modulus=1e6,
+            poisson_ratio=0.0,
+            density=1.0,
+            tractions={"top": (0.0, (share - pressed) * stress)},
+            name="block",
+            **held,
+        )
+        contact = Contact(solid, "base", FLOOR, glued, friction, name="c")
+        history = Scene([solid], [contact], QuasiStatic()).run(1.0, 1.0)
+        if share < 1:
+            assert history.finished, history.reason
+            force = (pressed - share) * stress
+            assert history["c.force_y"][-1] == pytest.approx(force, rel=1e-9)
+        else:
+            assert "contacts cannot hold 'block' against moving along y" in history.reason
+
+
 # -- restitution -----------------------------------------------------------------------------------
 
 

@@ -25,9 +25,10 @@ def unbearable(solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -
     """Why no forces of the contacts, whatever the deformation, balance the loads on these solids,
     as they are linearised; nothing if some do.
 
-    A force is in the cone of friction of its point; where that is not known, in any direction along
-    the surface, or in any at all. In equilibrium the sum of all works on no rigid motion that the
-    supports allow; if it must, then what is left at least tells a motion that begins (Farkas).
+    A force is in the cone of friction of its point, beside what acts there if it is open; where
+    that is not known, in any direction along the surface, or in any at all. In equilibrium the sum
+    of all works on no rigid motion that the supports allow; if it must, then what is left at least
+    tells a motion that begins (Farkas).
     """
     shares = {id(solid): Motions(solid).free() for solid in solids}
     found = [_loads(solid, shares[id(solid)], step) for solid in solids]
@@ -35,9 +36,12 @@ def unbearable(solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -
     columns = [np.empty((len(load), 0))]
     for contact in contacts:
         points, directions = contact.equations.candidates, _cone(contact)
-        rates = [_rates(contact, solid, shares, step)[points] for solid in solids]
-        works = np.einsum("ndk,njd->njk", np.concatenate(rates, axis=2), directions[points])
+        each = [_rates(contact, solid, shares, step)[points] for solid in solids]
+        rates, drawn = np.concatenate(each, axis=2), _drawn(contact, step)[points]
+        works = np.einsum("ndk,njd->njk", rates, directions[points])
         columns.append(works.reshape(-1, len(load)).T)
+        load = load + np.einsum("ndk,nd->k", rates, drawn)
+        terms += np.abs(drawn).sum()
     size = np.abs(load).max(initial=0.0)
     if size <= ROUND_OFF * terms or not np.isfinite(size):
         return ""
@@ -78,6 +82,20 @@ def _rates(contact: Contact, solid: Any, shares: dict[int, np.ndarray], step: St
         for k, motion in enumerate(motions.T):
             rates[:, :, k] = contact.coupling.mean_jump({**means, id(solid): motion}, step)
     return rates
+
+
+def _drawn(contact: Contact, step: Step) -> np.ndarray:
+    """Forces on the slave at each point if all are open, (n, d) in N."""
+    e, limit = contact.equations, contact.candidates.limit(step)
+    if limit is None:
+        return np.zeros(contact.normal.shape)
+    kept = e.values
+    apart = np.zeros(kept.size)
+    apart[: e.jumps] = ((limit - e.speed)[:, None] * contact.normal).ravel()
+    e.values = apart
+    force = -e.residual()[: e.jumps].reshape(contact.normal.shape)
+    e.values = kept
+    return force
 
 
 def _cone(contact: Contact) -> np.ndarray:

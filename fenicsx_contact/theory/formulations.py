@@ -34,7 +34,8 @@ class Formulation(Protocol):
         points: coordinates (k, d) of the points that it acts on, None for all nodes.
         gap_share: which gap the form reads: 0 that of the start of the step, 1 that of its end as
             it depends on w.
-        pushes: of one that has it, and True: its normal forces only push.
+        pushes: of one that has it, and True: its normal forces only push, beside what it does to
+            points that are open (which touched, and are glued).
         rebounds: of a percussive one that has it, and True: what it strikes leaves again.
         reads_areas: of a class that says False itself: forces are the same for any areas.
 

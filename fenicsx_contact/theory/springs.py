@@ -70,6 +70,7 @@ def spring_form(k: Any, spring: Any) -> tuple[ufl.Form, Expr]:
 class Springs:
     """What such formulations have in common."""
 
+    pushes: ClassVar[bool] = True
     multipliers: ClassVar[bool] = False
     percussive: ClassVar[bool] = False
     gap_share: ClassVar[float] = 1.0

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import ufl
 
@@ -38,7 +38,6 @@ class Adhesive:
 
     stress: Parameter
     law: Any = "velocity"
-    pushes: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         keep_parameter(self, "stress")

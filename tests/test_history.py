@@ -829,7 +829,7 @@ def test_one_linearisation_is_claimed_where_it_is_so():
 def test_springs_have_no_multiplier():
     block = RigidSolid(rectangle(), mass=1.0)
     springs = Contact(block, "base", FLOOR, fenicsx_contact.Discrete(1e6), friction=0.3)
-    assert springs.multiplier is None and springs.equations.size == 2 * 2
+    assert springs.multiplier is None and springs.equations.size == 3 * 2
     assert "springs (no multipliers)" in springs.describe()
 
 

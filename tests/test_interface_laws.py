@@ -461,6 +461,30 @@ def test_steps_that_are_not_taken_leave_no_memory():
     assert contact.memory.values["way"].all()
 
 
+@pytest.mark.parametrize("nu, speed", [(0.0, 0.1), (0.3, 0.1), (0.3, 0.0)])
+@pytest.mark.parametrize("law", [Compliance(1e10, tangential_stiffness=1e10), Discrete(5e9)])
+def test_stiff_springs_rub_in_few_iterations(law, nu, speed):
+    """A cell pressed on a belt: Newton's steps leapt over the slip speeds at which springs stick,
+    back and forth, 40 a step. By nu = 0 it bears its pressure, in series with the springs."""
+    E, height, depth = 1e6, 0.5, 5e-3
+    solid = ElasticSolid(
+        rectangle((1, 1), (1.0, height)),
+        youngs_modulus=E,
+        poisson_ratio=nu,
+        density=1e3,
+        prescribed={"top": lambda t: (0.0, -depth * min(1.0, t / 0.02))},
+    )
+    belt = Moved(FLOOR, lambda t: (-speed * t, 0.0))
+    contact = Contact(solid, "base", belt, law, 0.3, name="c")
+    history = Scene([solid], [contact], IMPLICIT).run(0.1, 2e-3)
+    assert history.finished and not history.remarks
+    assert history["newton"].max() <= 5 and history["newton"][1:].mean() < 1.5
+    if not nu:
+        force = depth / (height / E + 1e-10)
+        assert history["c.force_y"][-1] == pytest.approx(force, rel=1e-9)
+        assert history["c.force_x"][-1] == pytest.approx(-0.3 * force, rel=1e-9)
+
+
 # -- wear ------------------------------------------------------------------------------------------
 
 

@@ -262,12 +262,13 @@ def test_residual_vanishes_exactly_on_solutions_of_the_laws(dim, friction):
 
 
 def test_unknowns_are_what_is_needed():
-    """A frictionless contact has no traction, springs have no multiplier."""
+    """A frictionless contact has no traction, springs have no normal multiplier."""
     for dim in (2, 3):
         n = len(SURFACES[dim][0])
         assert equations(dim, VELOCITY, Coulomb(MU)).size == 2 * dim * n
         assert equations(dim, VELOCITY).size == (dim + 1) * n
-        assert equations(dim, Discrete(1.0), Coulomb(MU)).size == dim * n
+        assert equations(dim, Discrete(1.0), Coulomb(MU)).size == (2 * dim - 1) * n
+        assert equations(dim, Discrete(1.0)).size == dim * n
 
 
 def test_power_of_contact_is_never_positive():

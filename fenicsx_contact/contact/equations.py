@@ -57,7 +57,9 @@ class SurfaceEquations(SurfaceUnknowns):
     ) -> None:
         n, d = surface.points.shape
         share = None if weight is surface.nodal_area else weight / surface.nodal_area
-        self.fields = k = SurfaceFields(surface, friction, formulation.multipliers, share, turning)
+        lam = formulation.multipliers
+        unknown = lam, getattr(formulation, "tractions", lam)
+        self.fields = k = SurfaceFields(surface, friction, *unknown, share, turning)
         form, status = k.form_of(formulation)
         self._residual = compat.VectorAssembler(finite_form(form))
         self._status = compat.PointExpression(status, surface.scalars)
@@ -67,7 +69,7 @@ class SurfaceEquations(SurfaceUnknowns):
         self.weight = weight
         self.jumps = self.places = n * d
         self.size = k.components * n
-        self.tractions = self.jumps + n * formulation.multipliers  # where tau begins
+        self.tractions = self.jumps + n * lam  # where tau begins
         self._order = np.concatenate([k.dofs[:d].T.ravel(), k.dofs[d:].ravel()])
         self.tangents = SurfaceTangent(k, form, self._order)
         self._z, self._closed, self.gap = (f.x.array for f in (k.unknowns, k.closed, k.gap))
@@ -125,9 +127,9 @@ class SurfaceEquations(SurfaceUnknowns):
         self._stopping = None
         self.column_scale = np.full(self.size, speed)
         self.row_scale = np.full(self.size, 1 / speed)
+        self.row_scale[self.jumps :] = np.tile(1 / (share * speed), self.fields.components - d)
         if self.tractions > self.jumps:
             self.column_scale[self.jumps : self.tractions] = units[0] * speed
-            self.row_scale[self.jumps :] = np.tile(1 / (share * speed), self.fields.components - d)
         if self.size > self.tractions:
             self.column_scale[self.tractions :] = np.tile(units[1] * speed, d - 1)
 
@@ -168,8 +170,9 @@ class SurfaceEquations(SurfaceUnknowns):
         m, kinds = len(self.candidates), self.fields.components - self._surface.dim
         status, result = self.statuses()[self.candidates], scaled.copy()
         rows = result[len(result) - m * kinds :].reshape(kinds, m)
-        rows[:1, status == 0] *= self._augmentation[0]
-        rows[1:, status != 1] *= self._augmentation[1]
+        normal = int(self.tractions > self.jumps)  # springs have none
+        rows[:normal, status == 0] *= self._augmentation[0]
+        rows[normal:, status != 1] *= self._augmentation[1]
         return result
 
     def freeze_bound(self, augmentation: float) -> None:
@@ -178,7 +181,7 @@ class SurfaceEquations(SurfaceUnknowns):
         self._tresca = augmentation
         if self._speed:
             self.set_scale(self._given[0], self._speed)
-        if self.size > self.tractions:
+        if self.size > self.tractions > self.jumps:
             self.fields.frozen.value = float(augmentation > 0)
             lam = self.values[self.jumps : self.tractions]
             self.fields.known_pressure.x.array[:] = np.maximum(-lam, 0) if augmentation else 0.0
@@ -186,8 +189,8 @@ class SurfaceEquations(SurfaceUnknowns):
 
     def project_multipliers(self) -> None:
         """Let the multipliers be what bears in the jump rows: S g_n and P_b(g_t)."""
-        more = self.fields.components - self._surface.dim - 1
-        rho = np.vstack([self.rho[:1], *[self.rho[1:]] * more])[: more + 1]  # springs have none
+        counts = np.diff([self.jumps, self.tractions, self.size]) // self.rho.shape[1]
+        rho = np.repeat(self.rho, counts, axis=0)
         bears = rho / np.where(self.weight > 0, self.weight, 1.0)
         values = self.values
         values[self.jumps :] += bears.ravel() * self.residual()[self.jumps :]
@@ -259,7 +262,8 @@ class SurfaceEquations(SurfaceUnknowns):
     def kind(self, row: int) -> str:
         """What an active row is."""
         row -= len(self.active_jumps)
-        return "jump" if row < 0 else "multiplier" if row < len(self.candidates) else "friction"
+        normal = len(self.candidates) * (self.tractions > self.jumps)
+        return "jump" if row < 0 else "multiplier" if row < normal else "friction"
 
     def jump_operator(self) -> None:
         """The unknown velocities are the jumps of the candidates and what is carried."""

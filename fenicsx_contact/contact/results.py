@@ -71,6 +71,7 @@ class SurfaceResults:
         n = int(self.chosen.sum())
         unknowns = n * (self.equations.fields.components - self.surface.dim)
         friction = self.friction_law.describe() if self.friction_law else "no friction (no tau)"
-        what = f"{unknowns} multipliers" if unknowns else "springs (no multipliers)"
+        what = f"{unknowns} multipliers"
+        what = what if self.formulation.multipliers else "springs (no multipliers)"
         where = f"{n} points of {self.solid.name!r}, before {self.coupling.describe()}"
         return f"{self.formulation.name}, {where}, {friction}, {what}"

@@ -36,7 +36,7 @@ class SurfaceFields(LawFields):
     Args:
         surface: where they live.
         friction: the law of friction, None if there is none.
-        multipliers: whether there are any.
+        multipliers, tractions: whether lam is an unknown, and whether tau is, if there is friction.
         weight: shares of their areas that the points weigh, None for 1.
         turning: whether normals change on the way of a step.
     """
@@ -46,6 +46,7 @@ class SurfaceFields(LawFields):
         surface: Surface,
         friction: FrictionBound | None,
         multipliers: bool,
+        tractions: bool,
         weight: np.ndarray | None,
         turning: bool = False,
     ) -> None:
@@ -54,7 +55,7 @@ class SurfaceFields(LawFields):
         self.friction: FrictionBound | None = self._law
         d = surface.dim
         n_mult = int(multipliers)
-        n_traction = (d - 1) * int(multipliers and friction is not None)
+        n_traction = (d - 1) * int(tractions and friction is not None)
         self.components = d + n_mult + n_traction
 
         space = surface.components(self.components)
@@ -69,7 +70,7 @@ class SurfaceFields(LawFields):
         self.velocity_jump, self.test_jump = (ufl.as_vector(f[:d]) for f in (z, test))
         self.multiplier, self.test_multiplier = (f[d] if multipliers else None for f in (z, test))
         self.traction, self.test_traction = (
-            ufl.as_vector(f[d + 1 :]) if n_traction else None for f in (z, test)
+            ufl.as_vector(f[d + n_mult :]) if n_traction else None for f in (z, test)
         )
         self.dofs = np.empty((self.components, surface.size), dtype=np.int64)
         for component in range(self.components):
@@ -92,7 +93,7 @@ class SurfaceFields(LawFields):
         if not multipliers:
             self.start_gap, self.elongation = surface.scalar(), surface.vector()
             self.mean_share, self.force_rate = surface.constant(), surface.constant(1.0)
-        if n_traction:
+        if multipliers and n_traction:
             self.frozen, self.known_pressure = surface.constant(), surface.scalar()
         self._tangent = surface.vector() if d == 3 and friction is not None else None
         self._framed = False
@@ -191,7 +192,7 @@ class SurfaceFields(LawFields):
         as the slips are; springs do not ask."""
         d = self.surface.dim
         slips = self.start_slip.x.array.reshape(-1, d)
-        if self.traction is None or not self.limit_rate.value or not slips.any():
+        if self.multiplier is None or not self.limit_rate.value or not slips.any():
             return np.zeros_like(slips)
         return -float(self.limit_rate.value) * orthogonal(self.normal.x.array.reshape(-1, d), slips)
 

@@ -43,9 +43,12 @@ class SurfaceUnknowns:
         self.release()
         z = self.values
         z[: self.jumps] = free
-        if self.tractions > self.jumps:
-            bearing = np.repeat(z[self.jumps : self.tractions] < 0, self._surface.dim)
-            z[: self.jumps][bearing] = jump[bearing]
+        d, n = self._surface.dim, self._surface.size
+        bore = z[self.jumps : self.tractions] < 0
+        if self.tractions == self.jumps:  # of springs friction says so
+            bore = z[self.tractions :].reshape(-1, n).any(axis=0)
+        bearing = np.repeat(bore, d)
+        z[: self.jumps][bearing] = jump[bearing]
         self.values = z
 
     def scale_multipliers(self, ratio: float) -> None:

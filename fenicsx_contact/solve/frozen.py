@@ -71,7 +71,8 @@ class FrozenContact(Statuses):
         alike among them. Springs have no multipliers to say so; they bear where they are."""
         added = [np.empty(0)]
         for part in self.parts:
-            n, m = len(part.active_places), len(part.equations.candidates)
+            e, n = part.equations, len(part.active_places)
+            m = len(e.candidates) * (e.tractions > e.jumps)
             scales, values = part.scales()[0][n:], np.zeros(part.multipliers)
             values[:m] = -scales[:m] / sqrt(np.finfo(float).eps)  # whatever gaps say
             change = values - part.active_values()[n:]

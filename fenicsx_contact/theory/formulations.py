@@ -28,6 +28,7 @@ class Formulation(Protocol):
     Attributes:
         name: for messages.
         multipliers: whether it has lam (and tau): springs have none.
+        tractions: of one without lam that has it, and True: with friction it has tau all the same.
         percussive: whether it limits velocities, so that it can be struck: impacts are then solved
             as percussions. Laws of positions and springs are not.
         at_points: whether its forces act at points [N] instead of on areas [Pa].

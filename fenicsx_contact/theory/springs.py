@@ -11,6 +11,14 @@ of the gap from ``a`` to ``b`` in the step, which for ``k max(d, 0)`` is exactly
 mean (all of it for theta = 1/2: springs then conserve energy), and the force at the end for the
 rest, which only dissipates. A dashpot acts over the same share s, so that its force grows from zero
 as a point dips in, and takes ``(b - a)/dt``.
+
+Friction, ``tau = P_b(k_t s)`` of the stretch s = s0 + r w_t, sticks in a range of slip speeds as
+narrow as the springs are stiff, over which Newton's steps leap from slip to slip the other way. So
+the traction is an unknown, as it is of laws without springs, whose compliance stands in its row:
+
+    tau = P_b(tau + rho (w_t + (s0 - tau/k_t)/r)),
+
+which says the same for any rho; here with the smaller of rho and k_t r, which is the return itself.
 """
 
 from __future__ import annotations
@@ -58,12 +66,16 @@ def spring_form(k: Any, spring: Any) -> tuple[ufl.Form, Expr]:
     form = k.integral(force * k.test_jump_n)
     status = ufl.conditional(ufl.gt(force, 0), 1.0, 0.0)
     if k.friction is not None:
-        # the spring's stretch where the scheme takes forces, and its radial return
+        # the spring's stretch where the scheme takes forces
         stretch = k.tangential(k.elongation) + k.force_rate * k.jump_t
-        held = spring.stiffness_t * stretch
+        tau, stiffness = k.traction, spring.stiffness_t
+        share = k.rho_t / ufl.max_value(k.rho_t, stiffness * k.force_rate)
+        g_t = tau + share * (stiffness * stretch - tau)
         limit = k.friction.bound(k, force, status)
-        form += k.integral(ufl.dot(bounded(limit, held), k.test_jump_t))
-        status = status + status * slipping(limit, held)
+        P = bounded(limit, g_t)
+        form += k.integral(ufl.dot(P, k.test_jump_t))
+        form += -k.integral(ufl.dot(tau - P, k.test_traction) / k.rho_t)
+        status = status + status * slipping(limit, g_t)
     return form, status
 
 
@@ -72,6 +84,7 @@ class Springs:
 
     pushes: ClassVar[bool] = True
     multipliers: ClassVar[bool] = False
+    tractions: ClassVar[bool] = True
     percussive: ClassVar[bool] = False
     gap_share: ClassVar[float] = 1.0
 

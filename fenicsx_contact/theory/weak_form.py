@@ -26,7 +26,8 @@ class ContactFields(Protocol):
         velocity_jump: w, m/s, an unknown; ``jump_n``, ``jump_t`` its parts. Of the test functions
             parts are those along which forces act: where normals turn in a step, along their mean.
         multiplier: lam, Pa (N at points), an unknown; None for springs.
-        traction: tau, d - 1 components, Pa (N), an unknown; None without friction or multipliers.
+        traction: tau, d - 1 components, Pa (N), an unknown; None without friction, and where a law
+            without multipliers does not ask for it.
         normal, gap: n and d_n [m, positive: penetration], coefficients; ``x``: reference
             coordinates, m.
         start_jump_n, start_jump_t: w_n and w_t at the start of the step, m/s, 0 where they were not

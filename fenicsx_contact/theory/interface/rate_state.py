@@ -98,7 +98,7 @@ class RateState:
         c = 2 * V0 * ufl.exp(-(mu + b * ufl.ln(V0 * theta / D)) / a)
         z, A = V / c, a * pressure
         fast = a * ufl.ln(z + ufl.sqrt(z**2 + 1)) * pressure
-        if k.traction is None:  # what springs bear is no unknown
+        if k.multiplier is None:  # springs stretch by V, too
             return fast
         borne, R = magnitude(k.traction), k.rho_t
         most = ufl.ln(1 + 2 * (borne / R + V) / c)  # y is less

@@ -305,3 +305,34 @@ def test_augmentation_where_a_contact_has_no_candidates():
     assert history.finished
     assert history["under 0.0.force_y"][-1] == pytest.approx(98.1, rel=1e-9)
     assert not history["under 1.0.force_y"].any()
+
+
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+@pytest.mark.parametrize("formulation", ["velocity", "gap", "lagrange"])
+def test_a_drawer_jams_where_friction_says_so(formulation, theta):
+    """Pulled by F at a lever a a drawer of length L presses by N = F a/L at two corners, where
+    friction is 2 mu N: with a = L it jams from mu = 1/2 on. The corners then ask of its three
+    freedoms for four, which geometry that is yet to be renewed cannot give."""
+    force, clearance = 10.0, 1e-3
+    walls = {
+        "base": HalfSpace((0, -clearance), (0, 1)),
+        "top": HalfSpace((0, 2 + clearance), (0, -1)),
+    }
+    tilt = 2 * clearance  # of a length of 1 m that is 2 m wide
+    for friction in (0.3, 0.55, 0.8, 2.0):
+        drawer = RigidSolid(rectangle(size=(1.0, 2.0)), mass=1.0, force=(force, 0), torque=-force)
+        contacts = [
+            Contact(drawer, name, wall, formulation, friction) for name, wall in walls.items()
+        ]
+        scene = Scene([drawer], contacts, ThetaScheme(theta))
+        places = []
+        for end in (0.12, 0.16, 0.2):
+            history = scene.run(end, 0.01)
+            assert history.finished, history.reason
+            places.append([*drawer.place, drawer.rotation])
+        acceleration = np.diff(places, 2, axis=0)[0, 0] / 0.04**2
+        if friction < 0.5:
+            pressed = force / (1 - 2 * tilt)
+            assert acceleration == pytest.approx(force - 2 * friction * pressed, rel=1e-3)
+        else:
+            assert np.ptp(places, axis=0).max() < 1e-8  # by theta = 1/2 it rings in its place

@@ -6,8 +6,7 @@ Newton's method for everything ("newton"), or until it has settled on the frozen
 the paper's geometric fixed point ("fixed point"); in a guide in space, along which normals turn by
 as much as the hole is narrow, Newton's method ends what that does not. Where supports alone do not
 hold every solid the first round of a step settles too: from a start in which nothing touches, one
-correction knows nothing of what will. So do rounds that follow corrections which gain no more
-(turns.py).
+correction knows nothing of what will. So do rounds after corrections that gain no more (turns.py).
 """
 
 from __future__ import annotations
@@ -101,6 +100,7 @@ class StepSolver:
             StepFailed: with the reason.
         """
         self.errors = []
+        self._contradicted = 0.0 if self._speeds.bodies or not self._settles else np.inf
         self.system.restart()
         if not (self._settles and self._foresees):  # by which they are screened
             for contact in self._all.contacts:
@@ -132,7 +132,7 @@ class StepSolver:
             clock("pairing")
             if any(grown):
                 continue
-            stalled = last <= error <= ROUGH * self._newton.tolerance
+            stalled = solution.found and last <= error <= ROUGH * self._newton.tolerance
             if stalled or (error <= GEOMETRY_TOLERANCE and (deforms or solution.exact)):
                 return solution.force, iterations, sweep, remarks
             if self._turns and error**2 > last * GEOMETRY_TOLERANCE:  # nor by one more
@@ -184,7 +184,11 @@ class StepSolver:
         try:
             return self._newton.solve(frozen, **known)
         except NotConverged as failure:
-            raise StepFailed(str(failure)) from None
+            # rigid points that jam contradict each other by what geometry is off where they end
+            if not failure.last or 2 * failure.last.error >= self._contradicted:
+                raise StepFailed(str(failure)) from None
+            self._contradicted = failure.last.error
+            return failure.last
 
     def _nonlinearity(self, step: Step, speed: float, force: np.ndarray) -> float:
         """Largest relative error of what was linearised, in the trial state."""
@@ -260,8 +264,7 @@ class StepSolver:
         raise StepFailed(f"{self.system.stall()} after {len(errors) - 1} Newton iterations{moved}")
 
     def _see(self, step: Step, exact: bool, kept: bool = False) -> None:
-        """Take up the geometry of the contacts; ``exact`` with its derivatives, which between
-        solids take longest: ``kept``, those of last time."""
+        """Take up the geometry; ``exact`` with its derivatives: ``kept``, those of last time."""
         for contact in self._all.contacts:
             contact.linearise(step, exact or len(contact.solids) == 1, kept)
 

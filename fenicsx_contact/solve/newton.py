@@ -13,10 +13,6 @@ from ..base import checks
 from .multipliers import ROUGH, STALLS, Softened, method_of_multipliers
 
 
-class NotConverged(RuntimeError):
-    """The surface problem was not solved; the message says what stalls or flips."""
-
-
 class ContactProblem(Softened, Protocol):
     """A contact problem on frozen geometry: condensed on the surfaces, or with all solids.
 
@@ -52,6 +48,16 @@ class Solution:
     error: float = 0.0  # of any row, at most
     exact: bool = True  # but for what counts as round-off
     remarks: list[str] = field(default_factory=list)
+    found: bool = True  # else what was found last
+
+
+class NotConverged(RuntimeError):
+    """The surface problem was not solved; the message says what stalls or flips. ``last``: what was
+    found last, if anything."""
+
+    def __init__(self, message: str, last: Solution | None = None) -> None:
+        super().__init__(message)
+        self.last = last
 
 
 @dataclass(frozen=True)
@@ -110,7 +116,8 @@ class Newton:
             if system.worst <= rough:  # NaN is not
                 remarks = [flips + notes] if notes else []
                 return Solution(system.force(), iterations, system.worst, remarks=remarks)
-        raise NotConverged(f"{system.stall()}; {flips}{notes}")
+        last = Solution(system.force(), iterations, system.worst, False, [flips + notes], False)
+        raise NotConverged(f"{system.stall()}; {flips}{notes}", last)
 
     def _iterate(self, system: ContactProblem, rough: float) -> tuple[int, float]:
         """Newton steps until converged, or until the statuses cycle; how many, and the error to be

@@ -9,6 +9,7 @@ from typing import Any
 import dolfinx
 import numpy as np
 from mpi4py import MPI
+from scipy.integrate import solve_ivp
 
 from fenicsx_contact import (
     Contact,
@@ -21,6 +22,7 @@ from fenicsx_contact import (
     QuasiStatic,
     RigidSolid,
     Scene,
+    ThetaScheme,
     mesh_from_gmsh,
     name_facets,
     neo_hookean,
@@ -73,6 +75,31 @@ def box(
             "right": lambda x: np.isclose(x[0], a / 2),
         },
     )
+
+
+#: Gravity in the frame of a slope of 0.4 rad that falls along -y.
+ON_A_SLOPE = G * np.array([0, -np.sin(0.4), -np.cos(0.4)])
+
+
+def slide(friction: float, velocity: np.ndarray, **contact: Any) -> tuple[RigidSolid, Scene]:
+    """A box of 1 kg that does not turn on a slope; with ``theta`` of the scheme."""
+    theta = contact.pop("theta", 0.5)
+    held = [f"turning about {axis}" for axis in "xyz"]
+    body = RigidSolid(box(), mass=1.0, gravity=ON_A_SLOPE, velocity=velocity, held=held)
+    contacts = [Contact(body, "base", FLOOR_3D, friction=friction, **contact)]
+    return body, Scene([body], contacts, ThetaScheme(theta))
+
+
+def exact_slide(friction: float, velocity: np.ndarray, until: float) -> np.ndarray:
+    """Its way and its velocity then, (2, 3) in m and m/s, while it slides."""
+    bound = -friction * ON_A_SLOPE[2]
+
+    def rate(_: float, y: np.ndarray) -> np.ndarray:
+        v = y[3:]
+        return np.concatenate([v, ON_A_SLOPE * [1, 1, 0] - bound * v / np.linalg.norm(v)])
+
+    start = np.concatenate([np.zeros(3), velocity])
+    return solve_ivp(rate, (0, until), start, rtol=1e-11, atol=1e-13).y[:, -1].reshape(2, 3)
 
 
 def skinned(dim: int, size: float, corner: Sequence[float], **solid: Any) -> RigidSolid:

@@ -79,6 +79,17 @@ def test_error_of_a_smooth_swing_is_proportional_to_the_tolerance():
     assert 0.8 < slope(tolerances, errors) < 1.2
 
 
+def test_error_of_a_slip_that_turns_in_space_is_what_is_asked():
+    """Across a slope: friction is against the slip, whose direction turns downhill."""
+    friction, until, start = 0.35, 0.6, np.array([2.0, 0, 0])
+    way, _ = scenes.exact_slide(friction, start, until)
+    for tolerance in (1e-3, 1e-4, 1e-5):
+        body, scene = scenes.slide(friction, start)
+        before = body.place.copy()
+        assert scene.run(until, 0.1, step_error=tolerance).finished
+        assert np.linalg.norm(body.place - before - way) < tolerance * np.linalg.norm(way)
+
+
 @pytest.fixture(scope="module")
 def over_impacts():
     """Tolerances, errors and numbers of rows of a block that rocks through three impacts."""

@@ -24,6 +24,7 @@ from fenicsx_contact import (
     Newton,
     RigidSolid,
     Scene,
+    ThetaScheme,
     Tresca,
     frictional_problem,
     read_fclib,
@@ -162,12 +163,13 @@ def falling(speeds):
 
 
 @pytest.mark.parametrize("law", ["velocity", "gap"])
-@pytest.mark.parametrize("dim", [2, 3])
-def test_a_scene_finds_the_same_forces(dim, law):
+@pytest.mark.parametrize(("dim", "theta"), [(2, 0.5), (2, 1.0), (3, 1.0)])
+def test_a_scene_finds_the_same_forces(dim, theta, law):
+    """Friction is against the slip at the end of a step, along a line or by theta = 1."""
     v = (0.5, 0.2, -1.0)[3 - dim :] if law == "velocity" else (0.5, 0.2, 0.0)[3 - dim :]
     body, floor = block(dim, velocity=falling(v))
-    scene = Scene([body], [Contact(body, "base", floor, law, friction=0.3)])
-    contact = scene.contacts[0]
+    contact = Contact(body, "base", floor, law, friction=0.3)
+    scene = Scene([body], [contact], ThetaScheme(theta))
     for _ in range(3):
         before = scene.state()
         problem = frictional_problem(scene, 1e-3)

@@ -112,7 +112,8 @@ def test_meshes_change_nothing(dim):
         assert len(corners) == 3 * 2**dim
         places.append([*low.place, *up.place, *up.velocity])
     for other in places[1:]:
-        np.testing.assert_allclose(other, places[0], rtol=0, atol=ROUGH * Newton().tolerance)
+        # in each of several landings
+        np.testing.assert_allclose(other, places[0], rtol=0, atol=4 * ROUGH * Newton().tolerance)
 
 
 def struck(dim, locate):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scenes
 from scenes import (
     FLOOR,
     FLOOR_3D,
@@ -347,3 +348,34 @@ def test_solids_write_no_scheme():
     for file in (package / "solids").glob("*.py"):
         code = [line for line in file.read_text().splitlines() if "step.dt" in line]
         assert all("def turn" in line or "float(np.abs" in line for line in code), (file, code)
+
+
+# -- friction in space --
+
+
+@pytest.mark.parametrize("formulation", ["velocity", "gap", "lagrange"])
+def test_friction_that_turns_in_space_is_of_second_order(formulation):
+    """Across a slope, by theta = 1/2."""
+    start, errors = np.array([2.0, 0, 0]), []
+    _, velocity = scenes.exact_slide(0.35, start, 0.5)
+    for dt in (0.02, 0.01):
+        body, scene = scenes.slide(0.35, start, formulation=formulation)
+        assert scene.run(0.5, dt).finished
+        errors.append(np.abs(body.velocity[:3] - velocity).max())
+    assert errors[1] < 5e-5 and 3.5 < errors[0] / errors[1] < 4.5
+
+
+@pytest.mark.parametrize("theta", [0.5, 0.7])
+def test_what_slides_in_space_comes_to_rest(theta):
+    """Whatever the step it rests, and friction took all that moved it, and gave nothing."""
+    for dt in (0.013, 0.1, 0.7):
+        body, scene = scenes.slide(0.6, np.array([1.5, 1.0, 0]), theta=theta)
+        before = body.place.copy()
+        history = scene.run(3.0 + 2 * dt, dt)
+        assert history.finished and not history.remarks
+        assert np.abs(body.velocity[:3]).max() < 1e-12
+        assert np.diff(history["friction"]).max() < 1e-14
+        fallen = scenes.ON_A_SLOPE @ (body.place - before)
+        if theta == 0.5:  # which takes nothing itself
+            moved = history["kinetic"][0] + fallen
+            assert history["friction"][-1] == pytest.approx(-moved, rel=1e-12)

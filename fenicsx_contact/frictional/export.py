@@ -26,7 +26,7 @@ def frictional_problem(scene: Scene, dt: float) -> FrictionalProblem:
     compliance ``W = J A^-1 J'`` of the points that may bear, and their velocities without contact;
     velocities count from those that the law allows (a point may arrive). Of a step that cannot be
     solved it is the problem at which this ended: one for a collection. Friction in it is that of
-    the velocities at the end (3), the step's but where slips turn round (3'). Where points are
+    the velocities at the end (3), the step's but where slips turn (3'), (3''). Where points are
     struck at the start of the step it is the impact that comes first, whose forces are impulses;
     impacts within a step are not located. Where normals turn in the step W is not quite symmetric,
     as forces act along their mean.

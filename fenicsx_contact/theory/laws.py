@@ -38,6 +38,15 @@ has s = 0 and (3), and so has all with theta = 1. The row is (4') of ``g + rho s
 w_t, where -s a is what of that way is nearest to g / rho: of the two projections, on the ball and
 on the half-space where friction is against a, as far as s reaches.
 
+In space the direction of a slip that goes on, w_t . a > 0, turns, and friction is against its mean:
+
+    (3'')  w_t + s a = -a' r,  a' >= 0, on the cone,    s = min(w_t . a / |a|^2, 1)
+
+What is not slowed down has s = 1, which makes theta = 1/2 of second order; what ends has s = 0 and
+(3), and rests. Here, too, ``r . (w_t + a) <= 0``, and along a line it is (3). It is no gradient (of
+those that stick at 0 and are on the cone elsewhere (3) alone is), but the w_t of a mass is unique:
+free velocities that end with one |w_t + s a| are an oval, around those of each smaller one.
+
 Nothing here knows a mesh. The printed (1) has ``w_n < 0``, which forbids a persistent contact, the
 printed (3) a plus sign, and (5)-(6) lack ``Su``, which (7) has.
 """
@@ -97,6 +106,16 @@ def turning(g: Expr, rho: Expr, a: Expr) -> Expr:
     :func:`bounded`."""
     size = ufl.dot(a, a)
     share = -ufl.dot(g, a) / (rho * ufl.conditional(ufl.gt(size, 0), size, 1.0))
+    return ufl.min_value(ufl.max_value(share, 0.0), 1.0)
+
+
+def lasting(w_t: Expr, a: Expr) -> Expr:
+    """s of (3''), in [0, 1]: how much of the slip at the start is in the mean that friction is
+    against; protected like :func:`bounded`. Along a line nothing asks for it."""
+    if len(w_t) == 1:
+        return 0.0
+    size = ufl.dot(a, a)
+    share = ufl.dot(w_t, a) / ufl.conditional(ufl.gt(size, 0), size, 1.0)
     return ufl.min_value(ufl.max_value(share, 0.0), 1.0)
 
 

@@ -14,6 +14,7 @@ from .laws import (
     augmented_multiplier,
     bounded,
     contact_status,
+    lasting,
     slipping,
     turning,
 )
@@ -129,7 +130,7 @@ def weak_form(k: ContactFields, approach: Expr, Su: Expr = 1.0) -> tuple[ufl.For
     tau = k.traction
     g_t, back = tau + k.rho_t * k.jump_t, k.limit_rate * k.start_jump_t
     s = turning(g_t, k.rho_t, back)
-    g_t += k.rho_t * s * back
+    g_t += k.rho_t * (s + lasting(k.jump_t, back)) * back
     pressure = k.frozen * k.known_pressure - (1 - k.frozen) * g_n
     b = k.friction.bound(k, S * pressure, S)
     P = bounded(b, g_t)

@@ -10,6 +10,7 @@ from problems import stacked
 from scenes import rectangle
 
 from fenicsx_contact import (
+    Box,
     Circle,
     Contact,
     Discrete,
@@ -179,3 +180,44 @@ def test_what_touches_does_not_fly_through_what_it_presses_on(law):
     assert history.finished, history.reason
     assert history["c.force_y"][-1] == pytest.approx(1e7 * size, rel=1e-6)
     assert np.abs(block.displacement).max() < 1e-6
+
+
+def falls(obstacle, law, theta, lift, place=0.0, aside=0.0):
+    """A block of 0.2 m, thrown down at 20 m/s, 0.1 m a step, to where it stands or turns round."""
+    block = RigidSolid(rectangle((2, 1), (SIDE, SIDE)), mass=1.0, velocity=(aside, -20.0))
+    block.restore({**block.state(), "place": block.place + np.array([place, lift])})
+    contact = Contact(block, "base", obstacle, law, name="c")
+    probes = {"base": lambda: block.place[1] - 0.5 * SIDE}
+    history = Scene([block], [contact], ThetaScheme(theta)).run(0.04, 5e-3, probes=probes)
+    return history, block.velocity[1]
+
+
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+@pytest.mark.parametrize(
+    "law", ["gap", "lagrange", Discrete(1e7)], ids=["gap", "lagrange", "springs"]
+)
+@pytest.mark.parametrize("thick", [0.1, 0.02])
+@pytest.mark.parametrize("lift", [0.3, 0.337, 0.373])
+def test_what_lands_with_speed_left_stays_above(lift, thick, law, theta):
+    """A law of positions may end a step exactly on a plate, its speed left, or throw a point out at
+    the far side: by a plate of 0.1 m it was at -0.1 m after the next step, without a remark."""
+    history, speed = falls(Box((0, -thick / 2), (2.0, thick)), law, theta, lift)
+    assert history.finished, history.reason
+    # springs give way by v sqrt(m / k)
+    assert history["base"].min() > -0.007 and speed > -1e-9
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap", "printed"])
+@pytest.mark.parametrize("aside", [0.0, -0.1])
+def test_a_post_is_struck_from_above(aside, law):
+    """0.02 m wide, 1 m high: at the end of the step the nearest side was one along which a point
+    slides, and it flew down within the post."""
+    post = Box((0, -0.5), (0.02, 1.0))
+    history, speed = falls(post, law, 0.5, 0.35, 0.002, aside)
+    assert history.finished and history["base"].min() > -1e-12 and speed > -1e-9
+
+
+def test_a_step_may_end_beside_the_centre_of_a_disc():
+    """0.05 m below its top: there the normal was across the velocity."""
+    history, speed = falls(Circle((0, -0.05), 0.05), "velocity", 0.5, 0.35)
+    assert history["base"].min() == pytest.approx(0, abs=1e-12) and abs(speed) < 1e-9

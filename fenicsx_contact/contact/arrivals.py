@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.vectors import dot
 from .contact import Contact
 
 
@@ -31,21 +32,26 @@ def arrives(contact: Contact) -> bool:
 
 def missed(contact: Contact, closing: bool) -> str:
     """Why a step is too long for the contact to see what its points meet, in the trial state of it,
-    or nothing: a free point goes through the other side and out again, or one is farther within
-    than the surface is large; if none may close (not ``closing``), one that may bear."""
+    or nothing: a point that arrives goes through and out again, or in by another side than the one
+    that it is before at the end; or one is farther within than the surface is large; if none may
+    close (not ``closing``), one that may bear."""
     if (why := contact.coupling.blocked) or contact.coupling.encloses:
         return why
-    gaps = contact.coupling.gaps()
-    asked = contact.chosen & (contact.trial_status == 0)
-    deepest = contact.coupling.deepest(asked, contact.gap, gaps)
-    if deepest is not gaps:  # what touches may slide along what is round
-        much = np.where(contact.touching(), contact.surface.extent, contact.tolerance)
-        if (asked & (deepest > np.maximum(gaps, 0.0) + much)).any():
-            return f"a point of contact {contact.name!r} goes through what it meets"
+    gaps, touches = contact.coupling.gaps(), contact.touching()
+    free, may = contact.trial_status == 0, closing | contact.candidates.allowed
+    approach = dot(contact.jump, contact.coupling.start_normals())
+    comes = contact.chosen & (~touches | (approach > contact.resolution))
+    deepest = contact.coupling.deepest(contact.chosen & (free | comes), contact.gap, gaps)
+    # what touches and does not itself go so deep slides along what is round
+    comes &= ~touches | (contact.gap + contact.moved * approach >= deepest)
+    much = np.where(comes, contact.tolerance, contact.surface.extent)
+    through = contact.chosen & free & (deepest > np.maximum(gaps, 0.0) + much)
+    inside = comes & may & (deepest > contact.tolerance)
+    if (through | contact.coupling.other_side(inside)).any():
+        return f"a point of contact {contact.name!r} goes through what it meets"
     if not gaps.max() > contact.surface.extent:
         return ""
-    asked = contact.chosen & (closing | contact.candidates.allowed)
-    if (gaps > np.maximum(contact.gap, contact.surface.extent))[asked].any():
+    if (gaps > np.maximum(contact.gap, contact.surface.extent))[contact.chosen & may].any():
         return f"contact {contact.name!r} goes deeper than its surface is large"
     return ""
 

@@ -94,6 +94,11 @@ class Coupling(ABC):
         (n,) in m."""
         return end
 
+    def other_side(self, asked: np.ndarray) -> np.ndarray:
+        """Which of the points that are ``asked``, (n,) of bool, which get inside on their ways, do
+        so by another side than the one that they are before in the followed state, (n,) of bool."""
+        return np.zeros(len(asked), dtype=bool)
+
     @abstractmethod
     def normals(self) -> np.ndarray:
         """Outward unit normals of the slave, (n, d)."""

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ..base.constants import SHARP
 from ..base.vectors import dot
 from ..solids import Solid, Trace
 from ..solids.trace import DeformableTrace
@@ -14,8 +15,9 @@ from ..theory.scheme import Step
 from .equations import SurfaceEquations
 from .inside import swallowed
 from .jump import Coupling
-from .ride import Ride, nearest
+from .ride import Ride
 from .wall import Obstacle, Wall
+from .ways import Ways
 
 
 class NodalJump(Coupling):
@@ -182,18 +184,31 @@ class NodalJump(Coupling):
     def deepest(self, asked: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         if self.fixed_normal:
             return end
-        last, step = self.positions(), self._step
-        way = last - self._start_positions
+        way, step = self.positions() - self._start_positions, self._step
         # as seen from a wall that moves; what moves less than it was and is away meets nothing
         seen = way - step.dt * self.carried(step) if step else way
         asked = asked & (np.linalg.norm(seen, axis=1) > -np.minimum(start, end))
-        span = (step.start, step.end) if step else (self.time,) * 2
-        which, least = nearest(self.wall, last, way, span, asked)
-        if not len(which):
-            return end
+        ways = self._ways()
+        share = ways.deepest(asked)
+        before = (share < 1).nonzero()[0]
         deep = end.copy()
-        deep[which] = -least - (self.bulge + self.recess + np.zeros(len(end)))[which]
+        deep[before] = ways.depth(before, share[before])
         return deep
+
+    def other_side(self, asked: np.ndarray) -> np.ndarray:
+        other = np.zeros(len(asked), dtype=bool)
+        if not self.fixed_normal and (points := asked.nonzero()[0]).size:
+            ways = self._ways()
+            entries = ways.entries(points, ways.deepest(asked)[points])
+            enters = -ways.normals(points, entries)
+            other[points] = dot(enters, self.normals()[points]) < SHARP
+        return other
+
+    def _ways(self) -> Ways:
+        ends, step = self.positions(), self._step
+        span = (step.start, step.end) if step else (self.time,) * 2
+        off = self.bulge + self.recess + np.zeros(len(ends))
+        return Ways(self.wall, ends, ends - self._start_positions, span, off)
 
     def swallowed(self, most: float) -> str:
         return "" if self.encloses else swallowed(self.solids[0], self.wall, most)

@@ -766,3 +766,21 @@ def test_gravity_across_an_axis_of_revolution_is_refused():
         mesh = rectangle((2, 2), (0.2, 0.1))
         mesh.mesh.geometry.x[:, 0] += 0.3
         ElasticSolid(mesh, plane="axisymmetric", gravity=(1.0, -9.81), **numbers)
+
+
+def test_an_obstacle_that_moves_beyond_all_bounds_is_refused():
+    class Floor:
+        dim, flat = 2, True
+
+        def distance(self, x, t):
+            return x[:, 1].copy()
+
+        def normals(self, x, t):
+            return np.tile([0.0, 1.0], (len(x), 1))
+
+        def velocity(self, x, t):
+            return np.full(x.shape, 1e200)
+
+    block = RigidSolid(rectangle(), mass=1.0, name="block")
+    with pytest.raises(InputError, match="the velocity of an obstacle is 1e\\+200 at the point"):
+        Contact(block, "base", Floor(), friction=0.2)

@@ -223,8 +223,9 @@ def _finite(what: str, answer: Any, points: np.ndarray, order: int = 1) -> np.nd
             found = "complex, masked, text, truth values or lists of unlike lengths"
     if not found and answer.shape != shape:
         found = f"of the shape {answer.shape}"
-    if not found and not largest(answer) < np.inf:  # nor NaN
-        at, allowed = np.argwhere(~np.isfinite(answer))[0], "finite"
+    if not found and not largest(answer) <= checks.LARGEST:  # nor NaN; powers of it overflow
+        at = np.argwhere(~(np.abs(answer) <= checks.LARGEST))[0]
+        allowed = f"finite, at most {checks.LARGEST:g}"
         found = f"{answer[tuple(at)]} at the point {points[at[0]].tolist()}"
     if found:
         raise checks.StepFailed(f"the {what} of an obstacle is {found}: must be {allowed}")

@@ -35,6 +35,10 @@ def sideways(x):
     return np.stack([np.ones_like(x[0]), np.zeros_like(x[0])])
 
 
+def lifted(x):
+    return sideways(x)[::-1]
+
+
 def dropped(vx=0.0, law="gap", theta=0.5, height=2e-3):
     block = ElasticSolid(
         rectangle((2, 2), (0.4, 0.4)),
@@ -200,6 +204,55 @@ def test_steps_that_are_solved_again(theta, spin, until, dt):
     for name, value in zip(("turn", "y"), central):
         assert forward[name][-1][0] == pytest.approx(value, rel=1e-6)
         assert back[name][0] == pytest.approx(forward[name][-1][0], rel=1e-9)
+
+
+def tilted_block(height):
+    block = RigidSolid(rectangle((1, 1), (0.4, 0.3)), mass=3.0, gravity=(0, -G), rotation=0.1)
+    floor = HalfSpace((0, -height), (0, 1))
+    return Scene([block], [Contact(block, "base", floor, friction=0.3)], locate_impacts=True)
+
+
+def tilted_elastic(height):
+    def over(x):
+        return np.stack([0 * x[0], height - 0.01 * x[0]])
+
+    block = ElasticSolid(
+        rectangle((2, 2), (0.4, 0.2)),
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1000.0,
+        gravity=(0, -G),
+        velocity=(0.5, -0.7),
+        displacement=over,
+    )
+    return Scene([block], [Contact(block, "base", FLOOR, friction=0.3)])
+
+
+@pytest.mark.parametrize("kept", [{}, {"room": 0.0, "every": 3}], ids=["kept", "run once more"])
+@pytest.mark.parametrize(
+    ("make", "height", "until", "dt"),
+    [(tilted_block, 0.03, 0.06, 5e-3), (tilted_elastic, 6e-3, 0.012, 1e-3)],
+    ids=["rigid", "elastic"],
+)
+def test_an_adjoint_tells_no_more_than_a_tangent(make, height, until, dt, kept):
+    """Corners begin steps where they touch, or bear nothing, however high they fell from: there is
+    one derivative. An adjoint, which knew of no change but that of the start, said there was none.
+    """
+
+    def asked(scene):
+        (block,) = scene.solids
+        up = lifted if isinstance(block, ElasticSolid) else (0, 1)
+        quantities = {"y": Centre(block, (0, 1), "velocity")}
+        return scene, until, dt, {"height": Start(block, place=up)}, quantities
+
+    forward, back = tangents(*asked(make(height))), adjoints(*asked(make(height)), **kept)
+    ends = []
+    for h in (height + 1e-7, height - 1e-7):
+        scene = make(h)
+        assert scene.run(until, dt).finished
+        ends.append(asked(scene)[-1]["y"].value())
+    assert back["y"][0] == pytest.approx(forward["y"][-1][0], rel=1e-9)
+    assert back["y"][0] == pytest.approx((ends[0] - ends[1]) / 2e-7, rel=1e-5)
 
 
 def test_what_asks_for_no_time_is_refused():

@@ -14,6 +14,7 @@ from ..steps.trial import Trial
 from .edge import Edge
 from .kinks import Kink, alike, kinks
 from .linearise import Linearisation, arriving
+from .recording import Along
 from .surface import ContactRows
 from .undetermined import rigid, shifted, sliding
 
@@ -30,31 +31,20 @@ class Edges:
         self._scene, self._linear = scene, linear
         self._parameters = linear.parameters
 
-    def kinks(
-        self, trial: Trial, resolution: float, x: np.ndarray | None, start: np.ndarray | None
-    ) -> list[Kink]:
-        """The kinks of the step that was linearised last; with its tangent x from that of the start
-        those that it meets, without all that there may be."""
-        found = self._undetermined(trial, x, start)
+    def kinks(self, trial: Trial, resolution: float, along: Along) -> list[Kink]:
+        """The kinks of the step that was linearised last, and which the derivatives along the run
+        have taken up, that these meet; they are asked for only where there may be some."""
+        found = self._undetermined(trial, along)
         for rows in self._linear.contacts:
-            misses = partial(self._misses, rows, x, start)
-            found += kinks(rows, trial, resolution, misses)
+            found += kinks(rows, trial, resolution, partial(self._misses, rows, along))
         if self._scene.locate_impacts and trial.step.dt:
-            found += self._touches(trial, x)
-        return found + self._driven(trial, start)
+            found += self._touches(trial, along)
+        return found + self._driven(trial, along)
 
-    def _misses(
-        self,
-        rows: ContactRows,
-        x: np.ndarray | None,
-        start: np.ndarray | None,
-        edge: Edge,
-    ) -> np.ndarray:
+    def _misses(self, rows: ContactRows, along: Along, edge: Edge) -> np.ndarray:
         """Whether the tangent fails the rows of points on the other side of their decision; all of
         them candidates, or none."""
-        points = edge.points
-        if x is None or start is None:
-            return np.ones(len(points), dtype=bool)
+        points, x, start = edge.points, along.change, along.state
         at = np.flatnonzero(np.isin(rows.points, points))
         changes = self._linear.changes(rows, x, start)
         sizes = {name: _largest(change) for name, change in changes.items()}
@@ -88,9 +78,7 @@ class Edges:
                 terms = terms + abs(multipliers) @ sizes[name]
         return left, terms
 
-    def _undetermined(
-        self, trial: Trial, x: np.ndarray | None, start: np.ndarray | None
-    ) -> list[Kink]:
+    def _undetermined(self, trial: Trial, along: Along) -> list[Kink]:
         """Points that slide under pressures that are not unique, where the motion hangs on these:
         the run has taken some of them."""
         linear = self._linear
@@ -102,9 +90,7 @@ class Edges:
         state, sizes = slice(0, linear.size), linear.last.sizes
         moves = not alike(idle[state] / sizes[state], np.ones(linear.size)).all()
         if not moves:
-            if x is None or start is None:  # any
-                start = np.cos(np.arange(linear.size) + np.zeros((len(self._parameters), 1))).T
-                x = linear.last.tangent(start)
+            x, start = along.change, along.state
             with shifted(asked, [idle[linear.multipliers(rows)] for rows in asked]) as others:
                 instead = {id(rows): other for rows, other in zip(asked, others)}
                 contacts = [instead.get(id(rows), rows) for rows in linear.contacts]
@@ -122,22 +108,22 @@ class Edges:
                 found.append(Kink(rows.contact.name, place, trial.step.end, what))
         return found
 
-    def _driven(self, trial: Trial, start: np.ndarray | None) -> list[Kink]:
+    def _driven(self, trial: Trial, along: Along) -> list[Kink]:
         """Beams whose law, in plain arithmetic, lies on the edge of two branches."""
         found: list[Kink] = []
-        each: tuple[np.ndarray, np.ndarray] | None = None
         for m in self._linear.motions:
             for i, parameter in enumerate(self._parameters):
-                if start is not None:
-                    part = self._linear.part
-                    each = start[part("q", m.solid), i], start[part("v", m.solid), i]
+                if not m.kinked(parameter, trial.step, None):
+                    continue
+                start, part = along.state[:, i], self._linear.part
+                each = start[part("q", m.solid)], start[part("v", m.solid)]
                 if m.kinked(parameter, trial.step, each):
                     what = "the law of its drive is on the edge of another branch"
                     found.append(Kink(m.solid.name, (), trial.step.end, what))
                     break
         return found
 
-    def _touches(self, trial: Trial, x: np.ndarray | None) -> list[Kink]:
+    def _touches(self, trial: Trial, along: Along) -> list[Kink]:
         """Points that are open and just touch where the step ends, beside the one that ends it."""
         found: list[Kink] = []
         first = max(self._linear.contacts, key=lambda rows: arrival(rows.contact)[0], default=None)
@@ -148,13 +134,11 @@ class Edges:
             for point in np.flatnonzero(free & (np.abs(gaps) <= contact.tolerance)):
                 if point == ends:
                     continue
-                row = rows.gap_row(point)
-                if x is not None:
-                    way = x[self._linear.part("q", rows.motion.solid)]
-                    by = rows.gap_by(self._parameters, point)
-                    left, terms = row @ way + by, np.abs(row) @ _largest(way) + np.abs(by)
-                    if alike(left, terms).all():
-                        continue
+                row, by = rows.gap_row(point), rows.gap_by(self._parameters, point)
+                way = along.change[self._linear.part("q", rows.motion.solid)]
+                left, terms = row @ way + by, np.abs(row) @ _largest(way) + np.abs(by)
+                if alike(left, terms).all():
+                    continue
                 place = tuple(contact.surface.points[point].tolist())
                 with_it = "at the same instant as another point" if trial.arrives else "and no more"
                 found.append(Kink(contact.name, place, trial.step.end, f"touches {with_it}"))

@@ -69,7 +69,7 @@ class Adjoints(_OneSided):
         history: of the run; its probes are the quantities.
         values: of the quantities, at its end, and of the functionals.
         parameters: their names.
-        kinks: where the derivatives may not exist; then they are of one side.
+        kinks: where the derivatives do not exist, as tangents tell them; then they are of one side.
         kept: states that were kept on the way.
     """
 

@@ -9,7 +9,7 @@ it, from states that were kept on the way, and cost by the quantity.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from math import ceil, isqrt
 from typing import Any
 
@@ -24,11 +24,11 @@ from ..steps.trial import Trial
 from .bearing import OfContact
 from .blocks import LinearStep
 from .edges import Edges
-from .kinks import Kink, NoDerivative
+from .kinks import Kink
 from .linearise import Linearisation
 from .parameters import Parameter, among
 from .quantities import Quantity
-from .recording import ROOM, Part, Room
+from .recording import ROOM, Along, Part, Room, finite
 from .results import Adjoints, Tangents
 from .seeds import Functional, Seeds, explicit, gradient
 
@@ -67,29 +67,30 @@ def tangents(
     linear = Linearisation(scene, list(parameters.values()))
     edges = Edges(scene, linear)
     found: list[Kink] = []
-    state, first = linear.start(), scene.time
+    along, first = Along(linear.start()), scene.time
     size = len(parameters)
     columns: dict[str, list[np.ndarray]] = {"time": [np.zeros(size)]}
     for name, quantity in quantities.items():
-        columns[name] = [gradient(linear, quantity) @ state + explicit(parameters, quantity)]
+        start = gradient(linear, quantity) @ along.state
+        columns[name] = [start + explicit(parameters, quantity)]
     names = [_forces(rows.contact) for rows in linear.contacts]
     columns |= {name: [np.zeros(size)] for each in names for name in each}
     x: np.ndarray | None = None
     met: list[Kink] = []  # in the step
 
-    def look(trial: Trial) -> np.ndarray:
+    def look(trial: Trial) -> None:
         if not trial.again:
             met.clear()
-        change = _finite(trial, linear.step(trial).tangent(state))
-        met.extend(edges.kinks(trial, scene.stepper.resolution, change, state))
-        return change
+        along.solved(trial, linear.step(trial))
+        met.extend(edges.kinks(trial, scene.stepper.resolution, along))
 
     def watch(trial: Trial) -> None:
-        nonlocal state, x
-        x = look(trial)
+        nonlocal x
+        look(trial)
         found.extend(dict.fromkeys(met))
-        state = x[: linear.size]
-        columns["time"].append(state[linear.time].ravel())
+        x = along.change
+        along.accept()
+        columns["time"].append(x[linear.time].ravel())
         for each, at in zip(names, linear.last.forces):
             for i, name in enumerate(each):  # point by point
                 columns[name].append(x[at][i :: len(each)].sum(axis=0))
@@ -127,7 +128,9 @@ def adjoints(
 
     Linearised steps are kept as long as there is room for them. Of the others states are kept every
     so many steps, from each of which the steps up to the next are run once more and gone back
-    through: then memory grows with the root of their number.
+    through: then memory grows with the root of their number. Tangents go along as far as the last
+    point on the edge of a decision, of which they tell whether the derivative exists, and through
+    all steps that are not kept.
 
     Args:
         scene: the scene; the derivatives are by its state as it is.
@@ -158,6 +161,8 @@ def adjoints(
     )
     ends = [min(k * each, count) for k in range(1, ceil(count / each) + 1)]
     begin = linear.start()
+    along = Along(begin)
+    found: list[Kink] = []
     seeds, left = Seeds(linear, parameters, quantities, functionals), Room(room)
     seeds.begin(0)
     met: list[Kink] = []  # in a step
@@ -166,22 +171,23 @@ def adjoints(
     def look(trial: Trial) -> LinearStep:
         if not trial.again:
             met.clear()
-        step, start, change = linear.step(trial), None, None
-        if scene.time == first and not part.steps:  # nobody knows how later states change
-            start = begin
-            change = _finite(trial, step.tangent(start))
-        met.extend(edges.kinks(trial, scene.stepper.resolution, change, start))
+        step = linear.step(trial)
+        along.solved(trial, step)
+        met.extend(edges.kinks(trial, scene.stepper.resolution, along))
         return step
 
     def watch(trial: Trial) -> None:
-        part.steps.append((trial, look(trial)))
-        part.kinks.extend(met)
-        seeds.unknowns = len(part.steps[-1][1])
+        keep(trial, look(trial))
+        found.extend(dict.fromkeys(met))
+        along.accept()
 
-    def runs(keeps: bool, probes: dict[str, Callable[[], float]]) -> History:
-        """Run to the end of the part; whether its steps are kept."""
-        with _watching(scene, look, watch) if keeps else nullcontext():
-            return scene.run(part.end, dt, progress=False, probes=probes)
+    def keep(trial: Trial, step: LinearStep) -> None:
+        part.steps.append((trial, step))
+        seeds.unknowns = len(step)
+
+    def runs(probes: dict[str, Callable[[], float]]) -> History:
+        """Run to the end of the part."""
+        return scene.run(part.end, dt, progress=False, probes=probes)
 
     probes = {name: quantity.value for name, quantity in quantities.items()}
     parts, history, keeps = [], History((*scene.columns, *quantities)), room > 0
@@ -190,15 +196,20 @@ def adjoints(
         part = Part(state, first + end * dt, max(len(history) - 1, 0))
         parts.append(part)
         seeds.begin(part.row)
-        told = runs(keeps, {**probes, **({_SEEDS: seeds} if keeps else {})})
+        with _watching(scene, look, watch):
+            told = runs({**probes, **({_SEEDS: seeds} if keeps else {})})
         if not told.finished:
             raise checks.InputError(f"adjoints: the run {told.reason}")
         _refuse_halved(scene, told, first, dt)
         for row in told.rows(1 if len(history) else 0):
             history.append(row[: len(scene.columns) + len(quantities)])
         history.remarks += told.remarks
-        part.seeds = seeds.found
-        keeps = keeps and left.take([part.steps, part.seeds])
+        if keeps:
+            part.seeds = seeds.found
+            keeps = left.take([part.steps, part.seeds])
+        else:
+            along.bring()
+            part.steps.clear()
     history.reason, history.times = told.reason, told.times
     last = scene.state()
     seeds.weigh(history)
@@ -210,19 +221,19 @@ def adjoints(
         if not part.steps:
             scene.restore(part.start)
             seeds.begin(part.row)
-            runs(True, {_SEEDS: seeds})
+            with _watching(scene, linear.step, lambda trial: keep(trial, linear.step(trial))):
+                runs({_SEEDS: seeds})
             part.seeds = seeds.found
         for i in range(len(part.steps), 0, -1):
             trial, step = part.steps.pop()
             seed, more = seeds.of(part.row + i, part.seeds[i], len(step))
             seed[: linear.size] += after
             after, passed = step.adjoint(seed)
-            by = _finite(trial, by + more + passed)
+            by = finite(trial, by + more + passed)
     seed, more = seeds.of(0, parts[0].seeds[0], linear.size)
     scene.restore(last)
     by = by + more + begin.T @ (after + seed)
     gradients = dict(zip(seeds.values, by.T))
-    found = list(dict.fromkeys(kink for part in parts for kink in part.kinks))
     return Adjoints(history, seeds.values, tuple(parameters), found, len(parts), gradients)
 
 
@@ -257,12 +268,6 @@ def _refuse_halved(scene: Scene, history: History, first: float, dt: float) -> N
                 f"gradients: a step was halved at t = {time:.9g} s, after a located impact within "
                 "it; shorter steps help"
             )
-
-
-def _finite(trial: Trial, values: np.ndarray) -> np.ndarray:
-    if not np.isfinite(values).all():
-        raise NoDerivative(f"t = {trial.step.end:.9g} s: the linearised step is singular")
-    return values
 
 
 def _forces(contact: Any) -> list[str]:

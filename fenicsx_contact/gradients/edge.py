@@ -16,9 +16,11 @@ class Edge(NamedTuple):
         what: is undecided, (k,).
         values: the unknowns of the other side.
         told: arrays of what the step is told of its start, and what they are there.
+        here: the same of this side, where they differ by an error.
     """
 
     points: np.ndarray
     what: list[str]
     values: np.ndarray
     told: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
+    here: tuple[tuple[np.ndarray, np.ndarray], ...] = ()

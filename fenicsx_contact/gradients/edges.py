@@ -36,7 +36,8 @@ class Edges:
         have taken up, that these meet; they are asked for only where there may be some."""
         found = self._undetermined(trial, along)
         for rows in self._linear.contacts:
-            found += kinks(rows, trial, resolution, partial(self._misses, rows, along))
+            misses = partial(self._misses, rows, along)
+            found += kinks(rows, trial, resolution, misses, not along.begun)
         if self._scene.locate_impacts and trial.step.dt:
             found += self._touches(trial, along)
         return found + self._driven(trial, along)
@@ -56,7 +57,7 @@ class Edges:
             sizes["m"] = largest.reshape(changes["m"].shape)
         left, terms = self._left(rows, edge, changes, sizes)
         if edge.told:  # nothing is missed where what is told there changes nothing
-            here = self._left(rows, edge._replace(told=()), changes, sizes)
+            here = self._left(rows, edge._replace(told=edge.here), changes, sizes)
             left, terms = left - here[0], np.maximum(terms, here[1])
         return ~alike(*(each.reshape(len(points), -1) for each in (left, terms)))
 

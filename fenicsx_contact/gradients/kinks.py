@@ -103,41 +103,48 @@ def grazing(rows: ContactRows, trial: Trial, speed: float) -> Iterator[Edge]:
         yield Edge(points, ["open, on the edge of: bears"] * len(points), changed)
 
 
-def beginning(rows: ContactRows, step: Step, speed: float) -> Iterator[Edge]:
+def beginning(rows: ContactRows, step: Step, speed: float, first: bool) -> Iterator[Edge]:
     """Candidates that begin a step where they touch, up to round-off, without a normal speed or
     without a slip, though no step before held them so: a law reads all three by what they are
-    above or below zero."""
+    above or below zero. What was held before the ``first`` step that is linearised was by what may
+    change now, up to its error."""
     contact, e = rows.contact, rows.contact.equations
     if not len(rows.points):
         return
     # a status without a force is none that a step has decided
     status = np.where(contact.force.any(axis=1), contact.status, 0)
+    held = np.zeros(len(status), dtype=bool) if first else status > 0
     k, values, p = e.fields, e.values, rows.points
-    d = contact.surface.dim
 
-    def edge(points: np.ndarray, what: str, field: np.ndarray, change: np.ndarray) -> Edge:
-        there = field.copy()
-        there.reshape(change.shape)[points] += change[points]
-        return Edge(points, [f"begins the step {what}"] * len(points), values, ((field, there),))
+    def edge(points: np.ndarray, what: str, *told: tuple[np.ndarray, np.ndarray]) -> Edge:
+        there = []
+        for field, side in told:
+            there.append((field, field.copy()))
+            there[-1][1].reshape(side.shape)[points] = side[points]
+        return Edge(points, [f"begins the step {what}"] * len(points), values, tuple(there))
 
     # what bears says where the rest of a body touches
-    if contact.formulation.gap_share < 1 and not status.any():
-        free, one = status[p] == 0, np.ones(contact.surface.size)
+    if contact.formulation.gap_share < 1 and not held.any():
+        one, own = np.ones(contact.surface.size), contact.coupling.velocities("velocity")
         gap, start = k.gap.x.array, k.start_jump_n.x.array
+        stays = (start == 0) | ((status > 0) & alike(start, largest(own) * one))
+        still = start, np.where(stays, 0.0, start)
         depth = np.where(contact.gap > 0, contact.gap, gap)  # of which an impact reads nothing
-        if len(on := p[free & (np.abs(depth[p]) <= contact.tolerance)]):
+        if len(on := p[np.abs(depth[p]) <= contact.tolerance]):
             beyond = contact.tolerance + speed * step.horizon
             for side in (-beyond, beyond):
-                yield edge(on, "exactly where it touches", gap, side * one - gap)
-        if step.limit_rate and len(still := p[free & (start[p] == 0)]):
-            yield edge(still, "without a normal speed", start, -speed * one)
-    slip = k.start_slip.x.array.reshape(-1, d)
+                there = edge(on, "exactly where it touches", (gap, side * one), still)
+                yield there._replace(here=there.told[1:])
+        if step.limit_rate and len(on := p[stays[p]]):
+            here = edge(on, "without a normal speed", still).told
+            yield edge(on, "without a normal speed", (start, -speed * one))._replace(here=here)
+    slip = k.start_slip.x.array.reshape(rows.normal.shape)
     if k.friction is None or not step.limit_rate:
         return
     loose = p[(status[p] != 1) & ~slip[p].any(axis=1)]
     for along in k.frame()[1] if len(loose) else ():
         for sign in (1.0, -1.0):
-            yield edge(loose, "without a slip", k.start_slip.x.array, sign * speed * along)
+            yield edge(loose, "without a slip", (k.start_slip.x.array, sign * speed * along))
 
 
 def refuse_grazing(rows: ContactRows, at: int, step: Step, resolution: float) -> None:
@@ -167,6 +174,7 @@ def kinks(
     trial: Trial,
     resolution: float,
     misses: Callable[[Edge], np.ndarray],
+    first: bool,
 ) -> list[Kink]:
     """The kinks of a step.
 
@@ -175,9 +183,10 @@ def kinks(
         trial: the step.
         resolution: of its velocities, m/s.
         misses: whether the tangent fails the rows of points on the other side.
+        first: whether no step before it was linearised.
     """
     speed = resolved(rows, resolution)
-    edges = [*weak(rows, speed), *beginning(rows, trial.step, speed)]
+    edges = [*weak(rows, speed), *beginning(rows, trial.step, speed, first)]
     edges += [] if trial.arrives else grazing(rows, trial, speed)
     found: dict[int, str] = {}
     for edge in edges:

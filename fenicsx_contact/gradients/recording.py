@@ -46,10 +46,13 @@ class Along:
 
     Args:
         state: those at its start, (size, parameters).
+
+    Attributes:
+        begun: whether a step has been accepted.
     """
 
     def __init__(self, state: np.ndarray) -> None:
-        self._state = state
+        self._state, self.begun = state, False
         self._steps: list[tuple[Trial, LinearStep]] = []  # since then
         self._last: tuple[Trial, LinearStep] | None = None
         self._change: np.ndarray | None = None
@@ -61,6 +64,7 @@ class Along:
     def accept(self) -> None:
         """The state is at the end of the step."""
         assert self._last is not None
+        self.begun = True
         if self._change is None:
             self._steps.append(self._last)
         else:

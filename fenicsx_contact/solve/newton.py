@@ -140,7 +140,8 @@ class Newton:
             if 2 * error > seen.get(key, np.inf) and key != last and iteration > 4:
                 returns += 1
                 if returns == STALLS or not system.crowded:
-                    return iteration, self.tolerance
+                    # points that contradict each other may go round for ever by what rounds them
+                    return iteration, rough if system.hyperstatic else self.tolerance
             seen[key] = error
             last = key
         return self.max_iterations, self.tolerance

@@ -29,6 +29,7 @@ from fenicsx_contact.rods import (
     Guide,
     GuideContact,
     RodDrop,
+    Sine,
     Straight,
     Tube,
     settle,
@@ -383,6 +384,23 @@ def test_a_leaning_tube_resists_inward_and_outward_alike():
         np.testing.assert_allclose(resistance[2:], exact, rtol=1e-8)
         np.testing.assert_allclose(friction, resistance, rtol=1e-8)
     assert travel[0] > travel[-1] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_slow_way_is_in_equilibrium_all_along():
+    """What it takes does not depend on the mass of what sways above the guide."""
+
+    def resistance(mass):
+        def rod():
+            axis = axis_mesh((0, -0.2), (0, 1), guided=(1.0, 10), above=(4.0, 10))
+            sections = {"guided": Section(1.0, 500.0), "above": Section(mass, 500.0)}
+            return BeamSolid(axis, sections)
+
+        way = RodDrop(rod, "guided", guide, "gap", 0.3).insert(0.3, step=1e-2)
+        assert way.history.finished
+        return np.interp(np.arange(0.05, 0.3, 0.05), *way.resistance()[:2])
+
+    guide = Guide([Tube(-0.8, 0, 1e-3), Tube(0, 2, 1e-3, Sine(5e-3, 2.0, "kinked"))])
+    np.testing.assert_allclose(resistance(1.0), resistance(100.0), rtol=3e-3)
 
 
 @pytest.mark.second

@@ -130,7 +130,7 @@ def test_when_a_travel_is_passed():
     assert last - 1e-2 < fall.time_at(top - 1e-7) <= last == pytest.approx(fall.time_at(top))
     assert np.isnan(fall.time_at(top + 1e-3)) and np.isnan(fall.time_at(-1e-3))
     assert np.isnan(fall.speed_at(2 * top))
-    out = drop.withdraw(1.0, step=1e-2)
+    out = drop.withdraw(1.0, speed=0.5, step=1e-2)
     for z in (1.0, 0.905, 0.5, 0.0):
         assert out.time_at(z) == pytest.approx(2.0 + (1.0 - z) / 0.5, abs=1e-9)
         assert out.speed_at(z) == pytest.approx(-0.5)

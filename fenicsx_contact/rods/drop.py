@@ -21,7 +21,7 @@ from ..theory.friction import FrictionBound
 from ..theory.theta import ThetaScheme
 from .beam import BeamSolid
 from .contact import VELOCITY, GuideContact, refuse_beyond, tip_depth
-from .drive import AxialLaw, Driven
+from .drive import Driven
 from .guide import Guide
 from .settle import settle
 
@@ -116,7 +116,7 @@ class RodDrop:
         guide: around it.
         formulation: the velocity law that takes drift back, or any other.
         friction: coefficient, or a law of friction.
-        scheme: of the drop; slow ways have inertia damped out (theta = 1).
+        scheme: of the drop; slow ways are by theta = 1, with forces at the end.
 
     Raises:
         InputError: a ``rod`` that makes no BeamSolid, no guide, no scheme.
@@ -164,8 +164,7 @@ class RodDrop:
         """
         if to not in (None, np.inf):
             to = checks.number("to", to)
-        contact = self._settled(to)
-        rod = contact.solid.rod
+        contact = self._touching(rod := self._settled(), to)
         if to is not None and not to > rod.travel:
             raise checks.InputError(
                 f"to = {to!r}: must be beyond {rod.travel:.6g} m, the travel where the rod is"
@@ -186,12 +185,14 @@ class RodDrop:
             )
         return way
 
-    def insert(self, travel: float, *, speed: float = 0.5, step: float = 1e-3) -> Passage:
-        """Push the rod in slowly; the defaults are for SI units.
+    def insert(self, travel: float, *, speed: float | None = None, step: float = 1e-3) -> Passage:
+        """Push the rod in slowly; the default of ``step`` is for SI units.
 
         Args:
             travel: how far, m.
-            speed: m/s.
+            speed: m/s. None: so slowly that inertia is nothing, a step in
+                ``BeamMatrices.longest_step``. Coulomb's friction knows no speed; for a law that
+                does give it: what swings more slowly than ``step / speed`` then has its inertia.
             step: way of a step, m.
 
         Raises:
@@ -199,32 +200,40 @@ class RodDrop:
         """
         return self._driven(travel, speed, step)[0]
 
-    def withdraw(self, travel: float, *, speed: float = 0.5, step: float = 1e-3) -> Passage:
+    def withdraw(self, travel: float, *, speed: float | None = None, step: float = 1e-3) -> Passage:
         """Pull the rod out slowly, from a travel to which it was pushed in: arguments as for
         :meth:`insert`, which is what is returned where that did not finish."""
-        inserted, scene = self._driven(travel, speed, step)
+        inserted, scene, speed = self._driven(travel, speed, step)
         if not inserted.history.finished:
             return inserted
         inserted.rod.law = Driven(-speed)
         return _passage(scene, scene.time + travel / speed, step / speed)
 
-    def _driven(self, travel: float, speed: float, step: float) -> tuple[Passage, Scene]:
+    def _driven(
+        self, travel: float, speed: float | None, step: float
+    ) -> tuple[Passage, Scene, float]:
+        """An insertion, the scene at its end and the speed."""
         for name, value in (("travel", travel), ("speed", speed), ("step", step)):
-            checks.number(name, value, above=0)
-        contact = self._settled(travel, Driven(speed))
-        scene = Scene([contact.solid], [contact], ThetaScheme(1.0, forces="end"))
-        return _passage(scene, travel / speed, step / speed), scene
+            if value is not None or name != "speed":
+                checks.number(name, value, above=0)
+        rod = self._settled()
+        if speed is None:
+            speed = step / rod.matrices.longest_step()
+        rod.law = Driven(speed)
+        contact = self._touching(rod, rod.travel + travel)
+        scene = Scene([rod], [contact], ThetaScheme(1.0, forces="end"))
+        return _passage(scene, travel / speed, step / speed), scene, speed
 
-    def _settled(self, travel: float | None, law: AxialLaw | None = None) -> GuideContact:
-        """The contact of a fresh rod that has come to rest in its guide, meant to go to a travel,
-        m, if that is known, or driven by a law, so far from where it is."""
+    def _settled(self) -> BeamSolid:
+        """A fresh rod that has come to rest in its guide."""
         rod = checks.instance("rod()", checks.called("rod", self._rod), BeamSolid, "a BeamSolid")
         settle(rod, self._stretch, self.guide)
-        if law is not None:
-            rod.law = law
-        if travel is not None and travel < np.inf:
-            start = 0.0 if law is None else rod.travel
-            refuse_beyond(rod, self._stretch, self.guide, start + travel)
+        return rod
+
+    def _touching(self, rod: BeamSolid, to: float | None) -> GuideContact:
+        """The contact of a rod that is meant to go to a travel, m, if that is known."""
+        if to is not None and to < np.inf:
+            refuse_beyond(rod, self._stretch, self.guide, to)
         return GuideContact(
             rod, self._stretch, self.guide, self.formulation, self.friction, name="guide"
         )

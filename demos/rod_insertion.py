@@ -99,6 +99,12 @@ def main(quick: bool = False) -> dict[str, Any]:
         f"{r['withdrawal']['largest_resistance_N']:.1f} N on the way out"
         for name, r in summary.items()
     ]
+    told += [
+        f"{name} did not finish: {way.history.reason}"
+        for name, both in ways.items()
+        for way in both
+        if not way.history.finished
+    ]
     print("; ".join(told))
     return summary
 

@@ -398,7 +398,10 @@ def test_rod_insertion(tmp_path, monkeypatch, capsys):
     summary = demo.main(quick=True)
     kinked, tangent = summary["S, kinked inlet"], summary["S, tangent"]
     assert kinked["largest_resistance_N"] > 2 * tangent["largest_resistance_N"] > 50
-    assert kinked["reason"] == tangent["reason"] == "finished"
+    for inward in (kinked, tangent):  # friction turns round, and the rest is the same
+        outward, most = inward["withdrawal"], "largest_resistance_N"
+        assert inward["reason"] == outward["reason"] == "finished"
+        assert outward[most] == pytest.approx(inward[most], rel=0.02)
     assert (demo.RESULTS / "insertion_force.png").stat().st_size > 5000
     assert "of it friction" in capsys.readouterr().out.strip().splitlines()[-1]
 

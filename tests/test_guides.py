@@ -107,7 +107,9 @@ def test_stations_are_where_a_guide_is_convex():
     guide = Guide(pieces)
     np.testing.assert_allclose(guide.stations, [-0.9, -0.5, 0, 0.3, 1.05, 2])
     np.testing.assert_allclose(guide.clearance(), [1e-4, C / 2, C / 2, C, C / 4, C / 4])
-    np.testing.assert_array_equal(guide.faces, [True, True, False, False, False, False])
+    from_above, from_below = guide.faces
+    np.testing.assert_array_equal(from_above, [True, True, False, False, False, False])
+    np.testing.assert_array_equal(from_below, [True, False, True, False, False, True])
 
 
 def beside(offset):
@@ -116,15 +118,15 @@ def beside(offset):
 
 
 def test_two_holes_side_by_side_are_two_stations():
-    """The tighter hole of two only if it lies within the other; whose edge is a face from above."""
+    """The tighter hole of two only if it lies within the other; its edge is a face from there."""
     for pieces in (1, -1):
         tubes = [Tube(0, 1, C), Tube(1, 2, C, beside(C / 2))]
         guide = Guide(tubes[::pieces])
         np.testing.assert_allclose(guide.stations, [0, 1, 1, 2])
-        assert sum(guide.faces) == 2
+        np.testing.assert_array_equal(guide.faces.sum(axis=1), [2, 2])
         guide = Guide([Tube(0, 1, C), Tube(1, 2, C / 2, beside(C / 4))][::pieces])
         np.testing.assert_allclose(guide.clearance(), [C, C / 2, C / 2])
-        np.testing.assert_array_equal(guide.faces, [True, True, False])
+        np.testing.assert_array_equal(guide.faces, [[True, True, False], [False, False, True]])
 
 
 @pytest.mark.parametrize(

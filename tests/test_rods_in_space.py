@@ -16,7 +16,17 @@ from fenicsx_contact import (
     axis_mesh,
 )
 from fenicsx_contact.contact.arrivals import missed, went_inside
-from fenicsx_contact.rods import AnyCurve, Card, Guide, GuideContact, RodDrop, Sine, Tube, settle
+from fenicsx_contact.rods import (
+    AnyCurve,
+    Card,
+    Guide,
+    GuideContact,
+    RodDrop,
+    Sine,
+    Straight,
+    Tube,
+    settle,
+)
 
 
 def bent(dim, clearance, curve, friction, law=None):
@@ -134,6 +144,27 @@ def test_when_a_travel_is_passed():
     for z in (1.0, 0.905, 0.5, 0.0):
         assert out.time_at(z) == pytest.approx(2.0 + (1.0 - z) / 0.5, abs=1e-9)
         assert out.speed_at(z) == pytest.approx(-0.5)
+
+
+@pytest.mark.parametrize("goes_on", [True, False])
+def test_only_an_end_of_the_rod_butts_on_the_way_out(goes_on):
+    """What was pushed through a card comes back into it from below, sent beside its hole by a tube
+    that leans: where the rod goes on it is as bent again as it was, where it ends it butts."""
+    guide = Guide([Card(-0.5, 1e-3), Tube(0, 3, 1e-4, Straight(0.0032))])
+
+    def rod():
+        above = {"above": (1.0, 5)} if goes_on else {}
+        axis = axis_mesh((0, -0.4), (0, 1), guided=(1.0, 5), **above)
+        return BeamSolid(axis, Section(mass=1.0, bending=100.0))
+
+    out = RodDrop(rod, "guided", guide).withdraw(0.12).history
+    if goes_on:
+        assert out.finished, out.reason
+        bent = RodDrop(rod, "guided", guide).insert(0.12).history["lateral"]
+        assert bent.min() < 0.1 * bent[0]
+        assert out["lateral"][-1] == pytest.approx(bent[0], rel=1e-3)
+    else:
+        assert "the tip of 'beam' butts at the depth -0.5 m" in out.reason
 
 
 def test_a_travel_beyond_the_stop_is_not_reached():

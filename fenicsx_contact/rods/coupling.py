@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from ..base.constants import SAME
 from ..base.vectors import dot, normalised
 from ..contact.equations import SurfaceEquations
 from ..contact.nodal import NodalJump
@@ -24,6 +25,7 @@ class Guided(Protocol):
     """What this needs of a :class:`~fenicsx_contact.rods.contact.GuideContact`."""
 
     solid: BeamSolid | RodInTube
+    facets: str
     equations: SurfaceEquations
     obstacle: Guide
     formulation: Formulation
@@ -42,9 +44,13 @@ class GuideCoupling(NodalJump):
         self._guide, self._stations = contact.obstacle, contact.stations
         self._rod, self._trace, self._turn = contact.solid.rod, trace, turn
         self._rigid = contact.formulation.multipliers
-        self._deepest, self._void = contact.deepest, trace.void.copy()
+        self._deepest, self._side = contact.deepest, trace.side.copy()
         self._lengths = Lengths(self._guide, trace.material, self._stations)
         self._measured = contact.measured
+        axis, (low, high) = self._rod.axis, self._rod.axis.stretch(contact.facets)
+        # where the stretch ends and the rod goes on there is no tip
+        tips = np.abs([low, high - axis.length]) <= SAME * axis.length
+        self._faces = self._guide.faces & tips[:, None]
         self._at: np.ndarray | None = None
         self._when = 0.0
 
@@ -125,12 +131,13 @@ class GuideCoupling(NodalJump):
 
     @property
     def blocked(self) -> str:
-        """Where the tip would go into the face of a tube or card, the rod is too thick, or beside
-        its hole."""
+        """Where an end of the rod would go into the face of a tube or card, the rod is too thick,
+        or beside its hole."""
         if reason := self.tight:
             return reason
         rows, guide = self._stations, self._guide
-        reached = guide.faces & self._void[rows] & ~self._trace.void[rows]
+        (from_above, from_below), was = self._faces, self._side[rows]
+        reached = (from_above & (was < 0) | from_below & (was > 0)) & ~self._trace.void[rows]
         within = np.where(reached, self.gaps()[rows], 0.0)
         worst = int(within.argmax())
         if within[worst] <= self._deepest:
@@ -158,7 +165,7 @@ class GuideCoupling(NodalJump):
 
     def accept(self) -> None:
         super().accept()
-        self._void = self._trace.void.copy()
+        self._side = self._trace.side.copy()
 
     def _depths(self) -> np.ndarray:
         self._look()

@@ -39,8 +39,8 @@ class Guide:
         moving: whether it has a motion.
         stations: depths of the stations, from the top down, (k,) in m.
         centres: lateral places of their holes, (k, d - 1) in m.
-        faces: which stations have a face on which a tip from above may butt, (k,): cards, and tubes
-            into whose hole none leads.
+        faces: which stations have a face on which a tip may butt that comes from above, and from
+            below, (2, k): cards, and ends of tubes into whose hole none leads.
         bottom: depth at which the last tube ends, m; infinite if a card lies below it, or no tube.
         far: the distance of points next to which there is no wall, m: more than the guide is long.
 
@@ -114,18 +114,19 @@ class Guide:
         self._which = which.astype(int)
 
     def _stations(self) -> None:
-        """Depth, clearance, centre and face of the stations; of two at one depth the one whose hole
-        lies within the other's."""
-        Station = tuple[float, float, np.ndarray, bool]
+        """Depth, clearance, centre and faces of the stations; of two at one depth the one whose
+        hole lies within the other's."""
+        Station = tuple[float, float, np.ndarray, np.ndarray]
 
         def within(a: Station, b: Station) -> bool:
             return float(np.linalg.norm(a[2] - b[2])) + a[1] <= b[1] + self._same
 
         found: list[Station] = []
         for piece in self.pieces:
-            for i, depth in enumerate(piece.stations()):
+            for depth in (depths := piece.stations()):
                 clearance, place = piece.hole(depth)
-                found.append((depth, clearance, self._lateral(place)[0], i == 0))
+                faces = np.array([depth == depths[0], depth == depths[-1]])
+                found.append((depth, clearance, self._lateral(place)[0], faces))
         found.sort(key=lambda each: each[0])
         kept = found[:1]
         for each in found[1:]:
@@ -134,13 +135,13 @@ class Guide:
                 kept[-1] = each
             elif same and within(kept[-1], each):
                 # a hole that leads into its like has no face
-                face = kept[-1][3] and (each[3] or not within(each, kept[-1]))
-                kept[-1] = (*kept[-1][:3], face)
+                faces = kept[-1][3] & (each[3] | (not within(each, kept[-1])))
+                kept[-1] = (*kept[-1][:3], faces)
             else:
                 kept.append(each)
-        depths, clearances, centres, faces = zip(*kept)
+        depths, clearances, centres, sides = zip(*kept)
         self.stations, self._clearance = np.array(depths), np.array(clearances)
-        self.centres, self.faces = np.array(centres), np.array(faces)
+        self.centres, self.faces = np.array(centres), np.array(sides).T
         end = self.tubes[-1].bottom if self.tubes else -np.inf
         self.bottom = end if depths[-1] <= end + self._same else np.inf
 

@@ -45,18 +45,24 @@ class _Shapes:
     """Where n points are on a beam, and by which unknowns they are interpolated there.
 
     Attributes:
-        s: m; ``void``: there is no beam.
+        s: m.
+        side: -1 before the lower end of the beam, where there is none, 1 beyond the upper, else 0.
         dofs, w, dw: of the deflection and its derivative, (n, 4).
         ends, u: of the axial displacement, (n, 2); the second is none of an inextensible axis.
     """
 
     s: np.ndarray
-    void: np.ndarray
+    side: np.ndarray
     dofs: np.ndarray
     w: np.ndarray
     dw: np.ndarray
     ends: np.ndarray
     u: np.ndarray
+
+    @property
+    def void(self) -> np.ndarray:
+        """Where there is no beam."""
+        return self.side != 0
 
     def copy(self) -> _Shapes:
         return _Shapes(*(values.copy() for values in vars(self).values()))
@@ -106,7 +112,7 @@ class BeamTrace(Trace):
         whole, real = np.zeros((n, 4)), np.zeros((n, 2))
         self._now = _Shapes(
             np.array(places, dtype=float),
-            np.zeros(n, dtype=bool),
+            np.zeros(n, dtype=int),
             whole.astype(int),
             whole,
             whole.copy(),
@@ -126,6 +132,12 @@ class BeamTrace(Trace):
     def void(self) -> np.ndarray:
         """Points at which there is no beam: stations that it has not reached, or has passed."""
         return self._now.void
+
+    @property
+    def side(self) -> np.ndarray:
+        """On which side of the stretch these are: -1 before its lower end, 1 beyond its upper one,
+        0 where there is beam."""
+        return self._now.side
 
     @property
     def material(self) -> np.ndarray:
@@ -175,7 +187,7 @@ class BeamTrace(Trace):
         now.s[self.stations] = (
             np.interp(self._at, knots + axial, knots) if self._extensible else self._at - axial[0]
         )
-        now.void[self.stations] = (self._at < low) | (self._at > high)
+        now.side[self.stations] = (self._at > high).astype(int) - (self._at < low)
         self._place(self.stations)
 
     def deflections(self) -> np.ndarray:

@@ -169,6 +169,11 @@ class PairTrace(Trace):
         return self.rod.void
 
     @property
+    def side(self) -> np.ndarray:
+        """On which side of the rod these are: -1 before its lower end, 1 beyond its upper one."""
+        return self.rod.side
+
+    @property
     def material(self) -> np.ndarray:
         """The s of the rod at the points, (n,) in m."""
         return self.rod.material

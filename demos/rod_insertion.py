@@ -60,11 +60,13 @@ def figures(way: Passage) -> dict[str, Any]:
 # %% [markdown]
 # ## Figure
 #
-# Resistance against travel, on the way in and, dashed, on the way out; dotted, what the walls alone
-# push back on the way in, which is next to nothing: it is friction that resists. With the tangent
-# inlet there is none until the tips are in the bend; with the kink the rod is bent from the start,
-# and the ripple is its nodes that pass. Both resist most where the tips are in the dashpot, four
-# times as narrow.
+# Resistance against travel, on the way in and, dashed, on the way out, which hides the first: the
+# same places bear, and friction turns round. Dotted, what the walls alone push back on the way in,
+# which is next to nothing: it is friction that resists. With the tangent inlet there is none until
+# the tips are in the bend; with the kink the rod is bent from the start, and the ripple is its
+# nodes that pass. Both resist most where the tips are in the dashpot, four times as narrow. With
+# the kink resistance is gone where the upper end of the rods is so close above it that they lie in
+# it aslant, within the clearances.
 
 
 # %%
@@ -75,11 +77,11 @@ def draw(ways: dict[str, tuple[Passage, Passage]]) -> None:
     fig, ax = plots.figure()
     for i, (name, (inward, outward)) in enumerate(ways.items()):
         travel, resistance, friction = inward.resistance()
-        ax.plot(travel, resistance, color=f"C{i}", label=name)
-        ax.plot(travel, resistance - friction, ":", color=f"C{i}", lw=0.8)
-        ax.plot(*outward.resistance()[:2], "--", color=f"C{i}", lw=0.8)
+        ax.plot(travel, resistance, color=f"C{i}", label=f"{name}: inward")
+        ax.plot(*outward.resistance()[:2], "--", color=f"C{i}", lw=0.8, label="outward")
+        ax.plot(travel, resistance - friction, ":", color=f"C{i}", lw=0.8, label="walls alone")
     ax.set_xlabel("travel [m]")
-    ax.set_ylabel("resistance [N] (dotted: of the walls alone; dashed: outward)")
+    ax.set_ylabel("resistance [N]")
     ax.legend(fontsize=8)
     plots.save(fig, RESULTS / "insertion_force.png")
 

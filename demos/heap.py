@@ -208,7 +208,7 @@ if __name__ == "__main__":
 #
 # - `ThetaScheme(0.5)`: energy is kept between impacts, and the last slips take many iterations.
 # - `locate_impacts=True` with a few boxes: nothing overlaps.
-# - Boxes in space, `create_box`: corners, faces, and edges that cross.
+# - Boxes in space, `dolfinx.mesh.create_box`: corners, faces, and edges that cross.
 #
 # ## Sources
 #

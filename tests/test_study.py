@@ -503,3 +503,14 @@ def _resident():
     import resource
 
     return 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+def test_springs_of_a_rocking_block_are_as_stiff_as_asked():
+    """Their dashpots are twice critical: their time c/k, in the bound, goes by its root."""
+    first, *bounds = (
+        rocking(tilt=1e-2, share=0.1, formulation=how, stiffness=k).bound
+        for how, k in (("velocity", 1.0), ("discrete", 1e8), ("discrete", 1e10))
+    )
+    assert bounds[0] - first == pytest.approx(10 * (bounds[1] - first), rel=1e-9)
+    problem = rocking(tilt=1e-2, share=0.1, formulation="discrete", stiffness=1e8)
+    assert problem.scene.contacts[0].formulation.stiffness == 1e8

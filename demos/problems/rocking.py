@@ -19,10 +19,13 @@ from .shapes import FLOOR, G, rectangle
 #: The paper's block, and friction that it sticks with (Code_Aster, SDNV105).
 BLOCK = Block(width=0.36, height=0.80, mass=417.6)
 FRICTION = 0.9
-STIFFNESS = 1e12  # N/m, of the springs of "discrete"
-#: Mass that a corner feels, kg, and c/k of dashpots twice critical, s.
+#: Mass that a corner feels, kg.
 CORNER = 1 / (1 / BLOCK.mass + (BLOCK.width / 2) ** 2 / BLOCK.inertia_centre)
-RELAXATION = 4 * float(np.sqrt(CORNER / STIFFNESS))
+
+
+def relaxation(stiffness: float) -> float:
+    """c/k of dashpots twice critical, s, beside springs of a stiffness, N/m."""
+    return 4 * float(np.sqrt(CORNER / stiffness))
 
 
 def _scene(
@@ -32,12 +35,13 @@ def _scene(
     located: bool,
     normal_augmentation: float,
     tangential_augmentation: float,
+    stiffness: float = 1.0,
 ) -> tuple[Scene, RigidSolid]:
     b, mass = BLOCK.width / 2, BLOCK.mass
     corners = [(-b, 0.0), (b, 0.0)]
     formulations: dict[str, Any] = {
         "lagrange": Lagrange(points=corners),
-        "discrete": Discrete(STIFFNESS, RELAXATION * STIFFNESS, points=corners),
+        "discrete": Discrete(stiffness, relaxation(stiffness) * stiffness, points=corners),
     }
     block = RigidSolid(
         rectangle(BLOCK.width, BLOCK.height),
@@ -69,6 +73,7 @@ def rocking(
     step_error: float | None = None,
     normal_augmentation: float = 1.0,
     tangential_augmentation: float = 1.0,
+    stiffness: float = 1e12,
 ) -> Problem:
     """A rigid block released at a tilt; error: the worst of its first kinetic-energy maxima.
 
@@ -85,6 +90,7 @@ def rocking(
         impacts: how many maxima are compared.
         theta, formulation, located, step_error, normal_augmentation, tangential_augmentation: as
             usual.
+        stiffness: of the springs of "discrete", N/m.
     """
     exact = housner(BLOCK, tilt, impacts=impacts + 1)
     times = exact.impact_times
@@ -92,7 +98,13 @@ def rocking(
     dt = until / np.ceil(until / (share * times[0]))
     quarters = np.diff(times[:-1], prepend=-times[0]) / 2
     scene, block = _scene(
-        tilt, theta, formulation, located, normal_augmentation, tangential_augmentation
+        tilt,
+        theta,
+        formulation,
+        located,
+        normal_augmentation,
+        tangential_augmentation,
+        stiffness,
     )
 
     def error(history: History) -> float:
@@ -107,7 +119,7 @@ def rocking(
 
     first = (4 + 4 * abs(theta - 0.5)) * dt / quarters
     if formulation == "discrete":  # springs take their time: that of their dashpots, c/k
-        first += 4 * RELAXATION / quarters
+        first += 4 * relaxation(stiffness) / quarters
     early = 2 * scene.contacts[0].tolerance / BLOCK.width / exact.peak_angles[:-1]
     return Problem(
         scene,

@@ -193,8 +193,8 @@ def search(wanted: Callable[[np.ndarray], np.ndarray], many: int, cells: int) ->
 # %% [markdown]
 # ## Exact faces
 #
-# Under Hertz's pressure a half-plane is pressed in by $x^2/2R$, under an even one over $|x| < b$ by
-# (Johnson, equation 2.30a; Lundberg's rollers of 1939 have this profile)
+# Under Hertz's pressure the surface of a half-plane rises from its middle by $x^2/2R$, under an
+# even one over $|x| < b$ by (Johnson, equation 2.30a; Lundberg's rollers of 1939 have this profile)
 #
 # $$ \frac{p}{\pi E^*}\left[(b + x)\ln\left(\frac{b + x}{b}\right)^2 +
 #    (b - x)\ln\left(\frac{b - x}{b}\right)^2\right]. $$

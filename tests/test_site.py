@@ -22,7 +22,7 @@ import pytest
 from test_lessons import LESSONS, learn
 
 import fenicsx_contact
-from fenicsx_contact import gradients, rods
+from fenicsx_contact import gradients, rods, study
 from fenicsx_contact.output import stops
 
 TOP = Path(__file__).resolve().parent.parent
@@ -133,7 +133,12 @@ def test_the_api_has_every_name():
     """Classes and functions that can be imported, and those alone."""
     page = (SITE / "reference" / "api.md").read_text()
     told = set(re.findall(r"auto(?:class|function):: fenicsx_contact\.(\S+)", page))
-    for package, of in ((fenicsx_contact, ""), (rods, "rods."), (gradients, "gradients.")):
+    for package, of in (
+        (fenicsx_contact, ""),
+        (rods, "rods."),
+        (gradients, "gradients."),
+        (study, "study."),
+    ):
         things = {name: getattr(package, name) for name in package.__all__}
         public = {of + n for n, thing in things.items() if callable(thing)}
         private = {of + n for n, thing in things.items() if getattr(thing, "_is_protocol", False)}

@@ -266,6 +266,7 @@ class Guide:
             points: of the rod, (k, d).
             slopes: derivative of the rod's lateral place by the depth there, in the lateral
                 directions of the guide, (k, d - 1): a corner has no normal, the rod has one.
+            time: at which the guide is where its motion has it, s.
             recess: of the rod's surface, m, and its derivative by the depth, (k,) each.
         """
         local = (points - self.displacement(time) - self.origin) @ self._axes.T

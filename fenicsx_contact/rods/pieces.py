@@ -39,12 +39,15 @@ class Straight:
         checks.keep(self, "tilt")
 
     def offset(self, depth: np.ndarray) -> np.ndarray:
+        """At depths (n,), m."""
         return self.tilt * depth
 
     def slope(self, depth: np.ndarray) -> np.ndarray:
+        """Of the line at depths (n,)."""
         return np.full_like(depth, self.tilt)
 
     def curvature(self, depth: np.ndarray) -> np.ndarray:
+        """Of the line at depths (n,), its second derivative, 1/m."""
         return np.zeros_like(depth)
 
 
@@ -69,14 +72,17 @@ class Sine:
         checks.choice("inlet", self.inlet, ["tangent", "kinked"])
 
     def offset(self, depth: np.ndarray) -> np.ndarray:
+        """At depths (n,), m."""
         x = 2 * np.pi / self.wavelength * depth
         return self.amplitude * (np.sin(x) - x * (self.inlet == "tangent"))
 
     def slope(self, depth: np.ndarray) -> np.ndarray:
+        """Of the line at depths (n,)."""
         k = 2 * np.pi / self.wavelength
         return self.amplitude * k * (np.cos(k * depth) - (self.inlet == "tangent"))
 
     def curvature(self, depth: np.ndarray) -> np.ndarray:
+        """Of the line at depths (n,), its second derivative, 1/m."""
         k = 2 * np.pi / self.wavelength
         return -self.amplitude * k**2 * np.sin(k * depth)
 
@@ -98,33 +104,48 @@ class Bow:
         checks.keep(self, "length", above=0)
 
     def offset(self, depth: np.ndarray) -> np.ndarray:
+        """At depths (n,), m."""
         return 0.5 * self.sagitta * (1 - np.cos(2 * np.pi / self.length * depth))
 
     def slope(self, depth: np.ndarray) -> np.ndarray:
+        """Of the line at depths (n,)."""
         k = 2 * np.pi / self.length
         return 0.5 * self.sagitta * k * np.sin(k * depth)
 
     def curvature(self, depth: np.ndarray) -> np.ndarray:
+        """Of the line at depths (n,), its second derivative, 1/m."""
         k = 2 * np.pi / self.length
         return 0.5 * self.sagitta * k**2 * np.cos(k * depth)
 
 
 @dataclass(frozen=True)
 class AnyCurve:
-    """A curve given by functions of the depth (n,); the second derivative only where runs are
-    differentiated."""
+    """A curve given by functions. Where it has a kink, its tube must be told: ``Tube(kinks=...)``.
+
+    Args:
+        function: the lateral offset at depths (n,), m: (n,), or (n, d - 1) of a curve in space.
+        derivative: of that by the depth, of the same shape.
+        second: derivative, 1/m; only where runs are differentiated.
+    """
 
     function: Callable[[np.ndarray], np.ndarray] = field(repr=False)
     derivative: Callable[[np.ndarray], np.ndarray] = field(repr=False)
     second: Callable[[np.ndarray], np.ndarray] | None = field(default=None, repr=False)
 
     def offset(self, depth: np.ndarray) -> np.ndarray:
+        """At depths (n,), m."""
         return self.function(depth)
 
     def slope(self, depth: np.ndarray) -> np.ndarray:
+        """Of the line at depths (n,)."""
         return self.derivative(depth)
 
     def curvature(self, depth: np.ndarray) -> np.ndarray:
+        """Of the line at depths (n,), its second derivative, 1/m.
+
+        Raises:
+            InputError: none was given.
+        """
         if self.second is None:
             raise checks.InputError("AnyCurve: second = None: must be its second derivative")
         return self.second(depth)

@@ -259,6 +259,7 @@ class RigidSolid(RigidMotion):
         return float(kinetic), strain, float(-self._load[: self.dim] @ self._place)
 
     def drift(self) -> tuple[float, np.ndarray] | None:
+        """Its mass, kg, and momentum, (d,) in kg m/s, where no support holds it."""
         return None if self.supported else (self.mass, self._momentum[: self.dim])
 
     def works(self, step: Step) -> tuple[float, float, float, float]:

@@ -100,6 +100,27 @@ def test_steps_are_cut_where_a_column_buckles():
     assert np.abs(beam.split(beam.displacement)[0][0, ::2]).max() > 5e-3
 
 
+@pytest.mark.parametrize("share", [1.1, 4.0])
+def test_a_pushed_beam_lies_on_its_floor_in_long_steps(share):
+    """Straight on a rigid floor its weight makes it stable under any push."""
+    length, bending, weight = 5.0, 1000.0, 20.0
+    euler = math.pi**2 * bending / length**2
+    axis = axis_mesh((0, 0), (1, 0), beam=(length, 10))
+    pins = [Support(0.0, axial=FAST, **PIN), Support(length, **PIN)]
+    section = Section(weight / 9.81, bending, axial=1e6)
+    beam = VonKarmanBeam(axis, section, supports=pins, gravity=(0, -9.81))
+    floor = Guide([Tube(-1, length + 1, 1.0)], (length, 1.0), (-1, 0), (0, 1))
+    contact = GuideContact(beam, "beam", floor, "gap")
+    beam.law = Driven(share * euler * length / 1e6)
+    assert Scene([beam], [contact], STATIC).run(1.0, 0.01).finished
+    beam.law = Driven(0.0)
+    history = Scene([beam], [contact], STATIC).run(1e4, 1e3)
+    assert history.finished and history.steps == 10 and not history.remarks
+    assert contact.normal_force() == pytest.approx(0.9 * weight * length, rel=1e-9)
+    assert beam.axial.drive_force == pytest.approx(share * euler, rel=1e-9)
+    assert np.abs(beam.split(beam.displacement)[0][0, ::2]).max() < 1e-9
+
+
 @pytest.mark.parametrize("share", [1.0, -0.5])
 @pytest.mark.parametrize("dim", [2, 3])
 def test_a_drive_tunes_a_rod(share, dim):

@@ -22,8 +22,8 @@ STOPS = {
         Stop(
             "buckles",
             "... buckles faster than steps of ... s can tell: shorter ones can",
-            "a rod whose axial force bends it is pressed by more than it bears straight: from "
-            "where it is more than one motion solves a step so long",
+            "a rod whose axial force bends it is pressed by more than it bears straight where no "
+            "rigid wall holds it: more than one motion solves a step so long",
             "shorter steps; they are cut by themselves, but not without end",
         ),
         Stop(

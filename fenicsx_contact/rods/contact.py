@@ -22,6 +22,7 @@ from ..theory.formulations import Formulation, Velocity
 from ..theory.friction import FrictionBound
 from ..theory.scheme import Step
 from .beam import BeamSolid
+from .coupled_trace import CoupledTrace
 from .coupling import GuideCoupling
 from .guide import Guide
 from .trace import BeamTrace
@@ -139,7 +140,10 @@ class GuideContact(Contact):
         within = rod.axis.stretch(self.facets)
         stand = s[self.stations]
         self.trace = self.solid.around(rod.sight(s, self.stations, lambda: stand, within))
-        return GuideCoupling(self, self.trace, self._turn)
+        coupling = GuideCoupling(self, self.trace, self._turn)
+        if isinstance(self.trace, CoupledTrace) and self.formulation.multipliers:  # no springs
+            self.trace.normals = coupling.normals
+        return coupling
 
     def predict(self, step: Step, closing: bool = True) -> None:
         super().predict(step, closing)

@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
 
+from ..base.constants import ROUND_OFF
+from ..base.vectors import dot
 from ..solids.base import Trace
 from ..theory.scheme import Step
 from .trace import BeamTrace, Slender
@@ -22,13 +25,14 @@ class Coupled(Slender, Protocol):
 
     inverse: np.ndarray
 
-    def push(self, force: np.ndarray) -> None: ...
+    def push(self, force: np.ndarray, held: Callable[[], np.ndarray]) -> None: ...
 
 
 class CoupledTrace(BeamTrace):
     """A trace whose operator J stands in one matrix with all unknowns of the beam."""
 
     _solid: Coupled
+    normals: Callable[[], np.ndarray] | None = None  # of the walls at the points, (n, d)
 
     def linearise(self, step: Step) -> None:
         """J, and the columns A^-1 J' of all components, (n d, unknowns)."""
@@ -56,4 +60,15 @@ class CoupledTrace(BeamTrace):
 
     def spread(self, force: np.ndarray) -> None:
         if force.any():
-            self._solid.push(force @ self._rows)
+            self._solid.push(force @ self._rows, lambda: self._held(force))
+
+    def _held(self, force: np.ndarray) -> np.ndarray:
+        """Rows of J along the normals where these forces press, (k, unknowns): there the rod moves
+        no farther. Of walls that give way, or that nobody told the trace, there are none."""
+        if self.normals is None:
+            return self._rows[:0]
+        n = self.normals()
+        pressed = np.abs(dot(force.reshape(n.shape), n))
+        held = pressed > ROUND_OFF * pressed.max()
+        rows = self._rows.reshape(*n.shape, -1)[held]
+        return np.einsum("pi,pij->pj", n[held], rows)

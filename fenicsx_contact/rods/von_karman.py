@@ -17,7 +17,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from scipy.linalg import block_diag
+from scipy.linalg import block_diag, null_space
 
 from ..base import checks
 from ..base.constants import ROUND_OFF
@@ -173,10 +173,9 @@ class VonKarmanBeam(BeamSolid):
             inner = np.ix_(self._free, self._free)
             inverse = np.zeros_like(matrix)
             inverse[inner] = np.linalg.inv(matrix[inner])
-            self._convex = positive(matrix[inner])
+            self._inner = matrix[inner]
         else:  # an impact: nothing is strained
             bending, axial = self.matrices.flexibilities(step.span, 0.0)
-            self._convex = True
             inverse = block_diag(*[bending] * self.unknowns.planes, axial)
             load = self._momentum / step.span
         self.inverse, given = self.axial.drive(step, *self._states, inverse, load)
@@ -184,10 +183,13 @@ class VonKarmanBeam(BeamSolid):
 
     def drop_forces(self) -> None:
         self._pushed = np.zeros_like(self.weight)
+        self._held: list[Callable[[], np.ndarray]] = []
 
-    def push(self, force: np.ndarray) -> None:
-        """Take up forces of contacts on the unknowns, (n,) in N."""
+    def push(self, force: np.ndarray, held: Callable[[], np.ndarray]) -> None:
+        """Take up forces of contacts on the unknowns, (n,) in N, and what gives the motions that
+        they hold, (k, n)."""
         self._pushed = self._pushed + force
+        self._held.append(held)
 
     def correct(self, step: Step) -> None:
         self.go(self.free_velocity + self.inverse @ self._pushed, step)
@@ -210,8 +212,14 @@ class VonKarmanBeam(BeamSolid):
         return max(wrong, 0.0) / size
 
     def unsound(self, step: Step) -> str:
-        """Of several solutions only the one that it buckles to is one that it moves to."""
-        if self._convex:
+        """Of several solutions only the one that it buckles to is one that it moves to: the energy
+        of the step must be convex in what the walls that bear leave free."""
+        if not step.dt or positive(self._inner):
+            return ""
+        nothing = np.zeros((1, len(self._inner)))
+        held = np.concatenate([nothing, *(each()[:, self._free] for each in self._held)])
+        left = null_space(held)
+        if positive(left.T @ self._inner @ left):
             return ""
         return (
             f"{self.name!r} buckles faster than steps of {step.dt:.3g} s can tell: shorter ones can"

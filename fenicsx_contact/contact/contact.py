@@ -14,6 +14,7 @@ from ..theory.formulations import Formulation
 from ..theory.formulations import formulation as as_formulation
 from ..theory.friction import FrictionBound, friction_bound
 from ..theory.scheme import Step
+from .blows import Blows
 from .candidates import Candidates
 from .clearance import Clearance
 from .equations import SurfaceEquations
@@ -22,7 +23,7 @@ from .pairing import Master, acting_points, check_master, couple, worn
 from .results import SurfaceResults
 from .scales import Scaled, Scales
 from .springs import TangentialSprings
-from .statuses import at_once, coming, kept
+from .statuses import coming, kept
 from .surface import Surface
 from .surfaces import surface_of
 from .turning import start_speeds, turning
@@ -52,7 +53,7 @@ class Contact(Scaled, SurfaceResults):
         resolution: speeds below it, m/s, the last step did not resolve.
         moved: length of the step, s, of which the multipliers are: the last one, or one tried.
         noise: distances below it, m, are round-off of the places.
-        candidates: of the step.
+        candidates: of the step; ``blows``: within the step of the run.
         status, force: of the last step: 0 open, 1 stick, 2 slip; mean on the solid, N; ``borne``:
             what its nodes bear of it; ``arriving``: how fast what bears may have come, m/s, or inf.
         memory: what its laws remember; empty if they do not.
@@ -107,6 +108,7 @@ class Contact(Scaled, SurfaceResults):
         self.borne, self.arriving = self.force, np.full(self.surface.size, np.inf)
         self.candidates = Candidates(self.equations, self.coupling, self.formulation)
         self._springs = TangentialSprings(self.equations, self.formulation)
+        self.blows = Blows(self.surface.size)
         self.scales = Scales(self.coupling, self.surface.size)
         self.resolution, self.moved = ROUND_OFF * largest(coupling.velocities("velocity")), 1.0
         self._told: Step | None = None  # of whose start the equations know
@@ -147,14 +149,15 @@ class Contact(Scaled, SurfaceResults):
 
     def predict(self, step: Step, closing: bool = True) -> None:
         """Follow the solids' prediction of the begun step; what may be its candidates: points that
-        are open now only if ``closing``, in a percussion only those of a law of velocities."""
+        are open now only if ``closing``, or put to rest, in a percussion only those of a law of
+        velocities."""
         if bool(step.dt) != bool(self.moved):  # impulses are alike in a percussion and a step
             self.equations.scale_multipliers((self.moved or 1.0) / step.span)
         self.moved, self._told = step.dt, None
         if self.coupling.driven:
             self.jump = self.coupling.jump("velocity")
         self.coupling.follow()
-        asked = self.chosen if closing else self.touching() if step.dt else self._arrived()
+        asked = self.chosen if closing else self.blows.closed(self, step)
         self.candidates.begin(asked & self.chosen, self.gap, self.tolerance, step)
 
     def screen(self, free: np.ndarray, step: Step) -> None:
@@ -170,17 +173,12 @@ class Contact(Scaled, SurfaceResults):
         return self.candidates.widen(self.trial_jump, step)
 
     def touching(self) -> np.ndarray:
-        """Points that bore in the last step, are inside at the start of this one, or touch there
-        and do not leave, (n,) of bool; the others are open."""
+        """Points that bore in the last step, unless an impact threw them back, are inside at the
+        start of this one, or touch there and do not leave, (n,) of bool; the others are open."""
         stays = dot(self.jump, self.coupling.start_normals()) >= -self.resolution
         at = (self.gap > self.tolerance) | ((self.gap >= -self.tolerance) & stays)
-        return self.chosen & ((self.status > 0) | at)
-
-    def _arrived(self) -> np.ndarray:
-        """Points that touch, and others that arrive in the same instant."""
-        approach, touches = dot(self.jump, self.coupling.start_normals()), self.touching()
-        fresh = touches & (self.status == 0) & (approach > self.resolution)
-        return touches | at_once(touches, fresh, self.gap, approach, self.tolerance)
+        bore = (self.status > 0) & (stays | (self.force_of > 0))
+        return self.chosen & (bore | at)
 
     def linearise(self, step: Step, exact: bool = False, kept: bool = False) -> None:
         """Take up the trial states of the solids: operators, normals and gaps; if ``exact`` with
@@ -218,7 +216,8 @@ class Contact(Scaled, SurfaceResults):
         touches = (self.status > 0) | (self.gap >= -self.tolerance)
         ends = self.start_normal, self.normal
         start = start_speeds(e.fields, self.coupling, step, self.jump, ends, touches)
-        self.start_jump_n = np.where(np.abs(start) <= self.resolution, 0.0, start)
+        still = (np.abs(start) <= self.resolution) | (self.blows.settled & (not step.dt))
+        self.start_jump_n = np.where(still, 0.0, start)  # what is put to rest does not rebound
         e.gap[:], e.start_jump_n[:] = self._start_gap, self.start_jump_n
         e.fields.set_start_slip(self.jump, self.normal, self.status == 1, self.resolution)
         self.candidates.renew()

@@ -35,13 +35,22 @@ def coming(gap: np.ndarray, struck: np.ndarray, horizon: float) -> np.ndarray:
 
 
 def at_once(
-    touches: np.ndarray, fresh: np.ndarray, gap: np.ndarray, approach: np.ndarray, tolerance: float
+    touches: np.ndarray,
+    bore: np.ndarray,
+    gap: np.ndarray,
+    approach: np.ndarray,
+    resolution: float,
+    tolerance: float,
 ) -> np.ndarray:
-    """Points that arrive in the same instant as ``fresh`` ones of those that touch, (n,) of bool.
+    """Points that touch, (n,) of bool, and those that arrive in the same instant as the fresh ones
+    among them, which did not bear and come faster than the ``resolution`` [m/s].
 
     Where a face lands flat its points arrive at once, but one within the tolerance [m] leaves the
-    gaps [m] of others open by as much more as they are faster, w_n [m/s].
+    gaps [m] of others open by as much more as they are faster, w_n [m/s]. What leaves does not
+    arrive.
     """
+    fresh = touches & ~bore & (approach > resolution)
     off = tolerance + largest(gap[touches])
     instant = off / approach[fresh].min(initial=np.inf)
-    return gap + instant * approach >= -tolerance
+    comes = (approach >= -resolution) & (gap + instant * approach >= -tolerance)
+    return np.asarray(touches | comes)

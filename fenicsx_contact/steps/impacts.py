@@ -13,6 +13,9 @@ before it arrives does not rebound.
 
 Located impacts are of second order: cross the step as if no open point could close; if one arrives,
 find when, step exactly there, and let it be struck.
+
+However many impacts there are in a step, each has its own; only those points that come to rest by
+impacts without end within it are put to rest, see :mod:`~..contact.blows`.
 """
 
 from __future__ import annotations
@@ -27,12 +30,10 @@ import numpy as np
 from ..contact.arrivals import arrival
 from ..contact.percussion import first_arrival, rebounding
 from ..theory.scheme import Scheme, Step
+from .certificate import ACCEPTED
 from .taker import StepTaker
 from .trial import Trial
 
-#: A body comes to rest by infinitely many impacts; after so many in one step the rest of the step
-#: is crossed by the plain scheme.
-MAX_IMPACTS = 8
 #: Flights until an arrival is found, at most: the bracket may be halved to round-off.
 MAX_FLIGHTS = 50
 
@@ -57,14 +58,13 @@ class UniformImpacts:
             StepFailed: the state is then that of the last good part.
         """
         step = Step(dt, self._scheme, stepper.time)
-        for impact in range(1, MAX_IMPACTS + 1):
-            if not stepper.struck(step):  # which wakes contacts
-                break
-            order = rebounding(stepper.contacts) and impact < MAX_IMPACTS
+        _forget(stepper)
+        order = True
+        while order and stepper.struck(step):  # which wakes contacts
+            order = rebounding(stepper.contacts)
             within = first_arrival(stepper.contacts, step) if order else inf
-            yield _accept(stepper, Step(0.0, self._scheme, stepper.time, dt, within), remarks)
-            if not order:
-                break
+            strike = Step(0.0, self._scheme, stepper.time, dt, within)
+            yield _strike(stepper, strike, 0.0, remarks)
         yield _accept(stepper, step, remarks)
 
     def state(self) -> dict[str, np.ndarray]:
@@ -75,11 +75,34 @@ class UniformImpacts:
         """Take up a state that :meth:`state` gave."""
 
 
-def _accept(
-    stepper: StepTaker, step: Step, remarks: list[str], closing: bool = True
-) -> list[float]:
-    trial = stepper.attempt(step, closing)
+def _accept(stepper: StepTaker, step: Step, remarks: list[str]) -> list[float]:
+    trial = stepper.attempt(step)
     remarks.extend(trial.remarks)
+    return stepper.accept(trial)
+
+
+def _forget(stepper: StepTaker) -> None:
+    for contact in stepper.contacts:
+        contact.blows.forget()
+
+
+def _strike(
+    stepper: StepTaker, step: Step, left: float, remarks: list[str], closing: bool = True
+) -> list[float]:
+    """A percussion, with ``left`` seconds of the step to go."""
+    struck = [contact for contact in stepper.contacts if contact.formulation.percussive]
+    trial, rests = None, True
+    while rests or trial is None:
+        trial, rests = stepper.attempt(step, closing), False
+        for contact in struck:
+            some, unending = contact.blows.settle(contact, left, ACCEPTED)
+            rests |= some
+            remark = f"contact {contact.name!r}: impacts that go on without end are cut short"
+            if unending and remark not in remarks:
+                remarks.append(remark)
+    remarks.extend(trial.remarks)
+    for contact in struck:
+        contact.blows.note(contact)
     return stepper.accept(trial)
 
 
@@ -102,10 +125,13 @@ class LocatedImpacts:
         """
         left = dt
         tolerance = min((contact.tolerance for contact in stepper.contacts), default=0.0)
-        for _ in range(MAX_IMPACTS):
-            if stepper.struck(Step(left, self._scheme, stepper.time, dt), touching=True):
-                yield self._strike(stepper, dt, remarks)
+        _forget(stepper)
+        while left > 1e-9 * dt:
+            while stepper.struck(Step(left, self._scheme, stepper.time, dt), touching=True):
+                yield self._strike(stepper, dt, left, remarks)
             flight = self._fly(stepper, left, dt)
+            for contact in stepper.contacts:
+                contact.blows.fly(contact, left)
             arrives = flight[1] > 0
             fly = partial(self._fly, stepper, whole=dt)
             trial = _arrive(fly, flight, tolerance) if arrives else flight[0]
@@ -113,15 +139,15 @@ class LocatedImpacts:
             left -= trial.step.dt
             yield stepper.accept(trial)
             if arrives:
-                yield self._strike(stepper, dt, remarks)
-            if left <= 1e-9 * dt:
-                return
-        yield _accept(stepper, Step(left, self._scheme, stepper.time, dt), remarks)
+                yield self._strike(stepper, dt, left, remarks)
 
-    def _strike(self, stepper: StepTaker, dt: float, remarks: list[str]) -> list[float]:
+    def _strike(
+        self, stepper: StepTaker, dt: float, left: float, remarks: list[str]
+    ) -> list[float]:
         self._rates = None
         # what is still open, however near, has an instant of its own
-        return _accept(stepper, Step(0.0, self._scheme, stepper.time, dt), remarks, closing=False)
+        step = Step(0.0, self._scheme, stepper.time, dt)
+        return _strike(stepper, step, left, remarks, closing=False)
 
     def _fly(self, stepper: StepTaker, length: float, whole: float) -> Flight:
         """A part of the whole step as if no open point could close."""

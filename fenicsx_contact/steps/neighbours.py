@@ -90,6 +90,7 @@ class Neighbours:
             solid.predict(start)
         contact.coupling.follow()
         contact.coupling.accept()
+        contact.blows.forget()
         contact.locate()
 
     def state(self) -> dict[str, np.ndarray]:

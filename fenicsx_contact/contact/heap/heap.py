@@ -279,6 +279,7 @@ class Heap(Contact):
             self.equations.fields.begin_frame(self.coupling.normals(), turned)
         if fresh.any():  # what bore there was another meeting
             self.status = np.where(fresh, 0.0, self.status)
+            self.blows.forget(fresh)
             values, first = self.equations.values, self.equations.jumps
             values[first:].reshape(-1, len(fresh))[:, fresh] = 0.0
             self.equations.values = values

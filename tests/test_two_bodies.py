@@ -22,6 +22,7 @@ from fenicsx_contact import (
     neo_hookean,
 )
 from fenicsx_contact.base import compat
+from fenicsx_contact.contact.arrivals import went_inside
 from fenicsx_contact.contact.mortar import Pairing, Side
 from fenicsx_contact.contact.mortar.rates import Rates
 from fenicsx_contact.contact.mortar.stance import Stance
@@ -498,6 +499,9 @@ def test_a_refusal_tells_means_from_solids(law):
     told = rf"inside by its gaps.* solids are apart: {does}.* be a Heap; at most deepest = 0.001"
     with pytest.raises(InputError, match=told):
         Scene([crank, slide], [contact])
+    # and so does the remark on a run that ends there, of a law that may go inside
+    says = went_inside(contact, contact.depth(), 1e-3)
+    assert ("ends" in says and "solids are apart" in says) == (law == "velocity"), says
 
 
 def sliding(monkeypatch, fresh):

@@ -87,25 +87,26 @@ def _takes_back(contact: Contact) -> bool:
     return bool(law.gap_share or getattr(law, "drift_correction", 1.0))
 
 
-def _inside_by_means(contact: Contact, deep: float) -> str:
+def _inside_by_means(contact: Contact, deep: float, does: str = "starts") -> str:
     """What a reader should know of a contact so deep inside, m, if its solids are not."""
     if not deep > contact.tolerance >= contact.coupling.inside():
         return ""
-    does = "keeps them from coming nearer, as if they touched"
+    law = "keeps them from coming nearer, as if they touched"
     if _takes_back(contact):
-        does = "pushes them, and energy comes of it"
+        law = "pushes them, and energy comes of it"
     rigid = ", let rigid bodies be a Heap" if all(s.shiftable for s in contact.solids) else ""
     return (
-        f"{contact.name!r} starts {deep:.3g} m inside by its gaps, means over facets, though its "
-        f"solids are apart: {contact.formulation.name!r} {does}. "
+        f"{contact.name!r} {does} {deep:.3g} m inside by its gaps, means over facets, though its "
+        f"solids are apart: {contact.formulation.name!r} {law}. "
         f"Give it smaller facets, the other solid as slave, or a clearance{rigid}"
     )
 
 
 def went_inside(contact: Contact, depth: float, most: float) -> str:
     """What a reader should know of two solids that went so deep inside each other, m, though a law
-    of velocities held them apart, or of a rod in its guide, by any law without springs; or nothing.
-    ``most``: how deep a scene may start, as a share of the surface's extent."""
+    of velocities held them apart, or that end so by their gaps alone; or of a rod in its guide, by
+    any law without springs; or nothing. ``most``: how deep a scene may start, as a share of the
+    surface's extent."""
     law = contact.formulation
     if contact.coupling.encloses:
         if not law.multipliers or depth <= (accepted := getattr(contact, "deepest", np.inf)):
@@ -117,6 +118,8 @@ def went_inside(contact: Contact, depth: float, most: float) -> str:
     held = law.multipliers and not law.gap_share and len(contact.solids) > 1
     if not held or depth <= most * contact.surface.extent:
         return ""
+    if means := _inside_by_means(contact, contact.depth(), "ends"):
+        return f"contact {means}"
     return (
         f"contact {contact.name!r} went {depth:.3g} m inside its master: {law.name!r} holds "
         "velocities along the normals of facets, which are not those of the gap where surfaces are "

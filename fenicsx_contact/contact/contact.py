@@ -177,8 +177,8 @@ class Contact(Scaled, SurfaceResults):
         start of this one, or touch there and do not leave, (n,) of bool; the others are open."""
         stays = dot(self.jump, self.coupling.start_normals()) >= -self.resolution
         at = (self.gap > self.tolerance) | ((self.gap >= -self.tolerance) & stays)
-        bore = (self.status > 0) & (stays | (self.force_of > 0))
-        return self.chosen & (bore | at)
+        thrown = getattr(self.formulation, "rebounds", False) and not self.force_of
+        return self.chosen & (((self.status > 0) & (stays | (not thrown))) | at)
 
     def linearise(self, step: Step, exact: bool = False, kept: bool = False) -> None:
         """Take up the trial states of the solids: operators, normals and gaps; if ``exact`` with

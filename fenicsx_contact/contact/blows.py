@@ -32,7 +32,9 @@ class Struck(Teller, Protocol):
 
     status: np.ndarray
     trial_status: np.ndarray
+    jump: np.ndarray
     trial_jump: np.ndarray
+    normal: np.ndarray
     resolution: float
     candidates: Candidates
 

@@ -228,7 +228,7 @@ class Contact(Scaled, SurfaceResults):
 
     def start(self, free: np.ndarray) -> None:
         """Starting values of a step, from velocities of the points without contact, flat."""
-        self.equations.start(self.jump.ravel(), self.coupling.to_jump(free).ravel())
+        self.equations.start(self.jump, self.coupling.to_jump(free), self.status > 0)
 
     def follow(self) -> None:
         """Follow the solids to their trial states, which have just been computed."""

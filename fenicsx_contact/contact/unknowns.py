@@ -34,21 +34,16 @@ class SurfaceUnknowns:
     def values(self, values: np.ndarray) -> None:
         self._z[self._order] = values
 
-    def start(self, jump: np.ndarray, free: np.ndarray) -> None:
+    def start(self, jump: np.ndarray, free: np.ndarray, bore: np.ndarray) -> None:
         """Starting values of a step: what bore goes on, the others start from the free jump.
 
         Args:
-            jump, free: of the last step and without contact, flat, m/s.
+            jump, free: of the last step and without contact, (n, d), m/s.
+            bore: points that did, not only by round-off, (n,) of bool.
         """
         self.release()
         z = self.values
-        z[: self.jumps] = free
-        d, n = self._surface.dim, self._surface.size
-        bore = z[self.jumps : self.tractions] < 0
-        if self.tractions == self.jumps:  # of springs friction says so
-            bore = z[self.tractions :].reshape(-1, n).any(axis=0)
-        bearing = np.repeat(bore, d)
-        z[: self.jumps][bearing] = jump[bearing]
+        z[: self.jumps] = np.where(bore[:, None], jump, free).ravel()
         self.values = z
 
     def scale_multipliers(self, ratio: float) -> None:

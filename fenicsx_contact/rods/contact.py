@@ -154,7 +154,7 @@ class GuideContact(Contact):
     def start(self, free: np.ndarray) -> None:
         # a slender rod that is held at one point seldom presses beside it, though it would if it
         # were free: who does not bear starts open
-        self.equations.start(self.jump.ravel(), self.jump.ravel())
+        self.equations.start(self.jump, self.jump, self.status > 0)
 
     def linearise(self, step: Step, exact: bool = False, kept: bool = False) -> None:
         if self.measured:

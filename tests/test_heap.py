@@ -100,20 +100,20 @@ def test_a_stack_rests(dim, formulation):
 @pytest.mark.parametrize("dim", [2, 3])
 def test_meshes_change_nothing(dim):
     """Nodes within faces and edges are no corners. What corners that land together share is found
-    to what is accepted there, of speeds and spins of the order of one."""
-    places = []
+    to what is accepted there, of speeds and spins of the order of one, which several landings add
+    up: each is solved to a tenth of it."""
+    places, finer = [], Newton(tolerance=Newton().tolerance / 10)
     for n, cell in [(1, CELLS[dim][0]), (1, CELLS[dim][1]), (3, CELLS[dim][0]), (2, CELLS[dim][1])]:
         low = at(dim, (0.0, 0.1), 0.2, "low", n=n, cell=cell)
         tilt = {"rotation": 0.3 if dim == 2 else (0.0, -0.3, 0.0)}
         up = at(dim, (0.07, 0.36), 0.2, "up", n=n, cell=cell, **tilt)
-        scene = heap([low, up, floor(dim, cell=cell, n=1)])
+        scene = heap([low, up, floor(dim, cell=cell, n=1)], newton=finer)
         assert scene.run(until=0.2, dt=4e-3).finished
         corners = scene.contacts[0].coupling._shape.corners.values
         assert len(corners) == 3 * 2**dim
         places.append([*low.place, *up.place, *up.velocity])
     for other in places[1:]:
-        # in each of several landings
-        np.testing.assert_allclose(other, places[0], rtol=0, atol=4 * ROUGH * Newton().tolerance)
+        np.testing.assert_allclose(other, places[0], rtol=0, atol=ROUGH * Newton().tolerance)
 
 
 def struck(dim, locate):

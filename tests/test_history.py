@@ -1156,3 +1156,18 @@ def test_without_inertia_a_velocity_at_the_start_is_no_energy():
     for book in books:
         np.testing.assert_allclose(moving[book], still[book], rtol=0, atol=1e-9)
     assert not moving["kinetic"].any() and not moving["scheme"][:1].any()
+
+
+def test_a_run_begins_before_its_obstacle_as_it_is_now():
+    """A Constant was read at the end of the first step, which began before the old obstacle: a
+    block at rest was lifted along with its floor, by what a velocity law keeps out at most."""
+    mesh = rectangle((2, 2), (0.4, 0.2))
+    height = fem.Constant(mesh.mesh, 0.0)
+    block = RigidSolid(mesh, mass=1.0, gravity=(0, -G))
+    scene = Scene([block], [Contact(block, "base", LevelSet(lambda x, t: x[1] - height, dim=2))])
+    scene.run(0.05, 5e-3)
+    start = block.place[1]
+    for above, rests in ((1e-3, 0.0), (-1e-3, -1e-3)):
+        height.value = above
+        assert scene.run(scene.time + 0.2, 5e-3).finished
+        assert block.place[1] - start == pytest.approx(rests, abs=1e-12)

@@ -133,8 +133,10 @@ class _Course:
             self.scene.restore({k: v for k, v in state.items() if not k.startswith("run.")})
             self.pace.restore(state)
             return
+        # another scene may have moved the solids, and obstacles may have other numbers by now
+        self.scene.restore(self.scene.state())
         stepper = self.scene.stepper
-        stepper.energies = stepper.sum_energies()  # another scene may have moved the solids
+        stepper.energies = stepper.sum_energies()
         self.history.append([*stepper.row(), *measured(self.scene.comm, self.probes)])
         if self.scene.time == 0:  # others have told what is so
             told = [getattr(solid, "remark", "") for solid in self.scene.solids]

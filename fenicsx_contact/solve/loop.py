@@ -100,7 +100,7 @@ class StepSolver:
             StepFailed: with the reason.
         """
         self.errors = []
-        self._contradicted = 0.0 if self._speeds.bodies or not self._settles else np.inf
+        self._contradicted = float(self._settles and self._all.jams)  # of speeds
         self.system.restart()
         if not (self._settles and self._foresees):  # by which they are screened
             for contact in self._all.contacts:

@@ -74,6 +74,13 @@ class Assembly:
         other by how they lie."""
         return any(len(c.solids) > 1 and not c.coupling.by_means for c in self.contacts)
 
+    @cached_property
+    def jams(self) -> bool:
+        """Whether rigid bodies may jam between obstacles: points that stick contradict each other
+        by what geometry is off where they end. Between solids it may be off by more."""
+        alone = all(len(c.solids) == 1 for c in self.contacts)
+        return alone and all(solid.shiftable for solid in self.solids)
+
     def surface_system(self) -> SurfaceSystem:
         """The surface problem of the contacts."""
         parts, names = [c.part for c in self.contacts], [c.name for c in self.contacts]

@@ -449,6 +449,19 @@ def test_rod_drop_map(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.strip().splitlines()[-1].startswith("4 drops in")
 
 
+def test_drop_time_jumps(tmp_path, monkeypatch, capsys):
+    """By steps of 8 ms; the full demo jumps by 0.01 ms at 1 ms."""
+    monkeypatch.chdir(tmp_path)
+    demo = load("drop_time_jumps")
+    (found,) = demo.main(quick=True)["drops"]
+    assert found["trend_s"] == pytest.approx(0.35, rel=0.02)
+    low, high = found["slopes_within_s"]
+    assert low <= found["median_slope_s"] <= high and found["median_slope_s"] > 0.2
+    assert found["largest_jump_ms"] < 0.3
+    assert (demo.RESULTS / "jumps.png").stat().st_size > 5000
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("steps of 8 ms: trend 0.35")
+
+
 def test_ironing(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     demo = load("ironing")

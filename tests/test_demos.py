@@ -150,7 +150,7 @@ def test_interface_laws(tmp_path, monkeypatch, capsys):
     assert abs(summary["pull_off_error"]) < 1e-12
     assert summary["impacts"] == 4 and summary["heights_error"] < 1e-9
     assert (demo.RESULTS / "interface_laws.png").stat().st_size > 5000
-    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("way by mu(x) +3")
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("way by mu(x) +4.1e-05")
 
 
 def test_own_laws(tmp_path, monkeypatch, capsys):

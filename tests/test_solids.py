@@ -554,15 +554,18 @@ def test_tangent_of_a_step(theta, forces):
 
 
 @pytest.mark.parametrize(
-    ("speed", "cfl"), [(1 / 3, 1.0), pytest.param(1.0, 0.3, marks=pytest.mark.second)]
+    ("speed", "cfl", "until"),
+    [(1 / 3, 1.0, 1.0), pytest.param(1.0, 0.3, 0.6, marks=pytest.mark.second)],
 )
-def test_violent_impact_makes_no_energy(speed, cfl, monkeypatch):
+def test_violent_impact_makes_no_energy(speed, cfl, until, monkeypatch):
     """A bar thrown at a wall at a third of its wave speed and at all of it; the forces of the
-    midpoint make 0.5 and 9 % of its energy."""
+    midpoint make 0.5 and 9 % of its energy. By the second it is torn about: an element of it may
+    turn over long after it has left the wall, which the machine decides."""
 
     def made():
         bar = bar_at_wall(cells=20, hyperelastic=True, speed=speed, cfl=cfl)
-        history = bar.run()
+        history = bar.scene.run(until, bar.dt)
+        assert not history["wall.bearing"][-1]
         total = total_energy(history)
         rise = (total - total[0]).max() / total[0]
         return history, history["scheme"].max() / total[0], rise

@@ -78,7 +78,7 @@ def in_space(unit):
     contacts.append(Contact(first, "right", (second, "left"), friction=0.2, name="face"))
     history = Scene([first, second], contacts).run(0.14, 1e-3)
     assert history.finished
-    assert sum("halved" in remark for _, remark in history.remarks) <= 1  # of 140
+    assert not any("halved" in remark for _, remark in history.remarks)  # no step is cut
     assert history["face.force_x"][-1] < 0
     return first.rotation
 

@@ -178,7 +178,7 @@ def test_bodies_beside_each_other_that_are_thrown_aslant():
     """Nowhere does a facet lie before another, along its normal; yet they meet."""
     small = solid("rigid", cube("triangle", 2, 0.1, 0.8, 0.75), "small", velocity=(-1.0, -1.0))
     large = solid("rigid", cube("triangle", 6, 1.0, 0, 0), "large")
-    history = scene(small, large, "gap").run(0.4, 0.02)
+    history = scene(small, large, "gap").run(0.4, 0.01)
     assert history.finished and history["c.bearing"].max() > 0
     assert history["c.penetration"].max() < 1e-9
     assert small.velocity[1] > -0.1 or small.velocity[0] > -0.1

@@ -76,10 +76,9 @@ class Assembly:
 
     @cached_property
     def jams(self) -> bool:
-        """Whether rigid bodies may jam between obstacles: points that stick contradict each other
-        by what geometry is off where they end. Between solids it may be off by more."""
-        alone = all(len(c.solids) == 1 for c in self.contacts)
-        return alone and all(solid.shiftable for solid in self.solids)
+        """Whether all are rigid bodies, which may jam: points that stick contradict each other by
+        what geometry is off where they end."""
+        return all(solid.shiftable for solid in self.solids)
 
     def surface_system(self) -> SurfaceSystem:
         """The surface problem of the contacts."""

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from threading import Thread
 
@@ -479,6 +480,21 @@ def test_a_floor_that_jumps_is_refused(at, law, drift):
         assert f"jumps by 0.0001 m at t = {at:.9g} s" in history.reason
         assert "obstacle jumps" in history.reason
     assert ends[-1].finished
+
+
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+@pytest.mark.parametrize("size", [1e-3, 0.5, 1000.0])
+def test_a_floor_that_jumps_between_located_impacts_is_refused(theta, size):
+    """While a block falls, in an instant with which a step ends: parts of steps are as short as the
+    clock tells, in which it would be thrown as fast."""
+    block = RigidSolid(rectangle((2, 1)), mass=10.0, gravity=(0, -G))
+    below = HalfSpace([0.0, -0.0025], [0.0, 1.0])
+    floor = Moved(below, lambda t: (0.0, size if t >= 0.02 else 0.0))
+    contact = Contact(block, "base", floor, name="c")
+    scene = Scene([block], [contact], ThetaScheme(theta), locate_impacts=True)
+    history = scene.run(0.1, 1e-3, progress=False)
+    assert re.search("jumps by .* m at t = 0.02 s: no velocity follows that", history.reason)
+    np.testing.assert_allclose(block.velocity[1], -G * 0.02, rtol=1e-6)
 
 
 @pytest.mark.parametrize("start", [0.0, 1e-17, 0.3, 1 / 3, 93 * 0.1, 1.0, 1 - 1e-13, 1 - 1e-9])

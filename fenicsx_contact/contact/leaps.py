@@ -16,6 +16,12 @@ from ..theory.scheme import Step
 from .wall import Wall
 
 
+def brief_time(time: float, span: float) -> float:
+    """Over which what moves as it is told is differentiated at a time in a span, s: a share of it
+    that the clock tells as finely."""
+    return max(BRIEF * span, float(np.spacing(time)) / BRIEF)
+
+
 class Leap(NamedTuple):
     """How far it jumps, m, and after when, s."""
 
@@ -56,6 +62,14 @@ def leap(
     return Leap(float(size), first) if size > max(noise, after) else None
 
 
+def no_velocity(what: str, size: float, time: float) -> StepFailed:
+    """Why a step fails in which something jumps so far, m, after that time, s."""
+    return StepFailed(
+        f"{what} jumps by {size:.4g} m at t = {time:.9g} s: no velocity follows that, for which "
+        "theta < 1 and located impacts ask"
+    )
+
+
 def refuse_leaps(
     wall: Wall, points: np.ndarray, normals: np.ndarray, first: np.ndarray, step: Step
 ) -> None:
@@ -69,7 +83,7 @@ def refuse_leaps(
         StepFailed: it does.
     """
     start, end = step.coming.start, step.coming.end
-    brief, noise = BRIEF * (end - start), ROUND_OFF * largest(points)
+    brief, noise = brief_time(end, end - start), ROUND_OFF * largest(points)
     intervals = [(start, start + brief), (end - brief, end), (start, end)]
     velocities = [first, *(wall.velocity(points, *each) for each in intervals[1:])]
     at_start, at_end, mean = (largest(dot(velocity, normals)) for velocity in velocities)
@@ -81,7 +95,4 @@ def refuse_leaps(
 
     for interval in compress(intervals, doubtful):
         if found := leap(place, *interval, noise):
-            raise StepFailed(
-                f"the obstacle {wall.describe()} jumps by {found.size:.4g} m at t = "
-                f"{found.time:.9g} s: no velocity follows that, and theta < 1 asks for one"
-            )
+            raise no_velocity(f"the obstacle {wall.describe()}", *found)

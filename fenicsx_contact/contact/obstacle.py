@@ -144,7 +144,7 @@ class Moved:
         obstacle: any obstacle.
         motion: its displacement as a function of the time [s], d numbers in m. Velocities are
             differences of it over the times that a scheme asks for, so that tables and sudden
-            starts will do; jumps only by theta = 1.
+            starts will do; jumps only by theta = 1, in uniform steps.
 
     Raises:
         InputError: no obstacle, a motion that is none.

@@ -13,10 +13,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base.constants import BRIEF
 from ..base.vectors import dot
 from ..theory.scheme import Step
-from .leaps import refuse_leaps
+from .leaps import brief_time, refuse_leaps
 from .wall import Wall
 
 
@@ -47,7 +46,7 @@ class Ride:
     def begin(self, step: Step, x: np.ndarray) -> None:
         """Begin a step from these places, (n, d) in m."""
         self._step, wall = step, self._wall
-        new = self._velocity_at(x, step.start, BRIEF * step.horizon)
+        new = self._velocity_at(x, step.start, brief_time(step.start, step.horizon))
         self.before = new if self.before is None else self.before
         late = step.implicitness
         self.struck = (1 - late) * new + late * self.before
@@ -59,7 +58,7 @@ class Ride:
             mean = wall.velocity(x, step.end, step.start)
             self._mean = dot(mean, normal)
             self.end = late * mean + (1 - late) * (2 * mean - new)
-        if late < 1:
+        if late < 1 or step.is_part:
             refuse_leaps(wall, x, normal, new, step)
 
     def follow(self, x: np.ndarray) -> None:
@@ -85,7 +84,7 @@ class Ride:
         late, end = step.implicitness, step.end
         velocity = np.zeros(x.shape)
         if late < 1:
-            velocity += (1 - late) * self._velocity_at(x, end, -BRIEF * step.dt)
+            velocity += (1 - late) * self._velocity_at(x, end, -brief_time(end, step.dt))
         if late:
             velocity += late * self._wall.velocity(x, step.start, end)
         return velocity

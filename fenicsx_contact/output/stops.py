@@ -218,11 +218,11 @@ STOPS = {
         ),
         Stop(
             "obstacle jumps",
-            "the obstacle ... jumps by ... m at t = ... s: no velocity follows that, and theta < 1 "
-            "asks for one",
+            "... jumps by ... m at t = ... s: no velocity follows that, for which theta < 1 and "
+            "located impacts ask",
             "its motion is not continuous there: within no time it would throw what it meets "
             "infinitely fast",
-            "a ramp over some steps; `ThetaScheme(1.0)`, by which it arrives within the step",
+            "a ramp over some steps; `ThetaScheme(1.0)` by uniform steps: it arrives within one",
         ),
     ],
     "error": [

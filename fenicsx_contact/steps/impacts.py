@@ -28,6 +28,7 @@ from math import inf, sqrt
 import numpy as np
 
 from ..contact.arrivals import arrival
+from ..contact.leaps import no_velocity
 from ..contact.percussion import first_arrival, rebounding
 from ..theory.scheme import Scheme, Step
 from .certificate import ACCEPTED
@@ -172,10 +173,14 @@ def _arrive(fly: Callable[[float], Flight], flight: Flight, tolerance: float) ->
 
     The gap is nearly a parabola in time. It is walked back along: first the one through the gaps
     at the start and at the end with the rate there, then those through the last three gaps; where
-    this leaves the bracket, which it does not in smooth motion, the bracket is halved.
+    this leaves the bracket, which it does not in smooth motion, the bracket is halved, down to what
+    the clock tells.
+
+    Raises:
+        StepFailed: the gap jumps.
     """
     trial, gap, rate, start = flight
-    whole = trial.step.dt
+    whole, clock = trial.step.dt, trial.step.start
     points = [(0.0, start), (whole, gap)]
     slope, bend = rate, (start - gap + rate * whole) / whole**2
     low, high = 0.0, whole
@@ -185,9 +190,15 @@ def _arrive(fly: Callable[[float], Flight], flight: Flight, tolerance: float) ->
         new = at - 2 * gap / root if root else low
         if not low < new < high:
             new = 0.5 * (low + high)
+        if not clock + low < clock + new < clock + high:
+            trial, gap, rate, _ = fly(high)
+            instant = high - low + 2 * float(np.spacing(clock + high))
+            if gap - abs(rate) * instant > tolerance:
+                raise no_velocity("what a point meets", gap, clock + low)
+            break
         trial, gap, _, _ = fly(new)
         low, high = (new, high) if gap < 0 else (low, new)
-        if abs(gap) <= tolerance or not low < 0.5 * (low + high) < high:
+        if abs(gap) <= tolerance:
             break
         (a, gap_a), (b, gap_b) = points[-2:]
         points.append((new, gap))

@@ -151,6 +151,11 @@ class Step:
         """The step in which time passes: that which follows an impact, or the step itself."""
         return self if self.dt else replace(self, dt=self.ahead, ahead=0.0, within=inf)
 
+    @property
+    def is_part(self) -> bool:
+        """Whether it is a part of a step, as short as what is met in it asks for."""
+        return self.dt > 0 and self.ahead > 0
+
     # -- position --------------------------------------------------------------------------------
 
     @cached_property

@@ -6,7 +6,11 @@ the mean  (J v)_i = 1/a_i int psi_i v  of a field v, psi = D M^-1 phi on each fa
 
     1/a_i  oint [phi_i (c_i - (J v)_i) + psi_i (v - sum_k c_k phi_k)] dA,   c = M^-1 int phi v,
 
-the field's best linear fit there. A linear field that fits its means changes nothing.
+the field's best linear fit there. A linear field that fits its means changes nothing. Where phi_j
+is of a corner of what is covered, which moves on by the way ds, phi stays behind, and the fit is
+read elsewhere:
+
+    dphi_i = -phi_i' phi_j ds,    dc_i = delta_ij sum_k c_k phi_k' ds.
 """
 
 from __future__ import annotations
@@ -24,12 +28,14 @@ class Cover:
 
     def __init__(self, pair: Pairing, brink: Brink) -> None:
         self._pair, points = pair, brink.points
-        self._points, motion = points, Motion(pair, points)
+        self._points, motion = points, Motion(pair, brink.guides)
         self._columns, self._facet = motion.columns, points.facet
         self._corners = pair.slave.corners[points.facet]
         across = brink.across * points.weight[..., None]
         self._way = (across[:, :, None] @ motion.slide)[:, :, 0]  # dA, (p, g, k d)
         self._psi = points.corner @ pair.dual[points.facet]
+        area = (points.corner[:, 0] * pair.lumped[points.facet]).sum(axis=1, keepdims=True)
+        self._pull = area * brink.pull  # (p, corners)
 
     def means(self, pieces: np.ndarray, edge: np.ndarray, nodal: np.ndarray) -> Matrix:
         """Those of the means of a field of e components: of its values on the pieces (p, g, e), on
@@ -37,14 +43,17 @@ class Cover:
         pair, phi, e = self._pair, self._points.corner, nodal.shape[1]
         fit = self._fit(pieces)[self._facet]
         rest = (edge - phi @ fit)[:, :, None]
-        lever = phi[..., None] * (fit - nodal[self._corners])[:, None] + self._psi[..., None] * rest
+        off, pull = fit - nodal[self._corners], self._pull[..., None]
+        lever = phi[..., None] * (off + (pull * fit).sum(axis=1, keepdims=True))[:, None]
+        lever += self._psi[..., None] * rest - (pull * off)[:, None]
         lever *= pair.share[self._corners][:, None, :, None]
         rows = self._corners[:, :, None] * e + np.arange(e)
         return self._gather(lever, rows, pair.n * e)
 
     def areas(self) -> Matrix:
         """Those of the areas a_i, (n, N d)."""
-        return self._gather(self._points.corner[..., None], self._corners[:, :, None], self._pair.n)
+        lever = self._points.corner - self._pull[:, None]
+        return self._gather(lever[..., None], self._corners[:, :, None], self._pair.n)
 
     def forces(self, force: np.ndarray, pressed: np.ndarray) -> Matrix:
         """Those of J' f of forces that grow with the areas, (N d, N d): those spread by the means,
@@ -73,6 +82,7 @@ class Cover:
         acting = self._points.both[..., None] * (pulled * direction)[:, :, None]
         direct = self._gather(acting, rows, pair.total * d)
         lever = phi[..., None] * (pressure[:, None] - pulled[:, :, None])
+        lever += self._pull[:, None, :, None] * ((phi @ pressure)[:, :, None] - pressure[:, None])
         rows = (self._facet[:, None] * c + np.arange(c))[:, :, None] * e + np.arange(e)
         return direct + fit.T @ self._gather(lever, rows, m * c * e)
 

@@ -2,23 +2,30 @@
 """Where a pair of lines is integrated: points on pieces of the slave's facets.
 
 The facets are cut where corners of the other side face them: what is integrated is smooth on each
-piece, and the integral exact for straight facets (mortar).
+piece, and the integral exact for straight facets (mortar). A facet that is covered in part, from a
+to b of its local coordinate xi, has its corners at the ends of this part: these are its functions,
+
+    e_0 = (b - xi)/(b - a),    e_1 = (xi - a)/(b - a),
+
+so that its rows stand there, and forces act where both solids are: with the functions of the whole
+facet rows would stand at its nodes, and beside the end of what bears it a solid would be borne.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import basix
 import numpy as np
 
 from .clipping import gauss
 from .itself import Admits
-from .partners import Partners, Rays
-from .pieces import Pieces
+from .partners import Hits, Partners, Rays, intersect
+from .pieces import Brink, Pieces
 from .search import Near, Spheres
 from .side import TURN, Side, unit_and_length
-from .stance import Places, Stance, look
+from .stance import Places, Sides, Stance, look
 
 #: Points on a piece of a line.
 PIECE_POINTS = {1: 2, 2: 4}
@@ -51,34 +58,138 @@ class Lines:
 
     def __init__(self, slave: Side, master: Side, admits: Admits) -> None:
         self._sides = slave, master
+        self._flat = (
+            self._sides if slave.degree == master.degree == 1 else (slave.flat, master.flat)
+        )
         self._cuts, self._partners = Cuts(slave, master), Partners(slave, master, admits)
 
-    def meet(self, places: Places, reach: np.ndarray, stance: Stance) -> tuple[Pieces, None]:
+    def meet(
+        self, places: Places, reach: np.ndarray, stance: Stance
+    ) -> tuple[Pieces, Brink | None]:
         """Points on the pieces in the present places of the nodes, (N, 2) of slave and master, each
-        as a piece, not farther apart than ``reach`` [m] of each slave facet."""
-        (slave, master), xs = self._sides, places[0]
-        points = self._cuts.points(places, stance)
-        stance = stance.of(points.facet)
-        values, slopes = slave.shape(points.xi)
-        corner = values if slave.degree == 1 else slave.linear_shape(points.xi)
-        x = np.einsum("qk,qkj->qj", values, xs[slave.cells[points.facet]])
-        unit, length = unit_and_length(slave.normals(xs, points.facet, slopes))
-        look(unit, length, stance, self._sides, places, points.facet)
-        hits = self._partners.meet(Rays(x, unit, points.facet, reach), places)
+        as a piece, not farther apart than ``reach`` [m] of each slave facet; and the ends of what
+        is covered within facets."""
+        cut = self._cuts.pieces(places, stance)
+        view = _look(cut.points, self._sides, places, stance)
+        hits = self._partners.meet(Rays(view.x, view.unit, view.facet, reach), places)
+        covered = np.zeros(len(cut.facet), dtype=bool)
+        covered[hits.ray // cut.each] = True
+        part = cut.part(covered, len(reach))
+        pieces = _pieces(view.of(hits.ray), self._sides, hits, part)
+        return pieces, self._brink(cut, covered, hits, part, places, stance)
 
-        on = hits.ray
-        facet, values, slopes = points.facet[on], values[on][:, None], slopes[:, on]
-        weight = points.weight[on] * slave.reference_measure(facet, slopes)
-        weight *= slave.breadth(facet, values[:, 0])
-        theirs, their_slopes = (each[..., None, :] for each in master.shape(hits.xi))
-        pieces = Pieces(
-            facet=facet, other=hits.facet, weight=weight[:, None], corner=corner[on][:, None],
-            values=values, their_values=theirs, their_slopes=their_slopes,
-            guide=values, their_guide=theirs, aligned=True, distance=hits.distance[:, None],
-            unit=unit[on][:, None], side=slave, slopes=slopes, length=length[on],
-            stance=stance.of(on), inverse=hits.inverse[:, None],
+    def _brink(
+        self, cut: Cut, covered: np.ndarray, hits: Hits, part: np.ndarray, places: Places,
+        stance: Stance,
+    ) -> Brink | None:  # fmt: skip
+        piece, end = cut.free(covered)
+        if not len(piece):
+            return None
+        facet, xi, outwards = cut.facet[piece], cut.ends[piece, end], 2.0 * end - 1
+        # what the point beside it meets ends there
+        last = np.searchsorted(hits.ray, (piece + end) * cut.each) - end
+        points, other = Points(facet, xi[:, None], np.ones(len(xi))), hits.facet[last]
+
+        def at(sides: Sides) -> Pieces:
+            view = _look(points, sides, places, stance)
+            meets = intersect(view.x, view.unit, sides[1], places[1], other)[:3]
+            return _pieces(view, sides, Hits(np.arange(len(xi)), other, *meets), part)
+
+        guide = there = at(self._flat)  # chords are cut
+        if self._flat is not self._sides:
+            there = at(self._sides)
+            guide = replace(
+                guide, values=there.values, their_values=there.their_values,
+                their_slopes=there.their_slopes,
+            )  # fmt: skip
+        tangent = guide.side.tangents(places[0], facet, guide.slopes)[0]
+        pace = outwards * (guide.inverse[:, 0, 0] * tangent).sum(axis=1)  # of their coordinate
+        moves = (xi == part[facet, end]) * outwards / (part[facet, 1] - part[facet, 0])
+        pull = moves[:, None] * np.array([-1.0, 1.0]) / there.weight
+        return Brink(there, guide, -1 / pace[:, None, None], pull)
+
+
+class _View(NamedTuple):
+    """Points (q,) of the slave: values and derivatives of their shape functions, where they are,
+    and the unit vectors along which they look, those of normals of this length."""
+
+    points: Points
+    values: np.ndarray
+    slopes: np.ndarray
+    x: np.ndarray
+    unit: np.ndarray
+    length: np.ndarray
+    stance: Stance
+
+    @property
+    def facet(self) -> np.ndarray:
+        """Those of the points."""
+        return self.points.facet
+
+    def of(self, which: np.ndarray) -> _View:
+        """Some of them."""
+        points = Points(*(each[which] for each in vars(self.points).values()))
+        values, slopes, x, unit, length, stance = self[1:]
+        return _View(
+            points, values[which], slopes[:, which], x[which], unit[which], length[which],
+            stance.of(which),
         )  # fmt: skip
-        return pieces, None
+
+
+def _look(points: Points, sides: Sides, places: Places, stance: Stance) -> _View:
+    slave, xs, facet = sides[0], places[0], points.facet
+    values, slopes = slave.shape(points.xi)
+    x = np.einsum("qk,qkj->qj", values, xs[slave.cells[facet]])
+    unit, length = unit_and_length(slave.normals(xs, facet, slopes))
+    look(unit, length, stance := stance.of(facet), sides, places, facet)
+    return _View(points, values, slopes, x, unit, length, stance)
+
+
+def _pieces(view: _View, sides: Sides, hits: Hits, part: np.ndarray) -> Pieces:
+    """Those of points that meet these, of facets that are covered from xi to xi, (m, 2)."""
+    (slave, master), facet = sides, view.facet
+    values, (a, b) = view.values[:, None], part[facet].T[..., None]
+    weight = view.points.weight * slave.reference_measure(facet, view.slopes)
+    weight *= slave.breadth(facet, view.values)
+    corner = np.hstack([b - view.points.xi, view.points.xi - a]) / (b - a)
+    theirs, their_slopes = (each[..., None, :] for each in master.shape(hits.xi))
+    return Pieces(
+        facet=facet, other=hits.facet, weight=weight[:, None], corner=corner[:, None],
+        values=values, their_values=theirs, their_slopes=their_slopes,
+        guide=values, their_guide=theirs, aligned=True, distance=hits.distance[:, None],
+        unit=view.unit[:, None], side=slave, slopes=view.slopes, length=view.length,
+        stance=view.stance, inverse=hits.inverse[:, None],
+    )  # fmt: skip
+
+
+class Cut(NamedTuple):
+    """Pieces of facets (k,), ascending, between local coordinates (k, 2), with ``each`` so many
+    points, (k each,)."""
+
+    facet: np.ndarray
+    ends: np.ndarray
+    points: Points
+    each: int
+
+    def part(self, covered: np.ndarray, m: int) -> np.ndarray:
+        """From where to where each of m facets is covered, (m, 2): all of those that are not, of
+        which nobody asks."""
+        low, high = np.ones(m), np.zeros(m)
+        facet, (start, end) = self.facet[covered], self.ends[covered].T
+        np.minimum.at(low, facet, start)
+        np.maximum.at(high, facet, end)
+        return np.column_stack([np.where(high > 0, low, 0.0), np.where(high > 0, high, 1.0)])
+
+    def free(self, covered: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Covered pieces beside which their facet goes on and is not, and at which end, 0 or 1."""
+        found = []
+        for end in (0, 1):
+            inside = np.flatnonzero(covered & (self.ends[:, end] != end))
+            beside = np.clip(inside + 2 * end - 1, 0, len(covered) - 1)
+            goes_on = covered[beside] & (self.facet[beside] == self.facet[inside])
+            found.append(np.stack([inside[~goes_on], np.full((~goes_on).sum(), end)]))
+        piece, end = np.hstack(found)
+        return piece, end
 
 
 class Cuts:
@@ -90,7 +201,7 @@ class Cuts:
         self._corners = np.unique(master.corners)
         self._near = Near()
 
-    def points(self, places: Places, stance: Stance) -> Points:
+    def pieces(self, places: Places, stance: Stance) -> Cut:
         """Those of the present places of the nodes, (N, d)."""
         (slave, master), nodes = self._sides, places[1]
         ends = places[0][slave.corners]  # (m, 2, d)
@@ -117,4 +228,6 @@ class Cuts:
         kept = np.flatnonzero(length > 1e-10)
         x, w = self._rule
         xi = (s[kept, None] + length[kept, None] * x).reshape(-1, 1)
-        return Points(np.repeat(facet[kept], len(w)), xi, (length[kept, None] * w).ravel())
+        facet, ends = facet[kept], np.column_stack([s[kept], s[kept + 1]])
+        points = Points(np.repeat(facet, len(w)), xi, (length[kept, None] * w).ravel())
+        return Cut(facet, ends, points, len(w))

@@ -6,7 +6,8 @@ shape functions phi_j (int psi_i phi_j = delta_ij a_i on each facet; Wohlmuth 20
 
     w_i = 1/a_i  int psi_i (v_slave - v_master o pi)        a_i = int phi_i,
 
-over the part of the surface that has a partner, which faces it along the normal of the facet or,
+over the part of the surface that has a partner (in the plane phi_j are those of the ends of this
+part, integration.py), which faces it along the normal of the facet or,
 where a sharp corner stands on the master, of that (standing.py); gaps likewise. Integrals of solids
 of revolution are weighted by 2 pi r. With these nodal values the weak form (7) needs no change:
 integrated by them with weights a_i, it is the mortar form  int lam_h n . [[v*]]  with lam_h = sum
@@ -67,7 +68,8 @@ class Pairing:
         paired: nodes that have a partner.
         shared: which facets this process pairs, and whose nodes' rows it has.
         pieces, brink: what is integrated, and where it ends with the master, on these.
-        dual, inverse_mass: of each of these, psi = phi @ dual, (m, corners, corners).
+        dual, inverse_mass: of each facet, psi = phi @ dual, (m, corners, corners); ``lumped``:
+            int phi, (m, corners).
         shares: psi_i w / a_i at the points, (p, g, corners), and share: 1 / a_i, (n,).
         reach: how far from each node partners were sought, (n,) in m; ``sight``: at least.
         stance: how the slave's facets stand on the master's.
@@ -144,10 +146,12 @@ class Pairing:
         self.reach = FACETS * self._sizes + 4 * way
         self.places = places
         xs, xm = places[: len(self.slave.nodes)], places[len(self.slave.nodes) :]
-        pieces, self.brink = self.shared.together(
+        pieces, brink = self.shared.together(
             lambda: self._common.meet((xs, xm), reach, self.stance)
         )
-        self.pieces = pieces = pieces.only(self.shared.facet_here[pieces.facet])
+        here = self.shared.facet_here
+        self.pieces = pieces = pieces.only(here[pieces.facet])
+        self.brink = brink.only(here[brink.points.facet]) if brink else None
         corners = self.slave.corners[pieces.facet]
         self.nodes = self.nodes_of(pieces)
 
@@ -199,7 +203,7 @@ class Pairing:
         phi = pieces.corner
         products = np.swapaxes(phi * pieces.weight[..., None], 1, 2) @ phi
         mass = add_up(products.reshape(-1, k * k), pieces.facet, m).reshape(m, k, k)
-        lumped = mass.sum(axis=2)
+        self.lumped = lumped = mass.sum(axis=2)
         scale = np.where(lumped > 0, lumped, 1.0) ** -0.5
         lowest, highest = extremes(mass * scale[:, :, None] * scale[:, None, :])
         good = ILL * lowest > highest

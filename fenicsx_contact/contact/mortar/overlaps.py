@@ -84,7 +84,8 @@ class Overlaps:
         corners = pairs.corners[polygon]
         bend = _on_facet(self._master.flat, corners, ends)[2] @ corners[..., :2]  # (2, q, g, 2)
         across = -np.moveaxis((bend * outwards[:, None]).sum(axis=3), 0, 2)
-        return pieces.only(near), Brink(there.only(near_there), across[near_there])
+        still = np.zeros((len(there.facet), there.corner.shape[2]))
+        return pieces.only(near), Brink(there, there, across, still).only(near_there)
 
     def _facing(self, planes: _Planes, xm: np.ndarray, reach: np.ndarray) -> _Pairs:
         """Facets that face each other and are near."""

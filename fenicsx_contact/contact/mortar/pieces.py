@@ -22,7 +22,8 @@ class Pieces:
     Attributes:
         facet, other: facets of the slave and of the master, (p,).
         weight: of the points on the reference surface, (p, g).
-        corner: shape functions of the slave's corners, (p, g, corners).
+        corner: linear functions that are 1 at one corner each of what is covered of the slave's
+            facet, (p, g, corners): in space those of the whole facet.
         values, their_values: shape functions of the fields, (p, g, k).
         their_slopes: derivatives of the latter, (d - 1, p, g, k).
         guide, their_guide: shape functions of the guides, of the first of these nodes, (p, g, k).
@@ -80,9 +81,19 @@ class Brink:
 
     Attributes:
         points: they, in pieces; their weights are those of the length that ``across`` counts.
+        guides: the same as they are placed by what is cut.
         across: by how much area what is covered grows where a master's point moves on its facet, in
             its local coordinates, (p, g, d - 1).
+        pull: where a corner of what is covered moves with it, derivatives of the functions of the
+            corners along the way, of a unit of area, (p, corners), else 0.
     """
 
     points: Pieces
+    guides: Pieces
     across: np.ndarray
+    pull: np.ndarray
+
+    def only(self, kept: np.ndarray) -> Brink:
+        """Some of them, (p,) of bool."""
+        both = self.points.only(kept), self.guides.only(kept)
+        return Brink(*both, self.across[kept], self.pull[kept])

@@ -82,10 +82,10 @@ class Shape:
         self.outline = np.concatenate([each + first for each, first in zip(facets, starts)])
         self.owner = np.repeat(np.arange(bodies), [len(each) for each in facets])
         self.sign = np.ones(len(self.outline))
-        every = zip(sides, around)
-        outwards = np.concatenate(
-            [_outwards(side).repeat(len(pick), axis=0) for side, pick in every]
-        )
+        every = [
+            (side.flat.middle_normals(side.nodes), len(pick)) for side, pick in zip(sides, around)
+        ]
+        outwards = np.concatenate([normals.repeat(many, axis=0) for normals, many in every])
         self.sign = np.where((self.normals(self.nodes) * outwards).sum(axis=1) < 0, -1.0, 1.0)
         self.faces = Ragged(self.owner, np.arange(len(self.owner)), bodies)
         k = self.outline.shape[1]
@@ -207,12 +207,6 @@ class Shape:
         np.add.at(total, inverse.ravel(), way)
         straight = (count == 2) & (np.linalg.norm(total, axis=1) <= SAME)
         return at[~straight]
-
-
-def _outwards(side: Side) -> np.ndarray:
-    """Normals of the facets of a side, (m, d)."""
-    flat, every = side.flat, np.arange(len(side.corners))
-    return flat.normal(flat.middle_tangents(side.nodes), every)
 
 
 def nodes_at(shape: Shape, points: np.ndarray, owners: np.ndarray) -> np.ndarray:

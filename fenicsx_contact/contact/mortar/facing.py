@@ -11,16 +11,11 @@ from .side import Side
 def faces_anywhere(slave: Side, master: Side, xs: np.ndarray, xm: np.ndarray) -> bool:
     """Whether a facet of each lies before the other, their normals against each other: aside of
     each other, they meet if one moves aslant. Places of the nodes, (n, d) in m."""
-    (here, mine), (there, theirs) = _seen(slave, xs), _seen(master, xm)
+    sides = ((slave.flat, xs), (master.flat, xm))
+    here, there = (x[side.corners].mean(axis=1) for side, x in sides)
+    mine, theirs = (side.middle_normals(x) for side, x in sides)
     for x, n in zip(here, mine):
         arm = there - x
         if ((arm @ n > 0) & ((arm * theirs).sum(axis=1) < 0) & (theirs @ n < 0)).any():
             return True
     return False
-
-
-def _seen(side: Side, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Middles and normals of the facets, (m, d)."""
-    side = side.flat
-    normals = side.normal(side.middle_tangents(x), np.arange(len(side.cells)))
-    return x[side.corners].mean(axis=1), normals

@@ -21,7 +21,7 @@ import numpy as np
 from ...base.vectors import largest
 from .clipping import areas, clip, covers, cross, fans, gauss, points
 from .itself import Admits
-from .partners import FACING, inverses
+from .partners import facing, inverses
 from .pieces import Brink, Pieces
 from .search import Near, Spheres, counted, first_of_each, in_tubes
 from .side import OUTLINE, Side, unit_and_length
@@ -55,7 +55,9 @@ class Overlaps:
         window = planes.corners[pairs.facet][:, OUTLINE[self._slave.cell], :2]
         number, shared, edges = clip(outlines, window)
         pairs = pairs.of(number)
-        may = self._admits(pairs.facet, pairs.other, self._away(planes, pairs, shared))
+        midst = shared.mean(axis=1, keepdims=True)
+        away = self._away(pairs.corners, planes.corners[pairs.facet], midst)
+        may = self._admits(pairs.facet, pairs.other, away)
         pairs, shared, edges = pairs.of(may), shared[may], edges[may]
         polygon, edge, triangles = fans(shared)
         number, p, weight = points(polygon, triangles, self._degree)
@@ -95,22 +97,20 @@ class Overlaps:
         tubes = planes.unit[asked], reach[asked], mine.radii
         facet, other = in_tubes(*tubes, mine, theirs, self._near)
         facet = asked[facet]
-        normal = side.normal(side.middle_tangents(xm), np.arange(len(side.cells)))
-        length = np.sqrt((normal**2).sum(axis=1))
-        facing = (planes.unit[facet] * normal[other]).sum(axis=1) < FACING * length[other]
-        facet, other = facet[facing], other[facing]
+        faces = facing(planes.unit[facet], side.middle_normals(xm)[other])
+        facet, other = facet[faces], other[faces]
         pairs = _Pairs(facet, other, planes.see(xm[side.cells[other]], facet))
         low, high = pairs.corners.min(axis=1), pairs.corners.max(axis=1)
         met = ((low < planes.high[facet]) & (high > planes.low[facet]))[:, :2].all(axis=1)
         anyhow = self._admits(facet, other, np.full(len(facet), np.inf))  # wherever they meet
         return pairs.of(met & anyhow)
 
-    def _away(self, planes: _Planes, pairs: _Pairs, shared: np.ndarray) -> np.ndarray:
-        """How far from each other facets are in the midst of what they share, (q,) in m."""
-        at, sides = shared.mean(axis=1, keepdims=True), (self._master.flat, self._slave.flat)
-        corners = pairs.corners, planes.corners[pairs.facet]
-        theirs, own = (_heights(c, _on_facet(s, c, at)[1])[:, 0] for s, c in zip(sides, corners))
-        return theirs - own
+    def _away(self, theirs: np.ndarray, mine: np.ndarray, at: np.ndarray) -> np.ndarray:
+        """How far from each other facets, with corners there (q, k, 3), are at places (q, 1, 2) in
+        the planes, (q,) in m."""
+        pairs = (self._master.flat, theirs), (self._slave.flat, mine)
+        far, near = (_heights(c, _on_facet(side, c, at)[1])[:, 0] for side, c in pairs)
+        return far - near
 
     def _nearest(
         self, planes: _Planes, pairs: _Pairs, number: np.ndarray, p: np.ndarray
@@ -125,10 +125,8 @@ class Overlaps:
         outlines = pairs.corners[rival][:, OUTLINE[self._master.cell], :2]
         within = covers(outlines, p[point]) | (rival == number[point])
         point, rival = point[within], rival[within]
-        at, sides = p[point, None], (self._master.flat, self._slave.flat)
-        corners = pairs.corners[rival], planes.corners[facet[point]]
-        theirs, own = (_heights(c, _on_facet(s, c, at)[1])[:, 0] for s, c in zip(sides, corners))
-        order = np.lexsort((rival, np.abs(theirs - own), point))
+        away = self._away(pairs.corners[rival], planes.corners[facet[point]], p[point, None])
+        order = np.lexsort((rival, np.abs(away), point))
         return (rival[order][first_of_each(point[order])] == number).reshape(size)
 
     def _pieces(

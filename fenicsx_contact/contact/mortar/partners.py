@@ -61,10 +61,8 @@ class Partners:
         ray, facet = self._candidates(rays, places)
         direction, origin = rays.n[ray], rays.origin[ray]
         xi, alpha, inverse, tangents = intersect(rays.x[ray], direction, side, nodes, facet)
-        normal = side.normal(tangents, facet)
-        size = np.sqrt((normal**2).sum(axis=1))
-        facing = (normal * direction).sum(axis=1) < FACING * size
-        good = facing & side.holds(xi, EDGE) & (np.abs(alpha) <= rays.reach[origin])
+        good = facing(direction, side.normal(tangents, facet))
+        good &= side.holds(xi, EDGE) & (np.abs(alpha) <= rays.reach[origin])
         good &= self._admits(origin, facet, alpha)
         good = np.flatnonzero(good)
         order = good[np.lexsort((facet[good], np.abs(alpha[good]), ray[good]))]
@@ -108,6 +106,11 @@ class _Seen(NamedTuple):
         # a sphere grows by twice what its nodes move, and its middle goes as far as they do
         moved = farthest(rays.x, mine.x) + (1 + 2 * BULGE) * farthest(nodes, self.nodes)
         return moved + self.arm * farthest(rays.n, mine.n) <= self.margin
+
+
+def facing(rays: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Whether unit vectors (q, d) run against normals (q, d) of any length, (q,) of bool."""
+    return (normals * rays).sum(axis=1) < FACING * np.sqrt((normals**2).sum(axis=1))
 
 
 def farthest(ones: np.ndarray, others: np.ndarray) -> float:

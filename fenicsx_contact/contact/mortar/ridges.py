@@ -33,14 +33,11 @@ class Ridges:
     @classmethod
     def of(cls, side: Side) -> Ridges:
         """Those of a side."""
-        m, cells, nodes = side.corners.shape[0], side.corners, side.nodes
+        cells, nodes = side.corners, side.nodes
         ends, facets, count = shared(cells[:, OUTLINE.get(side.cell, [0, 1])])
         inner = np.flatnonzero(count == 2)
         a, b = facets[inner].T
-        flat_side = side.flat
-        normal, _ = unit_and_length(
-            flat_side.normal(flat_side.middle_tangents(nodes), np.arange(m))
-        )
+        normal, _ = unit_and_length(side.flat.middle_normals(nodes))
         middle = nodes[cells].mean(axis=1)
         bent = (normal[a] * normal[b]).sum(axis=1) < SHARP
         behind = ((middle[b] - middle[a]) * normal[a]).sum(axis=1) < 0

@@ -18,6 +18,9 @@ from ...solids.rotations import cross_matrix
 
 #: The corners of a facet in the order of its outline.
 OUTLINE = {"triangle": [0, 1, 2], "quadrilateral": [0, 1, 3, 2]}
+#: And the local coordinates of its middle.
+MIDDLES = {"interval": [0.5], "triangle": [1 / 3, 1 / 3], "quadrilateral": [0.5, 0.5]}
+EVERY = slice(None)
 #: Rotation by -90 degrees: from the tangent of a line to its normal.
 TURN = np.array([[0.0, 1.0], [-1.0, 0.0]])
 
@@ -82,7 +85,7 @@ class Side:
             shape = lagrange(cell, degree_of(cell, places.shape[1]))
             at = _tabulate(shape, 0, self.element.points)[0] @ places
             self.nodes, self.cells = _number(points, at)
-        self.midpoint = self._midpoint(cell)
+        self.midpoint = np.array(MIDDLES[cell])
         self.middle_slopes = self.shape(self.midpoint[None])[1][:, 0]
         self.sizes = self._diameters(points)
         self.size = float(self.sizes.max())
@@ -110,12 +113,6 @@ class Side:
         flat.straight = self.cell != "quadrilateral"
         flat.middle_slopes = flat.shape(flat.midpoint[None])[1][:, 0]
         return flat
-
-    @staticmethod
-    def _midpoint(cell: str) -> np.ndarray:
-        return {"interval": np.array([0.5]), "triangle": np.full(2, 1 / 3)}.get(
-            cell, np.full(2, 0.5)
-        )
 
     def _diameters(self, points: np.ndarray) -> np.ndarray:
         corners = points[self.corners]
@@ -150,15 +147,19 @@ class Side:
         and the derivatives of the shape functions."""
         return np.einsum("tqk,qkj->tqj", slopes, nodes[self.cells[facets]])
 
-    def middle_tangents(self, nodes: np.ndarray) -> np.ndarray:
-        """Those at the middles of all facets, (d - 1, m, d)."""
-        return np.einsum("tk,mkj->tmj", self.middle_slopes, nodes[self.cells])
+    def middle_tangents(self, nodes: np.ndarray, facets: np.ndarray | slice = EVERY) -> np.ndarray:
+        """Those at the middles of facets, (d - 1, q, d)."""
+        return np.einsum("tk,qkj->tqj", self.middle_slopes, nodes[self.cells[facets]])
+
+    def middle_normals(self, nodes: np.ndarray, facets: np.ndarray | slice = EVERY) -> np.ndarray:
+        """Normals there, as :meth:`normals` has them, (q, d)."""
+        return self.normal(self.middle_tangents(nodes, facets), facets)
 
     def normals(self, nodes: np.ndarray, facets: np.ndarray, slopes: np.ndarray) -> np.ndarray:
         """Outward normals, not of unit length but of the length of the surface element, (q, d)."""
         return self.normal(self.tangents(nodes, facets, slopes), facets)
 
-    def normal(self, g: np.ndarray, facets: np.ndarray) -> np.ndarray:
+    def normal(self, g: np.ndarray, facets: np.ndarray | slice) -> np.ndarray:
         """The same from the tangents g (d - 1, q, d) at the points."""
         normal = g[0] @ TURN.T if self.dim == 2 else cross(g[0], g[1])
         return normal * self.sign[facets, None]

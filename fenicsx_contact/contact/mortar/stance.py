@@ -69,8 +69,8 @@ def below(
     their own lengths, (q, d), and the directions of the edges, unit vectors or 0, (q, d), whose
     lengths were (q,)."""
     master = sides[1].flat
-    g = np.einsum("tk,qkj->tqj", master.middle_slopes, places[1][master.cells[stance.facet]])
     edge = (stance.along[:, :, None] * places[0][sides[0].corners[facet]]).sum(axis=1)
     length = np.sqrt((edge**2).sum(axis=1))
     length[length == 0] = np.inf  # a corner
-    return -master.normal(g, stance.facet), edge / length[:, None], length
+    normal = -master.middle_normals(places[1], stance.facet)
+    return normal, edge / length[:, None], length

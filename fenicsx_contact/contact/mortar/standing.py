@@ -14,7 +14,7 @@ import numpy as np
 
 from ...base.constants import ROUND_OFF, SAME, SHARP
 from ...base.vectors import largest
-from .partners import EDGE, FACING, intersect, inverses
+from .partners import EDGE, facing, intersect, inverses
 from .ridges import Ridges
 from .search import FACETS, Near, Spheres, first_of_each, in_tubes
 from .side import Side, unit_and_length
@@ -75,13 +75,10 @@ class Standing:
         corners = side.corners[asked]
         xs, xm = places[: len(side.nodes)], places[len(side.nodes) :]
         reach = np.fmin(FACETS * side.sizes[asked] + 4 * way, np.ptp(places, axis=0).sum())
-        g = np.einsum("tk,mkj->tmj", side.middle_slopes, xs[corners])
-        unit, _ = unit_and_length(side.normal(g, asked))
+        unit, _ = unit_and_length(side.middle_normals(xs, asked))
         mine, theirs = Spheres.around(xs[corners]), Spheres.around(xm[master.cells])
         facet, other = in_tubes(unit, reach, mine.radii, mine, theirs, self._near)
-        normal = master.normal(master.middle_tangents(xm), np.arange(len(master.cells)))
-        length = np.sqrt((normal**2).sum(axis=1))
-        faces = (unit[facet] * normal[other]).sum(axis=1) < FACING * length[other]
+        faces = facing(unit[facet], master.middle_normals(xm)[other])
         faces &= self._admits(asked[facet], other, np.full(len(facet), np.inf))  # anywhere
         facet, other = facet[faces], other[faces]
 
@@ -132,7 +129,7 @@ class Standing:
         if not len(facet):
             return result
         g = side.middle_tangents(xs)
-        unit, _ = unit_and_length(side.normal(g, np.arange(len(side.cells))))
+        unit, _ = unit_and_length(side.middle_normals(xs))
         middle = xs[side.corners].mean(axis=1)
         lies = bears[side.corners].sum(axis=1) >= side.dim
         done = np.zeros(len(side.cells), dtype=bool)

@@ -97,8 +97,7 @@ class Walls:
 
     def _seek(self, asked: np.ndarray) -> np.ndarray:
         side, nodes = self._side, self._side.nodes
-        every = np.arange(len(side.cells))
-        unit, _ = unit_and_length(side.normal(side.middle_tangents(nodes), every))
+        unit, _ = unit_and_length(side.middle_normals(nodes))
         facets = Spheres.around(nodes[side.cells])
         mine = Spheres(facets.middles[asked], facets.radii[asked])
         far = np.full(len(asked), np.ptp(nodes, axis=0).sum())

@@ -11,6 +11,7 @@ import numpy as np
 from ..contact.arrivals import arrival
 from ..scene import Scene
 from ..steps.trial import Trial
+from .blocks import LinearStep
 from .edge import Edge
 from .kinks import Kink, alike, kinks
 from .linearise import Linearisation, arriving
@@ -20,32 +21,53 @@ from .undetermined import rigid, shifted, sliding
 
 
 class Edges:
-    """Asks steps for their kinks.
+    """Linearises the steps of a run and asks them for their kinks.
 
     Args:
         scene: the scene.
-        linear: has just linearised one of its steps.
+        linear: linearises its steps.
+        along: derivatives along the run.
+
+    Attributes:
+        met: the kinks of the run so far.
     """
 
-    def __init__(self, scene: Scene, linear: Linearisation) -> None:
-        self._scene, self._linear = scene, linear
+    def __init__(self, scene: Scene, linear: Linearisation, along: Along) -> None:
+        self._scene, self._linear, self._along = scene, linear, along
         self._parameters = linear.parameters
+        self.met: list[Kink] = []
+        self._here: list[Kink] = []  # of the step
 
-    def kinks(self, trial: Trial, resolution: float, along: Along) -> list[Kink]:
+    def look(self, trial: Trial) -> LinearStep:
+        """A step that was solved, and may be solved again."""
+        if not trial.again:
+            self._here.clear()
+        step = self._linear.step(trial)
+        self._along.solved(trial, step)
+        self._here += self._kinks(trial)
+        return step
+
+    def take(self, trial: Trial) -> LinearStep:
+        """The same of one that is accepted next."""
+        step = self.look(trial)
+        self.met += dict.fromkeys(self._here)
+        return step
+
+    def _kinks(self, trial: Trial) -> list[Kink]:
         """The kinks of the step that was linearised last, and which the derivatives along the run
         have taken up, that these meet; they are asked for only where there may be some."""
-        found = self._undetermined(trial, along)
+        found, resolution = self._undetermined(trial), self._scene.stepper.resolution
         for rows in self._linear.contacts:
-            misses = partial(self._misses, rows, along)
-            found += kinks(rows, trial, resolution, misses, not along.begun)
+            misses = partial(self._misses, rows)
+            found += kinks(rows, trial, resolution, misses, not self._along.begun)
         if self._scene.locate_impacts and trial.step.dt:
-            found += self._touches(trial, along)
-        return found + self._driven(trial, along)
+            found += self._touches(trial)
+        return found + self._driven(trial)
 
-    def _misses(self, rows: ContactRows, along: Along, edge: Edge) -> np.ndarray:
+    def _misses(self, rows: ContactRows, edge: Edge) -> np.ndarray:
         """Whether the tangent fails the rows of points on the other side of their decision; all of
         them candidates, or none."""
-        points, x, start = edge.points, along.change, along.state
+        points, x, start = edge.points, self._along.change, self._along.state
         at = np.flatnonzero(np.isin(rows.points, points))
         changes = self._linear.changes(rows, x, start)
         sizes = {name: _largest(change) for name, change in changes.items()}
@@ -79,7 +101,7 @@ class Edges:
                 terms = terms + abs(multipliers) @ sizes[name]
         return left, terms
 
-    def _undetermined(self, trial: Trial, along: Along) -> list[Kink]:
+    def _undetermined(self, trial: Trial) -> list[Kink]:
         """Points that slide under pressures that are not unique, where the motion hangs on these:
         the run has taken some of them."""
         linear = self._linear
@@ -91,7 +113,7 @@ class Edges:
         state, sizes = slice(0, linear.size), linear.last.sizes
         moves = not alike(idle[state] / sizes[state], np.ones(linear.size)).all()
         if not moves:
-            x, start = along.change, along.state
+            x, start = self._along.change, self._along.state
             with shifted(asked, [idle[linear.multipliers(rows)] for rows in asked]) as others:
                 instead = {id(rows): other for rows, other in zip(asked, others)}
                 contacts = [instead.get(id(rows), rows) for rows in linear.contacts]
@@ -109,14 +131,14 @@ class Edges:
                 found.append(Kink(rows.contact.name, place, trial.step.end, what))
         return found
 
-    def _driven(self, trial: Trial, along: Along) -> list[Kink]:
+    def _driven(self, trial: Trial) -> list[Kink]:
         """Beams whose law, in plain arithmetic, lies on the edge of two branches."""
         found: list[Kink] = []
         for m in self._linear.motions:
             for i, parameter in enumerate(self._parameters):
                 if not m.kinked(parameter, trial.step, None):
                     continue
-                start, part = along.state[:, i], self._linear.part
+                start, part = self._along.state[:, i], self._linear.part
                 each = start[part("q", m.solid)], start[part("v", m.solid)]
                 if m.kinked(parameter, trial.step, each):
                     what = "the law of its drive is on the edge of another branch"
@@ -124,7 +146,7 @@ class Edges:
                     break
         return found
 
-    def _touches(self, trial: Trial, along: Along) -> list[Kink]:
+    def _touches(self, trial: Trial) -> list[Kink]:
         """Points that are open and just touch where the step ends, beside the one that ends it."""
         found: list[Kink] = []
         first = max(self._linear.contacts, key=lambda rows: arrival(rows.contact)[0], default=None)
@@ -136,7 +158,7 @@ class Edges:
                 if point == ends:
                     continue
                 row, by = rows.gap_row(point), rows.gap_by(self._parameters, point)
-                way = along.change[self._linear.part("q", rows.motion.solid)]
+                way = self._along.change[self._linear.part("q", rows.motion.solid)]
                 left, terms = row @ way + by, np.abs(row) @ _largest(way) + np.abs(by)
                 if alike(left, terms).all():
                     continue

@@ -24,7 +24,6 @@ from ..steps.trial import Trial
 from .bearing import OfContact
 from .blocks import LinearStep
 from .edges import Edges
-from .kinks import Kink
 from .linearise import Linearisation
 from .parameters import Parameter, among
 from .quantities import Quantity
@@ -65,10 +64,8 @@ def tangents(
     """
     quantities = _checked(scene, parameters, quantities or {})
     linear = Linearisation(scene, list(parameters.values()))
-    edges = Edges(scene, linear)
-    found: list[Kink] = []
-    along, first = Along(linear.start()), scene.time
-    size = len(parameters)
+    along, first, size = Along(linear.start()), scene.time, len(parameters)
+    edges = Edges(scene, linear, along)
     columns: dict[str, list[np.ndarray]] = {"time": [np.zeros(size)]}
     for name, quantity in quantities.items():
         start = gradient(linear, quantity) @ along.state
@@ -76,18 +73,10 @@ def tangents(
     names = [_forces(rows.contact) for rows in linear.contacts]
     columns |= {name: [np.zeros(size)] for each in names for name in each}
     x: np.ndarray | None = None
-    met: list[Kink] = []  # in the step
-
-    def look(trial: Trial) -> None:
-        if not trial.again:
-            met.clear()
-        along.solved(trial, linear.step(trial))
-        met.extend(edges.kinks(trial, scene.stepper.resolution, along))
 
     def watch(trial: Trial) -> None:
         nonlocal x
-        look(trial)
-        found.extend(dict.fromkeys(met))
+        edges.take(trial)
         x = along.change
         along.accept()
         columns["time"].append(x[linear.time].ravel())
@@ -105,11 +94,11 @@ def tangents(
         return measure
 
     probes = {name: probe(name, quantity) for name, quantity in quantities.items()}
-    with _watching(scene, look, watch):
+    with _watching(scene, edges.look, watch):
         history = scene.run(until, dt, probes=probes, stop_when=stop_when)
     _refuse_halved(scene, history, first, dt)
     arrays = {name: np.array(rows) for name, rows in columns.items()}
-    return Tangents(history, tuple(parameters), found, arrays)
+    return Tangents(history, tuple(parameters), edges.met, arrays)
 
 
 def adjoints(
@@ -152,7 +141,6 @@ def adjoints(
     if not (quantities or functionals):
         raise checks.InputError("quantities = {}: of what?")
     linear = Linearisation(scene, list(parameters.values()))
-    edges = Edges(scene, linear)
     (until, dt), first = span(scene.time, until, dt), scene.time
     room = checks.number("room", room, at_least=0)
     count = max(1, round((until - first) / dt))
@@ -162,23 +150,13 @@ def adjoints(
     ends = [min(k * each, count) for k in range(1, ceil(count / each) + 1)]
     begin = linear.start()
     along = Along(begin)
-    found: list[Kink] = []
+    edges = Edges(scene, linear, along)
     seeds, left = Seeds(linear, parameters, quantities, functionals), Room(room)
     seeds.begin(0)
-    met: list[Kink] = []  # in a step
     part: Part
 
-    def look(trial: Trial) -> LinearStep:
-        if not trial.again:
-            met.clear()
-        step = linear.step(trial)
-        along.solved(trial, step)
-        met.extend(edges.kinks(trial, scene.stepper.resolution, along))
-        return step
-
     def watch(trial: Trial) -> None:
-        keep(trial, look(trial))
-        found.extend(dict.fromkeys(met))
+        keep(trial, edges.take(trial))
         along.accept()
 
     def keep(trial: Trial, step: LinearStep) -> None:
@@ -196,7 +174,7 @@ def adjoints(
         part = Part(state, first + end * dt, max(len(history) - 1, 0))
         parts.append(part)
         seeds.begin(part.row)
-        with _watching(scene, look, watch):
+        with _watching(scene, edges.look, watch):
             told = runs({**probes, **({_SEEDS: seeds} if keeps else {})})
         if not told.finished:
             raise checks.InputError(f"adjoints: the run {told.reason}")
@@ -234,7 +212,7 @@ def adjoints(
     scene.restore(last)
     by = by + more + begin.T @ (after + seed)
     gradients = dict(zip(seeds.values, by.T))
-    return Adjoints(history, seeds.values, tuple(parameters), found, len(parts), gradients)
+    return Adjoints(history, seeds.values, tuple(parameters), edges.met, len(parts), gradients)
 
 
 def _checked(

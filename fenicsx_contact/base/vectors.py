@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import isnan
 
 import numpy as np
@@ -44,6 +44,12 @@ def normalised(vectors: np.ndarray) -> np.ndarray:
 def components(points: np.ndarray, d: int) -> np.ndarray:
     """Where the d components of points (n,) stand among those of all, (n d,)."""
     return (points[:, None] * d + np.arange(d)).ravel()
+
+
+def slices(sizes: Iterable[int]) -> list[slice]:
+    """Where parts of these sizes stand, one after another."""
+    bounds = np.cumsum([0, *sizes])
+    return [slice(a, b) for a, b in zip(bounds[:-1], bounds[1:])]
 
 
 def across(normal: np.ndarray) -> np.ndarray:

@@ -16,14 +16,13 @@ from typing import Any
 import numpy as np
 
 from ..base import checks
-from ..base.vectors import components, dot
+from ..base.vectors import components, dot, slices
 from ..contact.contact import Contact
 from ..rods import GuideContact
 from ..solve.yielding import COMPLIANCE
 from ..theory.scheme import Step
 from .beams import BeamMotion
 from .blocks import Blocks, LinearStep
-from .kinematics import square
 from .laws import refuse_law
 from .parameters import Parameter
 from .sight import Sight
@@ -105,17 +104,12 @@ class GuideRows(ContactRows):
         slides += by_start @ (new.jump_slides @ solid.velocity)[:, :, None]
         rows["q_old"][:, :, -1:] -= slides + w.gap * old.gap_slides[:, None, None]
         rows["v_old"][:, :, -1:] -= self.motion.horizon * slides
-        T = self._blocks[self.points]
-        result: dict[str, tuple[Any, Any]] = {"m": (square(T[:, d:, d:]), -square(T[:, :d, d:]))}
+        result = {"m": self._by_multipliers()}
         for name, each in rows.items():
             result[name] = each[:, d:].reshape(-1, n), -each[:, :d].reshape(-1, n)
         return result
 
-    def by(self, parameter: Parameter) -> tuple[np.ndarray, np.ndarray]:
-        p, d = self.points, self._d
-        result = np.zeros(self._blocks[p].shape[:2])
-        if (rows := parameter.rows(self.contact)) is not None:
-            result += rows[p]
+    def _add_moved(self, parameter: Parameter, result: np.ndarray) -> None:
         old, new = self._seen()
         if self._back:
             by_slope = self._weights().normal @ new.normal_by[:, :, None]
@@ -125,7 +119,6 @@ class GuideRows(ContactRows):
             w = self._weights()
             result += (w.normal @ (new.normal_by * slope[:, None])[:, :, None])[:, :, 0]
             result += w.end[:, :, 0] * gap[:, None] + w.gap[:, :, 0] * before[:, None]
-        return result[:, d:].ravel(), -result[:, :d].ravel()
 
     def spread(self) -> Any:
         """Minus the operator from forces at the candidates to velocities that they make."""
@@ -177,11 +170,10 @@ class Sweep:
         # v, multipliers and forces
         kind = np.arange(e.jumps, e.size, len(rows.normal))[:, None] + points
         soft = (COMPLIANCE / (e.column_scale * e.row_scale)[kind]).T.ravel()
-        ends = np.cumsum([0, n, len(soft), len(mine._force)])
-        v, m, f = (slice(a, b) for a, b in zip(ends[:-1], ends[1:]))
+        v, m, f = slices([n, len(soft), len(mine._force)])
         rate, early = step.gap_rate, step.dt - step.gap_rate
         by, balance, turned = mine.derivatives(), mine.motion.balance(step), mine.turned()
-        plus, one = Blocks((ends[-1], ends[-1])), np.eye(n)
+        plus, one = Blocks((f.stop, f.stop)), np.eye(n)
         plus.add(v, v, one)
         plus.add(v, f, -lifted)
         plus.add(f, f, np.eye(len(mine._force)))

@@ -17,7 +17,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from scipy.linalg import block_diag
 
-from ..base.vectors import components, dot
+from ..base.vectors import components, dot, slices
 from ..theory.scheme import Step
 from .kinematics import Arms
 from .pair_hold import PairBearing
@@ -105,11 +105,10 @@ def shift(
             columns.append(np.concatenate([places[id(m)] for m in rows.motions]))
     if not bearing:
         return None
-    points = np.cumsum([0, *(len(b.off) for b in bearing)])
-    bounds = [slice(*at) for at in zip(points[:-1], points[1:])]
+    bounds = slices(len(b.off) for b in bearing)
 
     def together(name: str) -> np.ndarray:
-        result = np.zeros((points[-1], ends[-1]))
+        result = np.zeros((bounds[-1].stop, ends[-1]))
         for b, at, own in zip(bearing, bounds, columns):
             result[at, own] = getattr(b, name)
         return result

@@ -11,6 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import checks
+from ..base.vectors import slices
 from ..contact.arrivals import arrival
 from ..contact.contact import Contact
 from ..scene import Scene
@@ -73,17 +74,12 @@ class Linearisation:
             self._v[id(m)], self.size = _next(self.size, m.size)
             if isinstance(m, RigidMotion):
                 self._s[id(m)], self.size = _next(self.size, m.size)
-        self._t, self.size = _next(self.size, 1)
+        self.time, self.size = _next(self.size, 1)
 
     def part(self, which: str, solid: Any) -> slice:
         """Where a solid's ``"q"`` or ``"v"`` stands in the state."""
         at = self._q if which == "q" else self._v
         return next(at[id(m)] for m in self.motions if m.solid is solid)
-
-    @property
-    def time(self) -> slice:
-        """Where the time stands in the state."""
-        return self._t
 
     def bearing(self, contact: Contact) -> tuple[np.ndarray, slice, slice]:
         """The candidates of a contact in the step that was linearised last, (k,), and where their
@@ -198,8 +194,7 @@ class Linearisation:
         """Where rigid solids are put after the step was solved, and by what in all."""
         motions = [m for m in self.motions if isinstance(m, RigidMotion)]
         put = shift(motions, self.contacts, step, self.parameters)
-        ends = np.cumsum([0, *(m.size for m in motions)])
-        places = [slice(*at) for at in zip(ends[:-1], ends[1:])]
+        places = slices(m.size for m in motions)
         for m, mine in zip(motions, places):
             here, after, before = self._q[id(m)], self._v[id(m)], self._before[id(m)]
             for at, block in zip((here, after, before, self._moving[id(m)]), m.kept()):
@@ -233,8 +228,8 @@ class Linearisation:
         minus.add(at, self._q[id(m)], row.q_old)
         minus.add(at, self._v[id(m)], row.v_old)
         if self._scene.locate_impacts:  # else instants do not depend on anything
-            plus.add(at, self._t, row.dt[:, None])
-            minus.add(at, self._t, -row.dt[:, None])
+            plus.add(at, self.time, row.dt[:, None])
+            minus.add(at, self.time, -row.dt[:, None])
 
     def _bear(self, rows: ContactRows, plus: Blocks, minus: Blocks, by: np.ndarray) -> None:
         """The rows of a contact: of its multipliers, and of its forces, which act on the solid."""
@@ -270,7 +265,7 @@ class Linearisation:
 
     def _end(self, trial: Trial, plus: Blocks, minus: Blocks, by: np.ndarray) -> None:
         """When the step ends: where a point arrives, at once (an impact), or as the grid has it."""
-        t = self._t
+        t = self.time
         if not trial.arrives:
             plus.add(t, t, np.ones((1, 1)))
             if not trial.step.dt:

@@ -133,14 +133,8 @@ class DeformableMotion(Motion):
 
     def _rows(self, step: Step) -> tuple[Row, Row, Inner]:
         """Kinematics, balance and the solver."""
-        key: tuple[float, ...] = (
-            step.dt,
-            step.loaded,
-            step.inertia_rate,
-            step.gap_rate,
-            step.rate_weight,
-        )
-        key += (step.rate_weight, step.force_share, *step.scheme.linear_weights)
+        rates = step.inertia_rate, step.gap_rate, step.rate_weight
+        key = step.dt, step.loaded, *rates, step.force_share, *step.scheme.linear_weights
         if key not in self._kept:
             if len(self._kept) >= KEPT:
                 self._kept.clear()

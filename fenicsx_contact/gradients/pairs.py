@@ -23,7 +23,7 @@ from ..contact.mortar import Pairing
 from ..contact.mortar.rates import Rates
 from ..contact.mortar_jump import MortarJump
 from ..solids import MonolithicTrace
-from .kinematics import diagonal, square
+from .kinematics import diagonal
 from .laws import refuse_law
 from .motion import Motion
 from .points import points_of
@@ -115,7 +115,7 @@ class PairRows(ContactRows):
 
     def derivatives(self) -> dict[str, tuple[Any, Any]]:
         p, d = self.points, self._d
-        T, w = self._blocks[p], self._weights()
+        w = self._weights()
         places = components(p, d)
         J, moving = self._J[places], self._turning[places]
         by_gap, turned = (sp.csr_matrix(each) for each in (self.rates.gap, self.rates.normal))
@@ -148,7 +148,7 @@ class PairRows(ContactRows):
                 yield from zip(self.keys("v_old", "q_old", i), nodes.old.by(velocities, places_))
 
         forces = dict(told(slice(0, d)))
-        result: dict[str, tuple[Any, Any]] = {"m": (square(T[:, d:, d:]), -square(T[:, :d, d:]))}
+        result = {"m": self._by_multipliers()}
         for name, rows in told(slice(d, None)):
             result[name] = rows, -forces[name]
         return result

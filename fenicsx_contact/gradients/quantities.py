@@ -5,7 +5,7 @@ the displacements and velocities of its solid."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -40,9 +40,14 @@ class Quantity(Protocol):
 class _Linear:
     """Rows times displacement or velocity."""
 
-    solid: Solid
+    solid: Any
     _row: np.ndarray
     _of: str
+
+    def value(self) -> float:
+        """Now."""
+        by = self.solid.velocity if self._of == "velocity" else self.solid.displacement
+        return float(self._row @ by)
 
     def gradient(self) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives by q and v."""
@@ -77,12 +82,9 @@ class Centre(_Linear):
 
     def value(self) -> float:
         """Now; of a deformable solid its displacement."""
-        solid = self.solid
-        if isinstance(solid, RigidSolid) and self._of == "place":
-            return float(self._direction @ solid.place)
-        assert isinstance(solid, (RigidSolid, DeformableSolid))
-        by = solid.velocity if self._of == "velocity" else solid.displacement  # type: ignore
-        return float(self._row @ by)
+        if isinstance(self.solid, RigidSolid) and self._of == "place":
+            return float(self._direction @ self.solid.place)
+        return super().value()
 
 
 class Turn:
@@ -156,12 +158,6 @@ class At(_Linear):
         self._row = np.zeros(solid.owned)
         self._row[d * node : d * (node + 1)] = checks.vector("direction", direction, d)
 
-    def value(self) -> float:
-        """Now."""
-        assert isinstance(self.solid, DeformableSolid)
-        by = self.solid.velocity if self._of == "velocity" else self.solid.displacement
-        return float(self._row @ by)
-
 
 class Travel(_Linear):
     """How far a beam has moved against the direction of its axis, m, or its speed, m/s
@@ -174,7 +170,6 @@ class Travel(_Linear):
         solid.unknowns.split(self._row)[1][:] = -solid.unknowns.mean
 
     def value(self) -> float:
-        """Now."""
         assert isinstance(self.solid, BeamSolid)
         return self.solid.speed if self._of == "velocity" else self.solid.travel
 

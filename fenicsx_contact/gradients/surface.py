@@ -76,12 +76,9 @@ class ContactRows:
 
     def __init__(self, contact: Contact, motion: Motion) -> None:
         self._refuse(contact)
-        self.contact, self.motion = contact, motion
+        self.contact, self.motion, self._d = contact, motion, contact.surface.dim
         self.motions: Sequence[Motion] = [motion]
-        self._by_start: list[ByField] = []  # made when a law first reads it, for copies, too
-        self._by_slip: list[ByVector] = []
-        self._by_normal: list[ByVector] = []
-        self._d = contact.surface.dim
+        self._forms: dict[int, ByField | ByVector] = {}  # by fields, for copies, too
         self._more = contact.equations.fields.components - self._d  # multipliers of a point
 
     def _refuse(self, contact: Contact) -> None:
@@ -132,20 +129,20 @@ class ContactRows:
         self._parameters = tangents.parameters().copy()
         self._start = np.zeros(self._blocks.shape[:2])
         if self.reads_start.any():
-            if not self._by_start:
-                self._by_start.append(ByField(self.contact, e.fields.start_jump_n))
-            self._start = self._by_start[0]()
+            self._start = self._by_field(ByField, e.fields.start_jump_n)
         self._slip = np.zeros((*self._start.shape, self._d))
         slips = e.fields.start_slip.x.array.reshape(-1, self._d).any(axis=1)
         if self.step.limit_rate and slips.any():
-            if not self._by_slip:
-                self._by_slip.append(ByVector(self.contact, e.fields.start_slip))
-            self._slip = self._by_slip[0]() * slips[:, None, None]
+            self._slip = self._by_field(ByVector, e.fields.start_slip) * slips[:, None, None]
         self._turned = np.zeros_like(self._slip)  # by the normals at the start
         if e.fields.start_normal is not None:
-            if not self._by_normal:
-                self._by_normal.append(ByVector(self.contact, e.fields.start_normal))
-            self._turned = self._by_normal[0]()
+            self._turned = self._by_field(ByVector, e.fields.start_normal)
+
+    def _by_field(self, kind: type[ByField] | type[ByVector], field: Any) -> np.ndarray:
+        """Derivatives of the form by a field, which is made when a law first reads that."""
+        if id(field) not in self._forms:
+            self._forms[id(field)] = kind(self.contact, field)
+        return self._forms[id(field)]()
 
     def _normals(self, start: np.ndarray) -> None:
         """What the obstacle is at the start and the end, and how that depends on the places."""
@@ -204,17 +201,21 @@ class ContactRows:
             end,
         )
 
+    def _by_multipliers(self) -> tuple[Any, Any]:
+        T, d = self._blocks[self.points], self._d
+        return square(T[:, d:, d:]), -square(T[:, :d, d:])
+
     def derivatives(self) -> dict[str, tuple[Any, Any]]:
         """Of the rows of the multipliers, and of the forces at the candidates (k d, ...): by ``v``,
         ``q`` at the end, ``v_old``, ``q_old``, and by the multipliers, ``m``."""
         p, d = self.points, self._d
-        T, w = self._blocks[p], self._weights()
+        w = self._weights()
         new, old = self.new.at(p, d), self.old.at(p, d)
         # what the rows depend on: velocities and places at the end, and at the start
         by_place = w.end * self.slope[p][:, None] + w.normal @ self.bend[p]
         by_start = w.start * self.old_normal[p][:, None] + self._slip[p]
         by_gap = w.gap * self.old_slope[p][:, None] + w.old_normal @ self.old_bend[p]
-        result = {"m": (square(T[:, d:, d:]), -square(T[:, :d, d:]))}
+        result = {"m": self._by_multipliers()}
 
         def told(weights: Callable[[slice], Any]) -> tuple[Any, Any]:
             return weights(slice(d, None)), -weights(slice(0, d))
@@ -234,19 +235,18 @@ class ContactRows:
         result = np.zeros(self._blocks[p].shape[:2])
         if (rows := parameter.rows(self.contact)) is not None:
             result += rows[p]
+        self._add_moved(parameter, result)
+        return result[:, d:].ravel(), -result[:, :d].ravel()
+
+    def _add_moved(self, parameter: Parameter, result: np.ndarray) -> None:
+        """Add what moves with the obstacle to the rows of the points, (k, unknowns of a point)."""
         if (wall := parameter.wall(self.contact, self.places)) is not None:
             before, w = parameter.wall(self.contact, self.old_places), self._weights()
             assert before is not None
             ends = (wall, w.end, w.normal), (before, w.gap, w.old_normal)
             for (closer, turned), by_gap, by_normal in ends:  # those of the slave: the opposite
-                result -= by_gap[:, :, 0] * closer[p][:, None]
-                result -= np.einsum("pci,pi->pc", by_normal, turned[p])
-        return result[:, d:].ravel(), -result[:, :d].ravel()
-
-    def closer(self, parameter: Parameter, places: np.ndarray) -> np.ndarray:
-        """Change of the gaps at places (k, d) by a parameter, (k,)."""
-        wall = parameter.wall(self.contact, places)
-        return np.zeros(len(places)) if wall is None else -wall[0]
+                result -= by_gap[:, :, 0] * closer[self.points][:, None]
+                result -= np.einsum("pci,pi->pc", by_normal, turned[self.points])
 
     def gap_row(self, point: int) -> np.ndarray:
         """Derivative of the gap of a point at the end by q, (size,)."""
@@ -258,15 +258,15 @@ class ContactRows:
     def gap_by(self, parameters: Sequence[Parameter], point: int) -> np.ndarray:
         """And by parameters, (p,)."""
         place = self.at.end_places[point : point + 1]
-        return np.array([self.closer(parameter, place)[0] for parameter in parameters])
+        walls = [parameter.wall(self.contact, place) for parameter in parameters]
+        return np.array([0.0 if wall is None else -wall[0][0] for wall in walls])
 
     def spread(self) -> Any:
         """Minus the operator from forces at the candidates to those on the solid, (size, k d)."""
         forced = self.at.forces
         if forced is self.new.place and not isinstance(forced, np.ndarray):
             return Pushed(self.new.at(self.points, self._d).place)
-        places = components(self.points, self._d)
-        return -self.at.forces[places].T
+        return -forced[components(self.points, self._d)].T
 
     @staticmethod
     def key(name: str, number: int) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from ..base.constants import ROUND_OFF
-from ..base.vectors import across, cross, largest
+from ..base.vectors import across, cross, largest, slices
 from ..contact.contact import Contact
 from ..solids.motions import FREE, Motions
 from ..theory.scheme import Step
@@ -51,8 +51,8 @@ def unbearable(solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -
         left = left + forces @ nnls(forces, -left)[0]
     if np.abs(left).max() <= FREE:
         return ""
-    starts = np.cumsum([0, *(shares[id(solid)].shape[1] for solid in solids)])
-    ways = [shares[id(s)] @ left[a:b] for s, a, b in zip(solids, starts, starts[1:])]
+    parts = slices(shares[id(solid)].shape[1] for solid in solids)
+    ways = [shares[id(solid)] @ left[part] for solid, part in zip(solids, parts)]
     which = int(np.argmax([np.abs(way).max(initial=0.0) for way in ways]))
     motion = Motions(solids[which]).name(ways[which])
     return f"no equilibrium: contacts cannot hold {solids[which].name!r} against {motion}"

@@ -28,7 +28,7 @@ from petsc4py import PETSc
 
 from ..base.checks import StepFailed
 from ..base.processes import together
-from ..base.vectors import largest
+from ..base.vectors import largest, slices
 from ..solids import DeformableSolid
 from .monolithic import Monolithic
 from .multigrid import Multigrid, rigid_modes
@@ -70,8 +70,7 @@ class Krylov(Monolithic):
         start = self.places.mine.start
         given = [own[s.fixed_unknowns] for s, own in zip(solids, self.places.own)]
         self._given = np.concatenate(given) - start
-        sizes = np.cumsum([0, *map(len, self.places.own)])
-        self._each = [slice(*ends) for ends in zip(sizes[:-1], sizes[1:])]
+        self._each = slices(map(len, self.places.own))
         self._surface = SurfaceRows(self.parts, self._traces, self.places, self.comm)
         self.counts: deque[int] = deque(maxlen=100)
         self.times: dict[str, float] = {}
@@ -102,7 +101,8 @@ class Krylov(Monolithic):
         own = surface.own(block)
         springs = surface.own_touched((yy - ym @ inverse @ seen).tocsr())
         rows = np.concatenate([*self.rows, np.empty(0)])[surface.multipliers]
-        residual = np.concatenate([*self._residuals(), solve @ rows])
+        own_rows = [s.linear_residual() if self.frozen else s.residual() for s in self.solids]
+        residual = np.concatenate([*own_rows, solve @ rows])
         clock("surface")
         stale = self._renew(springs)
         clock("multigrid")
@@ -145,10 +145,6 @@ class Krylov(Monolithic):
             )
         local[self._given] = 0.0  # to more digits than the tolerance leaves them
         return [local[each] for each in self._each], surface.everywhere(local[n:])
-
-    def _residuals(self) -> list[np.ndarray]:
-        """Those of the solids, of this process's unknowns."""
-        return [s.linear_residual() if self.frozen else s.residual() for s in self.solids]
 
     def _compliance(self) -> sp.csr_matrix:
         surface, t = self._surface, len(self._surface.touched)

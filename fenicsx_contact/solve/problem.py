@@ -11,7 +11,7 @@ from time import perf_counter
 import numpy as np
 
 from ..base.checks import StepFailed
-from ..base.vectors import largest
+from ..base.vectors import largest, slices
 from ..contact.contact import Contact
 from ..solids import Solid, Trace
 from ..solids.trace import DeformableTrace
@@ -35,7 +35,7 @@ class Assembly:
 
     def __init__(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
         self.solids, self.contacts = list(solids), list(contacts)
-        self.parts = _slices(contact.part.places for contact in self.contacts)
+        self.parts = slices(contact.part.places for contact in self.contacts)
         self.sides: list[tuple[Solid, Trace]] = [
             side for c in self.contacts for side in zip(c.solids, c.traces)
         ]
@@ -45,7 +45,7 @@ class Assembly:
         }
         # active points, the blocks of their W, and W
         self._made: _Made = np.empty(0), [], np.empty((0, 0))
-        self.slices = _slices(trace.jump(s.velocity).size for s, trace in self.sides)
+        self.slices = slices(trace.jump(s.velocity).size for s, trace in self.sides)
 
     @cached_property
     def hyperstatic(self) -> bool:
@@ -178,11 +178,6 @@ def _largest(contact: Contact, velocities: np.ndarray, noise: float) -> float:
 def scale_of(speed: float) -> float:
     """A power of two near the speed: scales change rarely then, and cost no accuracy."""
     return 2.0 ** ceil(log2(speed)) if 0 < speed < inf else 1.0
-
-
-def _slices(sizes: Iterable[int]) -> list[slice]:
-    bounds = np.cumsum([0, *sizes])
-    return [slice(a, b) for a, b in zip(bounds[:-1], bounds[1:])]
 
 
 class Clock:

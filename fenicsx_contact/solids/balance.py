@@ -59,7 +59,7 @@ class BalancedSolid(MonolithicSolid):
     @property
     @abstractmethod
     def last_stiffness(self) -> PETSc.Mat:
-        """The newest stiffness."""
+        """The newest of ``stiffness``."""
 
     @abstractmethod
     def internal_force(self, displacement: np.ndarray) -> np.ndarray:

@@ -235,9 +235,9 @@ class MonolithicTrace(Trace):
     def seeing(self) -> sp.csr_matrix:
         """J, (components of the points, unknowns of the solid)."""
 
-    @abstractmethod
     def spreading(self) -> sp.csr_matrix:
-        """The operator whose transpose spreads forces, likewise."""
+        """The operator whose transpose spreads forces, likewise; J if it stays the same."""
+        return self.seeing()
 
 
 class MonolithicSolid(Solid):

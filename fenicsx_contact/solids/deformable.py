@@ -189,11 +189,6 @@ class DeformableSolid(SystemRows, Stressed):
         """Gradient of a field in UFL, with what is across the mesh where that deforms, too."""
         return self.plane.gradient(field, ufl.SpatialCoordinate(self.mesh.mesh))
 
-    @property
-    @abstractmethod
-    def last_stiffness(self) -> PETSc.Mat:
-        """The newest of :meth:`stiffness`."""
-
     @abstractmethod
     def stiffness(self, displacement: np.ndarray) -> PETSc.Mat:
         """Derivative of the internal forces at a displacement; the solid keeps the matrix."""

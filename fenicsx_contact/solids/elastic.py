@@ -169,7 +169,6 @@ class ElasticSolid(DeformableSolid):
         return (displacement.reshape(-1, self.dim) - first * self._drifting).ravel()
 
     def strain_energy(self) -> float:
-        """Strain energy of the state, J."""
         return 0.5 * self._sum(self.displacement @ self._internal)
 
     def describe(self) -> str:

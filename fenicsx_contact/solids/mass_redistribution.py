@@ -26,16 +26,15 @@ from .vector_space import VectorSpace
 
 
 def move_mass_inwards(
-    vectors: VectorSpace, mass: PETSc.Mat, nodes: np.ndarray, fixed: np.ndarray, layers: int = 2
+    vectors: VectorSpace, mass: PETSc.Mat, nodes: np.ndarray, fixed: np.ndarray
 ) -> None:
-    """Take the mass of some nodes and give it to those behind them, changing ``mass``.
+    """Take the mass of some nodes and give it to two layers behind them, changing ``mass``.
 
     Args:
         vectors: the space of the solid's velocities, of degree 1.
         mass: its assembled mass matrix, kg.
         nodes: the local nodes of the boundary that this process owns.
         fixed: the unknowns of the space that are held, which take no mass.
-        layers: of nodes behind the boundary, which take over its mass.
 
     Raises:
         InputError: a displacement of degree 2, periodic sides, or no free nodes behind the
@@ -67,7 +66,7 @@ def move_mass_inwards(
     # neighbours by neighbours: the mass couples a node with those of its cells
     near = np.zeros(len(x))
     near[nodes] = 1.0
-    for _ in range(layers):
+    for _ in range(2):
         near = np.abs(vectors.multiply(mass, component(near))[::d]) > 0
         near = near.astype(float)
     near[nodes] = 0.0
@@ -135,7 +134,6 @@ def relax(
     force: Callable[[np.ndarray], np.ndarray],
     tangent: Callable[[np.ndarray], PETSc.Mat],
     first: int,
-    corrections: int = 20,
 ) -> None:
     """Bring a boundary without mass into equilibrium, by Newton's method, changing its
     ``displacement``.
@@ -146,16 +144,15 @@ def relax(
         force: internal forces less loads at a displacement, N.
         tangent: their derivative.
         first: number of this process's first unknown.
-        corrections: at most.
 
     Raises:
-        InputError: it has no equilibrium near the initial displacement.
+        InputError: it has no equilibrium near the initial displacement, within 20 corrections.
     """
     matrix = tangent(displacement)
     rows = PETSc.IS().createGeneral((first + unknowns).astype(np.int32), comm=matrix.comm)
     comm = matrix.comm.tompi4py()
     start = None
-    for _ in range(corrections):
+    for _ in range(20):
         residual = force(displacement)[unknowns]
         size = max(comm.allgather(largest(residual)))
         start = size if start is None else start

@@ -97,7 +97,7 @@ class Axisymmetric(Whole):
     def gradient(self, w: Any, x: Any) -> Any:
         g = ufl.grad(w)
         hoop = ufl.conditional(ufl.gt(x[0], 0), w[0] / x[0], g[0, 0])
-        return ufl.as_matrix([[g[0, 0], g[0, 1], 0], [g[1, 0], g[1, 1], 0], [0, 0, hoop]])
+        return in_space(g, hoop)
 
     def breadth(self, x: Any) -> Any:
         return 2 * np.pi * x[0]

@@ -173,7 +173,6 @@ class RigidSolid(RigidMotion):
             self._trial_momentum = self._momentum_of(self.trial_velocity, self.trial_turn)
 
     def push(self, force: np.ndarray) -> None:
-        """Add to the forces on the solid in this step, N and N m."""
         self._force += force
         self._terms += np.abs(force)
 

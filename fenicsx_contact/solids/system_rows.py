@@ -36,7 +36,6 @@ class SystemRows(BalancedSolid):
         return float(max(largest(free), largest(self._force)))
 
     def load_speed(self) -> float:
-        """The largest speed that the loads of the step give to a node alone, m/s: a scale."""
         free = self.free_load / self.factorisation.diagonal
         free[self.fixed_unknowns] = 0.0
         own = largest(free)

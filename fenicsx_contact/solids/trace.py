@@ -228,9 +228,6 @@ class DeformableTrace(MonolithicTrace):
     def seeing(self) -> scipy.sparse.csr_matrix:
         return self._whole
 
-    def spreading(self) -> scipy.sparse.csr_matrix:
-        return self._whole
-
     def spread(self, force: np.ndarray) -> None:
         if self._picked is None:
             self._solid.push(self._pushing @ force)

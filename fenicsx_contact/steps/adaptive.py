@@ -29,7 +29,6 @@ from ..base import checks
 from ..base.checks import StepFailed
 from ..contact.arrivals import depth, short, struck
 from ..contact.contact import Contact
-from ..solids import Solid
 from ..solve.problem import Clock
 from ..theory.scheme import Scheme, Step
 from .pace import Pace
@@ -86,7 +85,7 @@ class ErrorControl:
                 f"as theta = 0.5 with forces at 'theta', not of {scheme.describe()}"
             )
         self._constant = scheme.error_constant
-        self._stepper, self.least = stepper, 0.0
+        self._stepper, self.solids, self.least = stepper, stepper.solids, 0.0
         self._tolerance = max((c.tolerance for c in stepper.contacts), default=0.0)
         self.length = np.inf
         self._last: Mean | None = None
@@ -95,11 +94,6 @@ class ErrorControl:
         self._judged = 0.0  # the longest step from the present state that was not refused
         self._arc = self._top = self._size(self._of("velocity"))
         self._way = 0.0  # since the start, m
-
-    @property
-    def solids(self) -> Sequence[Solid]:
-        """Of the scene."""
-        return self._stepper.solids
 
     @property
     def contacts(self) -> Sequence[Contact]:
@@ -250,11 +244,9 @@ class AdaptivePace(Pace):
         """A step of the grid begins, or goes on from ``done``."""
 
     def end(self, done: float) -> float:
-        """Where the part that begins at ``done`` ends."""
         return min(1.0, self._part * ceil(done / self._part + AHEAD))
 
     def shorten(self, tried: float, failure: StepFailed) -> bool:
-        """A part as long as ``tried`` failed; whether a shorter one may be tried."""
         wanted = tried / 2
         if isinstance(failure, StepTooLong):
             wanted = max(min(wanted, failure.length / self.dt), self.shortest)
@@ -262,19 +254,16 @@ class AdaptivePace(Pace):
         return wanted >= self.shortest
 
     def lengthen(self, done: float) -> None:
-        """A part ended at ``done``."""
         longer = 2 * self._part
         allowed = longer <= 1.0 and longer * self.dt <= self.stepper.length
         if allowed and (done / longer).is_integer():
             self._part = longer
 
     def state(self) -> dict[str, np.ndarray]:
-        """The arrays from which :meth:`restore` continues identically."""
         own = {"run.part": np.array(self._part)}
         return own | {f"run.error.{key}": value for key, value in self.stepper.state().items()}
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
-        """Take up a state that :meth:`state` gave."""
         self._part = float(state["run.part"])
         prefix = "run.error."
         own = {k.removeprefix(prefix): v for k, v in state.items() if k.startswith(prefix)}

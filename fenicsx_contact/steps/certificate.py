@@ -60,8 +60,7 @@ class Certificate:
     @property
     def refusal(self) -> str:
         """Why the state is not to be accepted, or nothing."""
-        for what in ("momentum", "contact"):
-            entry = getattr(self, what)
+        for what, entry in (("momentum", self.momentum), ("contact", self.contact)):
             if not entry <= ACCEPTED:  # NaN is not
                 return f"no certificate: relative error of {what} {entry:.2g}, above {ACCEPTED:g}"
         if self.wedged:

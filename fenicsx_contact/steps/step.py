@@ -247,13 +247,13 @@ class Stepper:
     @property
     def krylov(self) -> list[int]:
         """Iterations of the last linear solves, at most 100, if the solver is iterative."""
-        system = getattr(self._method, "system", None)
+        system = self._method.system
         return list(system.counts) if isinstance(system, Krylov) else []
 
     @property
     def solve_times(self) -> dict[str, float]:
         """Seconds of the linear solves by part, if the solver is iterative."""
-        system = getattr(self._method, "system", None)
+        system = self._method.system
         return dict(system.times) if isinstance(system, Krylov) else {}
 
     @property

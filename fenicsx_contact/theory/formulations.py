@@ -142,7 +142,6 @@ class Printed(Velocity):
     percussive: ClassVar[bool] = False
 
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
-        """Contact terms of (7) and the status of each point."""
         return weak_form(k, k.jump_n + self.drift_correction * k.gap / k.horizon, k.closed)
 
     def closed(self, predicted_gap: np.ndarray, tolerance: float) -> np.ndarray:
@@ -150,7 +149,6 @@ class Printed(Velocity):
         return predicted_gap >= -tolerance
 
     def limit(self, data: StepData) -> np.ndarray:
-        """The w_n that the law allows at most."""
         return -self.drift_correction * data.gap / data.horizon
 
 
@@ -257,22 +255,11 @@ def formulation(value: Formulation | str) -> Formulation:
                 "formulation = 'discrete': springs need a stiffness, pass Discrete(stiffness=...)"
             )
         return _NAMED[checks.choice("formulation", value, [*_NAMED, "discrete"])]
-    members = [m for m in _MEMBERS if not hasattr(value, m)]
+    asked = [name for name in vars(Formulation) if not name.startswith("_")]
+    members = [name for name in asked if not hasattr(value, name)]
     if members or isinstance(value, type):
         raise checks.InputError(
             f"formulation = {value!r}: must be one of {[*_NAMED, 'discrete']} or an object with "
             f"the members of Formulation; it lacks {members or 'its parameters: call it'}"
         )
     return value
-
-
-_MEMBERS = (
-    "name",
-    "multipliers",
-    "percussive",
-    "at_points",
-    "points",
-    "gap_share",
-    "form",
-    "limit",
-)

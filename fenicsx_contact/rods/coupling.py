@@ -43,9 +43,10 @@ class GuideCoupling(NodalJump):
         super().__init__(contact.solid, contact.equations, contact.obstacle, trace)
         self._guide, self._stations = contact.obstacle, contact.stations
         self._rod, self._trace, self._turn = contact.solid.rod, trace, turn
+        self._own = trace.rod
         self._rigid = contact.formulation.multipliers
-        self._deepest, self._side = contact.deepest, trace.side.copy()
-        self._lengths = Lengths(self._guide, trace.material, self._stations)
+        self._deepest, self._side = contact.deepest, self._own.side.copy()
+        self._lengths = Lengths(self._guide, self._own.material, self._stations)
         self._measured = contact.measured
         axis, (low, high) = self._rod.axis, self._rod.axis.stretch(contact.facets)
         # where the stretch ends and the rod goes on there is no tip
@@ -67,21 +68,20 @@ class GuideCoupling(NodalJump):
             along = self._outward @ guide.direction
             self._distances += outline[0] * np.sqrt(1 - along * along)
             recess = outline[0][rows], -outline[1][rows]
-        bent = self._trace.wall_slopes()
-        if bent is not None:
-            self._tilt(bent @ self._rod.frame)
+        if isinstance(self._trace, PairTrace):
+            self._tilt(self._trace.tube.slopes() @ self._rod.frame)
         # the beam's slopes are by its own s, upwards, and in its own lateral directions
-        slopes = -self._trace.slopes()[rows] @ self._turn
+        slopes = -self._own.slopes()[rows] @ self._turn
         self._distances[rows], self._outward[rows] = guide.at_stations(
             x[rows], slopes, self.time, recess
         )
-        self._distances[self._trace.void] = guide.far
+        self._distances[self._own.void] = guide.far
 
     def clearance(self) -> np.ndarray:
         """What the rod has around it at the points where it is straight in the middle of its hole,
         (n,) in m; the guide's ``far`` where there is no hole, or no rod."""
         clearance = self._guide.holes(self._trace.positions(), self._stations)[1]
-        clearance[self._trace.void] = self._guide.far
+        clearance[self._own.void] = self._guide.far
         if (outline := self.outline()) is not None:
             clearance += np.where(clearance < self._guide.far, outline[0], 0.0)
         return clearance
@@ -108,7 +108,7 @@ class GuideCoupling(NodalJump):
         k = self._rod.matrices
         if not k.recess.any():
             return None
-        cell, xi, _ = k.interpolate(self._trace.material)
+        cell, xi, _ = k.interpolate(self._own.material)
         step = np.diff(k.recess)[cell]
         return k.recess[cell] + xi * step, step / np.diff(k.s)[cell]
 
@@ -119,15 +119,15 @@ class GuideCoupling(NodalJump):
 
     def near(self) -> np.ndarray:
         # a station that the rod has passed meets nothing, though it bore a moment ago
-        there = ~self._trace.void
+        there = ~self._own.void
         if self._measured:  # nothing acts where nothing weighs
-            there &= self._lengths(self._trace.material, self._trace.void) > 0
+            there &= self._lengths(self._own.material, self._own.void) > 0
         return there
 
     @property
     def area(self) -> np.ndarray:
         """Lengths of the rod for which the points stood in the last step, (n,) in m."""
-        return self._lengths(*self._trace.acted)
+        return self._lengths(*self._own.acted)
 
     @property
     def blocked(self) -> str:
@@ -137,7 +137,7 @@ class GuideCoupling(NodalJump):
             return reason
         rows, guide = self._stations, self._guide
         (from_above, from_below), was = self._faces, self._side[rows]
-        reached = (from_above & (was < 0) | from_below & (was > 0)) & ~self._trace.void[rows]
+        reached = (from_above & (was < 0) | from_below & (was > 0)) & ~self._own.void[rows]
         within = np.where(reached, self.gaps()[rows], 0.0)
         worst = int(within.argmax())
         if within[worst] <= self._deepest:
@@ -165,7 +165,7 @@ class GuideCoupling(NodalJump):
 
     def accept(self) -> None:
         super().accept()
-        self._side = self._trace.side.copy()
+        self._side = self._own.side.copy()
 
     def _depths(self) -> np.ndarray:
         self._look()

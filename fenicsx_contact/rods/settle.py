@@ -148,7 +148,7 @@ def _relax(
 def _apart(touch: GuideContact) -> str:
     """Where two holes at one depth have no place for the rod in common, or ""."""
     guide, rows = touch.obstacle, touch.stations
-    void, wide = touch.trace.void[rows], touch.coupling.clearance()[rows]
+    void, wide = touch.trace.rod.void[rows], touch.coupling.clearance()[rows]
     local, off, _, tube, _, which = guide.around(touch.trace.positions()[rows])
     depth = np.tile(guide.stations, 2)
     centre = np.concatenate([guide.centres, local[:, 1:] - off])

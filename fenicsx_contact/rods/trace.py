@@ -129,6 +129,11 @@ class BeamTrace(Trace):
     # -- places ---------------------------------------------------------------------------------
 
     @property
+    def rod(self) -> BeamTrace:
+        """The trace itself; of a rod in an elastic tube, that of its rod."""
+        return self
+
+    @property
     def void(self) -> np.ndarray:
         """Points at which there is no beam: stations that it has not reached, or has passed."""
         return self._now.void
@@ -207,11 +212,6 @@ class BeamTrace(Trace):
         """Derivative of the deflection by s at the points in the trial state, (n, d - 1)."""
         bending, now = self._solid.split(self._solid.trial_displacement)[0], self._now
         return np.stack([(plane[now.dofs] * now.dw).sum(axis=1) for plane in bending], axis=1)
-
-    def wall_slopes(self) -> np.ndarray | None:
-        """Derivative by s of the deflection of the walls next to the points, (n, d - 1); None:
-        they do not give way."""
-        return None
 
     def _local(self, values: np.ndarray, shapes: _Shapes) -> np.ndarray:
         """A field at the points in the frame of the axis: lateral, then axial, (n, d)."""

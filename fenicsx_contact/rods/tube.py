@@ -163,34 +163,6 @@ class PairTrace(Trace):
         )
         self._positions: np.ndarray | None = None
 
-    @property
-    def void(self) -> np.ndarray:
-        """Points at which there is no rod."""
-        return self.rod.void
-
-    @property
-    def side(self) -> np.ndarray:
-        """On which side of the rod these are: -1 before its lower end, 1 beyond its upper one."""
-        return self.rod.side
-
-    @property
-    def material(self) -> np.ndarray:
-        """The s of the rod at the points, (n,) in m."""
-        return self.rod.material
-
-    @property
-    def acted(self) -> tuple[np.ndarray, np.ndarray]:
-        """The same in the step that was linearised last, and where there was no rod, (n,)."""
-        return self.rod.acted
-
-    def slopes(self) -> np.ndarray:
-        """Derivative of the rod's deflection by s, (n, d - 1)."""
-        return self.rod.slopes()
-
-    def wall_slopes(self) -> np.ndarray:
-        """Derivative of the tube's deflection by s next to the points, (n, d - 1)."""
-        return self.tube.slopes()
-
     def follow(self) -> None:
         self.rod.follow()
         self.tube.follow()

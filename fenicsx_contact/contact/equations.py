@@ -74,11 +74,11 @@ class SurfaceEquations(SurfaceUnknowns):
         self.tangents = SurfaceTangent(k, form, self._order)
         self._z, self._closed, self.gap = (f.x.array for f in (k.unknowns, k.closed, k.gap))
         self.start_jump_n, self.normal = k.start_jump_n.x.array, k.normal.x.array
-        self._key, self._speed, self._rates = b"", 0.0, (0.0, 0.0, 0.0, 0.0)
+        self._key, self._rates = b"", (0.0, 0.0, 0.0, 0.0)
+        self.speed = 0.0  # the typical one of the step, by which unknowns are scaled, m/s
         self.carried = np.zeros(self.jumps)
         self.rho = np.ones((2, n))  # normal, tangential
-        self._tresca = 0.0
-        self._given = self.rho, 0.0  # of what rho is made
+        self._tresca, self._given = 0.0, (self.rho, 0.0)  # of what rho is made
         self.revision = 0  # counts the changes of candidates and scales
         self.choose(chosen)
 
@@ -114,13 +114,13 @@ class SurfaceEquations(SurfaceUnknowns):
         """
         given = units, self._tresca
         changed = given[0] is not self._given[0] or given[1] != self._given[1]
-        if not changed and speed == self._speed:
+        if not changed and speed == self.speed:
             return
         if changed:
             self._given = given
             self.rho = rho = (self._tresca or self._augmentation[:, None]) * units
             self.fields.rho_n.x.array[:], self.fields.rho_t.x.array[:] = rho
-        self._speed = speed
+        self.speed = speed
         self.revision += 1
         d, share = self._surface.dim, np.where(self.weight > 0, self.weight, 1.0)
         self.force_scale = units[0] * speed * share  # of each point, N
@@ -134,11 +134,6 @@ class SurfaceEquations(SurfaceUnknowns):
             self.column_scale[self.tractions :] = np.tile(units[1] * speed, d - 1)
 
     @property
-    def speed(self) -> float:
-        """The typical speed of the step by which its unknowns are scaled, m/s."""
-        return self._speed
-
-    @property
     def stopping_force(self) -> float:
         """The largest force that stops a candidate of that speed within the step, N."""
         if self._stopping is None:
@@ -150,7 +145,7 @@ class SurfaceEquations(SurfaceUnknowns):
         if not np.array_equal(weight, self.weight):
             self.weight = weight
             self.fields.set_weight(weight / self._surface.nodal_area)
-            self._speed = 0.0  # scales are to be set anew
+            self.speed = 0.0  # scales are to be set anew
 
     def set_rates(self, gap_rate: float, dt: float, limit_rate: float, horizon: float) -> None:
         """Derivative of the gap by w, s, length of the step, s, (1 - theta)/theta, and the time
@@ -179,8 +174,8 @@ class SurfaceEquations(SurfaceUnknowns):
         """Whether the bound of friction is that of the present pressure, which then is no unknown
         in it: Tresca's problem. It is solved with this augmentation; 0: no longer."""
         self._tresca = augmentation
-        if self._speed:
-            self.set_scale(self._given[0], self._speed)
+        if self.speed:
+            self.set_scale(self._given[0], self.speed)
         if self.size > self.tractions > self.jumps:
             self.fields.frozen.value = float(augmentation > 0)
             lam = self.values[self.jumps : self.tractions]
@@ -205,6 +200,13 @@ class SurfaceEquations(SurfaceUnknowns):
     def residual(self) -> np.ndarray:
         """The assembled contact terms of (7)."""
         return self._residual()[self._order]
+
+    def forces(self) -> np.ndarray:
+        """What the unknowns of the candidates are to the points, (n, d) in N."""
+        forces = np.zeros(self.jumps)
+        if len(self.active_jumps):
+            forces[self.active_jumps] = -self.residual()[self.active_jumps]
+        return forces.reshape(-1, self._surface.dim)
 
     # -- as a part of a system: restricted to the candidates --------------------------------------
 
@@ -267,11 +269,9 @@ class SurfaceEquations(SurfaceUnknowns):
 
     def jump_operator(self) -> None:
         """The unknown velocities are the jumps of the candidates and what is carried."""
-        return None
 
     def force_operator(self) -> None:
         """Forces on the candidates act on these velocities."""
-        return None
 
     def set_places(self, velocities: np.ndarray) -> None:
         """Set the active velocities."""

@@ -12,7 +12,7 @@ from ..base.checks import StepFailed
 from ..base.mesh import NamedMesh
 from ..solids import Solid
 from .mortar.search import Near, Spheres
-from .simplices import SIMPLICES, nearest
+from .simplices import nearest, split
 from .wall import Wall
 
 #: Cost: the direction in which points look for the facets around them, which no symmetry of a mesh
@@ -24,7 +24,7 @@ def deepest(points: np.ndarray, solid: Solid, limits: np.ndarray) -> float:
     """How far below the boundary of a solid the deepest is of the points (n, d) that lie farther
     inside than their limits (n,), in m; 0 if none does."""
     nodes, cells, cell = solid.mesh.skin()
-    cells = cells[:, : NODES[cell][0]][:, SIMPLICES[cell]].reshape(-1, points.shape[1])
+    cells = split(cells[:, : NODES[cell][0]], cell)
     places = solid.trace(nodes).positions()
     low, high = places.min(axis=0), places.max(axis=0)
     near = ((points - low > limits[:, None]) & (high - points > limits[:, None])).all(axis=1)

@@ -212,10 +212,7 @@ class MortarJump(Coupling):
         return self.pairing.jumps(velocities).reshape(self._n, -1)
 
     def force(self, force: np.ndarray) -> np.ndarray:
-        rows, active = np.zeros(self.equations.jumps), self.equations.active_jumps
-        if len(active):
-            rows[active] = -self.equations.residual()[active]
-        return rows.reshape(-1, self._shape[1])
+        return self.equations.forces()
 
     def borne(self, law: np.ndarray, force: np.ndarray) -> np.ndarray:
         own = force.reshape(self._shape)[: len(self.pairing.slave.nodes)]

@@ -17,6 +17,12 @@ SIMPLICES = {
 }
 
 
+def split(corners: np.ndarray, cell: str) -> np.ndarray:
+    """The corners of the simplices of which facets with these corners (m, k) consist, (n, d)."""
+    simplices = np.array(SIMPLICES[cell])
+    return corners[:, simplices].reshape(-1, simplices.shape[1])
+
+
 def nearest(points: np.ndarray, simplices: np.ndarray) -> float:
     """The least distance of points (p, d) from simplices (n, k, d), k = 2 or 3, in m; of what is
     flat in its ends and edges."""

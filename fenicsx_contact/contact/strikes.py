@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..solids import Solid
-from .mortar import Pairing, Side
-from .simplices import SIMPLICES, edges, nearest, passing
+from .mortar import Pairing
+from .simplices import edges, nearest, passing, split
 
 
 class Strikes:
@@ -36,17 +36,13 @@ class Strikes:
         fresh, gone = bears & ~self._bore, self._way
         self._bore, self._way = bears, way
         if self._asked and fresh.any():
-            slave, master = (simplices(side) for side in (pairing.slave, pairing.master))
+            sides = pairing.slave, pairing.master
+            slave, master = (split(side.corners, side.cell) for side in sides)
             slave = slave[fresh[slave].any(axis=1)]
             last = len(pairing.slave.nodes)
             away = separation(places[:last][slave], places[last:][master])
             self.apart = max(self.apart, away - gone)
         return self.apart
-
-
-def simplices(side: Side) -> np.ndarray:
-    """Nodes of the facets of a side, of quadrilaterals of their halves, (m, d)."""
-    return side.corners[:, SIMPLICES[side.cell]].reshape(-1, side.dim)
 
 
 def separation(ones: np.ndarray, others: np.ndarray) -> float:

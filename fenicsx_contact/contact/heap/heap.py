@@ -23,7 +23,7 @@ from ..mortar import Side
 from ..mortar.walls import WALL
 from ..mortar_jump import side_of
 from ..pair_equations import PairedEquations
-from ..simplices import SIMPLICES
+from ..simplices import split
 from ..surface import Surface
 from .meetings import PLACES, Meetings
 from .search import Features, Search
@@ -118,10 +118,7 @@ class HeapJump(Coupling):
         return self.meetings.apart(change)
 
     def force(self, force: np.ndarray) -> np.ndarray:
-        rows, active = np.zeros(self.equations.jumps), self.equations.active_jumps
-        if len(active):
-            rows[active] = -self.equations.residual()[active]
-        return rows.reshape(self.meetings.n, -1)
+        return self.equations.forces()
 
     def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
         # how normals turn is second to what moves: found in the next round
@@ -251,10 +248,9 @@ class Heap(Contact):
         self._sides = sides = [side_of(body, self.facets) for body in self.bodies]
         points, cells, owner, last = [], [], [], 0
         for body, side in enumerate(sides):
-            pick = SIMPLICES[side.cell]
             for _ in range(PLACES[side.dim]):
                 points.append(side.nodes)
-                cells.append(side.corners[:, pick].reshape(-1, side.dim) + last)
+                cells.append(split(side.corners, side.cell) + last)
                 owner.append(np.full(len(cells[-1]), body))
                 last += len(side.nodes)
         kind = "interval" if sides[0].dim == 2 else "triangle"

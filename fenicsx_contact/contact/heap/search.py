@@ -19,6 +19,7 @@ import numpy as np
 
 from ...base.constants import SAME
 from ...base.vectors import dot, normalised
+from ..mortar.search import counted
 from ..mortar.walls import WALL
 from .between import apart, distances
 from .crossing import THROUGH, crossing, nearest
@@ -159,8 +160,7 @@ class Search:
         last = np.searchsorted(low[order, 0], high[order, 0], side="right")
         count = last - np.arange(len(order)) - 1
         first = np.repeat(np.arange(len(order)), count)
-        start = np.cumsum(count) - count
-        second = first + 1 + np.arange(len(first)) - start[first]
+        second = first + 1 + counted(count)
         a, b = order[first], order[second]
         near = ((low[a] <= high[b]) & (low[b] <= high[a])).all(axis=1)
         near &= ~(self._fixed[a] & self._fixed[b])

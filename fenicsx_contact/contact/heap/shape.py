@@ -19,9 +19,10 @@ from scipy.spatial import cKDTree
 from ...base.constants import SAME
 from ...base.vectors import dot, normalised
 from ..mortar.ridges import shared
+from ..mortar.search import counted
 from ..mortar.side import Side, unit_and_length
 from ..mortar.walls import Walls
-from ..simplices import SIMPLICES
+from ..simplices import split
 
 
 class Ragged:
@@ -41,8 +42,7 @@ class Ragged:
         """For each entry of these lists the place of its list in ``which``, and the entry."""
         count = self.count[which]
         row = np.repeat(np.arange(len(which)), count)
-        start = np.cumsum(count) - count
-        return row, self.values[self.first[which][row] + np.arange(len(row)) - start[row]]
+        return row, self.values[self.first[which][row] + counted(count)]
 
 
 class Shape:
@@ -77,15 +77,16 @@ class Shape:
         self.slices = [slice(a, b) for a, b in zip(starts[:-1], starts[1:])]
         self.nodes = np.concatenate([side.nodes for side in sides])
         self.body = np.repeat(np.arange(bodies), np.diff(starts))
-        around = [SIMPLICES[side.cell] for side in sides]
-        facets = [side.corners[:, pick].reshape(-1, self.dim) for side, pick in zip(sides, around)]
+        facets = [split(side.corners, side.cell) for side in sides]
         self.outline = np.concatenate([each + first for each, first in zip(facets, starts)])
         self.owner = np.repeat(np.arange(bodies), [len(each) for each in facets])
         self.sign = np.ones(len(self.outline))
-        every = [
-            (side.flat.middle_normals(side.nodes), len(pick)) for side, pick in zip(sides, around)
-        ]
-        outwards = np.concatenate([normals.repeat(many, axis=0) for normals, many in every])
+        outwards = np.concatenate(
+            [
+                side.flat.middle_normals(side.nodes).repeat(len(mine) // len(side.corners), axis=0)
+                for side, mine in zip(sides, facets)
+            ]
+        )
         self.sign = np.where((self.normals(self.nodes) * outwards).sum(axis=1) < 0, -1.0, 1.0)
         self.faces = Ragged(self.owner, np.arange(len(self.owner)), bodies)
         k = self.outline.shape[1]

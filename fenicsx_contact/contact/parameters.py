@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Derivatives of the contact terms by the geometry that they read: gaps and normals."""
+"""Derivatives of the contact terms by the fields that they read: gaps, normals, what was before."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import ufl
@@ -11,24 +14,27 @@ from .surface_fields import SurfaceFields
 
 
 class ParameterTangents:
-    """Derivatives of a contact form by gap and normal, point by point.
+    """Derivatives of a contact form by fields, point by point.
 
     Args:
         k: the fields of the form.
         form: the contact terms.
+        by: the fields, scalars and vectors, some of which the form reads.
         order_of_rows: place of each dof of the unknowns among (w point by point, lam, tau component
             by component).
     """
 
-    def __init__(self, k: SurfaceFields, form: ufl.Form, order_of_rows: np.ndarray) -> None:
+    def __init__(
+        self, k: SurfaceFields, form: ufl.Form, by: Sequence[Any], order_of_rows: np.ndarray
+    ) -> None:
         n, d = k.surface.size, k.surface.dim
-        space = k.surface.components(1 + d)
-        trial = ufl.split(ufl.TrialFunction(space))
-        normal = ufl.as_vector(trial[1:])
-        tangent = ufl.derivative(form, k.normal, normal) + ufl.derivative(form, k.gap, trial[0])
-        self._assembler = compat.MatrixAssembler(tangent)
-        point, kind = np.empty((2, n * (1 + d)), dtype=np.int64)
-        for component in range(1 + d):
+        count = sum(int(np.prod(field.ufl_shape)) for field in by)
+        space = k.surface.components(count)
+        trial = iter(ufl.split(ufl.TrialFunction(space)))
+        ways = [ufl.as_vector([next(trial) for _ in f]) if f.ufl_shape else next(trial) for f in by]
+        self._assembler = compat.MatrixAssembler(ufl.derivative(form, tuple(by), ways))
+        point, kind = np.empty((2, n * count), dtype=np.int64)
+        for component in range(count):
             dofs = compat.cell_dofs(space.sub(component)).ravel()
             point[dofs], kind[dofs] = k.surface.cell_nodes.ravel(), component
         lengths = np.diff(self._assembler.indptr)
@@ -38,13 +44,14 @@ class ParameterTangents:
         what = np.where(jump, row % d, d + behind // n)
         self._mine = at == point[column]  # all that are not zero
         self._place = at[self._mine], what[self._mine], kind[column][self._mine]
-        self._blocks = np.zeros((n, k.components, 1 + d))
+        self._blocks = np.zeros((n, k.components, count))
 
     def refresh_constants(self) -> None:
         """Constants of the form have changed."""
         self._assembler.refresh_constants()
 
     def __call__(self) -> np.ndarray:
-        """Those of all points, (n, unknowns, 1 + d); the next call uses the same array again."""
+        """Those of all points, (n, unknowns, numbers of all fields); the next call uses the same
+        array again."""
         self._blocks[self._place] = self._assembler()[self._mine]
         return self._blocks

@@ -7,7 +7,8 @@ all of the tangent that is not zero.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -90,8 +91,12 @@ class SurfaceTangent:
     def parameters(self) -> np.ndarray:
         """Derivatives of the rows of each point by its gap and normal, (n, unknowns, 1 + d)."""
         if self._parameters is None:
-            self._parameters = ParameterTangents(self._fields, self.form, self._order_of_rows)
+            self._parameters = self.by([self._fields.gap, self._fields.normal])
         return self._parameters()
+
+    def by(self, fields: Sequence[Any]) -> ParameterTangents:
+        """Derivatives of the rows of each point by fields."""
+        return ParameterTangents(self._fields, self.form, fields, self._order_of_rows)
 
     def dense(self) -> np.ndarray:
         """All of it; the next call uses the same array again."""

@@ -24,7 +24,6 @@ from ..contact.obstacle import Circle, Cylinder, HalfSpace, Sphere
 from ..solids import MonolithicTrace
 from ..theory.scheme import Step
 from .edge import Edge
-from .forms import ByField, ByVector
 from .kinematics import square
 from .laws import refuse_law
 from .motion import Motion
@@ -78,7 +77,10 @@ class ContactRows:
         self._refuse(contact)
         self.contact, self.motion, self._d = contact, motion, contact.surface.dim
         self.motions: Sequence[Motion] = [motion]
-        self._forms: dict[int, ByField | ByVector] = {}  # by fields, for copies, too
+        k = contact.equations.fields
+        turned = [] if k.start_normal is None else [k.start_normal]
+        reads = [k.gap, k.normal, k.start_jump_n, k.start_slip, *turned]
+        self._by = contact.equations.tangents.by(reads)
         self._more = contact.equations.fields.components - self._d  # multipliers of a point
 
     def _refuse(self, contact: Contact) -> None:
@@ -123,26 +125,17 @@ class ContactRows:
 
     def _linearise(self) -> None:
         """Take up the forces and the derivatives of the form."""
-        e = self.contact.equations
-        self._force, tangents = -e.residual()[e.active_jumps], e.tangents
-        self._blocks = tangents.blocks(frozen=True).copy()
-        self._parameters = tangents.parameters().copy()
-        self._start = np.zeros(self._blocks.shape[:2])
-        if self.reads_start.any():
-            self._start = self._by_field(ByField, e.fields.start_jump_n)
-        self._slip = np.zeros((*self._start.shape, self._d))
-        slips = e.fields.start_slip.x.array.reshape(-1, self._d).any(axis=1)
-        if self.step.limit_rate and slips.any():
-            self._slip = self._by_field(ByVector, e.fields.start_slip) * slips[:, None, None]
-        self._turned = np.zeros_like(self._slip)  # by the normals at the start
-        if e.fields.start_normal is not None:
-            self._turned = self._by_field(ByVector, e.fields.start_normal)
-
-    def _by_field(self, kind: type[ByField] | type[ByVector], field: Any) -> np.ndarray:
-        """Derivatives of the form by a field, which is made when a law first reads that."""
-        if id(field) not in self._forms:
-            self._forms[id(field)] = kind(self.contact, field)
-        return self._forms[id(field)]()
+        e, d = self.contact.equations, self._d
+        self._force = -e.residual()[e.active_jumps]
+        self._blocks = e.tangents.blocks(frozen=True).copy()
+        self._by.refresh_constants()
+        by, ends = self._by().copy(), np.cumsum([1 + d, 1, d])
+        self._parameters, start, slip, turned = np.split(by, ends, axis=2)
+        self._start = start[:, :, 0]
+        slips = e.fields.start_slip.x.array.reshape(-1, d).any(axis=1) & bool(self.step.limit_rate)
+        self._slip = np.where(slips[:, None, None], slip, 0.0)
+        # by the normals at the start, where they turn
+        self._turned = turned if turned.size else np.zeros_like(slip)
 
     def _normals(self, start: np.ndarray) -> None:
         """What the obstacle is at the start and the end, and how that depends on the places."""

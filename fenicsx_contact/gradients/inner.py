@@ -122,10 +122,8 @@ class Factor:
         """For columns (n, k)."""
         result = np.zeros_like(right)
         asked = right.any(axis=0).nonzero()[0]
-        if len(asked) == 1:
-            result[:, asked[0]] = self._factor.solve(right[:, asked[0]])
-        elif len(asked):
-            result[:, asked] = self._factor.solve_many(sp.csc_matrix(right[:, asked]))
+        if len(asked):
+            result[:, asked] = self._factor.solve_many(right[:, asked])
         return result
 
     def pushed(self, points: Picked, rate: float) -> np.ndarray:

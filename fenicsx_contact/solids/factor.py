@@ -9,6 +9,7 @@ loop is dense and as small as the surface.
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -44,12 +45,13 @@ class Direct:
         solver.getPC().setType("lu")
         solver.getPC().setFactorSolverType(self._package)
         solver.setFromOptions()
-        if self._by_mumps and self._room != ROOM:
+        if self.by_mumps and self._room != ROOM:
             solver.getPC().setFactorSetUpSolverType()
             solver.getPC().getFactorMatrix().setMumpsIcntl(14, self._room)
 
     @property
-    def _by_mumps(self) -> bool:
+    def by_mumps(self) -> bool:
+        """Whether MUMPS factors it."""
         return str(self._solver.getPC().getFactorSolverType()) == "mumps"
 
     def factor(self) -> bool:
@@ -64,13 +66,13 @@ class Direct:
 
     def _complaint(self) -> int:
         """MUMPS' error, negative; it must not be asked to solve after one."""
-        return self._solver.getPC().getFactorMatrix().getMumpsInfog(1) if self._by_mumps else 0
+        return self._solver.getPC().getFactorMatrix().getMumpsInfog(1) if self.by_mumps else 0
 
     @property
     def entries(self) -> int:
         """Numbers that the factors hold, once they are made."""
         factors = self._solver.getPC().getFactorMatrix()
-        if not self._by_mumps:
+        if not self.by_mumps:
             return int(factors.getInfo()["nz_used"])
         size = int(factors.getMumpsInfog(9))
         return size if size >= 0 else -1_000_000 * size  # as MUMPS tells large ones
@@ -123,16 +125,16 @@ class Factorisation:
             return np.full_like(values, np.nan)
         return self._x.array_r.copy()
 
-    def solve_many(self, columns: sp.csc_matrix) -> np.ndarray:
-        """A^-1 times the owned parts of sparse columns (n, k), dense."""
-        n, k = columns.shape
-        if self._matrix.comm.size > 1 or k == 1:
-            return np.stack([self.solve(columns[:, [i]].toarray().ravel()) for i in range(k)], 1)
-        right = PETSc.Mat().createDense((n, k), comm=self._matrix.comm)
-        left = PETSc.Mat().createDense((n, k), comm=self._matrix.comm)
+    def solve_many(self, columns: Any) -> np.ndarray:
+        """A^-1 times the owned parts of columns (n, k), dense or sparse; dense."""
+        columns = columns.toarray() if sp.issparse(columns) else columns
+        if self._matrix.comm.size > 1 or not self._solver.by_mumps:  # PETSc's takes them one by one
+            return np.stack([Factorisation.solve(self, column) for column in columns.T], axis=1)
+        right = PETSc.Mat().createDense(columns.shape, comm=self._matrix.comm)
+        left = PETSc.Mat().createDense(columns.shape, comm=self._matrix.comm)
         right.setUp()
         left.setUp()
-        right.getDenseArray()[:] = columns.toarray()
+        right.getDenseArray()[:] = columns
         right.assemble()
         left.assemble()
         self._solver.solve_many(right, left)

@@ -12,6 +12,7 @@ Else what friction holds creeps, by a share of the speed that its loads alone wo
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -42,16 +43,14 @@ class FreeFactorisation(Factorisation):
         return self._inverse @ sum_of(self._comm, of.T @ values)
 
     def solve(self, values: np.ndarray) -> np.ndarray:
+        return self._freely(super().solve, values)
+
+    def solve_many(self, columns: Any) -> np.ndarray:
+        columns = columns.toarray() if sp.issparse(columns) else columns
+        return self._freely(super().solve_many, columns)
+
+    def _freely(self, solve: Callable[[np.ndarray], np.ndarray], values: np.ndarray) -> np.ndarray:
         rigid = self._share(self._motions, values)
-        return self._together(super().solve(values - self._momenta @ rigid), rigid)
-
-    def solve_many(self, columns: sp.csc_matrix) -> np.ndarray:
-        if self._comm.size > 1 or columns.shape[1] == 1:
-            return super().solve_many(columns)  # one by one
-        rigid = self._share(self._motions, columns)
-        apart = sp.csc_matrix(columns.toarray() - self._momenta @ rigid)
-        return self._together(super().solve_many(apart), rigid)
-
-    def _together(self, strained: np.ndarray, rigid: np.ndarray) -> np.ndarray:
+        strained = solve(values - self._momenta @ rigid)
         rigid = rigid / self.rate - self._share(self._momenta, strained)
         return np.asarray(strained + self._motions @ rigid)

@@ -51,12 +51,16 @@ class Inner:
         """What is left of its rows after :meth:`solve` gave these (q, v), (2 n, columns), or of its
         columns after it gave these multipliers."""
         n = len(values) // 2
+        result = np.zeros_like(values)
+        result[n:] = (self._rest.T if transposed else self._rest) @ values[n:]
+        return result
+
+    @cached_property
+    def _rest(self) -> sp.csr_matrix:
+        """What the factored matrix has more than the matrix."""
         near, matrix = self.factor.matrix, self._matrix
         entries = near.data - matrix.data
-        rest = sp.csr_matrix((entries, matrix.indices, matrix.indptr), matrix.shape, copy=False)
-        result = np.zeros_like(values)
-        result[n:] = (rest.T if transposed else rest) @ values[n:]
-        return result
+        return sp.csr_matrix((entries, matrix.indices, matrix.indptr), matrix.shape, copy=False)
 
     def renew(self) -> None:
         """Factor the matrix itself."""

@@ -14,13 +14,13 @@ class Edge(NamedTuple):
     Attributes:
         points: their numbers, (k,).
         what: is undecided, (k,).
-        values: the unknowns of the other side.
+        values: the unknowns of the other side, where they are others.
         told: arrays of what the step is told of its start, and what they are there.
         here: the same of this side, where they differ by an error.
     """
 
     points: np.ndarray
     what: list[str]
-    values: np.ndarray
+    values: np.ndarray | None = None
     told: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
     here: tuple[tuple[np.ndarray, np.ndarray], ...] = ()

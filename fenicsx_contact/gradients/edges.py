@@ -4,7 +4,7 @@ meet."""
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cached_property
 
 import numpy as np
 
@@ -58,48 +58,11 @@ class Edges:
         have taken up, that these meet; they are asked for only where there may be some."""
         found, resolution = self._undetermined(trial), self._scene.stepper.resolution
         for rows in self._linear.contacts:
-            misses = partial(self._misses, rows)
+            misses = _Met(self._linear, rows, self._along).misses
             found += kinks(rows, trial, resolution, misses, not self._along.begun)
         if self._scene.locate_impacts and trial.step.dt:
             found += self._touches(trial)
         return found + self._driven(trial)
-
-    def _misses(self, rows: ContactRows, edge: Edge) -> np.ndarray:
-        """Whether the tangent fails the rows of points on the other side of their decision; all of
-        them candidates, or none."""
-        points, x, start = edge.points, self._along.change, self._along.state
-        at = np.flatnonzero(np.isin(rows.points, points))
-        changes = self._linear.changes(rows, x, start)
-        sizes = {name: _largest(change) for name, change in changes.items()}
-        if len(at):  # multipliers of a kind are as large as the largest of all points
-            every = x[self._linear.multipliers(rows)]
-            every = every.reshape(len(rows.points), -1, len(self._parameters))
-            changes["m"] = every[at].reshape(-1, len(self._parameters))
-            largest = np.broadcast_to(np.abs(every).max(axis=0), every[at].shape)
-            sizes["m"] = largest.reshape(changes["m"].shape)
-        left, terms = self._left(rows, edge, changes, sizes)
-        if edge.told:  # nothing is missed where what is told there changes nothing
-            here = self._left(rows, edge._replace(told=edge.here), changes, sizes)
-            left, terms = left - here[0], np.maximum(terms, here[1])
-        return ~alike(*(each.reshape(len(points), -1) for each in (left, terms)))
-
-    def _left(
-        self,
-        rows: ContactRows,
-        edge: Edge,
-        changes: dict[str, np.ndarray],
-        sizes: dict[str, np.ndarray],
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """What changes leave of the rows of points there, and the terms that it is left of."""
-        with rows.other(edge) as other:
-            by = np.stack([other.by(parameter)[0] for parameter in self._parameters], axis=1)
-            derivatives = other.derivatives()
-        left, terms = by, np.abs(by)
-        for name, (multipliers, _) in derivatives.items():
-            if name in changes:
-                left = left + multipliers @ changes[name]
-                terms = terms + abs(multipliers) @ sizes[name]
-        return left, terms
 
     def _undetermined(self, trial: Trial) -> list[Kink]:
         """Points that slide under pressures that are not unique, where the motion hangs on these:
@@ -166,6 +129,70 @@ class Edges:
                 with_it = "at the same instant as another point" if trial.arrives else "and no more"
                 found.append(Kink(contact.name, place, trial.step.end, f"touches {with_it}"))
         return found
+
+
+class _Met:
+    """What the tangent of a step changes of what the rows of a contact read; it is asked for only
+    where they have an edge.
+
+    Args:
+        linear: has just linearised the step.
+        rows: of the contact.
+        along: has taken it up.
+    """
+
+    def __init__(self, linear: Linearisation, rows: ContactRows, along: Along) -> None:
+        self._linear, self._rows, self._along = linear, rows, along
+
+    @cached_property
+    def _changes(self) -> dict[str, np.ndarray]:
+        """Of the solids' q and v at both ends."""
+        return self._linear.changes(self._rows, self._along.change, self._along.state)
+
+    @cached_property
+    def _sizes(self) -> dict[str, np.ndarray]:
+        """The largest of each."""
+        return {name: _largest(change) for name, change in self._changes.items()}
+
+    @cached_property
+    def _multipliers(self) -> np.ndarray:
+        """Changes of the multipliers, (candidates, kinds, parameters)."""
+        change, rows = self._along.change, self._rows
+        return change[self._linear.multipliers(rows)].reshape(
+            len(rows.points), rows.unknowns // len(rows.points), -1
+        )
+
+    def misses(self, edge: Edge) -> np.ndarray:
+        """Whether the tangent fails the rows of points on the other side of their decision; all of
+        them candidates, or none."""
+        changes, sizes = dict(self._changes), dict(self._sizes)
+        at = np.flatnonzero(np.isin(self._rows.points, edge.points))
+        if len(at):  # multipliers of a kind are as large as the largest of all points
+            own = self._multipliers[at]
+            changes["m"] = own.reshape(-1, own.shape[2])
+            largest = np.broadcast_to(np.abs(self._multipliers).max(axis=0), own.shape)
+            sizes["m"] = largest.reshape(changes["m"].shape)
+        left, terms = self._left(edge, changes, sizes)
+        if edge.told:  # nothing is missed where what is told there changes nothing
+            as_it_is = Edge(edge.points, edge.what, told=edge.here)
+            here = self._left(as_it_is, changes, sizes)
+            left, terms = left - here[0], np.maximum(terms, here[1])
+        return ~alike(*(each.reshape(len(edge.points), -1) for each in (left, terms)))
+
+    def _left(
+        self, edge: Edge, changes: dict[str, np.ndarray], sizes: dict[str, np.ndarray]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """What changes leave of the rows of points there, and the terms that it is left of."""
+        with self._rows.other(edge) as other:
+            parameters = self._linear.parameters
+            by = np.stack([other.by(parameter)[0] for parameter in parameters], axis=1)
+            derivatives = other.derivatives()
+        left, terms = by, np.abs(by)
+        for name, (multipliers, _) in derivatives.items():
+            if name in changes:
+                left = left + multipliers @ changes[name]
+                terms = terms + abs(multipliers) @ sizes[name]
+        return left, terms
 
 
 def _largest(changes: np.ndarray) -> np.ndarray:

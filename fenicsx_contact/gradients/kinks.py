@@ -114,14 +114,14 @@ def beginning(rows: ContactRows, step: Step, speed: float, first: bool) -> Itera
     # a status without a force is none that a step has decided
     status = np.where(contact.force.any(axis=1), contact.status, 0)
     held = np.zeros(len(status), dtype=bool) if first else status > 0
-    k, values, p = e.fields, e.values, rows.points
+    k, p = e.fields, rows.points
 
     def edge(points: np.ndarray, what: str, *told: tuple[np.ndarray, np.ndarray]) -> Edge:
         there = []
         for field, side in told:
             there.append((field, field.copy()))
             there[-1][1].reshape(side.shape)[points] = side[points]
-        return Edge(points, [f"begins the step {what}"] * len(points), values, tuple(there))
+        return Edge(points, [f"begins the step {what}"] * len(points), told=tuple(there))
 
     # what bears says where the rest of a body touches
     if contact.formulation.gap_share < 1 and not held.any():

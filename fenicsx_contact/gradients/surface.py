@@ -163,12 +163,15 @@ class ContactRows:
         of that side meanwhile, and their fields what is told there of the start."""
         e, other = self.contact.equations, copy(self)
         mine, told = e.values, [(field, field.copy()) for field, _ in edge.told]
-        e.values, other.points = edge.values, edge.points
+        other.points = edge.points
+        if edge.values is not None:
+            e.values = edge.values
         for field, values in edge.told:
             field[:] = values
         if told:
             other._read_start()
-        other._linearise()
+        if told or edge.values is not None:
+            other._linearise()
         try:
             yield other
         finally:

@@ -81,11 +81,10 @@ class HyperelasticMotion(DeformableMotion):
 
     def _stiffnesses(self, step: Step) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives of the mean internal force by the displacements at both ends."""
-        start, end = self._ends
         old = new = np.zeros(len(self._free))
-        for share, weight in step.scheme.force_points:
+        for (share, _), (weight, place) in zip(step.scheme.force_points, self._places):
             matrix = self._empty()
-            self.solid.add_stiffness(matrix, share * end + (1 - share) * start, weight)
+            self.solid.add_stiffness(matrix, place, weight)
             entries = self._entries(matrix)
             old, new = old + (1 - share) * entries, new + share * entries
         return old, new

@@ -114,7 +114,9 @@ class DeformableMotion(Motion):
 
     def see(self, step: Step) -> None:
         solid = self.solid
-        self._ends = solid.displacement, solid.trial_displacement
+        self._ends = start, end = solid.displacement, solid.trial_displacement
+        points = step.scheme.force_points if step.loaded else ()
+        self._places = [(weight, share * end + (1 - share) * start) for share, weight in points]
         self._momentum = solid.inertia.times(solid.trial_velocity - solid.velocity)
 
     def seen(self, operator: Any) -> Kinematics:
@@ -128,7 +130,8 @@ class DeformableMotion(Motion):
         """The balance of the step whose kinematics were asked last."""
         by_dt = np.zeros(self.size)
         if step.dt and step.scheme.inertia:
-            by_dt = self._freeing @ (-self._momentum / step.dt**2)
+            by_dt = -self._momentum / step.dt**2
+            by_dt[self.held] = 0.0
         return self._balance._replace(dt=by_dt)
 
     def _rows(self, step: Step) -> tuple[Row, Row, Inner]:
@@ -179,13 +182,12 @@ class DeformableMotion(Motion):
         change = parameter.momentum(solid, solid.trial_velocity - solid.velocity)
         rows = np.zeros(self.size) + change * step.inertia_rate
         if step.loaded:
-            start, end = self._ends
-            rows = rows - step.load_weight * parameter.load(solid)
-            for share, weight in step.scheme.force_points:
-                place = share * end + (1 - share) * start
-                rows = rows + weight * parameter.internal(solid, place)
-            rows = rows + parameter.damped(solid, step)
-        return np.asarray(self._freeing @ rows)
+            rows -= step.load_weight * parameter.load(solid)
+            for weight, place in self._places:
+                rows += weight * parameter.internal(solid, place)
+            rows += parameter.damped(solid, step)
+        rows[self.held] = 0.0
+        return rows
 
 
 def scipy_of(matrix: PETSc.Mat) -> sp.csr_matrix:

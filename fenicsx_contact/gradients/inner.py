@@ -136,13 +136,13 @@ class Factor:
             n, key = len(self.matrix.indptr) - 1, id(points.whole)
             if key not in self._columns:
                 size = points.whole.shape[0]
-                self._columns[key] = np.empty((size, n)), np.zeros(size, dtype=bool)
+                self._columns[key] = np.empty((n, size)), np.zeros(size, dtype=bool)
             columns, known = self._columns[key]
             missing = points.rows[~known[points.rows]]
             if len(missing):
                 right = -points.whole[missing].T.toarray()
                 right[self._held] = 0.0
-                columns[missing], known[missing] = self.solve(right).T, True
-            v = columns[points.rows].T
+                columns[:, missing], known[missing] = self.solve(right), True
+            v = columns[:, points.rows]
             self._last = points, np.concatenate([rate * v, v])
         return self._last[1]

@@ -20,7 +20,11 @@ class Picked:
 
     def __init__(self, whole: sp.csr_matrix, rows: np.ndarray) -> None:
         self.whole, self.rows, self.matrix = whole, rows, whole[rows]
-        self.transposed = self.matrix.T.tocsr()
+
+    @cached_property
+    def transposed(self) -> sp.csr_matrix:
+        """The transpose of them."""
+        return self.matrix.T.tocsr()
 
     @cached_property
     def minus(self) -> sp.csr_matrix:
@@ -70,7 +74,7 @@ class Pushed:
 
     def __init__(self, points: Picked) -> None:
         self.points = points
-        self.shape = points.transposed.shape
+        self.shape = points.matrix.shape[::-1]
 
     @property
     def T(self) -> sp.csr_matrix:

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import ufl
 from scenes import FLOOR, FLOOR_3D, G, box, rectangle
+from test_obstacles import Own
 
 from fenicsx_contact import (
     Circle,
@@ -683,3 +684,18 @@ def test_friction_that_a_form_does_not_ask_for_is_refused():
     assert thrown(Frictionless(1e8)).finished
     with pytest.raises(InputError, match=r"friction: .*0\.3.*never asks for its bound"):
         thrown(Frictionless(1e8), friction=0.3)
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError, KeyError, AttributeError, RuntimeError])
+@pytest.mark.parametrize("member", ["distance", "normals", "velocity", "curvature"])
+def test_what_an_own_obstacle_raises_names_it(member, error):
+    """Of some kinds it came bare, without a word on the obstacle."""
+
+    def fails(x, t):
+        raise error("mine")
+
+    block = RigidSolid(rectangle((1, 1), (0.2, 0.1)), mass=1.0)
+    said = f"master = .*: an obstacle raises {error.__name__}: '?mine"
+    with pytest.raises(InputError, match=said) as refused:
+        Contact(block, "base", Own(**{member: fails}))
+    assert isinstance(refused.value.__cause__, error)

@@ -82,25 +82,25 @@ class Wall:
         Raises:
             StepFailed: there is none.
         """
-        with _asked(time):
+        with _asked():
             answer = self._distance(points, time)
         return _finite("distance", answer, points, 0)
 
     def normals(self, points: np.ndarray, time: float) -> np.ndarray:
         """Outward unit normals, (n, d); raises likewise."""
-        with _asked(time):
+        with _asked():
             answer = self._normals(points, time)
         return _finite("normals", answer, points)
 
     def slopes(self, points: np.ndarray, time: float) -> np.ndarray:
         """Derivatives of the distances by the position, (n, d)."""
-        with _asked(time):
+        with _asked():
             answer = self._slopes(points, time)
         return _finite("slopes", answer, points)
 
     def curvature(self, points: np.ndarray, time: float) -> np.ndarray | None:
         """Derivatives of the normals, (n, d, d) in 1/m; None where they vanish or are not known."""
-        with _asked(time):
+        with _asked():
             return self._curvature(points, time) if self._curvature else None
 
     def velocity(self, points: np.ndarray, start: float, end: float) -> np.ndarray:
@@ -108,7 +108,7 @@ class Wall:
         if not self.moving:
             return np.zeros(points.shape)
         if self._velocity:
-            with told(), _asked(end):
+            with told(), _asked():
                 answer = self._velocity(points, start, end)
             return _finite("velocity", answer, points)
         closer = self.distance(points, end) - self.distance(points, start)
@@ -127,8 +127,8 @@ class Wall:
                 self.velocity(points, 0.0, 2.0**-30)  # s; any moment will do
             if (curvature := self.curvature(points, 0.0)) is not None:
                 _finite("curvature", curvature, points, 2)
-        except (TypeError, ValueError, IndexError, checks.StepFailed) as problem:
-            raise checks.InputError(f"master = {self.obstacle!r}: {problem}") from None
+        except checks.StepFailed as problem:
+            raise checks.InputError(f"master = {self.obstacle!r}: {problem}") from problem.__cause__
         off = np.abs(np.linalg.norm(normals, axis=1) - 1)
         if off.max() > RIGHT:
             at = int(off.argmax())
@@ -152,18 +152,15 @@ class Wall:
 
 
 @contextmanager
-def _asked(time: float) -> Iterator[None]:
-    """Within it an obstacle is asked for what it is at a time, s: later than the start a step fails
-    by what it raises."""
+def _asked() -> Iterator[None]:
+    """Within it an obstacle is asked for what it is: a step fails by what it raises."""
     try:
         yield
     except checks.StepFailed:
         raise
     except Exception as problem:
-        if time > 0:
-            name = type(problem).__name__
-            raise checks.StepFailed(f"an obstacle raises {name}: {problem}") from problem
-        raise
+        name = type(problem).__name__
+        raise checks.StepFailed(f"an obstacle raises {name}: {problem}") from problem
 
 
 def _parameters(function: Callable) -> list[inspect.Parameter] | None:

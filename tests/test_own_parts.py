@@ -686,6 +686,63 @@ def test_friction_that_a_form_does_not_ask_for_is_refused():
         thrown(Frictionless(1e8), friction=0.3)
 
 
+def leaning(angle):
+    """Normals that lean by an angle, rad, from those of a floor."""
+    return lambda x, t: np.tile([np.sin(angle), np.cos(angle)], (len(x), 1))
+
+
+@pytest.mark.parametrize("height", [0.0, 1e-3, 1.0])
+@pytest.mark.parametrize(
+    ("members", "said"),
+    [
+        ({"normals": leaning(1.0)}, "grows by 0.54 of a way along"),
+        ({"normals": leaning(0.5 * np.pi)}, r"grows by (0|6.12e-17) of a way along \[1.0, "),
+        ({"distance": lambda x, t: 2 * x[:, 1]}, "grows by 2 of a way along"),
+        (
+            {
+                "distance": lambda x, t: np.where(x[:, 0] > 0.05, 0.5, 1) * x[:, 1],
+                "velocity": lambda x, t: 0 * x,
+            },
+            "grows by 0.5 of a way along",
+        ),
+    ],
+)
+def test_distances_and_normals_that_contradict_each_other_are_refused(height, members, said):
+    """Where they do at some points, and of one that flies, too; it fell through such a floor."""
+    block = RigidSolid(rectangle((2, 1), (0.2, 0.1)), mass=1.0, gravity=(0, -G))
+    place = np.add(block.place, (0, height))
+    block.restore({**block.state(), "place": place})
+    with pytest.raises(InputError, match=said):
+        Contact(block, "base", Own(**members))
+
+
+def test_what_is_flat_has_one_normal():
+    """A parabola told as flat took the block along another way."""
+    block = RigidSolid(rectangle((1, 1), (0.2, 0.1)), mass=1.0)
+    bowl = Own(
+        distance=lambda x, t: (x[:, 1] + x[:, 0] ** 2) / np.sqrt(1 + 4 * x[:, 0] ** 2),
+        normals=lambda x, t: (
+            np.stack([2 * x[:, 0], 1 + 0 * x[:, 0]], axis=1) / np.sqrt(1 + 4 * x[:, :1] ** 2)
+        ),
+    )
+    Contact(block, "base", bowl)
+    bowl.flat = True
+    with pytest.raises(InputError, match="flat = True: its normals must be the same everywhere"):
+        Contact(block, "base", bowl)
+
+
+@pytest.mark.parametrize("moved", [False, True])
+def test_normals_that_are_no_unit_vectors_later_stop_the_run(moved):
+    """By springs the block span under a force of the double."""
+    block = RigidSolid(rectangle((1, 1), (0.2, 0.1)), mass=1.0, gravity=(0, -G))
+    late = Own(normals=lambda x, t: np.tile([0.0, 1.0 if t < 5e-3 else 2.0], (len(x), 1)))
+    master = Moved(late, lambda t: (0, 0)) if moved else late
+    contact = Contact(block, "base", master, Discrete(1e5))
+    history = Scene([block], [contact]).run(0.01, 2e-3)
+    assert history.time[-1] < 5e-3 and "'obstacle')" in history.reason
+    assert "the normals of an obstacle is [0.0, 2.0] at the point" in history.reason
+
+
 @pytest.mark.parametrize("error", [ZeroDivisionError, KeyError, AttributeError, RuntimeError])
 @pytest.mark.parametrize("member", ["distance", "normals", "velocity", "curvature"])
 def test_what_an_own_obstacle_raises_names_it(member, error):

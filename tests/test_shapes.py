@@ -33,6 +33,7 @@ from fenicsx_contact import (
     StaticKinetic,
     ThetaScheme,
     Triangulated,
+    Turned,
     Wedge,
     name_facets,
     torques,
@@ -133,6 +134,38 @@ def test_a_distance_has_its_normals_and_these_their_curvature(name):
         if bend is not None and name not in EDGED:
             turn = (shape.normals(x + step) - shape.normals(x - step)) / (2 * h)
             assert np.mean(np.abs(turn - bend[:, :, i]).max(axis=1) > 1e-5) < few
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_no_shape_contradicts_itself(name):
+    """At its surface, on edges and corners too, and from afar; moved and turned."""
+    shape, draw = SHAPES[name], np.random.default_rng(3)
+    d = shape.dim
+    x = 2.0 * draw.standard_normal((40, d))
+    on = x - shape.distance(x)[:, None] * shape.normals(x)
+    axis = None if d == 2 else ALONG
+    for each in (shape, Turned(Moved(shape, lambda t: d * [0.3]), d * [1], lambda t: 0.5, axis)):
+        for points in (x, on, 20 * x, np.round(2 * x) / 2, HERE[:d] + 1e-3 * x):
+            Wall(each).check(points)
+
+
+@pytest.mark.parametrize(
+    ("phi", "depth"),
+    [
+        (lambda x, t: x[0] ** 2 / 4 + x[1] ** 2 - 1, 0.5),
+        (lambda x, t: x[1] - 0.2 * ufl.sin(5 * x[0]), 1.0),
+        (lambda x, t: 1 - ufl.exp(-x[1]), 1.0),
+        (lambda x, t: ufl.tanh(3 * x[1]), 1.0),
+        (lambda x, t: ufl.min_value(x[1] + 9 * x[0], x[1] - 9 * x[0]), 1.0),
+        (lambda x, t: ufl.max_value(x[1] + 9 * x[0], x[1] - 9 * x[0]), 1.0),
+    ],
+)
+def test_what_is_a_distance_at_its_surface_only_does_not_contradict_itself(phi, depth):
+    level = LevelSet(phi, 2)
+    x = 3.0 * np.random.default_rng(4).standard_normal((60, 2))
+    distance = level.distance(x)
+    for points in (x[distance > -depth], x[np.abs(distance) < depth]):
+        Wall(level).check(points)
 
 
 def test_corners_and_edges():

@@ -11,10 +11,10 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from ..base import checks
-from ..base.constants import RIGHT
+from ..base.constants import RIGHT, SHARP
 from ..base.overflow import told
 from ..base.told import digits
-from ..base.vectors import largest
+from ..base.vectors import dot, largest
 
 
 @runtime_checkable
@@ -68,6 +68,7 @@ class Wall:
         self.flat = checks.truth(f"{what}.flat", getattr(obstacle, "flat", False))
         self._distance, asks = _timed(obstacle.distance, self.flat)
         self._normals, _ = _timed(obstacle.normals, self.flat)
+        self._ours = _ours(obstacle.normals)  # of which a test knows that they are of unit length
         self._slopes, _ = _timed(getattr(obstacle, "slopes", obstacle.normals))
         curvature = getattr(obstacle, "curvature", None)
         self._curvature = _timed(curvature)[0] if curvature and not self.flat else None
@@ -90,7 +91,14 @@ class Wall:
         """Outward unit normals, (n, d); raises likewise."""
         with _asked():
             answer = self._normals(points, time)
-        return _finite("normals", answer, points)
+        normals = _finite("normals", answer, points)
+        if not self._ours:
+            length = dot(normals, normals) ** 0.5
+            if not largest(length - 1) <= RIGHT:
+                at = int(np.abs(length - 1).argmax())
+                found = f"{normals[at].tolist()} at the point {points[at].tolist()}"
+                raise _wrong("normals", found, "unit vectors")
+        return normals
 
     def slopes(self, points: np.ndarray, time: float) -> np.ndarray:
         """Derivatives of the distances by the position, (n, d)."""
@@ -115,11 +123,13 @@ class Wall:
         return -(closer / (end - start))[:, None] * self.normals(points, end)
 
     def check(self, points: np.ndarray) -> None:
-        """Refuse an obstacle whose answers at these points, at time 0, are none.
+        """Refuse an obstacle whose answers at these points, at time 0, are none or contradict each
+        other at the surface beside them.
 
         Raises:
             InputError: with what is wrong and where.
         """
+        refused = f"master = {self.obstacle!r}"
         reach = RIGHT * float(np.ptp(points, axis=0).max())
         try:
             distance, normals = self.distance(points, 0.0), self.normals(points, 0.0)
@@ -127,21 +137,67 @@ class Wall:
                 self.velocity(points, 0.0, 2.0**-30)  # s; any moment will do
             if (curvature := self.curvature(points, 0.0)) is not None:
                 _finite("curvature", curvature, points, 2)
+            feet, off = self._feet(points, distance, reach)
+            slack = float(np.finfo(distance.dtype).eps) / reach
+            slack *= float(np.abs(points).max() + np.abs(distance).max())
+            across, growth, wrong = self._contradicts(feet, off, reach, slack)
+            if (np.abs(off) > reach).any():  # of what is none but at the surface nobody says more
+                wrong[:] = (growth <= RIGHT).all()
+            elif wrong.any():  # or within round-off of an edge, where normals point anywhere
+                beside = feet + reach * across
+                off = self.distance(beside, 0.0)
+                wrong &= self._contradicts(beside, off, reach, slack)[2]
         except checks.StepFailed as problem:
-            raise checks.InputError(f"master = {self.obstacle!r}: {problem}") from problem.__cause__
-        off = np.abs(np.linalg.norm(normals, axis=1) - 1)
-        if off.max() > RIGHT:
-            at = int(off.argmax())
+            raise checks.InputError(f"{refused}: {problem}") from problem.__cause__
+        if wrong.any():
+            at = int(wrong.argmax())
             raise checks.InputError(
-                f"master = {self.obstacle!r}: its normals must be unit vectors; at "
-                f"{points[at].tolist()} it is {normals[at].tolist()}"
+                f"{refused}: its normals must point the way on which its distance grows, by as much"
+                f" as that is long; at {feet[at].tolist()} it grows by {growth[at]:.3g} of a way "
+                f"along {across[at].tolist()}"
             )
-        grown = self.distance(points + reach * normals, 0.0) - distance
-        if (grown < 0).all():
+        turned = np.abs(normals - normals[0]).max(axis=1)
+        if self.flat and turned.max() > RIGHT:
+            at = int(turned.argmax())
             raise checks.InputError(
-                f"master = {self.obstacle!r}: its normals must point the way on which its distance "
-                f"grows; at {points[0].tolist()} it falls along {normals[0].tolist()}"
+                f"{refused}: flat = True: its normals must be the same everywhere; they are "
+                f"{normals[0].tolist()} at {points[0].tolist()} and {normals[at].tolist()} at "
+                f"{points[at].tolist()}"
             )
+
+    def _contradicts(
+        self, points: np.ndarray, off: np.ndarray, reach: float, slack: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Normals at points, (n, d), by which share of a short way along these the distance grows,
+        (n,), and where neither that nor its growth on the way there is near one, (n,) of bool: at
+        an edge it grows so outwards only, in a notch inwards only."""
+        across = self.normals(points, 0.0)
+        growth = (self.distance(points + reach * across, 0.0) - off) / reach
+        wrong = (growth <= SHARP - slack) | (growth >= 1 / SHARP + slack)
+        if wrong.any():  # some have no distances within
+            back = (off - self.distance(points - reach * across, 0.0)) / reach
+            wrong &= (back <= SHARP - slack) | (back >= 1 / SHARP + slack)
+        return across, growth, wrong
+
+    def _feet(
+        self, points: np.ndarray, distance: np.ndarray, reach: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Places at the surface, at time 0, to which the distances of points lead, (k, d), and the
+        distances there, (k,); or the points, if none leads within ``reach`` of it."""
+        feet, off, share = points.copy(), distance.copy(), np.ones(len(points))
+        for _ in range(np.finfo(float).nmant):  # what halves each time is there
+            if (np.abs(off) <= reach).all():
+                break
+            try:
+                there = feet - (share * off)[:, None] * self.normals(feet, 0.0)
+                left = self.distance(there, 0.0)
+            except checks.StepFailed:  # there are no distances where it leads
+                break
+            nearer = np.abs(left) < np.abs(off)
+            feet[nearer], off[nearer] = there[nearer], left[nearer]
+            share[~nearer] *= 0.5
+        on = np.abs(off) <= reach
+        return (feet[on], off[on]) if on.any() else (points, distance)
 
     def describe(self) -> str:
         """The obstacle, without an address in memory."""
@@ -194,8 +250,12 @@ def _timed(
     if not asks or not parameters:
         return asked, False
     # what is ours and has a default for the time does not depend on it without saying so
-    ours = getattr(function, "__module__", "").startswith(__name__.partition(".")[0])
-    return asked, parameters[1].default is inspect.Parameter.empty or not ours
+    return asked, parameters[1].default is inspect.Parameter.empty or not _ours(function)
+
+
+def _ours(function: Callable) -> bool:
+    """Whether it is a function of the package."""
+    return str(getattr(function, "__module__", "")).startswith(__name__.partition(".")[0])
 
 
 def _mean(velocity: Callable) -> Callable[[np.ndarray, float, float], np.ndarray]:
@@ -225,5 +285,9 @@ def _finite(what: str, answer: Any, points: np.ndarray, order: int = 1) -> np.nd
         allowed = f"finite, at most {checks.LARGEST:g}"
         found = f"{answer[tuple(at)]} at the point {points[at[0]].tolist()}"
     if found:
-        raise checks.StepFailed(f"the {what} of an obstacle is {found}: must be {allowed}")
+        raise _wrong(what, found, allowed)
     return np.asarray(answer)
+
+
+def _wrong(what: str, found: str, allowed: str) -> checks.StepFailed:
+    return checks.StepFailed(f"the {what} of an obstacle is {found}: must be {allowed}")

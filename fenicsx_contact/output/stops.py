@@ -207,7 +207,7 @@ STOPS = {
         Stop(
             "obstacle",
             "the ... of an obstacle is ...: must be ...",
-            "an own obstacle gave NaN, infinity or more than 1e60, or no number or vector a point",
+            "an own obstacle gave NaN, over 1e60, no number or vector a point, or no unit normal",
             "define its distance and normals everywhere near",
         ),
         Stop(

@@ -281,6 +281,76 @@ def test_a_circle_in_ufl_is_a_circle():
     np.testing.assert_allclose(written[:, 2], ready[:, 1], rtol=1e-9, atol=1e-12)
 
 
+class Bump:
+    """A parabola in numpy, whose distances are none but at its surface."""
+
+    dim = 2
+
+    def __init__(self, x0=0.0):
+        self.x0 = x0
+
+    def _up(self, points):
+        """The gradient of y - (x - x0)²/2, and its length."""
+        up = np.stack([self.x0 - points[:, 0], np.ones(len(points))], axis=1)
+        return up, np.linalg.norm(up, axis=1)
+
+    def distance(self, points):
+        return (points[:, 1] - 0.5 * (points[:, 0] - self.x0) ** 2) / self._up(points)[1]
+
+    def normals(self, points):
+        up, size = self._up(points)
+        return up / size[:, None]
+
+    def slopes(self, points):
+        up, size = self._up(points)
+        return (up - (self.distance(points) * up[:, 0] / size * [[-1.0], [0.0]]).T) / size[:, None]
+
+    def curvature(self, points):
+        n, size = self.normals(points), self._up(points)[1]
+        bend = np.zeros((len(points), 2, 2))
+        bend[:, :, 0] = -(np.array([1.0, 0.0]) - n[:, :1] * n) / size[:, None]
+        return bend
+
+
+@pytest.mark.parametrize(
+    ("formulation", "theta", "located"),
+    [("velocity", 0.5, False), ("velocity", 0.5, True), ("gap", 1.0, False)],
+)
+def test_an_own_obstacle_has_derivatives(formulation, theta, located):
+    """Those of the same in UFL, and central differences by the start and by a shift."""
+
+    def build(obstacle, speed=0.6):
+        block = RigidSolid(
+            rectangle(size=(0.2, 0.1)), mass=2.0, gravity=(0, -G), velocity=(speed, 0), spin=0.6
+        )
+        block.restore({**block.state(), "place": np.add(block.place, (0, 0.02))})
+        contact = Contact(block, "base", obstacle, formulation, friction=0.2, name="c")
+        scheme = ThetaScheme(theta)
+        return Scene([block], [contact], scheme, deepest=1.0, locate_impacts=located)
+
+    def of(obstacle):
+        scene = build(obstacle)
+        v = Start(scene.solids[0], velocity=(1, 0))
+        by = {"v": v, "shift": ObstacleShift(scene.contacts[0], (1, 0))}
+        result = tangents(scene, 0.1, 5e-3, by, centre(scene))
+        assert result.history.finished and not result.kinks
+        return np.array([result[name][-1] for name in centre(scene)])
+
+    def end(scene):
+        assert scene.run(0.1, 5e-3).finished
+        solid = scene.solids[0]
+        return np.array([*solid.place, solid.velocity[0]])
+
+    mine, h = of(Bump()), 1e-5
+    ufls = of(LevelSet(lambda x, t: x[1] - 0.5 * x[0] ** 2, 2))
+    np.testing.assert_allclose(mine, ufls, rtol=1e-8, atol=1e-10)
+    differences = [
+        (end(build(Bump(), 0.6 + h)) - end(build(Bump(), 0.6 - h))) / (2 * h),
+        (end(build(Bump(h))) - end(build(Bump(-h)))) / (2 * h),
+    ]
+    np.testing.assert_allclose(mine.T, differences, rtol=1e-5, atol=1e-6)
+
+
 # -- adjoints --
 
 

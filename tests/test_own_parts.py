@@ -744,7 +744,7 @@ def test_normals_that_are_no_unit_vectors_later_stop_the_run(moved):
 
 
 @pytest.mark.parametrize("error", [ZeroDivisionError, KeyError, AttributeError, RuntimeError])
-@pytest.mark.parametrize("member", ["distance", "normals", "velocity", "curvature"])
+@pytest.mark.parametrize("member", ["distance", "normals", "velocity", "curvature", "slopes"])
 def test_what_an_own_obstacle_raises_names_it(member, error):
     """Of some kinds it came bare, without a word on the obstacle."""
 

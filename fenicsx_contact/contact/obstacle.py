@@ -84,6 +84,8 @@ class _Round:
         """Outward unit normals of the obstacle, (n, d)."""
         return self._sign * self._polar(points)[1]
 
+    slopes = normals
+
     def curvature(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Derivatives of the normals, (n, d, d); none at the centre."""
         size, away = self._polar(points)

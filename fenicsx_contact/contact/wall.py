@@ -26,8 +26,9 @@ class Obstacle(Protocol):
     * ``curvature(points, time)``: derivatives of the normals by the position, which are the second
       derivatives of the distance, (n, d, d) in 1/m. Without it Newton's method converges linearly
       where the obstacle is curved;
-    * ``slopes(points, time)``: derivatives of the distances by the position, (n, d). Without it
-      they are the normals, as of every true distance;
+    * ``slopes(points, time)``: derivatives of the distances by the position, (n, d): of a true
+      distance the normals. With it and the curvature a run is differentiated
+      (:mod:`fenicsx_contact.gradients`), where nothing moves; what is flat needs neither;
     * ``velocity(points, start, end)``: mean velocity of the obstacle's material beside the points
       between two times, (n, d) in m/s, at the second of which it is there; asked for a thousandth
       of a step, too, of which differences of places are round-off. Or ``velocity(points, time)``,
@@ -74,6 +75,8 @@ class Wall:
         self._curvature = _timed(curvature)[0] if curvature and not self.flat else None
         velocity = getattr(obstacle, "velocity", None)
         self._velocity = _mean(velocity) if velocity else None
+        #: Whether it tells all that derivatives of a run ask for.
+        self.smooth = self.flat or bool(curvature and hasattr(obstacle, "slopes"))
         moving = getattr(obstacle, "moving", velocity is not None or asks)
         self.moving = checks.truth(f"{what}.moving", moving)
 
@@ -137,6 +140,8 @@ class Wall:
                 self.velocity(points, 0.0, 2.0**-30)  # s; any moment will do
             if (curvature := self.curvature(points, 0.0)) is not None:
                 _finite("curvature", curvature, points, 2)
+            if not self._ours:
+                self.slopes(points, 0.0)
             feet, off = self._feet(points, distance, reach)
             slack = float(np.finfo(distance.dtype).eps) / reach
             slack *= float(np.abs(points).max() + np.abs(distance).max())

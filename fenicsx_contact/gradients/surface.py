@@ -18,9 +18,7 @@ import numpy as np
 from ..base import checks
 from ..base.vectors import components
 from ..contact.contact import Contact
-from ..contact.level_set import LevelSet
 from ..contact.nodal import NodalJump
-from ..contact.obstacle import Circle, Cylinder, HalfSpace, Sphere
 from ..solids import MonolithicTrace
 from ..theory.scheme import Step
 from .edge import Edge
@@ -90,9 +88,11 @@ class ContactRows:
             raise checks.InputError(f"{name} is not one of points with an obstacle")
         if coupling.driven:
             raise checks.InputError(f"{name} has an obstacle that moves")
-        if not isinstance(coupling.obstacle, (HalfSpace, Circle, Sphere, Cylinder, LevelSet)):
-            kind = type(coupling.obstacle).__name__
-            raise checks.InputError(f"{name} has a {kind}, whose distances are not differentiated")
+        if not coupling.wall.smooth:
+            raise checks.InputError(
+                f"{name} has a {type(coupling.obstacle).__name__}, whose distances are not "
+                "differentiated; what is flat, a LevelSet or has slopes and curvature is"
+            )
         refuse_law(contact)
         if contact.solid.dim == 2 and getattr(contact.solid, "degree", 1) > 2:
             raise checks.InputError(f"{name} is of higher degree")

@@ -14,10 +14,17 @@ def refuse_law(contact: Contact) -> None:
     """Refuse formulations and laws that are not differentiated."""
     name = f"gradients: contact {contact.name!r}"
     if type(contact.formulation) not in (Velocity, Gap):
-        raise checks.InputError(f"{name} has the formulation {contact.formulation.name!r}")
+        raise checks.InputError(
+            f"{name} has the formulation {contact.formulation.name!r}; 'velocity' and 'gap' are "
+            "differentiated"
+        )
     law = contact.friction_law
     if law is not None and type(law) not in (Coulomb, Tresca):
-        raise checks.InputError(f"{name} has the law {type(law).__name__}")
+        raise checks.InputError(
+            f"{name} has the law {type(law).__name__}; Coulomb and Tresca are differentiated"
+        )
     number = getattr(law, "mu", getattr(law, "stress", 0.0))
     if not isinstance(number, float) and not is_expression(number):
-        raise checks.InputError(f"{name} has a law of place or time: {number!r}")
+        raise checks.InputError(
+            f"{name} has a law of place or time: {number!r}; those of a number are differentiated"
+        )

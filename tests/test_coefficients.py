@@ -154,6 +154,12 @@ def test_what_is_no_modulus_is_refused(name, value):
         elastic(**{name: value()})
 
 
+def test_a_modulus_that_gives_nothing_is_told_so():
+    """It was told as not finite everywhere: None is NaN to numpy."""
+    with pytest.raises(InputError, match="no real numbers: None"):
+        elastic(youngs_modulus=lambda x: None)
+
+
 @pytest.mark.parametrize("value", [lambda x: 0.5 + 0 * x[0], 0.6 * X[0] + 0.3, 0.5])
 def test_poisson_ratio_is_within_its_limits_everywhere(value):
     with pytest.raises(InputError, match=r"poisson_ratio.*0\.5"):

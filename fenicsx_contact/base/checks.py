@@ -61,6 +61,8 @@ def floats(value: Any) -> np.ndarray:
     array = np.asarray(plain(value))
     if array.dtype.kind in "bSUcmM" or np.ma.is_masked(value) or _holds_truth(value):
         raise TypeError("no real numbers")
+    if array.dtype.kind == "O" and any(each is None for each in array.flat):  # NaN to numpy
+        raise TypeError("no real numbers: None")
     try:
         return np.array(array, dtype=float)
     except Exception as problem:  # of a number of the user's, or an int that is too large

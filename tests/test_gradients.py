@@ -694,6 +694,8 @@ def test_what_is_not_supported_is_refused_by_name():
     only = "RodInTube, is not supported; only deformable solids, beams and rigid solids"
     with pytest.raises(InputError, match=only):
         Start(RodInTube.__new__(RodInTube), velocity=(1, 0))
+    with pytest.raises(InputError, match="Start: must be given a place, velocity, turn or spin"):
+        Start(solid_of(scene))
     light = ElasticSolid(
         rectangle(), youngs_modulus=1e6, poisson_ratio=0.3, density=1.0, name="light",
         mass_redistribution=["base"],

@@ -160,7 +160,7 @@ class Start(OfSolid):
             turns (default: the centre of mass).
 
     Raises:
-        InputError: what the solid has not, a velocity of what is held.
+        InputError: no change, what the solid has not, a velocity of what is held.
     """
 
     def __init__(
@@ -174,8 +174,10 @@ class Start(OfSolid):
         about: Sequence[float] | None = None,
     ) -> None:
         self.solid = solid
+        still = all(np.array_equal(x, np.zeros(np.shape(x))) for x in (turn, spin))
+        if still and place is None and velocity is None:
+            raise checks.InputError("Start: must be given a place, velocity, turn or spin")
         if isinstance(solid, (BeamSolid, DeformableSolid)):
-            still = all(np.array_equal(x, np.zeros(np.shape(x))) for x in (turn, spin))
             if not still or about is not None:
                 kind = type(solid).__name__
                 raise checks.InputError(f"Start: a {kind} has no turn, spin or about")

@@ -192,8 +192,9 @@ def test_a_friction_that_depends_on_the_place(law):
 @pytest.mark.parametrize(
     "bound, why",
     [
-        (lambda k, p, S: None, "its bound raises"),
-        (lambda k, p, S: k.jump_t, "must be a scalar in UFL"),
+        (lambda k, p, S: None, "its bound is a NoneType: must be a scalar in UFL"),
+        (lambda k, p, S: (p, S), "its bound is a tuple: must be a scalar in UFL"),
+        (lambda k, p, S: k.jump_t, r"its bound is of the shape \(1,\): must be a scalar in UFL"),
         (lambda k, p, S: max(p, 1.0), "its bound raises"),
         (lambda k, p, S: k.slip * p, "its bound raises AttributeError"),
         (lambda k, p, S: np.exp(p), "its bound raises"),
@@ -208,6 +209,31 @@ def test_a_law_of_friction_that_gives_no_bound_is_refused(bound, why):
             return "wrong"
 
     with pytest.raises(InputError, match=rf"friction = .*Wrong.*{why}"):
+        thrown(friction=Wrong())
+
+
+@pytest.mark.parametrize(
+    ("asked", "why"),
+    [
+        (lambda k: k.state("s", 0.0, lambda old, t: None), r"state 's': evolve\(.* is a NoneType"),
+        (lambda k: k.state("s", 0.0, lambda old, t: k.jump_t), r"evolve\(.* of the shape \(1,\)"),
+        (lambda k: k.state("s", 0.0, lambda old: old), r"state 's': evolve\(.* raises TypeError"),
+        (lambda k: k.state("s", np.inf, lambda old, t: old), "s = inf: must be a scalar >= 0"),
+        (lambda k: k.field("a", -1.0), "a = -1.0: must be a scalar >= 0"),
+        (lambda k: k.field("a", np.nan), "a = nan: must be a scalar >= 0"),
+    ],
+)
+def test_a_law_that_remembers_or_reads_nonsense_is_refused(asked, why):
+    """By the name of the field; numbers below 0 and NaN passed, and a run stopped at its start."""
+
+    class Wrong:
+        def bound(self, k, pressure, S):
+            return asked(k) * pressure
+
+        def describe(self):
+            return "wrong"
+
+    with pytest.raises(InputError, match=why):
         thrown(friction=Wrong())
 
 

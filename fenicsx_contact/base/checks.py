@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from numbers import Real
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -140,6 +141,15 @@ def naming(what: str) -> Iterator[None]:
         raise
     except Exception as problem:
         raise InputError(f"{what} raises {type(problem).__name__}: {problem}") from problem
+
+
+def scalar(what: str, value: Any) -> ufl.core.expr.Expr:
+    """A scalar of UFL, or an :class:`InputError` that says what it is instead."""
+    shape = getattr(value, "ufl_shape", None)
+    if not isinstance(value, (Real, ufl.core.expr.Expr)) or shape:
+        found = f"of the shape {shape}" if shape else f"a {type(value).__name__}"
+        raise InputError(f"{what} is {found}: must be a scalar in UFL")
+    return ufl.as_ufl(value)
 
 
 def is_function(value: Any) -> TypeGuard[Callable[..., Any]]:

@@ -216,10 +216,12 @@ class LawFields:
 
     def _read(self, name: str, value: Any) -> tuple[Any, np.ndarray | float]:
         """The parameter, and its values at the points at the start."""
+        refusal = f"{name} = {value!r}: must be a scalar >= 0 in UFL at all points of the contact"
         if isinstance(value, Real):
+            if not 0 <= float(value) < np.inf:
+                raise checks.InputError(refusal)
             self.numbers[name] = self.surface.constant(float(value))
             return self.numbers[name], float(value)
-        refusal = f"{name} = {value!r}: must be a scalar >= 0 in UFL at all points of the contact"
         try:
             field = self._mirrored(value if is_expression(value) else self._call(value))
             start = at_points(self.surface, compat.PointExpression(field, self.surface.scalars))
@@ -267,8 +269,15 @@ class LawFields:
             struck: in impacts, too: by the impulse for the pressure, in a second.
         """
         old = self.memory.field(name, self._read(name, start)[1])
-        self.memory.rule(name, evolve(old, self.dt), struck)
-        return evolve(old, self.elapsed)
+        what = f"state {name!r}: evolve(old, time)"
+
+        def after(time: Any) -> Any:
+            with checks.naming(what):
+                given = evolve(old, time)
+            return checks.scalar(what, given)
+
+        self.memory.rule(name, after(self.dt), struck)
+        return after(self.elapsed)
 
     def wears(self, name: str, evolve: Callable[[Any, Any], Any]) -> None:
         """A remembered depth [m], 0 at the start, by which the surface recedes: the mean over the

@@ -11,8 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
-import ufl
-
 from ..base import checks
 from .laws import Expr
 from .parameter import Parameter, keep_parameter, parameter, told, varies
@@ -116,10 +114,8 @@ class Asked:
         self.read = True
         what = f"friction = {self._law!r}: its bound"
         with checks.naming(what):
-            given = ufl.as_ufl(self._law.bound(k, pressure, S))
-        if given.ufl_shape:
-            raise checks.InputError(f"{what} is {given}: must be a scalar in UFL")
-        return given
+            given = self._law.bound(k, pressure, S)
+        return checks.scalar(what, given)
 
     def describe(self) -> str:
         """As the law does."""

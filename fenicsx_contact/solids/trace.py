@@ -20,6 +20,8 @@ from .vector_space import VectorSpace
 
 #: Cost: up to so many components all columns of A^-1 J' are computed, above only what is needed.
 FEW = 150
+#: Cost: linearisations of a linear solid whose columns are kept: of a step, and of its impacts.
+BOTH = 2
 
 
 class TracedSolid(Protocol):
@@ -29,7 +31,8 @@ class TracedSolid(Protocol):
         vectors: the space of displacements and velocities.
         fixed_unknowns: those of the owned unknowns that are held.
         trial_displacement, trial_velocity: of the trial state, m and m/s.
-        linearisation: counts the changes of the matrix A of the step.
+        linear: whether an old linearisation may come back.
+        linearisation: the number of the matrix A of the step.
         symmetric: whether A is.
         factorisation: of A.
         free_load: b of ``A v+ = b + J' f``, N.
@@ -39,6 +42,7 @@ class TracedSolid(Protocol):
     fixed_unknowns: np.ndarray
     trial_displacement: np.ndarray
     trial_velocity: np.ndarray
+    linear: bool
     linearisation: int
 
     @property
@@ -118,14 +122,9 @@ class DeformableTrace(MonolithicTrace):
         parts = self._comm.allgather((rows[free], vectors.first + columns[free]))
         row, column = (np.concatenate(each) for each in zip(*parts))
         self._whole = seen(row, column, vectors.unknowns)
-        self._linearisation, self._floats = 0, False
-        self._known = np.zeros(
-            self.reference.size, dtype=bool
-        )  # columns of A^-1 J' that are computed
-        self._columns = np.empty((0, 0))
+        self._floats, self._answers = False, _Answers(self.reference.size)
+        self._kept = {0: self._answers}  # by the solid's linearisation
         self._free = np.empty(0), np.empty(0)  # a load, and velocities under it
-        self._compliance: dict[int, tuple[np.ndarray, np.ndarray]] = {}
-        self._asked: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}  # parts of it
 
     def _sum(self, values: np.ndarray) -> np.ndarray:
         return sum_of(self._comm, values)
@@ -138,23 +137,24 @@ class DeformableTrace(MonolithicTrace):
 
     def linearise(self, step: Step) -> None:
         self._floats = self._solid.floats(step)
-        if self._linearisation != self._solid.linearisation:
-            self._linearisation = self._solid.linearisation
-            self._known[:] = False
-            self._compliance.clear()
-            self._asked.clear()
+        made, most = self._solid.linearisation, BOTH if self._solid.linear else 1
+        known = self._kept.pop(made) if made in self._kept else _Answers(self.reference.size)
+        while len(self._kept) >= most:
+            self._kept.pop(next(iter(self._kept)))
+        self._kept[made] = self._answers = known
 
     def _solve_for(self, columns: np.ndarray) -> None:
         """Compute those of these columns of A^-1 J' that are not known."""
-        if not self._columns.size:
-            self._columns = np.empty(self._spreading.shape)
-        known = self._known[columns]
+        answers = self._answers
+        known = answers.known[columns]
         if known.all():
             return
         missing = columns[~known]
         solve = self._solid.factorisation.solve_many
-        self._columns[:, missing] = solve(self._spreading[:, missing])
-        self._known[columns] = True
+        if not answers.columns.size:
+            answers.columns = np.empty(self._spreading.shape)
+        answers.columns[:, missing] = solve(self._spreading[:, missing])
+        answers.known[columns] = True
 
     def positions(self) -> np.ndarray:
         moved = self.jump(self._solid.trial_displacement)
@@ -177,27 +177,27 @@ class DeformableTrace(MonolithicTrace):
         load, (of, free) = solid.free_load, self._free
         if load is not of:  # that of a linear solid is the same in all of a step
             held = self._held @ solid.trial_velocity
-            free = self._sum(self._columns.T @ load + held)
+            free = self._sum(self._answers.columns.T @ load + held)
             self._free = load, free
         return free
 
     def compliance(self, mine: np.ndarray, other: Trace, theirs: np.ndarray) -> np.ndarray:
         assert isinstance(other, DeformableTrace)
-        asked = self._asked.get(id(other))
+        asked = self._answers.asked.get(id(other))
         if asked and all(map(np.array_equal, asked[:2], (mine, theirs))):
             return asked[2]
         shape = self._spreading.shape[1], other._spreading.shape[1]
-        matrix, known = self._compliance.setdefault(
+        matrix, known = self._answers.compliance.setdefault(
             id(other), (np.zeros(shape), np.zeros(shape[1], dtype=bool))
         )
         new = theirs[~known[theirs]]
         if len(new):
             other._solve_for(new)
-            matrix[:, new] = self._sum(self._spreading.T @ other._columns[:, new])
+            matrix[:, new] = self._sum(self._spreading.T @ other._answers.columns[:, new])
             known[new] = True
         everything = len(mine) == shape[0] and len(theirs) == shape[1]
         part = matrix if everything else matrix[np.ix_(mine, theirs)]
-        self._asked[id(other)] = mine, theirs, part
+        self._answers.asked[id(other)] = mine, theirs, part
         return part
 
     def mobility(self) -> np.ndarray:
@@ -235,6 +235,21 @@ class DeformableTrace(MonolithicTrace):
         pushed = np.zeros(self._pushing.shape[0])
         pushed[self._picked] = force
         self._solid.push(pushed)
+
+
+class _Answers:
+    """What a solid answers to forces at its points by one linearisation.
+
+    Attributes:
+        columns: of A^-1 J', (unknowns, components); ``known``: which are computed.
+        compliance: by traces of the solid, J A^-1 J' with these, and which columns of it are known.
+        asked: by traces, the last part of it.
+    """
+
+    def __init__(self, size: int) -> None:
+        self.columns, self.known = np.empty((0, 0)), np.zeros(size, dtype=bool)
+        self.compliance: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        self.asked: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
 
 
 def _picked(matrix: scipy.sparse.csr_matrix) -> np.ndarray | None:

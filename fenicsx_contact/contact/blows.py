@@ -19,7 +19,8 @@ import numpy as np
 from ..base.vectors import dot
 from ..theory.scheme import Step
 from .candidates import Candidates
-from .law_fields import Teller
+from .fed_fields import Teller
+from .memory import Memory
 from .statuses import at_once
 
 #: So many impacts of a point within a step are located, each with its rebound, before it may be put
@@ -37,6 +38,7 @@ class Struck(Teller, Protocol):
     normal: np.ndarray
     resolution: float
     candidates: Candidates
+    memory: Memory
 
 
 class Blows:
@@ -111,3 +113,9 @@ class Blows:
         )
         came = np.where(fresh, approach, self._came)
         return self._number + fresh, np.maximum(self._fastest, came), came, fresh
+
+
+def struck_gap(contact: Struck, step: Step) -> np.ndarray:
+    """The gap that a percussion reads, (n,) in m: it corrects no drift, and what wears goes on
+    to."""
+    return np.asarray(np.minimum(contact.gap, 0.0) - contact.memory.receding * step.horizon)

@@ -14,7 +14,7 @@ from ..theory.formulations import Formulation
 from ..theory.formulations import formulation as as_formulation
 from ..theory.friction import FrictionBound, friction_bound
 from ..theory.scheme import Step
-from .blows import Blows
+from .blows import Blows, struck_gap
 from .candidates import Candidates
 from .clearance import Clearance
 from .equations import SurfaceEquations
@@ -208,7 +208,7 @@ class Contact(Scaled, SurfaceResults):
 
     def _tell(self, step: Step) -> None:
         """Tell the equations how the step starts."""
-        gap = self.gap if step.dt else np.minimum(self.gap, 0.0)  # no way to correct a drift
+        gap = self.gap if step.dt else struck_gap(self, step)
         # what less than the resolved speed would close is closed, and what round-off opened
         closed = max(self.resolution * step.horizon, self.noise)
         self._start_gap = np.where((gap < 0) & (gap >= -closed), 0.0, gap)

@@ -1,54 +1,24 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What interface laws may ask of a step besides the unknowns: place, time, slip, memory.
-
-Each of these is a field or constant on the surface that is made when a law asks for it, and fed in
-every step from then on. What no law asks for does not exist.
-"""
+"""What interface laws may ask of a surface besides the unknowns and what is fed: slip, touch,
+memory, wear."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from numbers import Real
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import ufl
 
-from ..base import checks, compat
-from ..base.expressions import is_coordinate, is_expression, symbolic, terminals_off
-from ..solids.coefficients import arguments
+from ..base import checks
 from ..theory.laws import magnitude
 from ..theory.scheme import Step
-from .memory import Memory, at_points
+from .fed_fields import FedFields, Teller
+from .memory import Memory
 
 
-class Teller(Protocol):
-    """What a contact tells of the step that it is in; arrays are of the points."""
-
-    @property
-    def coupling(self) -> Any: ...
-
-    start_positions: np.ndarray
-    chosen: np.ndarray
-    gap: np.ndarray
-    tolerance: float
-
-    def touching(self) -> np.ndarray: ...
-
-
-#: What a field or constant is to be in a step.
-Feed = Callable[[Teller, Step], Any]
-
-
-def places(contact: Teller, step: Step) -> np.ndarray:
-    """Where the points are when the scheme takes the forces of contacts, flat, m."""
-    late = step.scheme.force_weight
-    mean = late * contact.coupling.positions() + (1 - late) * contact.start_positions
-    return np.asarray(mean.ravel())
-
-
-class LawFields:
+class LawFields(FedFields):
     """The base of the fields of a surface (surface_fields.py) for interface laws.
 
     Laws are read where the scheme takes the forces of contacts: at the end of a step by theta = 1,
@@ -59,106 +29,26 @@ class LawFields:
 
     Attributes:
         memory: what laws remember.
-        numbers: the surface's constants of the parameters that are numbers, by name, and of the
-            constants of UFL that stand in parameters, by these.
         held: points that a law holds though nothing presses there, (n,) of bool; False: none.
-        located: whether a law reads the place.
+        worn: how far the surface wears back in the step, in UFL, m; None if it never does.
     """
 
     dt: Any
+    gap: Any
+    rho_n: Any
+    multiplier: Any
     _weight: Any
     jump_t: Any
     start_slip: Any
     tangential: Callable[[Any], Any]
 
     def __init__(self, surface: Any) -> None:
-        self.surface = surface
+        super().__init__(surface)
         self.memory = Memory(surface)
         self.held: np.ndarray | bool = False
-        self.located = False
-        self.numbers: dict[Any, Any] = {}
-        self._constants: list[tuple[Any, Feed]] = []
-        self._functions: list[tuple[Any, Feed]] = []
-        self._varying: list[tuple[str, compat.PointExpression]] = []
-        self._asked: Step | None = None  # in which these were
+        self.worn: Any = None
 
-    def feed(self, contact: Teller, step: Step) -> bool:
-        """Tell the fields what the step is; whether a constant has changed.
-
-        Raises:
-            StepFailed: a parameter is negative, or not finite.
-        """
-        changed = False
-        for constant, told in self._constants:
-            value = float(told(contact, step))
-            changed |= value != float(constant.value)
-            constant.value = value
-        for function, told in self._functions:
-            function.x.array[:] = told(contact, step)
-        if self._varying and (self.located or self._asked is not step):
-            self._asked = step
-            for name, values in self._varying:
-                if strange := self._strange(at_points(self.surface, values)):
-                    raise checks.StepFailed(f"{name} must be finite and >= 0; {strange}")
-        return changed
-
-    def strayed(self, contact: Teller, step: Step) -> np.ndarray:
-        """How far the points are from where laws that read this were told, (n,) in m."""
-        if not self.located:
-            return np.zeros(self.surface.size)
-        off = places(contact, step) - self._place.x.array
-        return np.asarray(np.linalg.norm(off.reshape(-1, self.surface.dim), axis=1))
-
-    def _strange(self, values: np.ndarray) -> str:
-        """Where values at the points (n,) are negative or not finite, or nothing."""
-        fine = np.isfinite(values) & (values >= 0)
-        if fine.all():
-            return ""
-        at = int(fine.argmin())
-        return f"at {self.surface.points[at].tolist()} it is {values[at]}"
-
-    def _constant(self, feed: Feed, value: float = 0.0) -> Any:
-        constant = self.surface.constant(value)
-        self._constants.append((constant, feed))
-        return constant
-
-    def _function(self, feed: Feed, function: Any) -> Any:
-        self._functions.append((function, feed))
-        return function
-
-    # -- time, place, slip ------------------------------------------------------------------------
-
-    @property
-    def x(self) -> Any:
-        """Reference coordinates of the slave's material, m."""
-        return ufl.SpatialCoordinate(self.surface.mesh)
-
-    @cached_property
-    def t(self) -> Any:
-        """The time at which the law is read, s."""
-        return self._constant(lambda contact, step: step.start + step.force_time)
-
-    @cached_property
-    def elapsed(self) -> Any:
-        """The time of the step until then, s; 0 in an impact."""
-        return self._constant(lambda contact, step: step.force_time)
-
-    @cached_property
-    def loaded(self) -> Any:
-        """1 where time passes, 0 in an impact, in which finite tractions do nothing."""
-        return self._constant(lambda contact, step: step.loaded, 1.0)
-
-    @property
-    def place(self) -> Any:
-        """Where the points are at that time, a vector in m."""
-        self.located = True
-        return self._place
-
-    @cached_property
-    def _place(self) -> Any:
-        place = self.surface.vector()
-        place.x.array[:] = self.surface.points.ravel()
-        return self._function(places, place)
+    # -- slip, touch ------------------------------------------------------------------------------
 
     @property
     def start_jump_t(self) -> Any:
@@ -191,71 +81,7 @@ class LawFields:
         self.memory.rule("touched", self._function(at, self.surface.scalar()), struck=True)
         return self._function(tell, self.surface.scalar())
 
-    # -- parameters and memory --------------------------------------------------------------------
-
-    def field(self, name: str, value: Any) -> Any:
-        """A parameter of a law on the surface: a constant if it is a number, else a field.
-
-        Args:
-            name: for the refusal.
-            value: a number; a function of the place where a point is [m] and, if it needs a second
-                argument, of the time [s], in UFL; or UFL on the mesh of the slave (of coordinates,
-                a dolfinx Function, a Constant), which belongs to the material points and is read
-                anew in every step.
-
-        Raises:
-            InputError: it is no scalar, or negative or not finite at the start; later a step in
-                which it is fails.
-        """
-        field, _ = self._read(name, value)
-        if not isinstance(value, Real):
-            self._varying.append((name, compat.PointExpression(field, self.surface.scalars)))
-            read = ufl.algorithms.extract_coefficients(field)
-            self.located |= vars(self).get("_place") in read
-        return field
-
-    def _read(self, name: str, value: Any) -> tuple[Any, np.ndarray | float]:
-        """The parameter, and its values at the points at the start."""
-        refusal = f"{name} = {value!r}: must be a scalar >= 0 in UFL at all points of the contact"
-        if isinstance(value, Real):
-            if not 0 <= float(value) < np.inf:
-                raise checks.InputError(refusal)
-            self.numbers[name] = self.surface.constant(float(value))
-            return self.numbers[name], float(value)
-        try:
-            field = self._mirrored(value if is_expression(value) else self._call(value))
-            start = at_points(self.surface, compat.PointExpression(field, self.surface.scalars))
-        except Exception as error:  # of the user's function, of UFL, of the compiler
-            raise checks.InputError(f"{refusal}; {error}") from None
-        if strange := self._strange(start):
-            raise checks.InputError(f"{refusal}; {strange}")
-        return field, start
-
-    def _call(self, value: Callable[..., Any]) -> Any:
-        """A function of place and time in UFL; there is no time on the surface if it has none."""
-        timed = len(arguments(value)) > 1
-        with symbolic():
-            given = value(self._place, self.t) if timed else value(self._place)
-        if isinstance(given, Real) and not np.isfinite(float(given)):
-            raise ValueError(f"it is {given}")  # no compiler takes it
-        return ufl.as_ufl(given)
-
-    def _mirrored(self, given: Any) -> Any:
-        """An expression of another mesh, on the surface."""
-        others = terminals_off(self.surface.mesh, given)
-        return ufl.replace(given, {other: self._mirror(other) for other in others})
-
-    def _mirror(self, other: Any) -> Any:
-        """The surface's own counterpart of coordinates, a Constant or a Function."""
-        if is_coordinate(other):
-            return self.x
-        if hasattr(other, "value"):
-            now = self._constant(lambda contact, step: float(other.value), float(other.value))
-            self.numbers[other] = now
-            return now
-        values, mirror = compat.PointValues(other, self.surface.points), self.surface.scalar()
-        mirror.x.array[:] = values()
-        return self._function(lambda contact, step: values(), mirror)
+    # -- memory ---------------------------------------------------------------------------------
 
     def state(
         self, name: str, start: Any, evolve: Callable[[Any, Any], Any], struck: bool = False
@@ -264,7 +90,7 @@ class LawFields:
 
         Args:
             name: of the field, in ``contact.memory.values`` and in what a run saves.
-            start: its values at the very start, whatever :meth:`field` takes.
+            start: its values at the very start, whatever ``field`` takes.
             evolve: what it becomes, in UFL, from what it was and after a time [s].
             struck: in impacts, too: by the impulse for the pressure, in a second.
         """
@@ -296,5 +122,17 @@ class LawFields:
         def worn(depth: Any, time: Any) -> Any:
             return depth + share * (evolve(depth, time) - depth)
 
-        self.state(name, 0.0, worn, struck=True)  # impulses wear, too
-        self.memory.recess = self.memory.values[name]
+        old = self.memory.field(name, 0.0)
+        self.memory.rule(name, worn(old, self.dt), struck=True)  # impulses wear, too
+        self.memory.wear(name)
+        self.worn = worn(old, self.dt) - old
+
+    def read(self, form: Any) -> Any:
+        """What a formulation or a law has written, as it is to be read: its gap is that of the
+        surface as it wears in the step. So points share what they bear as in continuous time, in
+        which none is lower than others by what it has worn first. That wear is of lam itself, for
+        -g_n is lam where the law of that gap holds; springs have none and wear after the step."""
+        if self.worn is None or self.multiplier is None:
+            return form
+        worn = ufl.replace(self.worn, {self.rho_n: ufl.as_ufl(0.0)})
+        return ufl.replace(form, {self.gap: self.gap - worn})

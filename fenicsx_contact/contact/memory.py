@@ -7,7 +7,7 @@ else, so steps that are tried and not taken leave no trace. A law that remembers
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 import numpy as np
@@ -39,13 +39,16 @@ class Memory:
     Attributes:
         values: of each field at the points, (n,), by name; they may be set between two steps.
         recess: how far the surface has worn back at the points, (n,) in m; 0.0 if it never does.
+        receding: how fast it did in the last step, (n,) in m/s; 0.0 if it never does.
     """
 
     def __init__(self, surface: Points) -> None:
         self._surface = surface
         self.values: dict[str, np.ndarray] = {}
         self.recess: np.ndarray | float = 0.0
+        self.receding: np.ndarray | float = 0.0
         self._starts: dict[str, np.ndarray] = {}
+        self._given: dict[str, Any] = {}  # rules in UFL
         self._rules: dict[str, compat.PointExpression] = {}
         self._struck: set[str] = set()
 
@@ -66,9 +69,18 @@ class Memory:
     def rule(self, name: str, new: Any, struck: bool = False) -> None:
         """What a field becomes when a step is accepted, in UFL, or also when an impact is; that
         counts as a step of a second, of which its impulses are the forces."""
-        self._rules[name] = compat.PointExpression(new, self._surface.scalars)
+        self._given[name] = new
         if struck:
             self._struck.add(name)
+
+    def wear(self, name: str) -> None:
+        """The surface recedes by a field."""
+        self.recess, self.receding = self.values[name], np.zeros(self._surface.size)
+
+    def compile(self, read: Callable[[Any], Any]) -> None:
+        """All rules, which in the form of the contact are ``read`` so."""
+        for name, new in self._given.items():
+            self._rules[name] = compat.PointExpression(read(new), self._surface.scalars)
 
     def advance(self, equations: Unknowns, jump: np.ndarray, dt: float) -> None:
         """A step of ``dt`` seconds is accepted, with these jumps (n, d) [m/s] at all points, also
@@ -81,22 +93,29 @@ class Memory:
         equations.values = np.concatenate([jump.ravel(), solved[jump.size :]])
         new = {name: at_points(self._surface, rule) for name, rule in rules.items()}
         equations.values = solved
+        before = np.array(self.recess)
         for name, values in new.items():
             self.values[name][:] = values
+        if np.ndim(self.recess) and dt:
+            self.receding = (self.recess - before) / dt
 
     def reset(self) -> None:
         """All fields as they were at the very start."""
         for name, start in self._starts.items():
             self.values[name][:] = start
+        self.receding = 0.0 * self.receding
 
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically."""
-        return {f"memory.{name}": values.copy() for name, values in self.values.items()}
+        state = {f"memory.{name}": values.copy() for name, values in self.values.items()}
+        return {**state, "receding": np.array(self.receding)} if np.ndim(self.recess) else state
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave."""
         for name, values in self.values.items():
             values[:] = state[f"memory.{name}"]
+        if np.ndim(self.recess):
+            self.receding = np.array(state["receding"])
 
 
 def at_points(surface: Points, expression: compat.PointExpression) -> np.ndarray:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..base.vectors import dot
 from ..theory.scheme import Step
+from .blows import struck_gap
 from .contact import Contact
 
 
@@ -67,7 +68,7 @@ def _excess(contact: Contact, step: Step, stopped: bool = False) -> np.ndarray:
     mean if it is at rest at its end."""
     approach = _approach(contact)
     approach = approach * (1 - step.gap_rate / step.horizon) if stopped else approach
-    return np.asarray(approach + np.minimum(contact.gap, 0.0) / step.horizon)
+    return np.asarray(approach + struck_gap(contact, step) / step.horizon)
 
 
 def _approach(contact: Contact) -> np.ndarray:

@@ -116,7 +116,9 @@ class SurfaceFields(LawFields):
                     f"friction: {self._law.describe()} is given, and the form of "
                     f"{formulation.name!r} never asks for its bound: it has none"
                 )
-            return form + ufl.Form([]), ufl.as_ufl(status)
+            form, status = form + ufl.Form([]), ufl.as_ufl(status)
+        self.memory.compile(self.read)
+        return self.read(form), self.read(status)
 
     def constant(self, value: float) -> Any:
         """A new constant."""

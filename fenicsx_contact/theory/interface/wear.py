@@ -17,8 +17,10 @@ class Archard:
     """Archard's law, ``h' = k/H |lam| |w_t|``, beside any friction: the slave recedes by h.
 
     The worn volume is k F s/H, of the normal force F on the way s. The depth is remembered as
-    "worn" [m] and enters the gap of the next step. Laws that act at points have no pressure, and
-    so no depth; "printed" chooses its closed points before the step, and lets go of what wears.
+    "worn" [m]. That of a step is in the gap which its law reads, ``d_n - k/H |lam| |w_t| dt``, a
+    compliance: points share what they bear so that they wear together, as in continuous time.
+    Springs wear after the step. Laws that act at points have no pressure, and so no depth;
+    "printed" chooses its closed points before the step, and lets go of what wears.
 
     J.F. Archard, J. Appl. Phys. 24, 981-988, 1953; with contact: N. Strömberg, L. Johansson, A.
     Klarbring, Int. J. Solids Struct. 33, 1817-1836, 1996.

@@ -71,7 +71,8 @@ MASS, HEIGHT, THROWN = 10.0, 0.1, 1.0  # of a block one metre wide: kg, m, and i
 #
 # A surface that warms as it slides. The whole law is its bound; `describe` is for messages. `k` is
 # what the surface knows, `k.state` a field on its points that is remembered: its name, its value at
-# the start, and what it becomes in a time.
+# the start, and what it becomes in a time. `k.slip_speed` is that of points that
+# bear: in flight no way is slid.
 
 
 # %%

@@ -29,7 +29,7 @@
 # | made when a law asks | |
 # |---|---|
 # | `x`, `place`, `t`, `elapsed` | in the reference, now; time, and since the step began |
-# | `slip_speed` | $\lvert w_t\rvert$ where the scheme takes forces |
+# | `slip_speed` | $\lvert w_t\rvert$ where it bears, when the scheme takes forces |
 # | `touched`, `loaded` | 1 where it touches as time begins; 1 where time passes |
 # | `field(name, value)` | a number, `Function`, expression, function of the place and time |
 # | `state(name, start, evolve)` | what it remembers, and what that becomes in a time |

@@ -51,13 +51,16 @@ def thrown():
     return block(velocity=(1.0, 0.0))
 
 
-def slide(friction, until, dt=2e-3, solid=None, law="velocity", scheme=None, **run):
+def slide(
+    friction, until, dt=2e-3, solid=None, law="velocity", scheme=None, locate_impacts=False, **run
+):
     """A block thrown along the floor: its contact, and its history with speed v and distance s."""
     solid = solid or thrown()
     master = FLOOR if solid.dim == 2 else FLOOR_3D
     contact, start = Contact(solid, "base", master, law, friction, name="c"), solid.place[0]
     probes = {"v": lambda: solid.velocity[0], "s": lambda: solid.place[0] - start}
-    history = Scene([solid], [contact], scheme).run(until, dt, probes=probes, **run)
+    scene = Scene([solid], [contact], scheme, locate_impacts=locate_impacts)
+    history = scene.run(until, dt, probes=probes, **run)
     assert history.reason == "finished" and not history.remarks
     return contact, history
 
@@ -446,6 +449,34 @@ def test_runs_with_memory_resume_to_the_same_bits(friction, tmp_path):
     assert contact.memory.values
     for name, values in contact.memory.values.items():
         np.testing.assert_array_equal(again.memory.values[name], values)
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap", Compliance(1e7, tangential_stiffness=1e6)])
+@pytest.mark.parametrize("friction", ["warming", "ageing", "slip"])
+def test_nothing_slips_in_flight(friction, law):
+    """Past a floor a metre below: the way of the flight was counted as slid, and contacts were as
+    young as those that slide."""
+    solid = block(gravity=(0, 0), velocity=(2.0, 0.0))
+    solid.restore({**solid.state(), "place": solid.place + np.array([0, 1.0])})
+    given = {"warming": Warming(0.2, 0.1)}.get(friction) or RateState(
+        A, B, D, MU, V0, 0.3, friction
+    )
+    contact, _ = slide(given, 0.2, 0.05, solid, law)
+    (found,) = contact.memory.values.values()
+    exact = {"warming": 0.0, "ageing": 0.5, "slip": 0.3}[friction]
+    np.testing.assert_allclose(found, exact, rtol=1e-12)
+
+
+def test_the_way_slid_begins_where_it_lands():
+    """Dropped from 0.1 m: friction was three times too large by the way of the fall."""
+    solid, height = block(velocity=(2.0, 0.0), held=["turning"]), 0.1
+    solid.restore({**solid.state(), "place": solid.place + np.array([0, height])})
+    fall = sqrt(2 * height / G)
+    contact, history = slide(Warming(0.2, 0.1), fall + 0.02, 1e-3, solid, locate_impacts=True)
+    landed = history["s"][history.time < fall + 1e-9][-1]
+    way = history["s"][-1] - landed
+    assert landed == pytest.approx(2 * fall, rel=1e-9)
+    np.testing.assert_allclose(contact.memory.values["way"], way, rtol=1e-9)
 
 
 def test_steps_that_are_not_taken_leave_no_memory():

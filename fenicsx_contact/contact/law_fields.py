@@ -30,6 +30,7 @@ class LawFields(FedFields):
     Attributes:
         memory: what laws remember.
         held: points that a law holds though nothing presses there, (n,) of bool; False: none.
+        bears: S of the form that asks a law, 1 before it does.
         worn: how far the surface wears back in the step, in UFL, m; None if it never does.
     """
 
@@ -46,6 +47,7 @@ class LawFields(FedFields):
         super().__init__(surface)
         self.memory = Memory(surface)
         self.held: np.ndarray | bool = False
+        self.bears: Any = 1.0
         self.worn: Any = None
 
     # -- slip, touch ------------------------------------------------------------------------------
@@ -55,11 +57,17 @@ class LawFields(FedFields):
         """w_t at the start of the step, m/s; exactly 0 where it sticks."""
         return self.tangential(self.start_slip)
 
-    @cached_property
+    @property
     def slip_speed(self) -> Any:
-        """|w_t| at that time, m/s, differentiable by the unknown jump."""
-        share = self._constant(lambda contact, step: step.scheme.force_weight, 1.0)
-        return magnitude(share * self.jump_t + (1 - share) * self.start_jump_t)
+        """|w_t| of what bears at that time, m/s, differentiable by the unknown jump; what touches
+        nothing does not slip."""
+        late = self._late
+        return self.bears * magnitude(late * self.jump_t + (1 - late) * self.start_jump_t)
+
+    @cached_property
+    def _late(self) -> Any:
+        """What the slip at the end counts in that."""
+        return self._constant(lambda contact, step: step.scheme.force_weight, 1.0)
 
     @cached_property
     def touched(self) -> Any:

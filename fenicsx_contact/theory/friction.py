@@ -111,7 +111,7 @@ class Asked:
 
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """That of the law."""
-        self.read = True
+        self.read, k.bears = True, S
         what = f"friction = {self._law!r}: its bound"
         with checks.naming(what):
             given = self._law.bound(k, pressure, S)

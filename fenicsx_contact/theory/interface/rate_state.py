@@ -46,6 +46,8 @@ class RateState:
     method for y of ``a |lam| y + rho c sinh y = |tau| + rho V``, the resolvent, which has c sinh y
     = V where ``|tau| = a |lam| y``, for any rho, and nowhere else. (Springs read V alone.)
 
+    What touches nothing does not slip: contacts that are open age as those at rest.
+
     In steady sliding mu = mu_0 + (a - b) ln(V/V_0). A slider that a spring pulls steadily is
     stable above the stiffness k_c = (b - a) sigma/D (1 + M V²/(a sigma D)), per area. ``theta``
     [s] is remembered as "theta".

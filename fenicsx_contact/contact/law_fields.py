@@ -59,15 +59,18 @@ class LawFields(FedFields):
 
     @property
     def slip_speed(self) -> Any:
-        """|w_t| of what bears at that time, m/s, differentiable by the unknown jump; what touches
-        nothing does not slip."""
+        """|w_t| of what bears at that time, m/s, differentiable by the unknown jump: in an impact
+        of the mean of before and after, by which its work goes. What touches nothing does not
+        slip."""
         late = self._late
         return self.bears * magnitude(late * self.jump_t + (1 - late) * self.start_jump_t)
 
     @cached_property
     def _late(self) -> Any:
         """What the slip at the end counts in that."""
-        return self._constant(lambda contact, step: step.scheme.force_weight, 1.0)
+        return self._constant(
+            lambda contact, step: step.scheme.force_weight if step.loaded else 0.5, 1.0
+        )
 
     @cached_property
     def touched(self) -> Any:

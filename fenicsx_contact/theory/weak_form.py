@@ -45,7 +45,7 @@ class ContactFields(Protocol):
 
         t, elapsed: that time [s], and how long it is after the start of the step [s];
         place: where the points are [m];
-        slip_speed: |w_t| where it bears, else 0 [m/s];
+        slip_speed: |w_t| where it bears, else 0 [m/s]; in an impact of the mean of both ends;
         touched: 1 where a point touches as time begins to pass, else 0;
         loaded: 1 where time passes, 0 in an impact;
         field(name, value): a parameter (:data:`~fenicsx_contact.theory.parameter.Parameter`);

@@ -847,6 +847,43 @@ def test_bad_parameters_are_refused(make, says):
         make()
 
 
+@dataclass(frozen=True)
+class Own:
+    """A law that reads a parameter, or remembers from a start."""
+
+    what: str
+    value: object
+
+    def bound(self, k, pressure, S):
+        if self.what == "field":
+            return k.field("own", self.value) * pressure
+        return 0.1 * pressure + 0 * k.state("own", self.value, lambda old, time: old)
+
+    def describe(self):
+        return "own"
+
+
+@pytest.mark.parametrize("varies", [False, True])
+@pytest.mark.parametrize("value", [-1.0, 0.0, float("nan")])
+def test_numbers_of_own_laws_are_asked_as_functions_are(value, varies):
+    """Numbers had not been: -1 made friction that drives. What is remembered may be negative, of a
+    function, too, which was refused."""
+    given = (lambda x: value + 0 * x[0]) if varies else value
+    refused = {"field": not value >= 0, "state": np.isnan(value)}
+    for what, is_refused in refused.items():
+        if is_refused:
+            with pytest.raises(
+                InputError, match=f"own = .*: must be a .*; at|own = {value}: must be"
+            ):
+                contact_with(Own(what, given))
+        else:
+            memory = contact_with(Own(what, given)).memory.values
+            assert (memory["own"] == value).all() if what == "state" else not memory
+    age = RateState(A, B, D, MU, V0, theta=lambda x: value - 1 + 0 * x[0])
+    with pytest.raises(InputError, match=r"theta = .*: must be a scalar >= 0"):
+        contact_with(age)
+
+
 def test_a_function_of_another_mesh_is_refused():
     elsewhere = rectangle((1, 1), (0.1, 0.1)).mesh
     friction = fem.Function(compat.lagrange_space(elsewhere))

@@ -95,9 +95,11 @@ class FedFields:
         off = places(contact, step) - self._place.x.array
         return np.asarray(np.linalg.norm(off.reshape(-1, self.surface.dim), axis=1))
 
-    def _strange(self, values: np.ndarray) -> str:
-        """Where values at the points (n,) are negative or not finite, or nothing."""
-        fine = np.isfinite(values) & (values >= 0)
+    def _strange(self, values: np.ndarray, at_least: float | None = 0.0) -> str:
+        """Where values at the points (n,) are not finite, or less than allowed, or nothing."""
+        fine = np.isfinite(values)
+        if at_least is not None:
+            fine &= values >= at_least
         if fine.all():
             return ""
         at = int(fine.argmin())
@@ -153,34 +155,39 @@ class FedFields:
 
         Args:
             name: for the refusal.
-            value: a number; a function of the place where a point is [m] and, if it needs a second
-                argument, of the time [s], in UFL; or UFL on the mesh of the slave (of coordinates,
-                a dolfinx Function, a Constant), which belongs to the material points and is read
-                anew in every step.
+            value: a finite number >= 0; a function of the place where a point is [m] and, if it
+                needs a second argument, of the time [s], in UFL; or UFL on the mesh of the slave
+                (of coordinates, a dolfinx Function, a Constant), which belongs to the material
+                points and is read anew in every step.
 
         Raises:
             InputError: it is no scalar, or negative or not finite at the start; later a step in
                 which it is fails.
         """
-        field, _ = self._read(name, value)
+        field, _ = self._read(name, value, at_least=0.0)
         if not isinstance(value, Real):
             self._varying.append((name, compat.PointExpression(field, self.surface.scalars)))
             read = ufl.algorithms.extract_coefficients(field)
             self.located |= vars(self).get("_place") in read
         return field
 
-    def _read(self, name: str, value: Any) -> tuple[Any, np.ndarray | float]:
-        """The parameter, and its values at the points at the start."""
+    def _read(
+        self, name: str, value: Any, at_least: float | None
+    ) -> tuple[Any, np.ndarray | float]:
+        """The parameter, and its values at the points at the start, which are finite."""
         if isinstance(value, Real):
-            self.numbers[name] = self.surface.constant(float(value))
-            return self.numbers[name], float(value)
-        refusal = f"{name} = {value!r}: must be a scalar >= 0 in UFL at all points of the contact"
+            number = checks.number(name, value, at_least=at_least)
+            self.numbers[name] = self.surface.constant(number)
+            return self.numbers[name], number
+        bound = "" if at_least is None else f" >= {at_least:g}"
+        shown = value if is_expression(value) else repr(value)  # of UFL that is without end
+        refusal = f"{name} = {shown}: must be a scalar{bound} in UFL at all points of the contact"
         try:
             field = self._mirrored(value if is_expression(value) else self._call(value))
             start = at_points(self.surface, compat.PointExpression(field, self.surface.scalars))
         except Exception as error:  # of the user's function, of UFL, of the compiler
             raise checks.InputError(f"{refusal}; {error}") from None
-        if strange := self._strange(start):
+        if strange := self._strange(start, at_least):
             raise checks.InputError(f"{refusal}; {strange}")
         return field, start
 

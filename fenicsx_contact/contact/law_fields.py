@@ -95,17 +95,26 @@ class LawFields(FedFields):
     # -- memory ---------------------------------------------------------------------------------
 
     def state(
-        self, name: str, start: Any, evolve: Callable[[Any, Any], Any], struck: bool = False
+        self,
+        name: str,
+        start: Any,
+        evolve: Callable[[Any, Any], Any],
+        struck: bool = False,
+        at_least: float | None = None,
     ) -> Any:
         """A field that the law remembers, as it is at the time at which the law is read.
 
         Args:
             name: of the field, in ``contact.memory.values`` and in what a run saves.
-            start: its values at the very start, whatever ``field`` takes.
+            start: its values at the very start, whatever ``field`` takes, but of any sign.
             evolve: what it becomes, in UFL, from what it was and after a time [s].
             struck: in impacts, too: by the impulse for the pressure, in a second.
+            at_least: what they must be, if there is such a limit.
+
+        Raises:
+            InputError: they are no scalars, or not finite, or less than that.
         """
-        old = self.memory.field(name, self._read(name, start)[1])
+        old = self.memory.field(name, self._read(name, start, at_least)[1])
         what = f"state {name!r}: evolve(old, time)"
 
         def after(time: Any) -> Any:

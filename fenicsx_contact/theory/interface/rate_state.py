@@ -96,7 +96,8 @@ class RateState:
         if start is None:  # functions have no quotient, numbers need no field
             fields = varies(self.distance) or varies(self.speed)
             start = D / V0 if fields else self.distance / self.speed
-        theta = k.state("theta", start, lambda old, time: LAWS[self.law](old, V, D, time))
+        evolve = LAWS[self.law]
+        theta = k.state("theta", start, lambda old, time: evolve(old, V, D, time), at_least=0.0)
         c = 2 * V0 * ufl.exp(-(mu + b * ufl.ln(V0 * theta / D)) / a)
         z, A = V / c, a * pressure
         fast = a * ufl.ln(z + ufl.sqrt(z**2 + 1)) * pressure

@@ -847,6 +847,22 @@ def test_bad_parameters_are_refused(make, says):
         make()
 
 
+@pytest.mark.parametrize("law", [StaticKinetic, partial(Stribeck, speed=1.0)])
+def test_kinetic_friction_is_the_lesser_where_both_vary(law):
+    """As of two numbers, at each point; in a later step, too."""
+    rises = lambda x: 0.2 + 0.1 * x[0]  # noqa: E731
+    for static, kinetic in ((0.2, rises), (rises, 0.2), (rises, lambda x: 0.3 + 0 * x[0])):
+        says = r"static - kinetic = .*: must be a scalar >= 0 .*; at \[.* it is -0"
+        with pytest.raises(InputError, match=says):
+            contact_with(law(static, kinetic))
+    contact_with(law(lambda x: 0.3 + 0.1 * x[0], rises))
+    body = thrown()
+    contact = Contact(body, "base", FLOOR, friction=law(lambda x, t: 0.3 - t + 0 * x[0], 0.25))
+    history = Scene([body], [contact]).run(0.1, 2e-3)
+    assert "static - kinetic must be finite and >= 0; at [" in history.reason
+    assert history.time[-1] == pytest.approx(0.05, abs=4e-3)
+
+
 @dataclass(frozen=True)
 class Own:
     """A law that reads a parameter, or remembers from a start."""

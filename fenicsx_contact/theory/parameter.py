@@ -40,3 +40,16 @@ def keep_parameter(thing: Any, name: str, *, above: float | None = None) -> None
 def told(value: Parameter) -> str:
     """In a few words, without an address in memory."""
     return in_words(value) if varies(value) else f"{value:g}"
+
+
+def static_and_kinetic(k: Any, law: Any) -> tuple[Any, Any]:
+    """``static`` and ``kinetic`` of a law on the fields k of a surface. Where they vary their
+    difference is a parameter, too.
+
+    Raises:
+        InputError: mu_k > mu_s somewhere at the start; later a step in which it is fails.
+    """
+    static, kinetic = k.field("static", law.static), k.field("kinetic", law.kinetic)
+    if varies(law.static) or varies(law.kinetic):
+        k.field("static - kinetic", static - kinetic)
+    return static, kinetic

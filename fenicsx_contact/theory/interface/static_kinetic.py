@@ -11,7 +11,7 @@ import ufl
 from ...base import checks
 from ...base.constants import RIGHT
 from ..laws import Expr
-from ..parameter import Parameter, keep_parameter, told, varies
+from ..parameter import Parameter, keep_parameter, static_and_kinetic, told, varies
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class StaticKinetic:
         """By whether slip goes on."""
         before = k.start_jump_t  # what sticks has a jump of round-off, of any sign
         goes_on = ufl.gt(ufl.dot(k.jump_t, before), RIGHT * ufl.dot(before, before))
-        static, kinetic = k.field("static", self.static), k.field("kinetic", self.kinetic)
+        static, kinetic = static_and_kinetic(k, self)
         return ufl.conditional(goes_on, kinetic, static) * pressure
 
     def describe(self) -> str:

@@ -10,7 +10,7 @@ import ufl
 
 from ...base import checks
 from ..laws import Expr
-from ..parameter import Parameter, keep_parameter, told, varies
+from ..parameter import Parameter, keep_parameter, static_and_kinetic, told, varies
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Stribeck:
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """By the speed of slip."""
         V, v = k.slip_speed, k.field("speed", self.speed)
-        static, kinetic = k.field("static", self.static), k.field("kinetic", self.kinetic)
+        static, kinetic = static_and_kinetic(k, self)
         mu = kinetic + (static - kinetic) * ufl.exp(-((V / v) ** self.exponent))
         return mu * pressure + k.field("viscosity", self.viscosity) * V * S * k.loaded
 

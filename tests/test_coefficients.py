@@ -102,6 +102,18 @@ def test_stiffness_and_mass_of_a_graded_bar_are_exact():
     assert "E between 500000 and 1500000" in solid.describe()
 
 
+def test_a_solid_stays_what_it_was_made_of():
+    """In its stress, too, which followed what the Constant or the Function had become."""
+    for kind in UNIFORM[:2]:
+        moduli = [kind(number) for number in (1e6, 0.3)]
+        E, nu = moduli if isinstance(moduli[0], fem.Function) else (m + 0 * X[0] for m in moduli)
+        solid = elastic(youngs_modulus=E, poisson_ratio=nu, displacement=lambda x: 0.01 * x[:2])
+        expected = elastic(displacement=lambda x: 0.01 * x[:2]).stress()
+        for each in moduli:
+            (each.x.array if isinstance(each, fem.Function) else each.value)[...] *= 1.5
+        np.testing.assert_allclose(solid.stress(), expected, rtol=1e-9, atol=1e-3)
+
+
 def test_stored_energies_take_fields():
     ends = []
     for E in (

@@ -479,6 +479,42 @@ def test_constants_that_stand_in_ufl():
     check(build, asked, 0.01, 5e-4, shares=[1e-4])
 
 
+@pytest.mark.parametrize("E, nu", [(1.0, lambda n: n), (lambda n: 1 + n, lambda n: 1 * n)])
+def test_a_constant_that_is_a_modulus(E, nu):
+    """Alone it was no part of any: its derivative lacked it, or was refused."""
+
+    def build(n):
+        mesh = rectangle((3, 3), (0.4, 0.4))
+        build.n = fem.Constant(mesh.mesh, n)
+        moduli = {
+            "youngs_modulus": 1e6 * (E(build.n) if callable(E) else E),
+            "poisson_ratio": nu(build.n),
+        }
+        block = ElasticSolid(mesh, density=700.0, gravity=(0, -G), fixed=["base"], **moduli)
+        return Scene([block], [])
+
+    def top(scene):
+        return {"y": At(solid_of(scene), (0.2, 0.4), (0, 1))}
+
+    asked = {"n": (0.25, lambda s: Modulus(solid_of(s), build.n))}
+    check(build, asked, 0.02, 1e-3, top, shares=[1e-4])
+
+
+def test_moduli_are_those_of_when_the_solid_was_made():
+    """A Constant that has become another since made a derivative that of no solid."""
+
+    def derivatives(of, now):
+        mesh = rectangle((3, 3), (0.4, 0.4))
+        n, x = fem.Constant(mesh.mesh, of), ufl.SpatialCoordinate(mesh.mesh)
+        moduli = {"youngs_modulus": 1e6 * n * n * (1 + x[1]), "poisson_ratio": n / 4}
+        block = ElasticSolid(mesh, density=700.0, gravity=(0, -G), fixed=["base"], **moduli)
+        scene, y = Scene([block], []), {"y": Centre(block, (0, 1))}
+        n.value = now
+        return tangents(scene, 0.02, 1e-3, {"n": Modulus(block, n)}, y)["y"]
+
+    np.testing.assert_array_equal(derivatives(1.0, 1.9), derivatives(1.0, 1.0))
+
+
 KINDS = {
     "second degree": {"degree": 2},
     "plane stress": {"plane": "stress"},

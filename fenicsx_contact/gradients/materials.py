@@ -25,8 +25,8 @@ class Modulus(OfSolid):
 
     Args:
         solid: the solid.
-        name: ``"youngs_modulus"`` or ``"poisson_ratio"``, where that is a number; or a
-            ``fem.Constant`` that stands in a modulus in UFL.
+        name: ``"youngs_modulus"`` or ``"poisson_ratio"``, where that is a number or a
+            ``fem.Constant``; or a ``fem.Constant``, wherever it stands in the two.
 
     Raises:
         InputError: no such number stands in a modulus, or another solid.
@@ -36,16 +36,16 @@ class Modulus(OfSolid):
         checks.instance("solid", solid, ElasticSolid, "an ElasticSolid; see Material")
         self.solid: ElasticSolid = solid
         moduli = dict(solid.moduli)
-        given = isinstance(name, str)
-        value = moduli.get(name) if given else name
-        if given and isinstance(value, float):
-            number = moduli[name] = _number(solid, value)
-            form = solid.stiffness_form(*moduli.values())
-        elif isinstance(value, fem.Constant):
-            number = _number(solid, float(value.value))
-            form = ufl.replace(solid.stiffness_form(*moduli.values()), {value: number})
-        else:
+        asked = isinstance(name, str)
+        value = moduli.get(name) if asked else solid.kept.get(name, name)
+        if not isinstance(value, (float, fem.Constant) if asked else fem.Constant):
             raise checks.InputError(f"Modulus: name = {name!r}: must be a number among {moduli}")
+        number = _number(solid, float(getattr(value, "value", value)))
+        if asked:
+            moduli[name] = number
+            form = solid.stiffness_form(*moduli.values())
+        else:
+            form = ufl.replace(solid.stiffness_form(*moduli.values()), {value: number})
         derivative = ufl.algorithms.expand_derivatives(ufl.derivative(form, number, _one(number)))
         if derivative.empty():
             raise checks.InputError(f"Modulus: {name} stands in no modulus of {solid.name!r}")

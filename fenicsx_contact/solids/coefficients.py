@@ -225,6 +225,7 @@ def scalar(
     what: str,
     value: Scalar,
     mesh: NamedMesh,
+    kept: dict[Any, Any],
     *,
     above: float,
     below: float = np.inf,
@@ -235,17 +236,19 @@ def scalar(
         what: the argument that gave it, for messages.
         value: a number, Constant, Function, expression in UFL, or function of x.
         mesh: of the solid.
+        kept: see :func:`as_now`.
         above, below: its limits, themselves excluded.
 
     Returns:
-        A float, or an expression in UFL; and a text that tells it.
+        A float, or an expression in UFL that stays what it is now; and a text that tells it.
 
     Raises:
         InputError: out of its limits somewhere, or as :func:`field`.
     """
     if not is_field(value) and not is_function(value):
         plain = number(what, value, above=above, below=below)
-        return plain, repr(plain)
+        stays = as_now(value, mesh, kept) if isinstance(value, fem.Constant) else plain
+        return stays, repr(plain)
     if is_function(value) and len(arguments(value)) != 1:
         raise checks.InputError(f"{what} = {_shown(value)}: must be a function of x alone")
     made = field(what, value, mesh)
@@ -259,7 +262,24 @@ def scalar(
             f"{what} = {_shown(value)}: must be {bounds}; it lies between {least:g} and {most:g}"
         )
     digits = in_ufl(made.expression, fields=True)
-    return made.expression, f"between {least:.9g} and {most:.9g} {digits}"
+    told = f"between {least:.9g} and {most:.9g} {digits}"
+    return as_now(made.expression, mesh, kept), told
+
+
+def as_now(expression: Any, mesh: NamedMesh, kept: dict[Any, Any]) -> Any:
+    """An expression whose Constants and Functions are what they are now, whatever becomes of them.
+
+    Args:
+        expression: in UFL.
+        mesh: on which it lives.
+        kept: copies, by what they are of; those that it lacks are added.
+    """
+    for each in ufl.corealg.traversal.traverse_unique_terminals(expression):
+        if isinstance(each, fem.Constant) and each not in kept:
+            kept[each] = fem.Constant(mesh.mesh, each.value)
+        elif isinstance(each, fem.Function) and each not in kept:
+            kept[each] = each.copy()
+    return ufl.replace(expression, kept)
 
 
 def constant(mesh: NamedMesh, value: Any) -> Any:

@@ -45,7 +45,8 @@ class ElasticSolid(DeformableSolid):
         others: as for :class:`~fenicsx_contact.solids.deformable.DeformableSolid`.
 
     Attributes:
-        moduli: the two by name: numbers, or UFL.
+        moduli: the two by name: numbers, or UFL that stays as it was then.
+        kept: what stands there for the Constants and Functions that were given, by these.
 
     Raises:
         InputError: numbers out of range, a name that the mesh lacks.
@@ -64,8 +65,9 @@ class ElasticSolid(DeformableSolid):
         **others: Any,
     ) -> None:
         super().__init__(mesh, name=name, **others)
-        E, modulus = scalar("youngs_modulus", youngs_modulus, mesh, above=0)
-        nu, ratio = scalar("poisson_ratio", poisson_ratio, mesh, above=-1, below=0.5)
+        self.kept: dict[Any, Any] = {}
+        E, modulus = scalar("youngs_modulus", youngs_modulus, mesh, self.kept, above=0)
+        nu, ratio = scalar("poisson_ratio", poisson_ratio, mesh, self.kept, above=-1, below=0.5)
         self.moduli = {"youngs_modulus": E, "poisson_ratio": nu}
         self.parameters = f"E {modulus}, nu {ratio}, {self.parameters}"
         self._stiffness = assembly.assemble_petsc_matrix(self.stiffness_form(E, nu))

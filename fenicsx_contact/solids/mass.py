@@ -48,7 +48,7 @@ class Mass:
         breadth: Any,
     ) -> None:
         self._vectors, mesh = vectors, vectors.mesh.mesh
-        self.density, self.told = scalar("density", density, vectors.mesh, above=0)
+        self.density, self.told = scalar("density", density, vectors.mesh, {}, above=0)
         self._rho = breadth * constant(vectors.mesh, self.density)
         self._dx = ufl.Measure("dx", domain=mesh)
         u, v = ufl.TrialFunction(vectors.space), ufl.TestFunction(vectors.space)

@@ -178,3 +178,23 @@ assert refused(scenes.elastic_block()) == refused(scenes.rubbed_block()) == "not
 
 def test_processes_that_are_given_other_arguments_refuse_them(tmp_path):
     output_of(mpirun(code(UNLIKE, tmp_path), 2))
+
+
+SHARED = """
+from fenicsx_contact import ElasticSolid, Scene
+from fenicsx_contact.gradients import Centre, Modulus, tangents
+moduli = {{"youngs_modulus": 1e6, "poisson_ratio": 0.3}}
+block = ElasticSolid(scenes.rectangle((3, 3)), density=1.0, fixed=["base"], **moduli)
+scene, of, y = Scene([block], []), {{"E": Modulus(block)}}, {{"y": Centre(block, (0, 1))}}
+try:
+    tangents(scene, 1e-2, 1e-3, of, y)
+except InputError as error:
+    assert "'elastic' is shared by processes; use one" in str(error), error
+else:
+    raise AssertionError("not refused")
+"""
+
+
+def test_derivatives_by_moduli_of_shared_solids_are_refused(tmp_path):
+    """numpy stopped first, at the cells of other processes."""
+    output_of(mpirun(code(SHARED, tmp_path), 2))

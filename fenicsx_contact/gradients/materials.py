@@ -148,15 +148,12 @@ class Material(OfSolid):
 
 def _number(solid: DeformableSolid, value: float) -> Any:
     """A number as a field, by which UFL can differentiate."""
-    space = compat.cellwise_space(solid.mesh.mesh)
-    return compat.cell_constants(space, np.full(_cells(solid), value))
+    number = fem.Function(compat.cellwise_space(solid.mesh.mesh))
+    number.x.array[:] = value
+    return number
 
 
 def _one(number: Any) -> Any:
     one = fem.Function(number.function_space)
     one.x.array[:] = 1.0
     return one
-
-
-def _cells(solid: DeformableSolid) -> int:
-    return compat.num_local_cells(solid.mesh.mesh)

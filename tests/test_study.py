@@ -35,6 +35,7 @@ from fenicsx_contact.study import (
     summary,
     table,
 )
+from fenicsx_contact.study.names import named
 from fenicsx_contact.study.workers import each
 
 MAP = {m.name: m for m in MAPS}
@@ -296,10 +297,67 @@ def test_a_batch_takes_no_results_of_another_function(tmp_path):
     with pytest.raises(InputError, match=r"of test_study\.summed, not of .*\.subtracted"):
         batch(subtracted, [{"a": 1}], file, processes=1)
     assert file.read_bytes() == before
-    (line,) = batch(partial(summed, b=10), [{"a": 1}], file, processes=1)
+    (line,) = batch(summed, [{"a": 1}], file, processes=1)
     assert line["sum"] == 11
     file.write_text('{"case": {"a": 1}, "results": {"sum": 12}}\n')  # without a name
     assert [line["sum"] for line in batch(summed, [{"a": 1}, {"a": 2}], file)] == [12, 12]
+
+
+class Scaled:
+    def __init__(self, by):
+        self.by = by
+
+    def __call__(self, a):
+        return {"scaled": self.by * a}
+
+    def over(self, a):
+        return {"scaled": a / self.by}
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "expected"),
+    [
+        (partial(summed, b=1), partial(summed, b=2), {"sum": 2}),
+        (partial(summed, b=np.float64(1)), partial(summed, b=1 + 1e-15), {"sum": 2}),
+        (summed, partial(summed, b=2), {"sum": 11}),
+        (partial(partial(summed), b=1), partial(summed, b=np.arange(3)), {"sum": 2}),
+        (Scaled(2.0), Scaled(3.0), {"scaled": 2}),
+        (Scaled(2.0).over, Scaled(4.0).over, {"scaled": 0.5}),
+        (partial(Scaled(2.0)), partial(Scaled([2.0])), {"scaled": 2}),
+    ],
+)
+def test_a_batch_takes_no_results_of_other_bound_arguments(one, other, expected, tmp_path):
+    """What a partial or an object holds was no part of the name of a function."""
+    for _ in range(2):
+        assert batch(one, [{"a": 1}], tmp_path / "lines", processes=1) == [{"a": 1, **expected}]
+    with pytest.raises(InputError, match=r"file = .*holds results of test_study\..*|getattr"):
+        batch(other, [{"a": 1}], tmp_path / "lines", processes=1)
+
+
+def test_functions_are_told_by_all_that_is_bound():
+    """The same from run to run, so nothing of an object that holds itself but that it does."""
+    ring = Scaled([1, {"b": 2}])
+    ring.by.append(ring)
+    assert named(ring) == "test_study.Scaled(dict(by=list(1, dict(b=2), ...)))"
+    assert named(partial(summed, 1, b=np.float64(3))) == "test_study.summed(1, b=3.0)"
+    assert named(partial(summed, {"b", "a"})) == "test_study.summed(set('a', 'b'))"
+    some, others = (named(partial(summed, list(range(n)))) for n in (100, 101))
+    assert some != others and len(some) < 50
+
+
+def test_maps_take_no_verdicts_of_other_problems(tmp_path):
+    """Those of another function under the same name, or of other arguments in their places."""
+    axes = Axis("b", [1], "b"), Axis("x", [2], "x")
+    maps = [
+        Map("m", "M", problem, *axes)
+        for problem in (partial(summed, 3), partial(summed, 4), subtracted)
+    ]
+    (cell,) = maps[0].cells()
+    assert len({m.key(cell) for m in maps}) == 3
+    assert maps[0].key(cell) == Map("m", "", partial(summed, 3), *axes).key(cell)
+    with pytest.raises(InputError, match="maps: two are called 'm'"):
+        run_maps(maps[:2], tmp_path / "cells")
+    assert not (tmp_path / "cells").exists()
 
 
 @pytest.mark.parametrize(

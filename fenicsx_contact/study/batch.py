@@ -12,11 +12,11 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ..base import checks
+from .names import named
 from .records import listed, records
 
 #: How a line of a batch begins.
@@ -39,8 +39,9 @@ def batch(
     Args:
         function: at the top of a module; from a case, by name, to results, by other names.
         cases: numbers or texts, by the same names each; what stands there twice is run once.
-        file: of JSON lines, appended to: a case, its results and the name of the function each;
-            older ones have no name, and are taken to be of this function.
+        file: of JSON lines, appended to: a case, its results and the function each, by its name
+            and by what a ``partial``, a method or an object binds to it; older ones have no name,
+            and are taken to be of this function.
         processes: how many; default: one for each core.
         progress: show a bar; default: if a person watches.
 
@@ -68,7 +69,7 @@ def batch(
                 "same names"
             )
         _check_case(function, i, case)
-    found, name = records(file, START, _record, "a batch"), _name(function)
+    found, name = records(file, START, _record, "a batch"), named(function)
     if others := sorted({of for *_, of in found} - {name, ""}):
         raise checks.InputError(
             f"file = {str(file)!r}: holds results of {others[0]}, not of {name}; each function "
@@ -128,16 +129,6 @@ def _check_function(function: Any) -> None:
             f"function = {function!r}: must stand at the top of a module, by a name, for other "
             "processes to find it"
         ) from None
-
-
-def _name(function: Any) -> str:
-    """Its file and its name in it, the same where that is the script and where it is imported."""
-    while isinstance(function, partial):
-        function = function.func
-    named = function if hasattr(function, "__qualname__") else type(function)
-    module = str(named.__module__)
-    path = getattr(sys.modules.get(module), "__file__", None) or module
-    return f"{Path(path).stem}.{named.__qualname__}"
 
 
 def _check_case(function: Callable[..., Any], i: int, case: Mapping[str, Any]) -> None:

@@ -19,6 +19,7 @@ import numpy as np
 
 from ..base import checks
 from .judge import CLASSES, Verdict, judge
+from .names import named
 from .problem import Problem
 from .records import listed, records
 from .workers import each
@@ -75,9 +76,10 @@ class Map:
         return replace(self, x=self.x.thinned(count), y=self.y.thinned(count))
 
     def key(self, cell: dict[str, Any]) -> str:
-        """What a cell is found by in a file of results."""
-        given = self.problem.keywords if isinstance(self.problem, partial) else {}
-        text = json.dumps([self.name, given, cell], sort_keys=True, default=listed)
+        """What a cell is found by in a file of results: the map's name, the problem with what is
+        bound to it, and where the cell is."""
+        whole = [self.name, named(self.problem), cell]
+        text = json.dumps(whole, sort_keys=True, default=listed)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
@@ -110,9 +112,11 @@ def run_maps(
         For each map its verdicts in the order of its cells.
 
     Raises:
-        InputError: no maps; a file of something else, which stays as it is.
+        InputError: no maps; two of one name; a file of something else, which stays as it is.
     """
     maps, file = checks.sequence("maps", maps, Map, "Maps"), checks.path("file", file)
+    if twice := [name for name, n in Counter(m.name for m in maps).items() if n > 1]:
+        raise checks.InputError(f"maps: two are called {twice[0]!r}; each needs a name of its own")
     known = dict(records(file, START, _record, "maps"))  # what was cut short is done again
     todo = [(m, cell) for m in maps for cell in m.cells() if m.key(cell) not in known]
     file.parent.mkdir(parents=True, exist_ok=True)

@@ -410,6 +410,40 @@ def test_results_that_no_file_can_hold_are_refused(tmp_path):
             batch(given_back, [{"kind": kind}], tmp_path / "lines", processes=1)
 
 
+def overwriting(a):
+    return {"a": -a, "y": a}
+
+
+def test_results_by_names_of_the_case_are_refused(tmp_path):
+    """They stood for what was asked."""
+    with pytest.raises(InputError, match=r"function\(.*\) = .*\['a'\] are of the case"):
+        batch(overwriting, [{"a": 1}], tmp_path / "lines", processes=1)
+    assert (tmp_path / "lines").read_text() == ""
+
+
+def failing(i, beside):
+    """The case 0 fails once the case 1 has begun, which ends after it."""
+    (Path(beside) / str(i)).touch()
+    while i < 2 and not (Path(beside) / str(1 - i)).exists():
+        time.sleep(0.01)
+    if i == 0:
+        raise ZeroDivisionError("zero")
+    time.sleep(0.3)
+    return {"y": i}
+
+
+def test_what_runs_beside_a_case_that_fails_is_on_file(tmp_path):
+    """It was waited for and thrown away; and which case had failed was not told."""
+    cases = [{"i": i, "beside": str(tmp_path)} for i in range(4)]
+    with pytest.raises(ZeroDivisionError, match="zero") as raised:
+        batch(failing, cases, tmp_path / "lines", processes=2, progress=False)
+    cause = raised.value.__cause__
+    assert "function(**{'i': 0, " in str(cause) and "in failing" in str(cause.__cause__)
+    (line,) = (tmp_path / "lines").read_text().splitlines()
+    assert json.loads(line)["results"] == {"y": 1}
+    assert not (tmp_path / "2").exists()  # nor was any other begun
+
+
 def test_results_are_those_on_file(tmp_path):
     """Tuples came back the first time, lists the second."""
     for _ in range(2):

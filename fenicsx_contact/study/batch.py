@@ -9,9 +9,11 @@ import multiprocessing
 import os
 import pickle
 import sys
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -51,9 +53,10 @@ def batch(
     Raises:
         InputError: no such function; no list of cases, or of names that differ or are none of its
             arguments; a file of something else, or of another function, which stays as it is; no
-            processes; results that a file of JSON cannot hold.
+            processes; results that a file of JSON cannot hold, or by names of the case.
         RuntimeError: a process died; the message names the cases that were under way.
-        Exception: what the function raised; other cases that are done by then are on file.
+        Exception: what the function raised first; its cause tells the case. Those that ran beside
+            it are done and on file, and no other is begun.
     """
     from tqdm import tqdm
 
@@ -79,44 +82,59 @@ def batch(
     todo = list({_key(case): case for case in cases if _key(case) not in known}.values())
     file.parent.mkdir(parents=True, exist_ok=True)
     show = sys.stderr.isatty() if progress is None else progress
-    fork = multiprocessing.get_context("fork")
-    working, count = fork.RawArray("b", len(todo)), processes or os.cpu_count()
-    with ProcessPoolExecutor(count, fork, initializer=_share, initargs=(working,)) as pool:
-        calls = {pool.submit(_call, i, function, case): case for i, case in enumerate(todo)}
-        bar = tqdm(total=len(cases), initial=len(cases) - len(todo), disable=not show)
-        try:
-            with bar, file.open("a") as out:
-                for each in as_completed(calls):
-                    line = _line(name, calls[each], each.result())
-                    known[_key(calls[each])] = json.loads(line)["results"]
-                    out.write(line + "\n")
-                    out.flush()
-                    bar.update()
-        except BrokenProcessPool:
-            under_way = [dict(case) for case, works in zip(todo, working) if works]
-            raise RuntimeError(
-                f"a process died; under way were the cases {under_way}; what was done by then is "
-                f"in {file}"
-            ) from None
-        finally:
-            pool.shutdown(cancel_futures=True)  # who is stopped does not wait for all the others
+    fork, count = multiprocessing.get_context("fork"), processes or os.cpu_count() or 1
+    failures: list[tuple[dict[str, Any], BaseException]] = []
+    bar = tqdm(total=len(cases), initial=len(cases) - len(todo), disable=not show)
+    with ProcessPoolExecutor(count, fork) as pool, bar, file.open("a") as out:
+        for case, done in _each(pool, count, partial(_line, name, function), todo):
+            if failure := done.exception():
+                failures.append((dict(case), failure))
+                continue
+            known[_key(case)] = json.loads(done.result())["results"]
+            out.write(done.result() + "\n")
+            out.flush()
+            bar.update()
+    if failures:
+        raise _told(failures, file)
     return [{**case, **known[_key(case)]} for case in cases]
 
 
-_SHARED: dict[str, Any] = {}  # with the first process
+def _each(
+    pool: ProcessPoolExecutor,
+    count: int,
+    call: Callable[[Mapping[str, Any]], str],
+    cases: Iterable[Mapping[str, Any]],
+) -> Iterator[tuple[Mapping[str, Any], Future]]:
+    """Cases as they are done, so many at a time. The others wait here: after one that failed, or
+    when this process is stopped, only those that run are waited for."""
+    waiting, failed = iter(cases), False
+    running: dict[Future, Mapping[str, Any]] = {}
+    while True:
+        try:
+            for case in islice(waiting, 0 if failed else count - len(running)):
+                running[pool.submit(call, case)] = case
+        except BrokenProcessPool:
+            if not running:  # who died was at no case
+                raise
+        if not running:
+            return
+        for done in wait(running, return_when=FIRST_COMPLETED).done:
+            failed = failed or done.exception() is not None
+            yield running.pop(done), done
 
 
-def _share(working: Any) -> None:
-    _SHARED["working"] = working
-
-
-def _call(i: int, function: Callable[..., Any], case: Mapping[str, Any]) -> Any:
-    """In a process of the batch; the first one can see which cases are under way."""
-    _SHARED["working"][i] = True
-    try:
-        return function(**case)
-    finally:
-        _SHARED["working"][i] = False
+def _told(failures: Sequence[tuple[dict[str, Any], BaseException]], file: Path) -> BaseException:
+    """The first failure, which tells its case; that of a process, those that were under way."""
+    case, first = failures[0]
+    if isinstance(first, BrokenProcessPool):
+        under_way = [case for case, each in failures if isinstance(each, BrokenProcessPool)]
+        return RuntimeError(
+            f"a process died; under way were the cases {under_way}; what was done by then is in "
+            f"{file}"
+        )
+    whose = RuntimeError(f"function(**{case}) failed; what else was done by then is in {file}")
+    whose.__cause__, first.__cause__ = first.__cause__, whose  # that of the other process is first
+    return first
 
 
 def _check_function(function: Any) -> None:
@@ -150,16 +168,20 @@ def _check_case(function: Callable[..., Any], i: int, case: Mapping[str, Any]) -
         ) from None
 
 
-def _line(function: str, case: Mapping[str, Any], results: Any) -> str:
-    name = f"function(**{dict(case)})"
+def _line(name: str, function: Callable[..., Any], case: Mapping[str, Any]) -> str:
+    """Of a file; in a process of the batch."""
+    results = function(**case)
+    what = f"function(**{dict(case)}) = {results!r}"
     if not isinstance(results, Mapping):
-        raise checks.InputError(f"{name} = {results!r}: must be results by their names, a dict")
+        raise checks.InputError(f"{what}: must be results by their names, a dict")
+    if both := sorted(set(case) & set(map(str, results))):
+        raise checks.InputError(f"{what}: {both} are of the case; results need other names")
     try:
-        line = {"case": case, "results": results, "function": function}
+        line = {"case": case, "results": results, "function": name}
         return json.dumps(line, default=listed)
     except (TypeError, ValueError) as problem:
         raise checks.InputError(
-            f"{name} = {results!r}: must be of numbers, texts and lists of them ({problem})"
+            f"{what}: must be of numbers, texts and lists of them ({problem})"
         ) from None
 
 

@@ -227,6 +227,19 @@ def test_a_body_at_rest_takes_the_longest_steps():
         np.testing.assert_allclose(history["dt"][1:], 0.1)
 
 
+def test_what_bears_within_the_tolerance_does_not_arrive():
+    """A block that slid had impacts at 5e-13 m, each after half of what was left of a step."""
+    block = RigidSolid(
+        rectangle((4, 2), (0.4, 0.2)), mass=2.0, gravity=(0, -G), velocity=(1.0, -0.3),
+        rotation=0.1, about=(-0.2, 0.0),
+    )  # fmt: skip
+    scene = Scene([block], [Contact(block, "base", FLOOR, friction=0.3)], locate_impacts=True)
+    history = scene.run(0.32, 2e-2, step_error=1e-4)
+    assert history.finished and not history.remarks
+    impacts = history.time[history["dt"] == 0]
+    assert 0.049 < impacts[-1] < 0.051 and len(history) < 60
+
+
 # -- it does not depend on units, nor on being killed --
 
 

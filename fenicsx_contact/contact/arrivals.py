@@ -26,8 +26,9 @@ def arrival(contact: Contact) -> tuple[float, float, float]:
 
 
 def arrives(contact: Contact) -> bool:
-    """Whether a point is inside in the trial state that may not bear in the step."""
-    return arrival(contact)[0] > 0
+    """Whether a point is inside, by more than gaps are told apart, in the trial state that may not
+    bear in the step."""
+    return arrival(contact)[0] > contact.tolerance
 
 
 def missed(contact: Contact, closing: bool) -> str:

@@ -133,7 +133,7 @@ class LocatedImpacts:
             flight = self._fly(stepper, left, dt)
             for contact in stepper.contacts:
                 contact.blows.fly(contact, left)
-            arrives = flight[1] > 0
+            arrives = flight[1] > tolerance  # what is nearer touches, and may strike at once
             fly = partial(self._fly, stepper, whole=dt)
             trial = _arrive(fly, flight, tolerance) if arrives else flight[0]
             remarks.extend(trial.remarks)

@@ -29,6 +29,7 @@ from fenicsx_contact import (
     mesh_from_file,
     name_facets,
 )
+from fenicsx_contact.base import compat
 
 SIDE, GAP = 0.1, 1.1e-3  # m
 FLOOR = HalfSpace((0, 0), (0, 1))
@@ -277,3 +278,27 @@ def test_what_is_apart_but_inside_by_means_is_given_no_energy(law):
     assert not history.finished and "contacts would have given" in history.reason
     assert history["kinetic"].max() < 1e-9
     assert any("though its solids are apart" in remark for _, remark in history.remarks)
+
+
+@pytest.mark.parametrize("facets", [1, 5])
+def test_what_is_struck_late_is_inside(facets):
+    """A triangle falls, tip down, on a plank whose facets are the slave: means over these see it
+    when its tip is half as deep as it is wide. The remark said that they were 0.04 m apart, and the
+    column of what is inside was 0."""
+    plank = rectangle((facets, 1), (2.0, 0.2))
+    x = np.array([[0.0, 0.21], [0.05, 0.31], [-0.05, 0.31]])
+    tip = compat.create_mesh(MPI.COMM_SELF, np.array([[0, 1, 2]]), x, "triangle")
+    tip = name_facets(tip, {"skin": lambda x: np.full(x.shape[1], True)})
+    drop = RigidSolid(tip, mass=1.0, velocity=(0.0, -2.0), held=["x", "turning"], name="drop")
+    plank = RigidSolid(plank, mass=3.0, held=["x", "y", "turning"], name="plank")
+    contact = Contact(plank, "top", (drop, "skin"), name="c")
+    history = Scene([plank, drop], [contact]).run(0.05, 1e-3)
+    last = int((history["c.bearing"] > 0).argmax())
+    inside = 2.0 * history.time[:last] - 0.01
+    assert inside[-1] == pytest.approx(0.05, abs=2.1e-3)
+    # at two points on each half of the width, as of a rule of Gauss
+    deepest = np.maximum(inside - 0.05 * (1 - 1 / np.sqrt(3)), 0.0)
+    np.testing.assert_allclose(history["c.penetration"][:last], deepest, atol=1e-12)
+    remarks = " ".join(remark for _, remark in history.remarks)
+    assert re.search(r"only when its solids were 0\.048\d* m inside each other", remarks), remarks
+    assert "apart" not in remarks

@@ -60,8 +60,9 @@ def missed(contact: Contact, closing: bool) -> str:
 def starts_inside(contact: Contact) -> str:
     """What a reader should know of a contact that overlaps, whose law leaves it so, or nothing."""
     law, deep = contact.formulation, contact.depth()
-    if means := _inside_by_means(contact, deep):
-        return f"contact {means}"
+    means = float(contact.gap.max())
+    if means > contact.tolerance >= contact.coupling.inside():
+        return f"contact {_inside_by_means(contact, means)}"
     if _takes_back(contact) or deep <= contact.tolerance:
         return ""
     return (
@@ -77,8 +78,8 @@ def starts_too_deep(contact: Contact, share: float) -> str:
     if not depth > most:
         return ""
     allowed = f"at most deepest = {share:g} of the surface's extent ({most:.4g}) is allowed"
-    if means := _inside_by_means(contact, depth):
-        return f"{means}; {allowed}"
+    if contact.tolerance >= contact.coupling.inside():
+        return f"{_inside_by_means(contact, depth)}; {allowed}"
     return f"{contact.name!r} starts {depth:.4g} inside its master; {allowed}"
 
 
@@ -88,16 +89,14 @@ def _takes_back(contact: Contact) -> bool:
     return bool(law.gap_share or getattr(law, "drift_correction", 1.0))
 
 
-def _inside_by_means(contact: Contact, deep: float, does: str = "starts") -> str:
-    """What a reader should know of a contact so deep inside, m, if its solids are not."""
-    if not deep > contact.tolerance >= contact.coupling.inside():
-        return ""
+def _inside_by_means(contact: Contact, deep: float, when: str = "starts") -> str:
+    """What a reader should know of a contact so deep inside, m, whose solids are not."""
     law = "keeps them from coming nearer, as if they touched"
     if _takes_back(contact):
         law = "pushes them, and energy comes of it"
     rigid = ", let rigid bodies be a Heap" if all(s.shiftable for s in contact.solids) else ""
     return (
-        f"{contact.name!r} {does} {deep:.3g} m inside by its gaps, means over facets, though its "
+        f"{contact.name!r} {when} {deep:.3g} m inside by its gaps, means over facets, though its "
         f"solids are apart: {contact.formulation.name!r} {law}. "
         f"Give it smaller facets, the other solid as slave, or a clearance{rigid}"
     )
@@ -105,7 +104,7 @@ def _inside_by_means(contact: Contact, deep: float, does: str = "starts") -> str
 
 def went_inside(contact: Contact, depth: float, most: float) -> str:
     """What a reader should know of two solids that went so deep inside each other, m, though a law
-    of velocities held them apart, or that end so by their gaps alone; or of a rod in its guide, by
+    of velocities held them apart, or were so by their gaps alone; or of a rod in its guide, by
     any law without springs; or nothing. ``most``: how deep a scene may start, as a share of the
     surface's extent."""
     law = contact.formulation
@@ -116,11 +115,12 @@ def went_inside(contact: Contact, depth: float, most: float) -> str:
             f"contact {contact.name!r} went {depth:.3g} m into the walls of its guide, more than "
             f"the {accepted:.3g} m with which a rod may start: shorter steps go less deep"
         )
-    held = law.multipliers and not law.gap_share and len(contact.solids) > 1
-    if not held or depth <= most * contact.surface.extent:
+    if not law.multipliers or law.gap_share or len(contact.solids) == 1:
         return ""
-    if means := _inside_by_means(contact, contact.depth(), "ends"):
-        return f"contact {means}"
+    accepted, (means, time) = most * contact.surface.extent, contact.coupling.by_means_alone
+    if depth <= accepted:
+        told = _inside_by_means(contact, means, f"at t = {time:.9g} s was")
+        return f"contact {told}" if means > accepted else ""
     return (
         f"contact {contact.name!r} went {depth:.3g} m inside its master: {law.name!r} holds "
         "velocities along the normals of facets, which are not those of the gap where surfaces are "
@@ -130,11 +130,16 @@ def went_inside(contact: Contact, depth: float, most: float) -> str:
 
 def struck_apart(contact: Contact, most: float) -> str:
     """What a reader should know of two rigid solids that began to push each other while they were
-    apart, farther than ``most``, a share of the surface's extent; or nothing."""
-    if (apart := contact.coupling.apart) <= most * contact.surface.extent:
+    apart, or inside each other, farther than ``most``, a share of the surface's extent; or
+    nothing."""
+    apart, late = contact.coupling.apart, contact.coupling.late
+    if max(apart, late) <= most * contact.surface.extent:
         return ""
+    when = f"while its solids were {apart:.3g} m apart"
+    if late > apart:
+        when = f"only when its solids were {late:.3g} m inside each other"
     return (
-        f"contact {contact.name!r} began to push while its solids were {apart:.3g} m apart: its "
+        f"contact {contact.name!r} began to push {when}: its "
         "gaps are means over facets, which near corners are not those of the bodies. Let rigid "
         "bodies that meet at corners be a Heap, or give them smaller facets"
     )

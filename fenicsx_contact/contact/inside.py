@@ -4,6 +4,8 @@ obstacle, only near surfaces, and what lies deeper looks as if it were apart."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..base import compat
@@ -11,6 +13,7 @@ from ..base.cells import NODES
 from ..base.checks import StepFailed
 from ..base.mesh import NamedMesh
 from ..solids import Solid
+from .mortar import Pairing
 from .mortar.search import Near, Spheres
 from .simplices import nearest, split
 from .wall import Wall
@@ -41,6 +44,28 @@ def deepest(points: np.ndarray, solid: Solid, limits: np.ndarray) -> float:
         if found > limits[asked[k]]:
             depth = max(depth, found)
     return depth
+
+
+def inside_each_other(
+    pair: Pairing, places: np.ndarray, solids: Sequence[Solid], most: float
+) -> str:
+    """How far one of two solids lies inside the other, with nodes at these places (N, d), unseen by
+    the pairing and by more than ``most``, m; or nothing."""
+    last = len(pair.slave.nodes)
+    seen = np.zeros(pair.total, dtype=bool)
+    seen[: pair.n] = pair.paired
+    seen[last:] = (abs(pair.means[:, last:]) > 0).sum(axis=0) > 0
+    for side, first in ((pair.slave, 0), (pair.master, last)):  # middles as their corners
+        faces = seen[first + side.corners].any(axis=1)
+        seen[first + side.cells[faces, side.corners.shape[1] :]] = True
+    # of what faces something gaps tell, but not what lies between
+    size = max(most, pair.slave.size, pair.master.size)
+    limits = np.where(seen, size, most)
+    for one, other, mine in ((0, 1, slice(last)), (1, 0, slice(last, None))):
+        depth = deepest(places[mine], solids[other], limits[mine])
+        if depth:
+            return f"{solids[one].name!r} {depth:.4g} inside {solids[other].name!r}"
+    return ""
 
 
 def within(points: np.ndarray, simplices: np.ndarray) -> np.ndarray:

@@ -32,7 +32,9 @@ class Coupling(ABC):
         by_means: whether gaps are means over facets, which are others where solids are put back.
         blocked: why the slave cannot go on like that, in the followed state, or "".
         time: of the trial state, s.
-        apart: how far what bears was from what it meets, at most, when it began to, m.
+        by_means_alone: by how much more gaps were inside than any point, at most, m, and when, s.
+        apart, late: how far what bears was from what it meets, at most, when it began to, m, and
+            how far inside.
         recess: how far the surface has worn back, (n,) in m, or 0.
     """
 
@@ -44,7 +46,8 @@ class Coupling(ABC):
     encloses = False
     by_means = False
     time = 0.0
-    apart = 0.0
+    by_means_alone = 0.0, 0.0
+    apart = late = 0.0
     recess: np.ndarray | float = 0.0
 
     @property
@@ -73,7 +76,8 @@ class Coupling(ABC):
         """Those of a surface without wear."""
 
     def inside(self) -> float:
-        """How deep either side reaches into the other in the followed state, in truth, m."""
+        """How deep either side reaches into the other in the followed state, as far as points tell
+        at which they are compared, m."""
         return largest(np.maximum(self.gaps(), 0.0))
 
     def keep_apart(self, clearance: Clearance) -> None:

@@ -16,7 +16,7 @@ from ..solids import Solid, communicator
 from ..theory.scheme import Step
 from .clearance import Clearance, apart_at
 from .equations import SurfaceEquations
-from .inside import deepest
+from .inside import inside_each_other
 from .jump import Coupling
 from .mortar import Pairing, Side
 from .mortar.facing import faces_anywhere
@@ -101,7 +101,8 @@ class MortarJump(Coupling):
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
         way = step.horizon * largest(self.speeds("velocity"))
-        self.apart = self._strikes.see(bears, self.pairing, self._start, way)
+        self._strikes.see(bears, self.pairing, self._start, way)
+        self.apart, self.late = self._strikes.apart, self._strikes.inside
         # an impact is seen as far away as the step that it precedes, if that is far
         self._foreseen = way if 2 * sqrt(self._shape[1]) * way > self.pairing.sight else 0.0
         stance = self._standing.find(self._start, way, bears)
@@ -156,12 +157,14 @@ class MortarJump(Coupling):
         return self._there().gap - self._chords
 
     def inside(self) -> float:
-        # means of gaps between round surfaces may be inside where no point is
-        deep = super().inside()
-        if not deep or np.any(self._chords):
-            return deep
-        own = self._there().depths(self._there().pieces).max(initial=0.0)
-        return min(deep, max(self._comm.allgather(float(own))))
+        # means of gaps between round surfaces may be inside where no point is, and the other way
+        if np.any(self._chords) or np.any(self.recess):
+            return super().inside()
+        pair = self._there()
+        points, around = pair.depths(pair.pieces).max(axis=1), pair.slave.corners[pair.pieces.facet]
+        near = np.unique(around[points > 0])
+        own = max(points.max(initial=0.0), self.gaps()[near].max(initial=0.0))
+        return max(self._comm.allgather(float(own)))
 
     def keep_apart(self, clearance: Clearance) -> None:
         if clearance is not None:
@@ -189,21 +192,7 @@ class MortarJump(Coupling):
     def swallowed(self, most: float) -> str:
         if self.solids[0] is self.solids[1]:
             return ""
-        pair, last = self.pairing, len(self.pairing.slave.nodes)
-        seen = np.zeros(pair.total, dtype=bool)
-        seen[: self._n] = pair.paired
-        seen[last:] = (abs(pair.means[:, last:]) > 0).sum(axis=0) > 0
-        for side, first in ((pair.slave, 0), (pair.master, last)):  # middles as their corners
-            faces = seen[first + side.corners].any(axis=1)
-            seen[first + side.cells[faces, side.corners.shape[1] :]] = True
-        # of what faces something gaps tell, but not what lies between
-        size = max(most, pair.slave.size, pair.master.size)
-        limits = np.where(seen, size, most)
-        for one, other, mine in ((0, 1, slice(last)), (1, 0, slice(last, None))):
-            depth = deepest(self._start[mine], self.solids[other], limits[mine])
-            if depth:
-                return f"{self.solids[one].name!r} {depth:.4g} inside {self.solids[other].name!r}"
-        return ""
+        return inside_each_other(self.pairing, self._start, self.solids, most)
 
     def normals(self) -> np.ndarray:
         return self.pairing.normal
@@ -239,6 +228,8 @@ class MortarJump(Coupling):
         super().accept()
         self._start = self._end
         self._start_here()
+        more = float(self.gaps().max()) - self.inside()
+        self.by_means_alone = max(self.by_means_alone, (more, self.time))
 
     def arrived(self, jump: np.ndarray) -> np.ndarray:
         if self._ending is self.pairing:

@@ -63,7 +63,10 @@ class SurfaceResults:
         return self.equations.multiplier
 
     def depth(self) -> float:
-        """Penetration of the deepest point, m."""
+        """Penetration of the deepest point, m; between two solids of the deepest at which they are
+        compared, or of the mean over facets around one that is inside, if that is more."""
+        if self.coupling.by_means:
+            return self.coupling.inside()
         return max(0.0, float(self.gap[self.chosen].max()))
 
     def describe(self) -> str:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""How far apart rigid solids are that strike each other: by the distance of each facet from each,
-the truth that means over facets miss where corners meet."""
+"""How far apart, or inside each other, rigid solids are that strike each other: by the distance of
+each facet from each, the truth that means over facets miss where corners meet."""
 
 from __future__ import annotations
 
@@ -9,40 +9,53 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..solids import Solid
+from .inside import deepest
 from .mortar import Pairing
 from .simplices import edges, nearest, passing, split
 
 
 class Strikes:
-    """Takes note of how far two solids were apart where points begin to bear.
+    """Takes note of how far two solids were apart, or inside, where points begin to bear.
 
     Args:
         solids: the two.
         points: number of points of the slave.
 
     Attributes:
-        apart: how far, at most, beyond what both may have gone in the step, m; of what deforms
-            nobody asks.
+        apart, inside: how far, at most, beyond what both may have gone in the step, m; of what
+            deforms nobody asks.
     """
 
     def __init__(self, solids: Sequence[Solid], points: int) -> None:
-        self._asked = all(solid.shiftable for solid in solids)
+        self._solids, self._asked = solids, all(solid.shiftable for solid in solids)
         self._bore, self._way = np.zeros(points, dtype=bool), 0.0
-        self.apart = 0.0
+        self.apart = self.inside = 0.0
 
-    def see(self, bears: np.ndarray, pairing: Pairing, places: np.ndarray, way: float) -> float:
+    def see(self, bears: np.ndarray, pairing: Pairing, places: np.ndarray, way: float) -> None:
         """What bears after a step, (n,) of bool, and where nodes (N, d) are then; they are about to
-        go a ``way`` to each other, m. Gives how far apart solids were."""
+        go a ``way`` to each other, m."""
         fresh, gone = bears & ~self._bore, self._way
         self._bore, self._way = bears, way
-        if self._asked and fresh.any():
-            sides = pairing.slave, pairing.master
-            slave, master = (split(side.corners, side.cell) for side in sides)
-            slave = slave[fresh[slave].any(axis=1)]
-            last = len(pairing.slave.nodes)
-            away = separation(places[:last][slave], places[last:][master])
-            self.apart = max(self.apart, away - gone)
-        return self.apart
+        if not (self._asked and fresh.any()):
+            return
+        sides, last = (pairing.slave, pairing.master), len(pairing.slave.nodes)
+        at = places[:last], places[last:]
+        struck = fresh[pairing.slave.corners].any(axis=1)
+        pieces, shared = pairing.pieces, pairing.shared
+        faced = pieces.other[struck[pieces.facet]]
+        met = shared.sum(np.bincount(faced, minlength=len(sides[1].cells))) > 0
+        points = np.zeros(len(struck))
+        np.maximum.at(points, pieces.facet, pairing.depths(pieces).max(axis=1))
+        depth = float(shared.sum(points)[struck].max())
+        for k, faces in enumerate((struck, met)):
+            x = at[k][np.unique(sides[k].corners[faces])]
+            depth = max(depth, deepest(x, self._solids[1 - k], np.full(len(x), gone)))
+        if depth > gone:
+            self.inside = max(self.inside, depth - gone)
+            return
+        slave, master = (split(side.corners, side.cell) for side in sides)
+        slave = slave[fresh[slave].any(axis=1)]
+        self.apart = max(self.apart, separation(at[0][slave], at[1][master]) - gone)
 
 
 def separation(ones: np.ndarray, others: np.ndarray) -> float:

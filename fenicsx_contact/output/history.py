@@ -59,7 +59,9 @@ class History:
     * ``dt``, ``newton``, ``geometry``: length of the step, iterations, linearisations;
     * ``<contact>.force_x`` ...: mean force in the step on the solid, N; in an impact (a row with
       ``dt`` = 0) its percussion, N s;
-      ``bearing``, ``slipping``: points by status; ``penetration`` of the deepest point, m;
+      ``bearing``, ``slipping``: points by status; ``penetration`` of the deepest point, m, between
+      two solids of those at which they are compared, whether their gaps, means over facets, say
+      so or not;
     * last the probes of the run.
 
     Attributes:

@@ -83,7 +83,7 @@ class Stepper:
         self._begun: Step | None = None
         # the largest force at a point so far, N, and what rounds the works, J, see Books
         self._pushed, self._rounding = 0.0, (0.0, 0.0)
-        self._overlaps = any(c.coupling.inside() > c.tolerance for c in self.contacts)
+        self._overlaps = any(min(c.depth(), c.gap.max()) > c.tolerance for c in self.contacts)
 
     def _arrange(self) -> None:
         """Let steps be about the contacts that are awake."""

@@ -302,3 +302,20 @@ def test_what_is_struck_late_is_inside(facets):
     remarks = " ".join(remark for _, remark in history.remarks)
     assert re.search(r"only when its solids were 0\.048\d* m inside each other", remarks), remarks
     assert "apart" not in remarks
+
+
+def test_what_opens_by_its_speed_and_closes_by_its_gap_does_not_jump():
+    """A wedge that does not turn strikes a pivoted plank off its middle: one point bears, another
+    is inside by less than what counts as arrived, and is told to open while the mean over what is
+    covered closes. That was called a jump, and stopped the run."""
+    plank = moved(rectangle((5, 1), (2.0, 0.1)), 0.0, -0.05)
+    x = np.array([[0.8, 0.15], [0.85, 0.25], [0.75, 0.25]])
+    tip = compat.create_mesh(MPI.COMM_SELF, np.array([[0, 1, 2]]), x, "triangle")
+    tip = name_facets(tip, {"skin": lambda x: np.full(x.shape[1], True)})
+    drop = RigidSolid(tip, mass=1.0, velocity=(0.0, -2.0), held=["turning"], name="drop")
+    plank = RigidSolid(plank, mass=3.0, held=["x", "y"], name="plank")
+    contact = Contact(plank, "top", (drop, "skin"), name="c")
+    history = Scene([plank, drop], [contact], locate_impacts=True).run(0.1, 5e-3)
+    assert history.finished, history.reason
+    assert history["kinetic"][-1] < history["kinetic"][0]
+    assert plank.velocity[2] < 0 and np.isfinite(history.rows()).all()

@@ -193,7 +193,8 @@ def _arrive(fly: Callable[[float], Flight], flight: Flight, tolerance: float) ->
         if not clock + low < clock + new < clock + high:
             trial, gap, rate, _ = fly(high)
             instant = high - low + 2 * float(np.spacing(clock + high))
-            if gap - abs(rate) * instant > tolerance:
+            inside = 0.0 if low else max(start, 0.0)  # by less than what counts as arrived
+            if gap - inside - abs(rate) * instant > tolerance:
                 raise no_velocity("what a point meets", gap, clock + low)
             break
         trial, gap, _, _ = fly(new)

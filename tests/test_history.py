@@ -30,6 +30,7 @@ from fenicsx_contact import (
     Archard,
     Box,
     Contact,
+    Coulomb,
     Curve,
     ElasticSolid,
     HalfSpace,
@@ -49,6 +50,7 @@ from fenicsx_contact import (
     read_history,
 )
 from fenicsx_contact.base import compat
+from fenicsx_contact.base.shown import exactly
 from fenicsx_contact.base.told import told
 from fenicsx_contact.contact.wall import Wall
 from fenicsx_contact.output.history import COLUMNS
@@ -501,8 +503,27 @@ class OwnFloor:
 )
 def test_grounds_of_other_points_are_told_apart(ground):
     """Only how many points there are was told, and of an own obstacle its class."""
-    first, again, other = (Wall(ground(depth)).describe() for depth in (0.0, 0.0, 1.0))
+    with exactly():
+        first, again, other = (Wall(ground(depth)).describe() for depth in (0.0, 0.0, 1.0))
     assert first == again != other and len(first) < 70, (first, other)
+
+
+def test_a_reader_sees_formulas_and_places():
+    """Laws and obstacles told functions and UFL by eight digits, which say nothing to a reader; a
+    run knows them by these."""
+    line = sys._getframe().f_lineno + 1
+    law = Coulomb(lambda x: 0.1 + x[0])
+    ground = LevelSet(lambda x, t: x[1] - 2 * x[0], dim=2)
+    shapes = ground, Moved(FLOOR, lambda t: (t, 0.0)), OwnFloor(0.0), Curve([(1, 0), (-1, 0)])
+    texts = [law.describe(), *(Wall(shape).describe() for shape in shapes)]
+    assert texts[0] == f"friction lambda at test_history.py:{line}"
+    assert re.fullmatch(r"LevelSet\(.*x\[1\].*x\[0\].*, dim=2\)", texts[1])
+    assert texts[2].endswith(f", lambda at test_history.py:{line + 2})")
+    assert texts[3] == "OwnFloor" and texts[4].startswith("Curve(2 points, open")
+    with exactly():
+        exact = [law.describe(), *(Wall(shape).describe() for shape in shapes)]
+    assert all(re.search(r" [0-9a-f]{8}\b", text) for text in exact), exact
+    assert not any(re.search(r" [0-9a-f]{8}\b", text) for text in texts), texts
 
 
 def slab(depth):

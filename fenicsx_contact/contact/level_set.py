@@ -14,7 +14,7 @@ from dolfinx import fem
 from ..base import checks
 from ..base.expressions import symbolic, wrong_number
 from ..base.point_cloud import PointCloud
-from ..base.told import told
+from ..base.shown import shown
 
 
 class LevelSet:
@@ -135,8 +135,8 @@ class LevelSet:
         return self._at("velocity", points, time)
 
     def __repr__(self) -> str:
-        drift = "" if self._drift is None else f", velocity={told(self._drift)}"
-        return f"LevelSet({told(self._phi)}, dim={self.dim}{drift})"
+        drift = "" if self._drift is None else f", velocity={shown(self._drift)}"
+        return f"LevelSet({shown(self._phi)}, dim={self.dim}{drift})"
 
 
 #: Terminals of UFL that are of no mesh: numbers, indices, the labels of variables.

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..base import checks
-from ..base.told import told
+from ..base.shown import shown
 from .wall import Obstacle, Wall
 
 
@@ -188,4 +188,4 @@ class Moved:
         return (last - first) / (end - start) + self._wall.velocity(points - last, start, end)
 
     def __repr__(self) -> str:
-        return f"Moved({self._wall.describe()}, {told(self._motion)})"
+        return f"Moved({self._wall.describe()}, {shown(self._motion)})"

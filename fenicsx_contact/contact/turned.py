@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..base import checks
-from ..base.told import told
+from ..base.shown import shown
 from ..solids.rotations import GENERATORS, rotation_matrix
 from .obstacle import Obstacle
 from .wall import Wall
@@ -96,4 +96,4 @@ class Turned:
     def __repr__(self) -> str:
         axis = "" if self.axis is None else f", axis={self.axis.tolist()}"
         about = self.about.tolist()
-        return f"Turned({self._wall.describe()}, about={about}, {told(self._angle)}{axis})"
+        return f"Turned({self._wall.describe()}, about={about}, {shown(self._angle)}{axis})"

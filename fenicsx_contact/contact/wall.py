@@ -13,7 +13,7 @@ import numpy as np
 from ..base import checks
 from ..base.constants import RIGHT, SHARP
 from ..base.overflow import told
-from ..base.told import digits
+from ..base.shown import marked
 from ..base.vectors import dot, largest
 
 
@@ -209,7 +209,7 @@ class Wall:
         plain = type(self.obstacle).__repr__ is object.__repr__
         if not plain:
             return repr(self.obstacle)
-        return f"{type(self.obstacle).__name__} {digits(self.obstacle.distance)}"
+        return marked(type(self.obstacle).__name__, self.obstacle.distance)
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from mpi4py import MPI
 
+from ..base.shown import exactly
 from ..base.told import held, told
 from ..base.told_ufl import field_digits, rounded
 from ..contact.contact import Contact
@@ -37,7 +38,9 @@ def fingerprint(scene: Described, dt: float, step_error: float | None) -> str:
     """What must be the same for a run to be resumed: parameters, shapes, place, motion and energies
     at the start. Not Newton's settings, by others of which a run that stopped may go on, nor how
     deep a start may be, which moves nothing."""
-    lines = [scene.describe(), f"dt = {dt!r}, from {scene.time!r}, {scene.scheme}"]
+    with exactly():
+        words = scene.describe()
+    lines = [words, f"dt = {dt!r}, from {scene.time!r}, {scene.scheme}"]
     lines.append(f"impacts located: {scene.locate_impacts}, step_error: {step_error!r}")
     most = max(map(abs, scene.stepper.energies))  # their round-off depends on the processes
     shares = ", ".join(
@@ -63,7 +66,8 @@ def fingerprint(scene: Described, dt: float, step_error: float | None) -> str:
 def shared(scene: Described) -> dict[str, Any]:
     """What must be the same on every process of a scene, by names. What functions do is not asked:
     they may have from around them what only one process has, such as its nodes."""
-    words = re.sub(r" [0-9a-f]{8}\b", "", scene.describe())
+    with exactly():
+        words = re.sub(r" [0-9a-f]{8}\b", "", scene.describe())
     lines = dict(line.partition(": ")[::2] for line in words.splitlines())
     starts = {}
     for solid in scene.solids:

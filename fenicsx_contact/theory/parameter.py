@@ -7,7 +7,7 @@ from typing import Any
 
 from ..base import checks
 from ..base.expressions import is_expression
-from ..base.told import told as in_words
+from ..base.shown import shown
 
 #: A number >= 0; or a function of the place [m], and of the time [s] if it has a second argument,
 #: in UFL; or UFL on the mesh of the slave: of its coordinates, a dolfinx Function, a Constant. A
@@ -39,7 +39,7 @@ def keep_parameter(thing: Any, name: str, *, above: float | None = None) -> None
 
 def told(value: Parameter) -> str:
     """In a few words, without an address in memory."""
-    return in_words(value) if varies(value) else f"{value:g}"
+    return shown(value) if varies(value) else f"{value:g}"
 
 
 def static_and_kinetic(k: Any, law: Any) -> tuple[Any, Any]:

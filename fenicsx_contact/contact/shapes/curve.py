@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 from ...base import checks
 from ...base.constants import SAME
-from ...base.told import digits
+from ...base.shown import marked
 from ...base.vectors import largest
 
 
@@ -136,7 +136,7 @@ class Curve:
 
     def __repr__(self) -> str:
         kind = "closed" if self.closed else "open"
-        points = f"{len(self._x)} points {digits(self._x)}"
+        points = marked(f"{len(self._x)} points", self._x)
         return f"Curve({points}, {kind}, smooth={self.smooth})"
 
 

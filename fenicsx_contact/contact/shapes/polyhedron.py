@@ -12,7 +12,7 @@ from scipy.optimize import linprog
 
 from ...base import checks
 from ...base.constants import SAME
-from ...base.told import digits
+from ...base.shown import marked
 from ...solids.rotations import angles, rotation_matrix
 from ..obstacle import HalfSpace
 
@@ -110,8 +110,8 @@ class Polyhedron:
         return bend[:, None, None] * (across - n[:, :, None] * n[:, None, :])
 
     def __repr__(self) -> str:
-        planes = digits(self._normals.tolist(), self._offsets.tolist())  # as far as round-off goes
-        faces = f"{len(self._normals)} faces {planes}"
+        planes = self._normals.tolist(), self._offsets.tolist()  # as far as round-off goes
+        faces = marked(f"{len(self._normals)} faces", *planes)
         return f"{type(self).__name__}({faces}, rounding={self.rounding:.9g})"
 
 

@@ -13,7 +13,7 @@ import scipy.sparse as sp
 from ...base import checks
 from ...base.constants import ROUND_OFF, SAME, SHARP
 from ...base.mesh_files import read_mesh
-from ...base.told import digits
+from ...base.shown import marked
 from ...base.vectors import cross, normalised
 from ..mortar.matrices import add_up
 from .triangles import Triangles, first_of_each
@@ -174,7 +174,7 @@ class Triangulated:
     def __repr__(self) -> str:
         sharp = f", {self._sharp} edges sharp" if self.smooth else ""
         t = self._triangles
-        many = f"{len(t.cells)} triangles {digits(t.points, t.cells)}"
+        many = marked(f"{len(t.cells)} triangles", t.points, t.cells)
         return f"Triangulated({many}, smooth={self.smooth}{sharp})"
 
 

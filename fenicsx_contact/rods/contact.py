@@ -147,6 +147,9 @@ class GuideContact(Contact):
 
     def predict(self, step: Step, closing: bool = True) -> None:
         super().predict(step, closing)
+        # a law of positions would put a tip that comes beside a hole into it
+        if self.formulation.gap_share and (reason := self.coupling.butts()):
+            raise checks.StepFailed(reason)
         # the rod slides past: with which velocity the step starts is for its own operator to say,
         # the one by which forces act; that of the last step saw other material
         self.jump = self.coupling.jump("velocity")

@@ -133,15 +133,18 @@ class GuideCoupling(NodalJump):
     def blocked(self) -> str:
         """Where an end of the rod would go into the face of a tube or card, the rod is too thick,
         or beside its hole."""
-        if reason := self.tight:
-            return reason
+        return self.tight or self.butts() or self._outside()
+
+    def butts(self) -> str:
+        """Where an end of the rod, in the followed state, goes into the face of a tube or card, or
+        ""."""
         rows, guide = self._stations, self._guide
         (from_above, from_below), was = self._faces, self._side[rows]
         reached = (from_above & (was < 0) | from_below & (was > 0)) & ~self._own.void[rows]
         within = np.where(reached, self.gaps()[rows], 0.0)
         worst = int(within.argmax())
         if within[worst] <= self._deepest:
-            return self._outside()
+            return ""
         return (
             f"the tip of {self._rod.name!r} butts at the depth {guide.stations[worst]:.6g} m, "
             f"{within[worst]:.3g} m beside the hole: align the tubes, or let the hole begin wider "

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 from corpus_meshes import moved
 from scenes import G, box, rectangle
+from scipy.integrate import solve_ivp
 
 from fenicsx_contact import (
     Compliance,
     Contact,
     Discrete,
     ElasticSolid,
+    HalfSpace,
     HyperelasticSolid,
     QuasiStatic,
     RigidSolid,
@@ -174,3 +176,35 @@ def test_supports_bear_what_springs_are_said_to(dim, degree):
     for solid, side, sign in ((upper, "top", -1), (lower, "base", 1)):
         np.testing.assert_allclose(solid.reaction(side), sign * told, atol=1e-7 * told[-1])
     assert np.abs(contact.force.sum(axis=0) - told).max() > 1e-3 * told[-1]
+
+
+@pytest.mark.parametrize("rests", [False, True], ids=["rings", "rests"])
+def test_what_slides_across_a_slope_on_springs(rests):
+    """In space, aslant to the fall: its speed is that of a point mass, but for the friction of what
+    rings on springs that start unstretched, mu N/(m omega)."""
+    slope, mu, mass, stiffness, until = 0.4, 0.3, 2.0, 1e6, 0.1
+    falls, presses = G * np.sin(slope), G * np.cos(slope)
+
+    def rate(_, v):
+        return np.array([0.0, -falls]) - mu * presses * v / np.linalg.norm(v)
+
+    start = np.array([1.0, 0.3])
+    exact = solve_ivp(rate, (0, until), start, rtol=1e-11, atol=1e-13, dense_output=True).sol
+    deep = mass * presses / (4 * stiffness) if rests else 0.0
+    block = RigidSolid(
+        moved(box((1, 1, 1), (0.2, 0.2, 0.1)), 0.0, 0.0, -deep),
+        mass=mass,
+        gravity=(0, -falls, -presses),
+        velocity=(*start, 0.0),
+        held=[f"turning about {axis}" for axis in "xyz"],
+    )
+    floor = HalfSpace((0, 0, 0), (0, 0, 1))
+    contact = Contact(block, "base", floor, Discrete(stiffness), friction=mu)
+    probes = {"x": lambda: block.velocity[0], "y": lambda: block.velocity[1]}
+    history = Scene([block], [contact], deepest=1.0).run(until, 5e-4, probes=probes)
+    off = np.hypot(*(history[name] - exact(history.time)[i] for i, name in enumerate("xy")))
+    rings = mu * presses * np.sqrt(mass / (4 * stiffness))
+    if rests:
+        assert off.max() < 0.01 * rings
+    else:
+        assert off.max() == pytest.approx(rings, rel=0.01)

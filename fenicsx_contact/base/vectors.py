@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import isnan
+from math import isnan, sqrt
 
 import numpy as np
 
@@ -34,6 +34,17 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         np.subtract(a[..., j] * b[..., k], a[..., k] * b[..., j], out=result[..., i])
     return result
+
+
+def longest(vectors: np.ndarray) -> float:
+    """The largest length of vectors (n, d); 0 of none, NaN where there is one."""
+    return sqrt(largest(dot(vectors, vectors)))
+
+
+def spread(vectors: np.ndarray) -> float:
+    """At least how far vectors (n, d) differ from each other, at most twice that: the same in all
+    axes, and whatever they have in common."""
+    return 2 * longest(vectors - vectors.mean(axis=0)) if len(vectors) else 0.0
 
 
 def normalised(vectors: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..base import checks
-from ..base.vectors import dot, largest
+from ..base.vectors import dot, largest, spread
 from ..solids import Solid, Trace
 from ..theory.scheme import Step
 from .clearance import Clearance
@@ -173,11 +173,10 @@ class Coupling(ABC):
             parts = [t.jump(s.trial_velocity) for s, t in pairs]
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
-    def speeds(self, which: str) -> np.ndarray:
-        """What sets the scale of speeds: by how much the velocities of the points differ, whatever
-        they have in common; of an obstacle those less its own."""
-        each = self.velocities(which).reshape(-1, self.solids[0].dim)
-        return each - each.min(axis=0, initial=np.inf)
+    def fastest(self, which: str) -> float:
+        """What sets the scale of speeds, m/s: by how much the velocities of the points differ,
+        whatever they have in common; before an obstacle the largest less its own."""
+        return spread(self.velocities(which).reshape(-1, self.solids[0].dim))
 
     def jump(self, which: str) -> np.ndarray:
         """Nodal jumps (n, d), likewise."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..base.cells import NODES
 from ..base.checks import StepFailed
-from ..base.vectors import dot, largest
+from ..base.vectors import dot
 from ..solids import Solid, communicator
 from ..theory.scheme import Step
 from .clearance import Clearance, apart_at
@@ -100,7 +100,7 @@ class MortarJump(Coupling):
             self._ending.stand(self.pairing.stance)
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
-        way = step.horizon * largest(self.speeds("velocity"))
+        way = step.horizon * self.fastest("velocity")
         self._strikes.see(bears, self.pairing, self._start, way)
         self.apart, self.late = self._strikes.apart, self._strikes.inside
         # an impact is seen as far away as the step that it precedes, if that is far

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..base.constants import SHARP
-from ..base.vectors import dot
+from ..base.vectors import dot, longest
 from ..solids import Solid, Trace
 from ..solids.trace import DeformableTrace
 from ..theory.scheme import Step
@@ -126,8 +126,8 @@ class NodalJump(Coupling):
             return jump
         return jump - (self._ride.start if which == "velocity" else self._ride.end)
 
-    def speeds(self, which: str) -> np.ndarray:
-        return self.jump(which) if self.driven else self.velocities(which)
+    def fastest(self, which: str) -> float:
+        return longest(self.jump(which))
 
     def struck_jump(self) -> np.ndarray:
         jump = self.velocities("velocity").reshape(self._shape)

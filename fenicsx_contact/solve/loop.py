@@ -170,7 +170,7 @@ class StepSolver:
     def _scale(self, step: Step, speed: float) -> float:
         """Let rows be scaled by about this speed, m/s, or any if there is none; that scale."""
         scale = scale_of(speed)
-        self.speed = scale if speed else 0.0
+        self.speed = speed  # what it decides is the same in all units of time
         self._all.set_scale(step, scale)
         return scale
 

@@ -11,7 +11,7 @@ from time import perf_counter
 import numpy as np
 
 from ..base.checks import StepFailed
-from ..base.vectors import largest, slices
+from ..base.vectors import longest, slices, spread
 from ..contact.contact import Contact
 from ..solids import Solid, Trace
 from ..solids.trace import DeformableTrace
@@ -167,12 +167,9 @@ def _largest(contact: Contact, velocities: np.ndarray, noise: float) -> float:
     if contact.coupling.driven:
         velocities = contact.coupling.to_jump(velocities).ravel()
     places, d = contact.part.active_places, contact.surface.dim
-    active = velocities[places]
-    fastest = largest(active)
-    if len(contact.solids) == 1 or not len(active):
-        return fastest
-    each = (active[places % d == i] for i in range(d))  # whatever they have in common
-    return max(noise * fastest, *(float(np.ptp(v)) for v in each if len(v)))
+    active = velocities.reshape(-1, d)[np.unique(places // d)]
+    fastest = longest(active)
+    return fastest if len(contact.solids) == 1 else max(noise * fastest, spread(active))
 
 
 def scale_of(speed: float) -> float:

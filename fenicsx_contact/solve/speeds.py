@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ..base.constants import ROUND_OFF
-from ..base.vectors import largest
+from ..base.vectors import largest, longest
 from ..contact.contact import Contact
 from ..contact.jump import Coupling
 from ..contact.trial import candidate_force
@@ -62,9 +62,9 @@ class Speeds:
         return max(speed, noise / (step.span * self._tolerance))
 
     def inside(self, velocities: Iterable[np.ndarray]) -> float:
-        """The largest of velocities of the solids that deform, each (owned,) in m/s, wherever they
-        are: solves of these solids resolve no speeds below their round-off."""
-        own = [largest(each) for each in velocities]
+        """The largest of velocities of the solids that deform, each of the owned nodes in m/s,
+        wherever they are: solves of these solids resolve no speeds below their round-off."""
+        own = [longest(v.reshape(-1, body.dim)) for v, body in zip(velocities, self.bodies)]
         return float(np.max(self._comm.allgather(own))) if own else 0.0
 
     def known(self) -> float:
@@ -78,7 +78,7 @@ class Speeds:
 
     def _scale(self, coupling: Coupling, which: str) -> float:
         """The scale of its speeds, m/s, of which round-off of velocities is less than an error."""
-        fastest, absolute = largest(coupling.speeds(which)), coupling.velocities(which)
+        fastest, absolute = coupling.fastest(which), coupling.velocities(which)
         return max(fastest, ROUND_OFF * largest(absolute) / self._tolerance)
 
     def _brought(self, step: Step) -> tuple[float, float]:
@@ -86,13 +86,11 @@ class Speeds:
         or difference of velocities within a solid, which after an impact is yet to arrive there;
         and the one that the forces of the last step stand for."""
         if step is not self._start[0]:
-            bounds = np.full((2, len(self.bodies), 3), -np.inf)
-            for i, body in enumerate(self.bodies):
-                for sign, bound in zip((1.0, -1.0), bounds):
-                    v = sign * body.velocity.reshape(-1, body.dim)
-                    bound[i, : body.dim] = v.max(axis=0, initial=-np.inf)
-            high, low = np.max(self._comm.allgather(bounds), axis=0)
-            brought = max(self._fastest("velocity"), float((high + low).max(initial=0.0)))
+            each = [body.velocity.reshape(-1, body.dim) for body in self.bodies]
+            sums = self._comm.allgather([(len(v), v.sum(axis=0)) for v in each])
+            means = [sum(s for _, s in own) / sum(n for n, _ in own) for own in zip(*sums)]
+            apart = self.inside(v - mean for v, mean in zip(each, means))
+            brought = max(self._fastest("velocity"), 2 * apart)
             pushed = max((c.pushed(step) for c in self._contacts), default=0.0)
             self._start = step, brought, pushed
         return self._start[1:]

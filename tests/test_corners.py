@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from fenicsx_contact import Contact, HalfSpace, HyperelasticSolid, RigidSolid, Scene, neo_hookean
 from fenicsx_contact.contact.arrivals import went_inside
 from fenicsx_contact.contact.mortar.standing import Standing, edges
-from fenicsx_contact.contact.mortar_jump import side_of
+from fenicsx_contact.contact.surfaces import side_of
 
 
 def thrown(face_is_slave):

@@ -592,6 +592,36 @@ def test_what_wears_is_shared(law, held, cells):
     np.testing.assert_allclose(contact.gap, 0, atol=1e-5 * worn.mean())
 
 
+@pytest.mark.parametrize(
+    "law", ["velocity", "gap", Compliance(1e6, tangential_stiffness=1e6)], ids=str
+)
+def test_uneven_wear_of_one_solid_on_another(law):
+    """A column is pressed on a slab that slides: friction bends it, and it wears unevenly, as it
+    does before an obstacle. The normals were those of its unworn facets, which tilt by the gradient
+    of the depth: forces were 1.6 % aside, and by velocities pressure was lost 5 times too fast."""
+    material = {"youngs_modulus": 1e3, "poisson_ratio": 0.0, "density": 1e-6}
+    top = {"top": lambda t: (0.0, -5e-3 * min(t, 1.0))}
+
+    def away(t):
+        return -max(0.0, t - 1), 0.0
+
+    slab = rectangle((30, 1), (5.0, 0.2))
+    slab.mesh.geometry.x[:] += (1.5, -0.2, 0.0)
+    stiff = {**material, "youngs_modulus": 1e9}
+    plate = ElasticSolid(slab, prescribed={"base": away}, name="plate", **stiff)
+    forces, worn = [], []
+    for others, master in (([], Moved(FLOOR, away)), ([plate], (plate, "top"))):
+        solid = ElasticSolid(rectangle((4, 4), (0.4, 0.5)), prescribed=top, **material)
+        contact = Contact(solid, "base", master, law, Archard(0.2, 5e-4, 10.0), name="c")
+        history = Scene([solid, *others], [contact], QuasiStatic()).run(2.0, 0.05)
+        assert history.finished
+        forces.append([history["c.force_x"], history["c.force_y"]])
+        worn.append(contact.memory.values["worn"])
+    assert np.ptp(worn[0]) > 0.1 * worn[0].mean()
+    np.testing.assert_allclose(*forces, rtol=0, atol=1e-5 * np.max(forces))
+    np.testing.assert_allclose(*worn, rtol=2e-3)
+
+
 # -- adhesion --------------------------------------------------------------------------------------
 
 

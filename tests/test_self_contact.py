@@ -26,7 +26,7 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.base import compat
 from fenicsx_contact.contact.mortar.ridges import smooth_parts
-from fenicsx_contact.contact.mortar_jump import side_of
+from fenicsx_contact.contact.surfaces import side_of
 
 R, THICK = 1.0, 0.08
 

@@ -9,7 +9,6 @@ from math import sqrt
 
 import numpy as np
 
-from ..base.cells import NODES
 from ..base.checks import StepFailed
 from ..base.vectors import dot
 from ..solids import Solid, communicator
@@ -24,9 +23,9 @@ from .mortar.matrices import Matrix, dense, square
 from .mortar.passing import gone_through
 from .mortar.stance import Stance
 from .mortar.standing import Standing
+from .mortar.worn import Receding
 from .pair_equations import PairedEquations
 from .strikes import Strikes
-from .surface import Surface
 
 
 class MortarJump(Coupling):
@@ -69,6 +68,7 @@ class MortarJump(Coupling):
         self._shape = (self.pairing.total, sides[0].dim)
         self._n = self.pairing.n
         self._start = self._end = self._places()
+        self._back = Receding(sides[0], self._start)
         self._foreseen, self._strikes = 0.0, Strikes(solids, self._n)
         self._mean: Matrix | None = None  # that of which forces act by the mean with the last one
         self.faces = self._find() or faces_anywhere(*sides, *self._split())
@@ -124,14 +124,14 @@ class MortarJump(Coupling):
         if pair.paired.all() or 2 * sqrt(self._shape[1]) * way <= pair.reach.min():
             return False
         self._end, self._way = self._start, way
-        pair.update(self._start, way)
+        pair.update(self._worn(self._start), way)
         self._start_here()
         return True
 
     def _stand(self, stance: Stance) -> None:
         self.pairing.stand(stance)
         self._ending.stand(stance)
-        self.pairing.update(self._start, self._way)
+        self.pairing.update(self._worn(self._start), self._way)
         self._start_here()
 
     def _start_here(self) -> None:
@@ -145,13 +145,23 @@ class MortarJump(Coupling):
         moved = self._end - self._start
         self._way = max(self._foreseen, float(np.abs(moved).max()))
         places = self._end if self._share == 1 else self._start + self._share * moved
-        self.pairing.update(places, self._way)
+        self.pairing.update(self._worn(places), self._way)
+
+    def _worn(self, places: np.ndarray) -> np.ndarray:
+        """These places of the nodes, (N, d), those of the slave where it has worn back to."""
+        if not np.ndim(self.recess):
+            return places
+        self.pairing.recess = self._ending.recess = self.recess
+        return self._back.receded(places, self.recess)
 
     def _there(self) -> Pairing:
         """The pairing in the followed state."""
         if self._ending is not self.pairing:
-            self._ending.update(self._end, self._way)
+            self._ending.update(self._worn(self._end), self._way)
         return self._ending
+
+    def gaps(self) -> np.ndarray:
+        return self._depths()  # which are those of the worn surface
 
     def _depths(self) -> np.ndarray:
         return self._there().gap - self._chords
@@ -227,12 +237,15 @@ class MortarJump(Coupling):
     def accept(self) -> None:
         super().accept()
         self._start = self._end
+        if np.ndim(self.recess):  # it has worn in the step
+            self._back.start(self._end)
+            self._ending.update(self._worn(self._end), self._way)
         self._start_here()
         more = float(self.gaps().max()) - self.inside()
         self.by_means_alone = max(self.by_means_alone, (more, self.time))
 
     def arrived(self, jump: np.ndarray) -> np.ndarray:
-        if self._ending is self.pairing:
+        if self._ending is self.pairing and not np.ndim(self.recess):
             return jump
         return self._there().jumps(self.velocities("velocity")).reshape(self._n, -1)
 
@@ -273,15 +286,3 @@ class MortarJump(Coupling):
 
     def near(self) -> np.ndarray:
         return self.pairing.near
-
-
-def side_of(solid: Solid, facets: str, surface: Surface | None = None) -> Side:
-    """The side that the named facets of a solid are, in the numbers of the sites of the surface, if
-    given."""
-    degree = getattr(solid, "degree", 1)
-    points, cells, cell = solid.mesh.boundary(facets, degree)
-    inside, places = solid.mesh.behind(facets, degree), points[cells]
-    if surface is not None:
-        points, cells, places = surface.sites, surface.cell_sites, surface.places
-    corners = cells[:, : NODES[cell][0]]
-    return Side(points, corners, cell, inside, degree, places, solid.revolution, facets)

@@ -20,9 +20,10 @@ from .memory import Memory
 from .mortar import bulges, means
 from .mortar.carried import Carried
 from .mortar.mortar import Pairing
-from .mortar_jump import MortarJump, side_of
+from .mortar_jump import MortarJump
 from .nodal import NodalJump
 from .surface import Surface
+from .surfaces import side_of
 from .wall import Obstacle
 
 #: What a solid's facets may meet: an obstacle, or the named facets of another solid.

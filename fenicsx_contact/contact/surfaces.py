@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from weakref import WeakKeyDictionary
 
+from ..base.cells import NODES
 from ..solids import Solid
+from .mortar import Side
 from .surface import Surface
 
 _MADE: WeakKeyDictionary[Solid, dict[tuple[str, int], Surface]] = WeakKeyDictionary()
@@ -36,3 +38,15 @@ def surface_of(solid: Solid, facets: str, paired: bool) -> Surface:
         boundary = solid.mesh.boundary(facets, degree)
         made[key] = Surface(*boundary, fields, getattr(solid, "twins", None), breadth)
     return made[key]
+
+
+def side_of(solid: Solid, facets: str, surface: Surface | None = None) -> Side:
+    """The side that the named facets of a solid are, in the numbers of the sites of the surface, if
+    given."""
+    degree = getattr(solid, "degree", 1)
+    points, cells, cell = solid.mesh.boundary(facets, degree)
+    inside, places = solid.mesh.behind(facets, degree), points[cells]
+    if surface is not None:
+        points, cells, places = surface.sites, surface.cell_sites, surface.places
+    corners = cells[:, : NODES[cell][0]]
+    return Side(points, corners, cell, inside, degree, places, solid.revolution, facets)

@@ -21,10 +21,10 @@ from ..inside import deepest
 from ..jump import Coupling
 from ..mortar import Side
 from ..mortar.walls import WALL
-from ..mortar_jump import side_of
 from ..pair_equations import PairedEquations
 from ..simplices import split
 from ..surface import Surface
+from ..surfaces import side_of
 from .meetings import PLACES, Meetings
 from .search import Features, Search
 from .shape import Shape, nodes_at

@@ -35,6 +35,7 @@ class Carried(Pairing):
     def _operate(self) -> None:
         super()._operate()
         self.rates = Rates(self)
-        apart = np.where(self.paired, self.gap, 0.0)[:, None, None] * np.eye(self.slave.dim)
+        apart = np.where(self.paired, self.gap + self.recess, 0.0)  # of the nodes
+        apart = apart[:, None, None] * np.eye(self.slave.dim)
         moved = self.at_normals(self.rates.gap - self.rises)
         self.operator = self.operator + moved - by_point(apart, self.rates.normal)

@@ -75,9 +75,11 @@ class Pairing:
         stance: how the slave's facets stand on the master's.
         admits: which of these may meet.
         carries: whether forces on a node of the slave act on those beside it, too.
+        recess: how far places of the slave have worn back from its nodes, (n,) in m, or 0.
     """
 
     carries = False
+    recess: np.ndarray | float = 0.0
 
     def __init__(self, slave: Side, master: Side, comm: MPI.Comm = MPI.COMM_SELF) -> None:
         self.slave, self.master = slave, master

@@ -11,7 +11,7 @@ import pytest
 import ufl
 from mpi4py import MPI
 from processes import mpirun, needs_mpirun, output_of
-from scenes import box, check_energies, rates, rectangle, total_energy
+from scenes import FLOOR, box, check_energies, rates, rectangle, total_energy
 from scipy.optimize import brentq
 
 from fenicsx_contact import (
@@ -24,6 +24,7 @@ from fenicsx_contact import (
     HyperelasticSolid,
     InputError,
     KelvinVoigt,
+    Moved,
     QuasiStatic,
     Rayleigh,
     Scene,
@@ -674,3 +675,20 @@ def test_two_processes_give_the_numbers_of_one(tmp_path):
     size = np.abs(found[0][:, :8]).max(axis=1, keepdims=True)
     assert size.min() > 0
     np.testing.assert_allclose(found[1] / size, found[0] / size, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_a_floor_that_rises_into_a_held_node_is_named(law, friction):
+    """It was a row that stalls, after 295 steps of the method of multipliers. A node that is led
+    along with the floor asks for nothing that cannot be."""
+    pressed = {"youngs_modulus": 1e3, "poisson_ratio": 0.3, "density": 1.0}
+    pressed["tractions"] = {"top": (0.0, -1.0)}
+    rises, histories = (lambda t: (0.0, 0.01 * t)), []
+    for support in ({"fixed": ["right"]}, {"prescribed": {"right": rises}}):
+        block = ElasticSolid(rectangle((4, 2), (1.0, 0.4)), **pressed, **support)
+        contact = Contact(block, "base", Moved(FLOOR, rises), law, friction)
+        histories.append(Scene([block], [contact], QuasiStatic()).run(1.0, 0.5))
+    assert "m into a held node of a contact, at (0.5, 0)" in histories[0].reason
+    assert "held in the way" in histories[0].advice
+    assert histories[1].finished

@@ -12,6 +12,7 @@ from math import inf
 
 import numpy as np
 
+from ..base.checks import StepFailed
 from ..base.constants import ROUND_OFF
 from ..base.vectors import dot, largest
 from ..theory.formulations import Formulation
@@ -43,7 +44,11 @@ class Candidates:
 
     def begin(self, allowed: np.ndarray, gap: np.ndarray, tolerance: float, step: Step) -> None:
         """All that are allowed, (n,) of bool, and by the formulation, once they are chosen;
-        ``gap``: at the start of the step, (n,) in m, told up to a tolerance, m."""
+        ``gap``: at the start of the step, (n,) in m, told up to a tolerance, m.
+
+        Raises:
+            StepFailed: the obstacle goes into one that supports hold.
+        """
         if decide := getattr(self._formulation, "closed", None):
             allowed = allowed & decide(self._coupling.gaps(), tolerance)
         if not step.dt and not self._formulation.percussive:
@@ -54,6 +59,22 @@ class Candidates:
         self.allowed, self._gap = allowed, gap
         self.earlier: list[tuple[np.ndarray, np.ndarray]] = []
         self._asked = np.ones(len(allowed), dtype=bool)
+        if step.dt and self._formulation.multipliers:
+            self._refuse_held(tolerance)
+
+    def _refuse_held(self, tolerance: float) -> None:
+        """Refuse a step, which is predicted, in which a point that is held is met by an obstacle:
+        its gap is known then, and no force keeps it closed."""
+        held = self.allowed & self._coupling.held()
+        if not held.any():
+            return
+        deeper = np.where(held, self._coupling.gaps() - np.maximum(self._gap, 0.0), -inf)
+        worst = int(deeper.argmax())
+        if deeper[worst] > tolerance + ROUND_OFF * largest(self._coupling.positions()):
+            at = ", ".join(f"{x:.4g}" for x in self._coupling.reference[worst])
+            raise StepFailed(
+                f"the obstacle goes {deeper[worst]:.3g} m into a held node of a contact, at ({at})"
+            )
 
     def choose(self) -> None:
         """Take up what is near in the trial state."""

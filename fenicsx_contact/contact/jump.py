@@ -247,6 +247,11 @@ class Coupling(ABC):
     def describe(self) -> str:
         """The master in a few words."""
 
+    def held(self) -> np.ndarray:
+        """Points whose gaps no forces change, as supports hold them across the obstacle, (n,) of
+        bool; of two solids nobody asks."""
+        return np.zeros(len(self.positions()), dtype=bool)
+
     def positions(self) -> np.ndarray:
         """Places of the slave's nodes, (n, d) in m."""
         return self.traces[0].positions()

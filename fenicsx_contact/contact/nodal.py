@@ -213,6 +213,12 @@ class NodalJump(Coupling):
     def swallowed(self, most: float) -> str:
         return "" if self.encloses else swallowed(self.solids[0], self.wall, most)
 
+    def held(self) -> np.ndarray:
+        trace = self.traces[0]
+        if not isinstance(trace, DeformableTrace):
+            return super().held()
+        return np.asarray((trace.held.reshape(self._shape) | (self.normals() == 0)).all(axis=1))
+
     @property
     def reference(self) -> np.ndarray:
         trace = self.traces[0]

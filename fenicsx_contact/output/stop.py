@@ -21,6 +21,13 @@ class Stop(NamedTuple):
     cause: str
     remedy: str
 
+    @property
+    def row(self) -> str:
+        """That of a table in Markdown, with the anchor of its name."""
+        anchor = self.name.lower().replace(" ", "-")
+        cells = f"[{self.name}]{{#{anchor}}}", f"`{self.says}`", self.cause, self.remedy
+        return f"| {' | '.join(cells)} |"
+
     def __call__(self, reason: str) -> bool:
         """Whether a reason says so."""
         words = re.escape(self.says.strip(".")).replace(re.escape("..."), ".*?")

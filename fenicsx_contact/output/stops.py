@@ -94,6 +94,12 @@ STOPS = {
             "facets that are held out of the contact",
         ),
         Stop(
+            "held in the way",
+            "the obstacle goes ... m into a held node of a contact, at (...)",
+            "supports hold or lead a node, and an obstacle is led into it: nothing yields",
+            "leave the node out of the contact, free it, or let the obstacle stop before it",
+        ),
+        Stop(
             "solver stalls",
             "... stalls at a relative error of ...",
             "the system of a contact or the balance of a solid, by sparse solvers",
@@ -102,8 +108,7 @@ STOPS = {
         Stop(
             "Newton",
             "... after ... Newton iterations...",
-            "Newton's method, its fallback on frozen geometry and the method of multipliers gain "
-            "no more. What stands before it tells more",
+            "Newton's method and its fallbacks gain no more. What stands before it tells more",
             "smaller steps; in statics a `ThetaScheme(1.0)`, or a spring that holds the body",
         ),
         Stop(
@@ -175,8 +180,7 @@ STOPS = {
         Stop(
             "goes unseen",
             "bodies go farther than it was known what they may meet, or than half of a thin one",
-            "in a `Heap`, a step in which bodies go farther than half of the thinner of them, or "
-            "than their speeds foretold",
+            "in a `Heap`, bodies go farther than half of the thinner, or than was foretold",
             "smaller steps",
         ),
         Stop(
@@ -220,8 +224,7 @@ STOPS = {
             "obstacle jumps",
             "... jumps by ... m at t = ... s: no velocity follows that, for which theta < 1 and "
             "located impacts ask",
-            "its motion is not continuous there: within no time it would throw what it meets "
-            "infinitely fast",
+            "its motion is not continuous there: it would throw what it meets infinitely fast",
             "a ramp over some steps; `ThetaScheme(1.0)` by uniform steps: it arrives within one",
         ),
     ],
@@ -293,8 +296,4 @@ def advice(reason: str) -> str:
 def table(section: str) -> str:
     """A section as a table in Markdown, each row with the anchor of its name."""
     rows = ["| see | what it says | cause | remedy |", "|---|---|---|---|"]
-    for stop in STOPS[section]:
-        anchor = stop.name.lower().replace(" ", "-")
-        row = f"[{stop.name}]{{#{anchor}}}", f"`{stop.says}`", stop.cause, stop.remedy
-        rows.append(f"| {' | '.join(row)} |")
-    return "\n".join(rows)
+    return "\n".join([*rows, *(stop.row for stop in STOPS[section])])

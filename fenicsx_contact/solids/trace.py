@@ -72,6 +72,7 @@ class DeformableTrace(MonolithicTrace):
     Attributes:
         reference: the places of the points, or their means, in the reference placement, (n, d).
         facets: the name of the facets, or "".
+        held: components that supports hold fast, or lead, whatever pushes them, (n d,) of bool.
 
     Raises:
         InputError: points that are no nodes there; two nodes of the facets at one place.
@@ -114,6 +115,7 @@ class DeformableTrace(MonolithicTrace):
 
         self._spreading = seen(rows[free], columns[free], owned).T.tocsr()
         self._operator = seen(rows, columns, owned)
+        self.held = self._sum(abs(self._spreading).T @ np.ones(owned)) == 0
         self._held = (self._operator - self._spreading.T).tocsr()
         # points that are nodes see components: where one process has them no product is needed
         self._picked = _picked(self._operator) if self._comm.size == 1 else None

@@ -597,8 +597,9 @@ def test_what_wears_is_shared(law, held, cells):
 )
 def test_uneven_wear_of_one_solid_on_another(law):
     """A column is pressed on a slab that slides: friction bends it, and it wears unevenly, as it
-    does before an obstacle. The normals were those of its unworn facets, which tilt by the gradient
-    of the depth: forces were 1.6 % aside, and by velocities pressure was lost 5 times too fast."""
+    does before an obstacle, but for the normals, which are those at the start of a step. They were
+    those of its unworn facets, which tilt by the gradient of the depth: forces were 1.6 % aside, and
+    by velocities pressure was lost 5 times too fast."""
     material = {"youngs_modulus": 1e3, "poisson_ratio": 0.0, "density": 1e-6}
     top = {"top": lambda t: (0.0, -5e-3 * min(t, 1.0))}
 
@@ -608,18 +609,21 @@ def test_uneven_wear_of_one_solid_on_another(law):
     slab = rectangle((30, 1), (5.0, 0.2))
     slab.mesh.geometry.x[:] += (1.5, -0.2, 0.0)
     stiff = {**material, "youngs_modulus": 1e9}
-    plate = ElasticSolid(slab, prescribed={"base": away}, name="plate", **stiff)
-    forces, worn = [], []
-    for others, master in (([], Moved(FLOOR, away)), ([plate], (plate, "top"))):
-        solid = ElasticSolid(rectangle((4, 4), (0.4, 0.5)), prescribed=top, **material)
-        contact = Contact(solid, "base", master, law, Archard(0.2, 5e-4, 10.0), name="c")
-        history = Scene([solid, *others], [contact], QuasiStatic()).run(2.0, 0.05)
-        assert history.finished
-        forces.append([history["c.force_x"], history["c.force_y"]])
-        worn.append(contact.memory.values["worn"])
-    assert np.ptp(worn[0]) > 0.1 * worn[0].mean()
-    np.testing.assert_allclose(*forces, rtol=0, atol=1e-5 * np.max(forces))
-    np.testing.assert_allclose(*worn, rtol=2e-3)
+    errors = []
+    for dt in (0.05, 0.025):
+        plate = ElasticSolid(slab, prescribed={"base": away}, name="plate", **stiff)
+        forces, worn = [], []
+        for others, master in (([], Moved(FLOOR, away)), ([plate], (plate, "top"))):
+            solid = ElasticSolid(rectangle((4, 4), (0.4, 0.5)), prescribed=top, **material)
+            contact = Contact(solid, "base", master, law, Archard(0.2, 5e-4, 10.0), name="c")
+            history = Scene([solid, *others], [contact], QuasiStatic()).run(2.0, dt)
+            assert history.finished
+            forces.append([history["c.force_x"], history["c.force_y"]])
+            worn.append(contact.memory.values["worn"])
+        assert np.ptp(worn[0]) > 0.1 * worn[0].mean()
+        np.testing.assert_allclose(*worn, rtol=2e-3)
+        errors.append(np.abs(np.subtract(*forces)).max() / np.max(forces))
+    assert errors[0] < 1.5e-3 and errors[1] < max(0.6 * errors[0], 1e-5), errors
 
 
 # -- adhesion --------------------------------------------------------------------------------------
@@ -724,7 +728,8 @@ def test_what_has_drifted_is_held():
         "gap": lambda: float(contact.gap.min()),
     }
     history = Scene([solid], [contact]).run(1.0, 0.005, probes=probes)
-    assert history.finished and history["held"][1:].min() == 5 and history["c.bearing"][-1] == 5
+    held = history["held"][history["dt"] > 0]  # not in impacts
+    assert history.finished and held.min() == 5 and history["c.bearing"][-1] == 5
     assert history["gap"].min() < -1e-7
 
 

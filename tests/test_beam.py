@@ -469,3 +469,21 @@ def test_no_part_of_a_quasi_static_scene():
         InputError, match=r"'beam' is a BeamSolid, .*long steps of ThetaScheme\(1.0\)"
     ):
         Scene([beam], [], QuasiStatic())
+
+
+def test_a_support_holds_nothing_that_is_given_elsewhere():
+    """A rigid shift had a strain energy: the node that is held was put to zero without a word."""
+    axis, section = axis_mesh((0, 0), (0, 1), r=(1.0, 4)), Section(mass=1.0, bending=1.0)
+
+    def beam(support, **given):
+        return BeamSolid(axis, section, supports=[support], **given)
+
+    held, clamped = Support(0.0, lateral=math.inf), Support(1.0, rotational=math.inf)
+    with pytest.raises(InputError, match="displacement: must be zero at s = 0 m"):
+        beam(held, displacement=lambda s: 0.01 + 0 * s[None])
+    with pytest.raises(InputError, match="slope: must be zero at s = 1 m"):
+        beam(clamped, displacement=lambda s: 0.01 * s[None], slope=lambda s: 0.01 + 0 * s[None])
+    # what is zero there but for round-off is taken, and what turns about a pin has no strain
+    beam(held, displacement=lambda s: 0.01 * np.sin(np.pi * (s[None] - 1)))
+    turned = beam(held, displacement=lambda s: 0.01 * s[None])
+    assert turned.energies()[1] < 1e-20

@@ -39,7 +39,7 @@ class BeamSolid(BeamState):
         gravity: acceleration, d numbers, m/s².
         law: what drives it along its axis: an :class:`~fenicsx_contact.rods.drive.AxialLaw`.
         lateral_load: force of a flow, N/m, a function of places in space along the axis.
-        displacement: initial deflection, m, a function of s.
+        displacement: initial deflection, m, a function of s; zero where a support holds it.
         slope: its derivative by s; default: by differences.
         name: for messages and files.
 
@@ -51,7 +51,8 @@ class BeamSolid(BeamState):
         axial: what the law does: the energy that it has ``taken``, the ``drive_force``.
 
     Raises:
-        InputError: no mass, no section somewhere, numbers out of range, what a law cannot drive.
+        InputError: no mass, no section somewhere, numbers out of range, what a law cannot drive,
+            a deflection or a slope where a support holds fast.
     """
 
     _pushed: np.ndarray | float  # by the contacts
@@ -108,9 +109,12 @@ class BeamSolid(BeamState):
         self._begin()
 
     def deflect(self, deflection: np.ndarray) -> None:
-        """Give the beam another deflection, (nodes, d - 1) in m in the order of s, at rest."""
+        """Give the beam another deflection, (nodes, d - 1) in m in the order of s, at rest; what a
+        support holds fast stays."""
         self.displacement = self.displacement.copy()
-        self.unknowns.bend(self.displacement, lambda s: np.asarray(deflection).T)
+        k, given = self.matrices, np.asarray(deflection).T
+        w = values_of("deflection", lambda s: given, k.s, self.unknowns.planes)
+        self.split(self.displacement)[0][:] = k.bent(w, None)
         self.rest()
 
     @property

@@ -10,6 +10,7 @@ import scipy.sparse
 from ..base import checks
 from ..base.compat import cell_geometry
 from ..base.constants import SAME
+from ..base.vectors import largest
 from .axis import AxisMesh
 from .drive import LENGTH, MASS, Place
 from .matrices import BeamMatrices
@@ -104,7 +105,11 @@ class BeamUnknowns:
         self, values: np.ndarray, deflection: Lateral | None, slope: Lateral | None = None
     ) -> None:
         """Set the deflection among the unknowns, if there is one, and its slope (default: by
-        differences)."""
+        differences, and none where a support holds it).
+
+        Raises:
+            InputError: one that is not zero where a support holds it fast.
+        """
         if deflection is None:
             if slope is not None:
                 raise checks.InputError("slope: is that of a displacement, and none is given")
@@ -112,6 +117,13 @@ class BeamUnknowns:
         k = self._matrices
         w = values_of("displacement", deflection, k.s, self.planes)
         turned = slope and values_of("slope", slope, k.s, self.planes)
+        for kind, (what, given) in enumerate((("displacement", w), ("slope", turned))):
+            held = ~k.free_bending[kind::2]
+            if given is not None and np.abs(given[:, held]).max(initial=0) > SAME * largest(given):
+                at = k.s[held][np.abs(given[:, held]).max(axis=0).argmax()]
+                raise checks.InputError(
+                    f"{what}: must be zero at s = {at:.6g} m, where a support holds it fast"
+                )
         self.split(values)[0][:] = k.bent(w, turned)
 
     def describe(self) -> str:

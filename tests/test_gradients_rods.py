@@ -202,7 +202,7 @@ def test_a_drop_through_an_s():
     asked = dict(PARAMETERS, amplitude=(8e-3, bow))
     run = check(drop, asked, 0.4, 5e-3, of_rod, shares=(2e-5,))
     assert run.history["g.bearing"].max() >= 3 and (run.history["dt"] == 0).sum() > 2
-    assert grows(run.history) > 2
+    assert grows(run.history) > 1
     # the run itself is the same to the bit
     scene = drop(amplitude=8e-3, aside=1e-5)
     probes = {name: quantity.value for name, quantity in of_rod(scene).items()}
@@ -274,7 +274,9 @@ def test_drops_of_other_kinds(how):
     amplitude = how.pop("amplitude", 5e-3)
     inlet = how.get("inlet", "tangent")
     asked = dict(PARAMETERS, amplitude=(amplitude, lambda s: bow(s, inlet)))
-    check(lambda **given: drop(**given, **how), asked, 0.35, 2.5e-3, of_rod, shares=(2e-5, 1e-4))
+    check(
+        lambda **given: drop(**given, **how), asked, 0.35, 2.5e-3, of_rod, shares=(3e-6, 2e-5, 1e-4)
+    )
 
 
 def test_adjoints_are_tangents_transposed():

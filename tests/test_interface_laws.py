@@ -597,9 +597,9 @@ def test_what_wears_is_shared(law, held, cells):
 )
 def test_uneven_wear_of_one_solid_on_another(law):
     """A column is pressed on a slab that slides: friction bends it, and it wears unevenly, as it
-    does before an obstacle, but for the normals, which are those at the start of a step. They were
-    those of its unworn facets, which tilt by the gradient of the depth: forces were 1.6 % aside, and
-    by velocities pressure was lost 5 times too fast."""
+    does before an obstacle, but for its normals, those at the start of a step. They were those of
+    unworn facets, which tilt by the gradient of the depth: forces were 1.6 % aside, and by
+    velocities pressure was lost 5 times too fast."""
     material = {"youngs_modulus": 1e3, "poisson_ratio": 0.0, "density": 1e-6}
     top = {"top": lambda t: (0.0, -5e-3 * min(t, 1.0))}
 

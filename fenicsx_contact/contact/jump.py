@@ -222,6 +222,13 @@ class Coupling(ABC):
         the way, (n,) of bool, not of two faces that meet at an edge."""
         return np.asarray(dot(old, new) > 0)
 
+    def begun(
+        self, old: np.ndarray, new: np.ndarray, touches: np.ndarray, step: Step
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The normals at the start that count in the mean along which forces act, (n, d), and where
+        they do, (n,) of bool, from those at both ends, (n, d), and what touches at the start."""
+        return old, touches & self.turns(old, new, step)
+
     def end_share(self, step: Step) -> float:
         """What the normals at the end of a step count in the mean along which forces act."""
         return (1 + step.implicitness) / 2

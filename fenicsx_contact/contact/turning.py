@@ -6,6 +6,7 @@ n+ alone would work on what slides by: ``n+ . (v+ + v-)/2 = n+ . v-/2``, not zer
 they act along the mean of n- and n+, weighed as the scheme weighs velocities: by theta = 1/2, where
 points slide, ``(n- + n+) . (v+ + v-) = -(n+ - n-) . (v+ - v-)``, to which the contact itself adds
 nothing. Its work is of third order in the step, and a step taken backwards undoes one forwards.
+In guides, along which a rod moves far in a step, n- is n+ mirrored at the normal to the way.
 """
 
 from __future__ import annotations
@@ -21,10 +22,8 @@ from .surface_fields import SurfaceFields
 
 
 def turning(other: Any) -> bool:
-    """Whether normals before a master change on the way of a step as those of one wall do: not at a
-    kink, at which a guide's may."""
-    guides = getattr(other, "encloses", False)
-    return isinstance(other, tuple) or not (guides or getattr(other, "flat", False))
+    """Whether normals before a master change on the way of a step."""
+    return isinstance(other, tuple) or not getattr(other, "flat", False)
 
 
 def start_speeds(
@@ -51,9 +50,9 @@ def start_speeds(
     (old, new), share = normals, coupling.end_share(step)
     if fields.start_normal is None:
         return dot(jump, new)
-    turns = touches & (share < 1)
-    if turns.any():
-        turns &= coupling.turns(old, new, step)
+    turns = np.zeros(len(new), dtype=bool)
+    if share < 1:
+        old, turns = coupling.begun(old, new, touches, step)
     fields.set_start_normal(old, np.where(turns, share, 1.0))
     before = dot(jump, old)
     return before if turns.all() else np.where(turns, before, coupling.start_along(jump, new))

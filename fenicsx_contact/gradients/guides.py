@@ -23,6 +23,7 @@ from ..solve.yielding import COMPLIANCE
 from ..theory.scheme import Step
 from .beams import BeamMotion
 from .blocks import Blocks, LinearStep
+from .chords import Chord
 from .laws import refuse_law
 from .parameters import Parameter
 from .sight import Sight
@@ -62,9 +63,18 @@ class GuideRows(ContactRows):
         contact, solid = self.contact, self.motion.solid
         self._velocity = solid.trial_velocity
         self.start_jump, self.jump = contact.jump, contact.trial_jump
-        self.normal, self.turns = contact.normal, np.zeros(len(contact.normal), dtype=bool)
+        self.normal, self.turns = contact.normal, self._turns()
+        self.old_normal = self._told_normal()
         self._ahead = solid.displacement + self.motion.horizon * solid.velocity
         self._sights: dict[bytes, tuple[Sight, Sight]] = {}
+
+    def _told_normal(self) -> np.ndarray:
+        """Along which jumps at the start count, (n, d)."""
+        start = self.contact.equations.fields.start_normal
+        if start is None:
+            return self.normal
+        told = start.x.array.reshape(self.normal.shape)
+        return np.where(self.turns[:, None], told, self.normal)
 
     def _seen(self) -> tuple[Sight, Sight]:
         """What the points see at the start of the step, and what its normals belong to."""
@@ -81,15 +91,17 @@ class GuideRows(ContactRows):
     def derivatives(self) -> dict[str, tuple[Any, Any]]:
         d, n, solid = self._d, self.motion.size, self.motion.solid
         old, new = self._seen()
-        w = self._weights()
-        by_start = w.start * self.normal[self.points][:, None] + self._slip[self.points]
-        by_slope = w.normal @ new.normal_by[:, :, None]
+        chord, w = Chord(old, new, solid.displacement), self._weights()
+        by_start = w.start * self.old_normal[self.points][:, None] + self._slip[self.points]
+        by_slope = w.normal @ new.normal_by[:, :, None] + w.old_normal @ chord.by_slope[:, :, None]
+        by_chord = w.old_normal @ chord.by_chord[:, :, None]
         rows = {
             "v": w.jump @ new.jump,
             "v_old": by_start @ new.jump,
-            "q_old": w.gap * old.gap[:, None],
+            "q_old": w.gap * old.gap[:, None] + by_chord * chord.start[:, None],
         }
         seen = by_slope * new.slope[:, None] + w.end * new.gap[:, None]
+        seen += by_chord * chord.end[:, None]
         if self._back:
             rows["q_old"] += seen @ self._back.by_place
             rows["v_old"] += seen @ self._back.by_velocity
@@ -99,10 +111,11 @@ class GuideRows(ContactRows):
         else:
             rows["q"] = seen
         slides = by_slope * new.slope_slides[:, None, None]
-        slides += w.end * new.gap_slides[:, None, None]
+        slides += w.end * new.gap_slides[:, None, None] + by_chord * chord.slides[:, None, None]
         slides += w.jump @ (new.jump_slides @ self._velocity)[:, :, None]
         slides += by_start @ (new.jump_slides @ solid.velocity)[:, :, None]
-        rows["q_old"][:, :, -1:] -= slides + w.gap * old.gap_slides[:, None, None]
+        slid = w.gap * old.gap_slides[:, None, None] + by_chord * chord.slid[:, None, None]
+        rows["q_old"][:, :, -1:] -= slides + slid
         rows["v_old"][:, :, -1:] -= self.motion.horizon * slides
         result = {"m": self._by_multipliers()}
         for name, each in rows.items():
@@ -111,13 +124,17 @@ class GuideRows(ContactRows):
 
     def _add_moved(self, parameter: Parameter, result: np.ndarray) -> None:
         old, new = self._seen()
-        if self._back:
-            by_slope = self._weights().normal @ new.normal_by[:, :, None]
-            result += by_slope[:, :, 0] * (new.slope @ self._back.by(parameter))[:, None]
+        chord, w = Chord(old, new, self.motion.solid.displacement), self._weights()
         (slope, gap), (_, before) = new.moved(parameter), old.moved(parameter)
-        if slope.any() or gap.any() or before.any():
-            w = self._weights()
-            result += (w.normal @ (new.normal_by * slope[:, None])[:, :, None])[:, :, 0]
+        mean = chord.moved(parameter)
+        if self._back:
+            way = self._back.by(parameter)
+            slope, mean = slope + new.slope @ way, mean + chord.end @ way
+        if slope.any() or mean.any() or gap.any() or before.any():
+            turned = new.normal_by * slope[:, None]
+            mirrored = chord.by_slope * slope[:, None] + chord.by_chord * mean[:, None]
+            for by_normal, change in ((w.normal, turned), (w.old_normal, mirrored)):
+                result += (by_normal @ change[:, :, None])[:, :, 0]
             result += w.end[:, :, 0] * gap[:, None] + w.gap[:, :, 0] * before[:, None]
 
     def spread(self) -> Any:
@@ -149,10 +166,12 @@ class Sweep:
         self._rows, contact = copy(rows), rows.contact
         mine, solid, e = self._rows, rows.motion.solid, contact.equations
         mine.points, mine._sights = points, {}
-        sight = mine._seen()[1]
-        mine.normal = rows.normal.copy()
+        old, sight = mine._seen()
+        mine.normal, mine.old_normal = rows.normal.copy(), rows.old_normal.copy()
         mine.normal[points] = sight.normal
-        start = dot(rows.start_jump, mine.normal)
+        mirrored = Chord(old, sight, solid.displacement).normal
+        mine.old_normal[points] = np.where(rows.turns[points][:, None], mirrored, sight.normal)
+        start = dot(rows.start_jump, mine.old_normal)
         self._start = np.where(np.abs(start) <= contact.resolution, 0.0, start)
         mine.reads_start = (self._start != 0).astype(float)
         self._values, mine.jump = values, values[: e.jumps].reshape(mine.normal.shape)
@@ -208,10 +227,14 @@ class Sweep:
         mine, e = self._rows, self._rows.contact.equations
         k = e.fields
         before = e.values, mine.contact.normal, k.start_jump_n.x.array.copy()
+        share = k.end_share.x.array.copy()
+        told = k.start_normal.x.array.reshape(mine.normal.shape).copy()
         try:
             e.values, k.start_jump_n.x.array[:] = self._values, self._start
             k.set_normal(mine.normal)
+            k.set_start_normal(mine.old_normal, share)
             yield
         finally:
             e.values, k.start_jump_n.x.array[:] = before[0], before[2]
             k.set_normal(before[1])
+            k.set_start_normal(told, share)

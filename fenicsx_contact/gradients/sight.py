@@ -23,7 +23,12 @@ class Sight:
         seen: axial displacement by which the stations find their material, m.
 
     Attributes:
-        depth: of the points, (k,) in m.
+        stands: which of them are stations, (k,) of bool; ``material``: s of the beam there, m;
+            ``w``, ``dw``: of its deflection and that of its derivative, (k, unknowns).
+        depth: of the points, (k,) in m; ``centre``, ``rate``, ``clearance``, ``taper``: place of
+            the tube around them, the slope of that, its clearance and the slope of that, (k,).
+        down, across: directions of the guide, (d,); ``turn``: cosine of the latter and the beam's.
+        side, a: of the wall that is nearer, 1 or -1, and its slope, (k,).
         jump, jump_slides: operator of the velocities, and what slides of it, (k, d, unknowns).
         normal, normal_by: of the slave, and its derivative by the slope a, (k, d).
         slope, slope_slides: derivative of that by the displacement, (k, unknowns), and (k,).
@@ -41,17 +46,19 @@ class Sight:
         number = np.full(contact.surface.size, -1)
         number[contact.stations] = np.arange(len(contact.stations))
         station = number[points]
-        self._stands = stands = station >= 0
+        self.stands = stands = station >= 0
         moves = ~stands
 
         # the beam there
-        cell, xi, weights = k.interpolate(self._along - stands * seen)
+        self.material = self._along - stands * seen
+        cell, xi, weights = k.interpolate(self.material)
         first, second = k.shapes[1, cell, 1:3].swapaxes(0, 1)
         bend = (first + 2 * xi[:, None] * second) / np.diff(k.s)[cell][:, None]
         w, dw, ddw = np.zeros((3, m, n))
         places = 2 * cell[:, None] + np.arange(4)
         for rows, values in zip((w, dw, ddw), (*weights, bend)):
             np.put_along_axis(rows, places, values, axis=1)
+        self.w, self.dw = w, dw
         across, along = axis.frame[0], axis.direction
         self.jump = w[:, None] * across[:, None]
         self.jump[:, :, -1] += along
@@ -62,12 +69,16 @@ class Sight:
         x = axis.origin + (w @ displacement)[:, None] * across + place[:, None] * along
         self.depth = guide.depth(x)
         local, off, rate, clearance, taper, _ = guide.around(x)
+        self.centre, self.clearance = local[:, 1] - off[:, 0], clearance
         off = np.where(stands, local[:, 1] - guide.centres[station, 0], off[:, 0])
         clearance = np.where(stands, guide.clearance()[station], clearance)
+        self.rate, self.taper = rate[:, 0], taper
+        self.down, self.across = guide.direction, guide.lateral[0]
         turn, tilt = float(across @ guide.lateral[0]), dw @ displacement
-        self._side = side = np.where(off < 0, -1.0, 1.0)
+        self.turn = turn
+        self.side = side = np.where(off < 0, -1.0, 1.0)
         leans, taper = np.where(stands, -turn * tilt, rate[:, 0]), moves * taper
-        self._a = a = side * leans + taper
+        self.a = a = side * leans + taper
         self._steep = np.sqrt(1 + a * a)
         self._distance = (np.abs(off) - clearance) / self._steep
 
@@ -87,20 +98,25 @@ class Sight:
 
     def _gap(self, moved: np.ndarray, slope: np.ndarray) -> np.ndarray:
         """Change of the gap from those of ``|off| - c`` and of the slope, (k, ...)."""
-        a, steep = self._a[:, None], self._steep[:, None]
+        a, steep = self.a[:, None], self._steep[:, None]
         return moved / steep - self._distance[:, None] * a * slope / steep**2
 
     def leave_out(self, axial: float) -> None:
         """Nothing changes at stations that the beam has not reached, or has passed, when its axial
         displacement is this, m."""
         low, high = (end + axial for end in self._reach)
-        away = self._stands & ((self._along < low) | (self._along > high))
+        away = self.stands & ((self._along < low) | (self._along > high))
         self.gap[away], self.gap_slides[away] = 0.0, 0.0
+
+    def offset(self, parameter: Parameter) -> tuple[np.ndarray | float, np.ndarray | float]:
+        """Changes of the place and of the clearance of the tube by a parameter, (k,) in m each."""
+        wider = parameter.widened(self._contact, self.depth)
+        return parameter.bend(self._contact, self.depth)[0], wider
 
     def moved(self, parameter: Parameter) -> tuple[np.ndarray, np.ndarray]:
         """Changes of the slope a and of the gap where a parameter moves or widens the guide, (k,)
         each."""
         offset, slope = parameter.bend(self._contact, self.depth)
-        change = self._side * slope * ~self._stands
-        nearer = -self._side * offset - parameter.widened(self._contact, self.depth)
+        change = self.side * slope * ~self.stands
+        nearer = -self.side * offset - parameter.widened(self._contact, self.depth)
         return change, self._gap(nearer[:, None], change[:, None])[:, 0]

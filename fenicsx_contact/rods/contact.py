@@ -65,8 +65,6 @@ class GuideContact(Contact):
             moves around an elastic tube, and what Contact refuses.
     """
 
-    #: What holds or drives a rod along its axis pays for what walls push: the rod's own books say.
-    gives_nothing = False
     solid: BeamSolid | RodInTube
     obstacle: Guide
     trace: BeamTrace | PairTrace
@@ -108,6 +106,13 @@ class GuideContact(Contact):
                 f"depth {depth:.4g} m the rod is {self.gap[worst]:.4g} m inside its wall; let the "
                 "rod settle first (rods.settle)"
             )
+
+    @property
+    def gives_nothing(self) -> bool:  # type: ignore[override]
+        """Not where a drive holds the rod at its speed, which pays for what walls push: the rod's
+        own books say."""
+        law = self.solid.rod.law
+        return law is None or law.prescribed is None
 
     def _make_surface(self) -> Surface:
         """The nodes of the stretch, and beside them the stations, joined by cells of their own."""

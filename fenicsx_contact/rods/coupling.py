@@ -42,9 +42,10 @@ class GuideCoupling(NodalJump):
     def __init__(self, contact: Guided, trace: BeamTrace | PairTrace, turn: np.ndarray) -> None:
         super().__init__(contact.solid, contact.equations, contact.obstacle, trace)
         self._guide, self._stations = contact.obstacle, contact.stations
-        self._rod, self._trace, self._turn = contact.solid.rod, trace, turn
-        self._own = trace.rod
+        self._solid, self._rod = contact.solid, contact.solid.rod
+        self._trace, self._own, self._turn = trace, trace.rod, turn
         self._rigid = contact.formulation.multipliers
+        self._by_places = not self._rigid or contact.formulation.gap_share > 0
         self._deepest, self._side = contact.deepest, self._own.side.copy()
         self._lengths = Lengths(self._guide, self._own.material, self._stations)
         self._measured = contact.measured
@@ -53,6 +54,7 @@ class GuideCoupling(NodalJump):
         tips = np.abs([low, high - axis.length]) <= SAME * axis.length
         self._faces = self._guide.faces & tips[:, None]
         self._at: np.ndarray | None = None
+        self._begun: Step | None = None
         self._when = 0.0
 
     def _look(self) -> None:
@@ -77,14 +79,78 @@ class GuideCoupling(NodalJump):
         )
         self._distances[self._own.void] = guide.far
 
-    def clearance(self) -> np.ndarray:
-        """What the rod has around it at the points where it is straight in the middle of its hole,
-        (n,) in m; the guide's ``far`` where there is no hole, or no rod."""
-        clearance = self._guide.holes(self._trace.positions(), self._stations)[1]
+    def holes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Places of the points from the middle of their holes, (n, d - 1) in m, and what the rod
+        has around it there where it is straight in the middle, (n,) in m; the guide's ``far`` where
+        there is no hole, or no rod."""
+        off, clearance = self._guide.holes(self._trace.positions(), self._stations, self.time)
         clearance[self._own.void] = self._guide.far
         if (outline := self.outline()) is not None:
             clearance += np.where(clearance < self._guide.far, outline[0], 0.0)
-        return clearance
+        return off, clearance
+
+    def clearance(self) -> np.ndarray:
+        """The latter."""
+        return self.holes()[1]
+
+    def keep_normals(self) -> np.ndarray:
+        self._start_holes = self.holes()
+        self._start_material = self._own.material.copy()
+        self._was = super().keep_normals()
+        return self._was
+
+    def begin(self, step: Step) -> None:
+        super().begin(step)
+        self._begun = step
+
+    def start_normals(self) -> np.ndarray:
+        normals = self.normals()
+        if self._begun is None:
+            return normals
+        everywhere = np.ones(len(normals), dtype=bool)
+        return self.begun(self._was, normals, everywhere, self._begun)[0]
+
+    def begun(
+        self, old: np.ndarray, new: np.ndarray, touches: np.ndarray, step: Step
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Those at the end, mirrored at the normals to the ways of the points: these are their
+        mean. By laws of positions everywhere; by laws of velocities, which see one face strike at a
+        kink, where points touch and slide on."""
+        along, met = self._chords(new, step)
+        if not self._by_places:
+            turns = self.turns(old, new, step)
+            turns[self._stations] = True  # which see the rod, that has no kinks
+            met &= touches & turns
+        mirrored = 2 * dot(along, new)[:, None] * along - new
+        return np.where(met[:, None], mirrored, new), met
+
+    def _chords(self, new: np.ndarray, step: Step) -> tuple[np.ndarray, np.ndarray]:
+        """Normals n along which a force works as much as its point comes nearer to the wall,
+        ``n . (x+ - x-) ~ d+ - d-``, whatever it passes on its way, and where there are any, (n,) of
+        bool; else those at the end, ``new``, (n, d).
+
+        A discrete gradient of ``d = |off| - c`` (O. Gonzalez (1996), J. Nonlinear Sci. 6, 449-467).
+        What walls at rest do by a law of positions is then ``lam (d+ - d-) <= 0``.
+        """
+        guide, solid = self._guide, self._solid
+        (old, before), (off, clearance) = self._start_holes, self.holes()
+        way = self._trace.jump(solid.trial_displacement - solid.displacement).reshape(self._shape)
+        if self.driven:
+            way -= guide.displacement(step.end) - guide.displacement(step.start)
+        across, down = way @ guide.lateral.T, way @ guide.direction
+        # past a station slides what its end sees there
+        rows = self._stations
+        down[rows] = (self._own.material - self._start_material)[rows]
+        # |b| - |a| = u . (b - a); who crosses the hole meets the wall at its end
+        same = dot(old, off) > 0
+        u, size = (off + old * same[:, None]), _sizes(off) + _sizes(old) * same
+        met = (size > 0) & (np.abs(down) > SAME * guide.far) & bool(step.dt)
+        met &= (before < guide.far) & (clearance < guide.far)
+        u /= np.where(met, size, 1.0)[:, None]
+        rise = dot(u, off - old - across) - (clearance - before)
+        axial = rise / np.where(met, down, 1.0)
+        normal = u @ guide.lateral + axial[:, None] * guide.direction
+        return normalised(np.where(met[:, None], normal, new)), met
 
     @property
     def tight(self) -> str:
@@ -193,3 +259,7 @@ class GuideCoupling(NodalJump):
         along = np.stack([-off[:, 1], off[:, 0]], axis=1) @ self._guide.lateral
         along /= np.where(size > 0, size, np.inf)[:, None] ** 1.5
         return along[:, :, None] * along[:, None, :]
+
+
+def _sizes(vectors: np.ndarray) -> np.ndarray:
+    return np.asarray(np.linalg.norm(vectors, axis=1))

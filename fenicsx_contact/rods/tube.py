@@ -77,6 +77,11 @@ class RodInTube(Solid):
     def displacement(self, values: np.ndarray) -> None:
         self.rod.displacement, self.tube.displacement = map(np.array, self.split(values))
 
+    @property
+    def trial_displacement(self) -> np.ndarray:
+        """Of the trial state."""
+        return self._of("trial_displacement")
+
     def rest(self) -> None:
         """Stop every motion; the deflections stay."""
         for solid in self._both:

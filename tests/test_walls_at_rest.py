@@ -15,6 +15,7 @@ from fenicsx_contact import (
     Velocity,
     axis_mesh,
 )
+from fenicsx_contact.output.stops import STOPS
 from fenicsx_contact.rods import Bow, Guide, GuideContact, RodDrop, Sine, Tube, settle
 
 G, UP = 9.81, np.array([0.0, 1.0])
@@ -76,3 +77,9 @@ def test_the_certificate_asks_guides_unless_a_drive_works():
         axis, section = axis_mesh(-UP, UP, r=(1.0, 4)), Section(mass=1.0, bending=1.0)
         rod = BeamSolid(axis, section, gravity=-G * UP, law=law)
         assert GuideContact(rod, "r", Guide([Tube(-1.0, 3.0, 1e-3)])).gives_nothing is asked
+
+
+def test_a_rod_that_drifts_is_told_what_takes_drift_back():
+    stops = [stop for section in STOPS.values() for stop in section]
+    (remedy,) = (stop.remedy for stop in stops if "leaves its guide sideways" in stop.says)
+    assert "drift_correction" in remedy and '"gap"' in remedy

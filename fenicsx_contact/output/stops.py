@@ -36,7 +36,7 @@ STOPS = {
             "leaves its guide",
             "... leaves its guide sideways at the depth ... m, ...",
             "a point of a rod is deeper in a wall than its hole is wide",
-            'shorter steps; `geometry="newton"`',
+            'in a bent guide a `drift_correction`, or "gap"; shorter steps; `geometry="newton"`',
         ),
         Stop(
             "parameter",

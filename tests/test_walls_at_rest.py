@@ -72,6 +72,16 @@ def test_kinks_and_stations_do_not_push_a_rod_on():
     assert fast.time_at(1.2) == pytest.approx(0.5025, rel=0.006)
 
 
+def test_by_theta_1_what_strikes_is_seen_along_the_normals_of_the_end():
+    axis, section = axis_mesh(-0.1 * UP, UP, r=(1.0, 8)), Section(mass=1.5, bending=4.0)
+    rod = BeamSolid(axis, section, gravity=-G * UP, law=Fall())
+    guide = Guide([Tube(-1.2, 1.6, 5e-4, Bow(5e-3, 2.0))])
+    settle(rod, "r", guide)
+    contact = GuideContact(rod, "r", guide)
+    Scene([rod], [contact], ThetaScheme(1.0)).run(0.1, 1e-2)
+    np.testing.assert_array_equal(contact.coupling.start_normals(), contact.coupling.normals())
+
+
 def test_the_certificate_asks_guides_unless_a_drive_works():
     for law, asked in ((Fall(), True), (None, True), (Driven(0.1), False)):
         axis, section = axis_mesh(-UP, UP, r=(1.0, 4)), Section(mass=1.0, bending=1.0)

@@ -105,7 +105,7 @@ class GuideCoupling(NodalJump):
 
     def start_normals(self) -> np.ndarray:
         normals = self.normals()
-        if self._begun is None:
+        if self._begun is None or self.end_share(self._begun) == 1:
             return normals
         everywhere = np.ones(len(normals), dtype=bool)
         return self.begun(self._was, normals, everywhere, self._begun)[0]

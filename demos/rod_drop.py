@@ -405,8 +405,8 @@ if __name__ == "__main__":
 # - Another water: any object with `buoyancy`, `added_mass(z)` and `drag(z)` in `Fall(...)`.
 # - `Assumed(kinked=True, amplitude=0.022)`: the rod jams, and the history says that what it was to
 #   stop at did not happen.
-# - `ThetaScheme(0.5)`: nothing damps the rattling, and T5 hardly changes, with either inlet. No
-#   contact makes energy, and the books of the walls close to round-off.
+# - `ThetaScheme(0.5)`: nothing damps the rattling, and T5 hardly changes, with either inlet. With
+#   `Gap()` and without friction walls give at most 1e-4 J, of 700 J that the rod has.
 #
 # ## Sources
 #

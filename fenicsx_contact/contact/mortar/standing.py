@@ -128,7 +128,7 @@ class Standing:
         side, result = self._slave, Stance(self._none.facet.copy(), self._none.along.copy())
         if not len(facet):
             return result
-        g = side.middle_tangents(xs)
+        g, across = side.middle_tangents(side.nodes), side.middle_normals(side.nodes)
         unit, _ = unit_and_length(side.middle_normals(xs))
         middle = xs[side.corners].mean(axis=1)
         lies = bears[side.corners].sum(axis=1) >= side.dim
@@ -148,22 +148,21 @@ class Standing:
             low = height[mine] <= height[mine].min() + noise
             if (low & bears[corners]).any():  # it stands there already
                 low &= bears[corners]
-            below, edge = self._stood_on(xs, corners[low], foot[mine][low])
-            basis = np.moveaxis(np.concatenate([g[:, which], unit[None, which]]), 0, 2)
-            share = (inverses(basis) @ edge)[:, :-1]  # in the planes of the facets
+            below, edge = self._stood_on(corners[low], foot[mine][low])
+            basis = np.moveaxis(np.concatenate([g[:, which], across[None, which]]), 0, 2)
+            share = (inverses(basis) @ edge)[:, :-1]  # in the planes of the facets, to go with them
             result.facet[which], result.along[which] = below, share @ side.middle_slopes
         return result
 
-    def _stood_on(
-        self, xs: np.ndarray, corners: np.ndarray, foot: np.ndarray
-    ) -> tuple[int, np.ndarray]:
-        """The facet of the master below corners (k,) that are alike, and the edge (d,) on which
-        they stand: of the first in space at rest, for round-off must not choose, and its edge;
-        where edges of space meet in it, that between them all."""
+    def _stood_on(self, corners: np.ndarray, foot: np.ndarray) -> tuple[int, np.ndarray]:
+        """The facet of the master below corners (k,) that are alike, and the edge (d,), at rest, on
+        which they stand: of the first in space at rest, for round-off must not choose, and its
+        edge; where edges of space meet in it, that between them all."""
         at, first = np.unique(corners, return_index=True)
-        order = np.lexsort(self._slave.nodes[at].T)
+        nodes = self._slave.nodes
+        order = np.lexsort(nodes[at].T)
         one = at[order[0]]
         ends = self._edges[one]
         if ends[0] == ends[1] and self._slave.dim == 3:
-            ends = one, at[((xs[at] - xs[one]) ** 2).sum(axis=1).argmax()]
-        return foot[first[order[0]]], xs[ends[1]] - xs[ends[0]]
+            ends = one, at[((nodes[at] - nodes[one]) ** 2).sum(axis=1).argmax()]
+        return foot[first[order[0]]], nodes[ends[1]] - nodes[ends[0]]

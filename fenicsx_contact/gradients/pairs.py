@@ -16,7 +16,6 @@ import numpy as np
 import scipy.sparse as sp
 
 from ..base import checks
-from ..base.constants import SAME
 from ..base.vectors import components
 from ..contact.contact import Contact
 from ..contact.mortar import Pairing
@@ -84,30 +83,12 @@ class PairRows(ContactRows):
         self.jump = (self._J @ self.velocities.ravel()).reshape(-1, d)
         self.start_jump, self.normal, self.turns = contact.jump, contact.normal, self._turns()
         self.places = self._places[: len(contact.normal)]
-        self._refuse_edges()
 
     def before(self) -> Rates:
         """The rates of the pairing at the start of the step, ``then``."""
         self.then.stand(self.pair.stance)
         self.then.update(self._start_places, self._way)
         return Rates(self.then)
-
-    def _refuse_edges(self) -> None:
-        """Refuse points that bear beside an edge of the master: how their areas change with it is
-        not known.
-
-        Raises:
-            InputError: there are.
-        """
-        pair, contact = self.pair, self.contact
-        bears = contact.equations.statuses() > 0
-        lost = np.flatnonzero(bears & (pair.area < (1 - SAME) * pair.full_area))
-        if len(lost):
-            place = tuple(contact.surface.points[lost[0]].tolist())
-            raise checks.InputError(
-                f"gradients: contact {contact.name!r}, point {place}, t = {self.step.end:.9g} s: "
-                "reaches beyond its master while it bears, which is not supported"
-            )
 
     def sides(self, matrix: Any) -> list[Any]:
         """What of a matrix (..., N d) belongs to the nodes of either side."""
@@ -119,6 +100,7 @@ class PairRows(ContactRows):
         places = components(p, d)
         J, moving = self._J[places], self._turning[places]
         by_gap, turned = (sp.csr_matrix(each) for each in (self.rates.gap, self.rates.normal))
+        grown = self.rates.areas  # with which forces grow, beside an edge of the master
 
         starts = bool(w.gap.any() or w.start.any() or self._slip[p].any() or w.old_normal.any())
         if starts:  # the gaps, jumps and normals that there were
@@ -135,6 +117,9 @@ class PairRows(ContactRows):
             by_places = diagonal(w.jump[:, rows]) @ moving
             by_places += diagonal(w.end[:, rows]) @ by_gap[p]
             by_places += diagonal(w.normal[:, rows]) @ turned[places]
+            if grown is not None and not rows.start:
+                pressure = self._force.reshape(-1, d) * self.pair.share[p, None]
+                by_places -= diagonal(pressure[:, :, None]) @ sp.csr_matrix(grown)[p]
             both = zip(self.nodes, self.sides(by_velocities), self.sides(by_places))
             for i, (nodes, velocities, places_) in enumerate(both):
                 yield from zip(self.keys("v", "q", i), nodes.new.by(velocities, places_))
@@ -179,7 +164,7 @@ class PairRows(ContactRows):
     def bent(self) -> Iterator[tuple[Motion, str, Any]]:
         forces, share = np.zeros_like(self.normal), self._share()[:, None]
         forces[self.points] = self._force.reshape(-1, self._d)
-        spread = sp.csr_matrix(self.rates.spread(share * forces, True))  # of forces by their areas
+        spread = sp.csr_matrix(self.rates.spread(share * forces))
         at_nodes = (self._forcing().T @ forces.ravel())[None]
         every = zip(self.motions, self.nodes, self._sides, self.sides(at_nodes))
         for i, (m, nodes, side, (given,)) in enumerate(every):
@@ -188,7 +173,7 @@ class PairRows(ContactRows):
                 yield m, self.key(name, i), block
         if (share == 1).all():
             return
-        spread = sp.csr_matrix(self.before().spread((1 - share) * forces, True))
+        spread = sp.csr_matrix(self.before().spread((1 - share) * forces))
         for m, nodes, side in zip(self.motions, self.nodes, self._sides):
             for i, (theirs, columns) in enumerate(zip(self.nodes, self._sides)):
                 block = nodes.forces.T @ spread[side][:, columns] @ theirs.old.place

@@ -67,6 +67,11 @@ class Rates:
         project = np.eye(pair.slave.dim) - n[:, :, None] * n[:, None]
         self.normal = by_point(project / pair.length[:, None, None], mean)
 
+    @property
+    def areas(self) -> Matrix | None:
+        """Derivative of the areas of the nodes, (n, N d); None where the master ends nowhere."""
+        return self._pair.shared.rows(self._cover.areas()) if self._cover else None
+
     def _rows(self) -> np.ndarray:
         """Rows of the components at the corners, (p, corners, d)."""
         d = self._pair.slave.dim
@@ -141,9 +146,8 @@ class Rates:
         spread = spread - by_component(pair.means, d).T @ by_point(more, self.normal)
         more = along(force, self.normal) - by_point(pressed[:, None, None], self._stretch)
         spread = spread + pair.rises.T @ more
-        if self._cover and not areas:
+        if not areas and (grown := self.areas) is not None:
             pressure = (pair.share[:, None] * force)[:, :, None]
-            grown = pair.shared.rows(self._cover.areas())
             spread = spread - pair.operator.T @ by_point(pressure, grown)
         return spread
 

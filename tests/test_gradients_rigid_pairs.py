@@ -354,10 +354,29 @@ def test_what_is_not_supported_is_refused_by_name():
     low = RigidSolid(rectangle(), mass=1.0, held=HELD[2], name="low")
     scene = Scene([curved, low], [Contact(curved, "base", (low, "top"), name="c")], deepest=1.0)
     refused(scene, {"g": down(scene)}, "contact 'c' is between two solids, and one is of sec")
-    low = RigidSolid(rectangle(size=(0.1, 0.2)), mass=1.0, held=HELD[2], name="low")
-    up = RigidSolid(moved(rectangle(size=(0.2, 0.2)), 0.0, 0.2), mass=1.0, gravity=(0, -G))
-    scene = Scene([up, low], [Contact(up, "base", (low, "top"), name="c")])
-    refused(scene, {"g": down(scene)}, r"contact 'c', point .* reaches beyond its master")
+
+
+@pytest.mark.parametrize("formulation", ["velocity", "gap"])
+def test_a_plank_slides_on_a_pedestal_and_tips(formulation):
+    """Its facets reach beyond the pedestal at both ends: what is covered changes."""
+
+    def build(speed, mu):
+        low = RigidSolid(
+            moved(rectangle(size=(0.4, 0.2)), 0.0, -0.2), mass=1.0, held=HELD[2], name="low"
+        )
+        up = RigidSolid(
+            moved(rectangle((1, 1), (1.0, 0.1)), 0.13, 0.0),
+            mass=2.0, velocity=(speed, 0), gravity=(0, -G), name="up",
+        )  # fmt: skip
+        contact = Contact(up, "base", (low, "top"), formulation, friction=mu, name="c")
+        return Scene([up, low], [contact])
+
+    asked = {
+        "speed": (1.0, lambda s: Start(solid_of(s), velocity=(1, 0))),
+        "mu": (0.2, friction),
+    }
+    result = check(build, asked, 0.2, 5e-3, measured, shares=[1e-5, 1e-6])
+    assert abs(result.history["spin  of up"][-1]) > 0.1
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.1])

@@ -21,16 +21,18 @@ def approaching(contact: Contact, step: Step, where: np.ndarray) -> np.ndarray:
     return np.asarray(asked & (_excess(contact, step) > _least(contact, step)))
 
 
-def strikes(contact: Contact, step: Step, points: np.ndarray) -> bool:
+def strikes(contact: Contact, step: Step, points: np.ndarray, error: float) -> bool:
     """Whether one of these points is faster than its law allows by more than what the loads of
     the step change: less is a body coming to rest, which the step itself can stop; or arrives and
-    goes beyond what it meets even if the step stops it, by more than what errors of its speed and
-    its gap are worth. Solids and traces are linearised about the prediction of the step."""
+    goes beyond what it meets even if the step stops it, by more than errors of its gap are worth
+    and that share of the fastest point, the ``error`` with which a blow is accepted. Solids and
+    traces are linearised about the prediction of the step."""
     for trace in contact.traces:
         trace.linearise(step)
     free = np.concatenate([t.free_jump() for t in contact.traces])
     change = contact.coupling.loaded(free, _struck_jump(contact))
     least = contact.tolerance / step.horizon + _least(contact, step)
+    least += error * contact.coupling.fastest("velocity")
     beyond = _excess(contact, step, stopped=True) > least
     # what rests and was lifted by a finite rotation is put back by the steps
     came = dot(contact.jump, contact.coupling.start_normals())

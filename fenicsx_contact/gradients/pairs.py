@@ -118,8 +118,8 @@ class PairRows(ContactRows):
             by_places += diagonal(w.end[:, rows]) @ by_gap[p]
             by_places += diagonal(w.normal[:, rows]) @ turned[places]
             if grown is not None and not rows.start:
-                pressure = self._force.reshape(-1, d) * self.pair.share[p, None]
-                by_places -= diagonal(pressure[:, :, None]) @ sp.csr_matrix(grown)[p]
+                pressures = self._forces() * self.pair.share[:, None]
+                by_places -= diagonal(pressures[p, :, None]) @ sp.csr_matrix(grown)[p]
             both = zip(self.nodes, self.sides(by_velocities), self.sides(by_places))
             for i, (nodes, velocities, places_) in enumerate(both):
                 yield from zip(self.keys("v", "q", i), nodes.new.by(velocities, places_))
@@ -147,6 +147,12 @@ class PairRows(ContactRows):
         share = self.contact.equations.fields.end_share.x.array
         return np.ones(len(share)) if self.contact.coupling.end_share(self.step) == 1 else share
 
+    def _forces(self) -> np.ndarray:
+        """On all nodes, (n, d) in N."""
+        forces = np.zeros_like(self.normal)
+        forces[self.contact.equations.candidates] = self._force.reshape(-1, self._d)
+        return forces
+
     def _forcing(self) -> sp.csr_matrix:
         """The operator whose transpose spreads forces on the slave's nodes."""
         share = self._share()
@@ -162,8 +168,7 @@ class PairRows(ContactRows):
             yield m, -(nodes.forces.T @ J.T)
 
     def bent(self) -> Iterator[tuple[Motion, str, Any]]:
-        forces, share = np.zeros_like(self.normal), self._share()[:, None]
-        forces[self.points] = self._force.reshape(-1, self._d)
+        forces, share = self._forces(), self._share()[:, None]
         spread = sp.csr_matrix(self.rates.spread(share * forces))
         at_nodes = (self._forcing().T @ forces.ravel())[None]
         every = zip(self.motions, self.nodes, self._sides, self.sides(at_nodes))

@@ -182,7 +182,7 @@ class Stepper:
             return False
         for solid in self.solids:
             solid.linearise(step)
-        return any(strikes(contact, step, points) for contact, points in asked)
+        return any(strikes(contact, step, points, ACCEPTED) for contact, points in asked)
 
     def _begin(self, step: Step) -> None:
         """Predict the solids, and take up what is given in the step, if not done yet."""

@@ -13,7 +13,6 @@ from fenicsx_contact import (
     Contact,
     ElasticSolid,
     HyperelasticSolid,
-    InputError,
     KelvinVoigt,
     QuasiStatic,
     Scene,

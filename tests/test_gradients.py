@@ -666,7 +666,9 @@ def test_corners_that_arrive_together():
         result["y"]
 
 
-@pytest.mark.parametrize(("depth", "says"), [(1e-13, "grazing"), (-1e-13, "and no more")])
+@pytest.mark.parametrize(
+    ("depth", "says"), [(5e-12, "grazing"), (1e-13, "and no more"), (-1e-13, "and no more")]
+)
 def test_a_block_that_just_touches_a_ceiling(depth, says):
     """Thrown up, it turns where the ceiling is: with a little more speed there is an impact."""
     steps, dt = 20, 0.01

@@ -59,7 +59,8 @@ def test_impacts_of_a_pair_are_located(kinds, friction):
     """A point that leaves from inside, where the mortar's means leave it, does not arrive."""
     history = thrown(kinds, friction=friction).run(0.03, DT, progress=False)
     assert history.finished, history.reason
-    assert all("method of multipliers" in what for _, what in history.remarks)  # none was cut
+    told = ("method of multipliers", "inside its master")  # between nodes
+    assert all(any(each in what for each in told) for _, what in history.remarks)  # none was cut
     impacts = history["dt"][1:] == 0
     assert impacts.any() and len(history) < 6 * 30
     assert history["dt"][1:][~impacts].min() > 1e-8 * DT
@@ -69,7 +70,8 @@ def test_impacts_of_a_pair_are_located(kinds, friction):
 
 @pytest.mark.parametrize("master", [RigidSolid, ElasticSolid])
 def test_slips_that_turn_round_need_newtons_method_alone(master):
-    assert not thrown((ElasticSolid, master), friction=0.3).run(0.03, DT, progress=False).remarks
+    history = thrown((ElasticSolid, master), friction=0.3).run(0.03, DT, progress=False)
+    assert not [what for _, what in history.remarks if "method of multipliers" in what]
 
 
 @pytest.mark.parametrize("inside", [1e-5, 0.0, -1e-5])

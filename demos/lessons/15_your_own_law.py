@@ -33,8 +33,7 @@ g, m, v0 = 9.81, 10.0, 1.0  # m/s², kg, m/s
 # ## Three bounds
 #
 # `pressure` is $-\lambda$ where it bears, `S` is 1 there; `k` has what a law may ask of the
-# surface: `k.slip_speed` (of what bears, 0 in flight), `k.place`, `k.t`, and `k.state(...)` for
-# what it remembers.
+# surface: `k.slip_speed` (0 in flight), `k.place`, `k.t`, and `k.state(...)`, what it remembers.
 
 
 # %%

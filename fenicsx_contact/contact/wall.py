@@ -133,7 +133,8 @@ class Wall:
             InputError: with what is wrong and where.
         """
         refused = f"master = {self.obstacle!r}"
-        reach = RIGHT * float(np.ptp(points, axis=0).max())
+        size = float(np.ptp(points, axis=0).max()) or float(np.abs(points).max())  # of a point
+        reach = RIGHT * (size or 1.0)
         try:
             distance, normals = self.distance(points, 0.0), self.normals(points, 0.0)
             if self.moving:

@@ -666,10 +666,8 @@ def test_corners_that_arrive_together():
         result["y"]
 
 
-@pytest.mark.parametrize(
-    ("depth", "says"), [(5e-12, "grazing"), (1e-13, "and no more"), (-1e-13, "and no more")]
-)
-def test_a_block_that_just_touches_a_ceiling(depth, says):
+@pytest.mark.parametrize("depth", [1e-13, -1e-13])
+def test_a_block_that_just_touches_a_ceiling(depth):
     """Thrown up, it turns where the ceiling is: with a little more speed there is an impact."""
     steps, dt = 20, 0.01
     speed = G * steps * dt
@@ -681,7 +679,7 @@ def test_a_block_that_just_touches_a_ceiling(depth, says):
     ceiling = HalfSpace((0, corner[1] + speed**2 / (2 * G) - depth), (0, -1))
     scene = Scene([block], [Contact(block, "top", ceiling, name="c")], locate_impacts=True)
     asked = {"speed": Start(block, velocity=(0, 1))}
-    with pytest.raises(NoDerivative, match=f"contact 'c', point .*0.2, 0.2.*: .*{says}"):
+    with pytest.raises(NoDerivative, match="contact 'c', point .*0.2, 0.2.*: .*and no more"):
         tangents(scene, 2 * steps * dt, dt, asked, centre(scene))["y"]
 
 

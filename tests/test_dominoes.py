@@ -113,13 +113,13 @@ def fallen(facets, face_is_slave):
 
 @pytest.mark.second
 def test_a_corner_that_slides_on_a_face():
-    """Its facets do not count; where the face is the slave, they do, with the same limit. (Along
-    the normals of the corner's own facets it fell elsewhere, by 2 and 25 %, with any of them.)"""
+    """Its facets do not count, nor do those of the face, where that is the slave: it is covered in
+    part. (Along the normals of the corner's own facets it fell elsewhere, by 2 and 25 %, with any of
+    them; with rows at the nodes of the face by its facets.)"""
     exact = fallen(1, False)
     tolerance = Newton().tolerance  # rad
-    np.testing.assert_allclose(fallen(16, False), exact, rtol=0, atol=tolerance)
-    errors = [np.abs(fallen(n, True) - exact).max() for n in (4, 16)]
-    assert errors[1] < 0.4 * errors[0] and errors[1] < 0.012
+    for facets, slave in ((16, False), (4, True), (16, True)):
+        np.testing.assert_allclose(fallen(facets, slave), exact, rtol=0, atol=tolerance)
 
 
 @pytest.mark.second
@@ -135,13 +135,11 @@ def test_three_fall():
 
 
 @pytest.mark.long
-def test_what_moving_weights_give_falls_with_the_facets():
-    """Without friction, in sum over the run: gaps are means over what is covered of a facet."""
-    given = []
+def test_corners_that_slide_give_nothing_whatever_the_facets():
+    """Without friction, in sum over the run: gaps were means read at the nodes of facets that are
+    covered in part, and their moving weights gave 2 % with four facets each."""
     for facets in (4, 8, 16):
         history = row(3, facets, 0.0).run(0.5, 1e-3)
         assert history.finished, history.reason
         total = total_energy(history)
-        given.append(np.maximum(np.diff(total), 0.0).sum() / total[0])
-    assert given[0] < 0.025 and given[2] < 1e-6
-    assert given[0] > 2 * given[1] > 4 * given[2]
+        assert np.maximum(np.diff(total), 0.0).sum() < 3e-6 * total[0]

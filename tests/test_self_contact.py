@@ -104,6 +104,11 @@ def squashed(mesh, solver="monolithic", friction=0.0, mirror=False, steps=30):
     return body, contacts, history
 
 
+def deepest(contacts):
+    """What the law holds at its nodes, between which the cells of a fold may overlap."""
+    return max(contact.gap[contact.chosen].max() for contact in contacts)
+
+
 @pytest.mark.parametrize("solver", ["condensed", "monolithic", "iterative"])
 @pytest.mark.parametrize(
     "friction",
@@ -112,9 +117,9 @@ def squashed(mesh, solver="monolithic", friction=0.0, mirror=False, steps=30):
 def test_a_squashed_ring_touches_itself(solver, friction):
     """Every solver comes to the same; what is alike does not slip, and friction changes little. Its
     last folds are cut into steps by chance, and with friction another way ends elsewhere."""
-    _, _, history = squashed(ring(), solver, friction)
+    _, contacts, history = squashed(ring(), solver, friction)
     assert history["above.bearing"][-1] >= 3 and history["above.bearing"][5] == 0
-    assert history["above.penetration"].max() < 1e-9
+    assert deepest(contacts) < 1e-9
     pressed = history["above.force_y"][-1]
     assert abs(history["above.force_x"][-1]) < 1e-6 * pressed
     _, _, expected = plain(friction)
@@ -246,11 +251,11 @@ def test_one_surface_before_itself(solver, layers):
 @pytest.mark.second
 def test_cells_of_second_degree():
     """Half before half, and one surface before itself, of round cells."""
-    _, _, named = squashed(ring(degree=2))
-    _, _, found = squashed(ring(degree=2, halves=False))
+    _, above, named = squashed(ring(degree=2))
+    _, inner, found = squashed(ring(degree=2, halves=False))
     assert found["inner.bearing"][-1] == named["above.bearing"][-1] >= 3
     assert found["inner.force_y"][-1] == pytest.approx(-named["above.force_y"][-1], rel=1e-6)
-    assert max(found["inner.penetration"].max(), named["above.penetration"].max()) < 1e-9
+    assert deepest(above + inner) < 1e-9
 
 
 @pytest.mark.second
@@ -268,10 +273,10 @@ def test_cells_of_second_degree_as_before_a_plane():
 def test_one_surface_with_friction(solver):
     """Steps are cut where halves that fold stick and slip; then it is what the halves do."""
     _, _, named = squashed(ring(80), friction=0.3)
-    _, _, found = squashed(ring(80, halves=False), solver, friction=0.3)
+    _, inner, found = squashed(ring(80, halves=False), solver, friction=0.3)
     pressed = named["above.force_y"][-1]
     assert found["inner.force_y"][-1] == pytest.approx(-pressed, rel=0.02)
-    assert found["inner.penetration"].max() < 1e-9
+    assert deepest(inner) < 1e-9
 
 
 @pytest.mark.parametrize("law", ["velocity", pytest.param("gap", marks=pytest.mark.second)])

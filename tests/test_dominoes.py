@@ -114,8 +114,8 @@ def fallen(facets, face_is_slave):
 @pytest.mark.second
 def test_a_corner_that_slides_on_a_face():
     """Its facets do not count, nor do those of the face, where that is the slave: it is covered in
-    part. (Along the normals of the corner's own facets it fell elsewhere, by 2 and 25 %, with any of
-    them; with rows at the nodes of the face by its facets.)"""
+    part. (Along the normals of the corner's own facets it fell elsewhere, by 2 and 25 %, with any
+    of them; with rows at the nodes of the face by its facets.)"""
     exact = fallen(1, False)
     tolerance = Newton().tolerance  # rad
     for facets, slave in ((16, False), (4, True), (16, True)):

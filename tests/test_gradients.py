@@ -679,7 +679,7 @@ def test_a_block_that_just_touches_a_ceiling(depth):
     ceiling = HalfSpace((0, corner[1] + speed**2 / (2 * G) - depth), (0, -1))
     scene = Scene([block], [Contact(block, "top", ceiling, name="c")], locate_impacts=True)
     asked = {"speed": Start(block, velocity=(0, 1))}
-    with pytest.raises(NoDerivative, match="contact 'c', point .*0.2, 0.2.*: .*and no more"):
+    with pytest.raises(NoDerivative, match=r"contact 'c', point .*0\.2, 0\.2.*: .*and no more"):
         tangents(scene, 2 * steps * dt, dt, asked, centre(scene))["y"]
 
 

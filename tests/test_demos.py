@@ -459,7 +459,7 @@ def test_drop_time_jumps(tmp_path, monkeypatch, capsys):
     assert low <= found["median_slope_s"] <= high and found["median_slope_s"] > 0.2
     assert found["largest_jump_ms"] < 0.3
     assert (demo.RESULTS / "jumps.png").stat().st_size > 5000
-    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("steps of 8 ms: trend 0.348")
+    assert capsys.readouterr().out.strip().splitlines()[-1].startswith("steps of 8 ms: trend 0.34")
 
 
 def test_ironing(tmp_path, monkeypatch, capsys):

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, fields
+from functools import cached_property
 from math import sqrt
 
 import numpy as np
@@ -68,7 +69,6 @@ class MortarJump(Coupling):
         self._shape = (self.pairing.total, sides[0].dim)
         self._n = self.pairing.n
         self._start = self._end = self._places()
-        self._back = Receding(sides[0], self._start)
         self._foreseen, self._strikes = 0.0, Strikes(solids, self._n)
         self._mean: Matrix | None = None  # that of which forces act by the mean with the last one
         self.faces = self._find() or faces_anywhere(*sides, *self._split())
@@ -146,6 +146,11 @@ class MortarJump(Coupling):
         self._way = max(self._foreseen, float(np.abs(moved).max()))
         places = self._end if self._share == 1 else self._start + self._share * moved
         self.pairing.update(self._worn(places), self._way)
+
+    @cached_property
+    def _back(self) -> Receding:
+        """Made where it wears."""
+        return Receding(self.pairing.slave, self._start)
 
     def _worn(self, places: np.ndarray) -> np.ndarray:
         """These places of the nodes, (N, d), those of the slave where it has worn back to."""

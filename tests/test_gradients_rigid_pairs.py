@@ -369,13 +369,13 @@ def test_a_plank_slides_on_a_pedestal_and_tips(formulation):
             mass=2.0, velocity=(speed, 0), gravity=(0, -G), name="up",
         )  # fmt: skip
         contact = Contact(up, "base", (low, "top"), formulation, friction=mu, name="c")
-        return Scene([up, low], [contact])
+        return Scene([up, low], [contact], geometry="newton")  # to round-off: differences of runs
 
     asked = {
         "speed": (1.0, lambda s: Start(solid_of(s), velocity=(1, 0))),
         "mu": (0.2, friction),
     }
-    result = check(build, asked, 0.2, 5e-3, measured, shares=[1e-5, 1e-6])
+    result = check(build, asked, 0.2, 5e-3, measured)
     assert abs(result.history["spin  of up"][-1]) > 0.1
 
 

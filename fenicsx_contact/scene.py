@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from .base import checks
+from .base.quoted import quoted
 from .contact.arrivals import starts_too_deep
 from .contact.contact import Contact
 from .output.history import COLUMNS, History, contact_columns
@@ -75,7 +76,7 @@ class Scene:
     ) -> None:
         start = perf_counter()
         if not isinstance(solids, (list, tuple)):
-            raise checks.InputError(f"solids = {solids!r}: must be a list of solids")
+            raise checks.InputError(f"solids = {quoted(solids)}: must be a list of solids")
         self.solids = [checks.offers("solids", solid, Solid, "solids") for solid in solids]
         if not self.solids:
             raise checks.InputError("solids = []: a scene needs at least one solid")
@@ -83,7 +84,9 @@ class Scene:
         self.scheme: Scheme = ThetaScheme() if scheme is None else scheme
         self.newton = Newton() if newton is None else newton
         if isinstance(self.scheme, type) or not isinstance(self.scheme, Scheme):
-            raise checks.InputError(f"scheme = {scheme!r}: must be a scheme, such as ThetaScheme()")
+            raise checks.InputError(
+                f"scheme = {quoted(scheme)}: must be a scheme, such as ThetaScheme()"
+            )
         checks.instance("newton", self.newton, Newton, "a Newton")
         self.locate_impacts = checks.truth("locate_impacts", locate_impacts)
         crossing = LocatedImpacts if locate_impacts else UniformImpacts

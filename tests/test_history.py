@@ -522,8 +522,8 @@ def test_a_reader_sees_formulas_and_places():
     assert texts[3] == "OwnFloor" and texts[4].startswith("Curve(2 points, open")
     with exactly():
         exact = [law.describe(), *(Wall(shape).describe() for shape in shapes)]
-    assert all(re.search(r" [0-9a-f]{8}\b", text) for text in exact), exact
-    assert not any(re.search(r" [0-9a-f]{8}\b", text) for text in texts), texts
+    assert all(re.search(r" #[0-9a-f]{8}\b", text) for text in exact), exact
+    assert not any(re.search(r" #?[0-9a-f]{8}\b", text) for text in texts), texts
 
 
 def slab(depth):

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import dolfinx
@@ -36,6 +37,7 @@ from fenicsx_contact import (
     ThetaScheme,
     Velocity,
     axis_mesh,
+    gradients,
     mesh_from_file,
     mesh_from_gmsh,
     name_facets,
@@ -44,6 +46,8 @@ from fenicsx_contact import (
     st_venant_kirchhoff,
 )
 from fenicsx_contact.base import compat
+from fenicsx_contact.base.quoted import quoted
+from fenicsx_contact.base.shown import exactly
 
 NAN, INF = float("nan"), float("inf")
 BLOCK = Path(__file__).parents[1] / "meshes" / "block.geo"
@@ -256,7 +260,7 @@ def test_points_that_are_no_nodes(formulation, points):
 
 @pytest.mark.parametrize("energy", [None, 3.0, "neo-hookean", lambda F: F, lambda F: "x"])
 def test_energy(energy):
-    refused(lambda: hyperelastic(energy=energy), "energy", repr(energy))
+    refused(lambda: hyperelastic(energy=energy), "energy", quoted(energy))
 
 
 def test_an_energy_that_resists_no_strain():
@@ -784,3 +788,84 @@ def test_an_obstacle_that_moves_beyond_all_bounds_is_refused():
     block = RigidSolid(rectangle(), mass=1.0, name="block")
     with pytest.raises(InputError, match="the velocity of an obstacle is 1e\\+200 at the point"):
         Contact(block, "base", Floor(), friction=0.2)
+
+
+# -- what messages quote --
+
+
+class Ceiling:
+    """An obstacle without a repr of its own, whose normals point the wrong way."""
+
+    def __init__(self, dim=2):
+        self.dim = dim
+
+    def distance(self, points):
+        return points[:, 1]
+
+    def normals(self, points):
+        return np.tile([0.0, -1.0], (len(points), 1))
+
+
+class Mute:
+    def bound(self, k, pressure, S):
+        return "much"
+
+    def describe(self):
+        return "mute"
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Contact(rigid(), "base", Ceiling()),
+        lambda: Contact(rigid(), "base", Ceiling(dim=3)),
+        lambda: Contact(rigid(), "base", object()),
+        lambda: Contact(rigid(), "base", (object(), "top")),
+        lambda: contact(friction=lambda x: 0 * x[0] - 1),
+        lambda: contact(friction=Mute()),
+        lambda: contact(friction=object()),
+        lambda: contact(formulation=object()),
+        lambda: Moved(FLOOR, object()),
+        lambda: Moved(FLOOR, lambda t: 1 / t),
+        lambda: LevelSet(lambda x, t: x, dim=2),
+        lambda: Scene([rigid()], [lambda: 1]),
+        lambda: ThetaScheme(theta=lambda: 1),
+        lambda: elastic(youngs_modulus=lambda x: -1e6),
+        lambda: elastic(tractions={"base": lambda x, y, z: 1.0}),
+        lambda: hyperelastic(energy=lambda F: F),
+        lambda: rigid(force=object()),
+        lambda: run(stop_when=object()),
+    ],
+)
+def test_messages_show_no_addresses(make):
+    with pytest.raises(InputError) as caught:
+        make()
+    assert "0x" not in str(caught.value), caught.value
+
+
+def test_functions_are_quoted_by_name_and_place():
+    refused(lambda: contact(friction=lambda x: 0 * x[0] - 1), "friction = lambda at test_input.py:")
+
+
+def test_a_vector_is_no_modulus():
+    """It raised a TypeError of numpy's."""
+    solid = elastic()
+    pair = dolfinx.fem.Constant(solid.mesh.mesh, (1.0, 2.0))
+    refused(lambda: gradients.Modulus(solid, pair), "Modulus: name = Constant [1.0, 2.0]")
+
+
+def test_descriptions_of_solids_have_no_digits_without_meaning():
+    """They told functions and UFL by eight digits; by these a run knows them, and nobody else."""
+    solids = (
+        elastic(youngs_modulus=lambda x: 1e6 * (1 + x[0]), body_force=lambda x, t: (0, t)),
+        hyperelastic(),
+        rigid(force=lambda t: (t, 0)),
+    )
+    with exactly():
+        texts = [solid.describe() for solid in solids]
+    assert all(re.search(r" #[0-9a-f]{8}\b", text) for text in texts), texts
+    assert [re.sub(r" #[0-9a-f]{8}\b", "", text) for text in texts] == [
+        solid.describe() for solid in solids
+    ]
+    assert "E between 820000 and 1180000, nu" in solids[0].describe()
+    assert "E 10000000.0" in elastic(youngs_modulus=1e7).describe()

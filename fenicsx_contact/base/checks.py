@@ -17,6 +17,7 @@ import numpy as np
 import ufl
 
 from .overflow import told
+from .quoted import quoted
 
 #: The size of admissible numbers lies between the inverse of this and this: their squares and
 #: products stay far inside the range of a double.
@@ -96,7 +97,7 @@ def number(
             raise TypeError("a list, be it of one number")
         result = float(array)
     except (TypeError, ValueError):
-        raise InputError(f"{name} = {value!r}: must be {allowed}") from None
+        raise InputError(f"{name} = {quoted(value)}: must be {allowed}") from None
     inside = (
         math.isfinite(result)
         and (at_least is None or result >= at_least)
@@ -104,10 +105,10 @@ def number(
         and (at_most is None or result <= at_most)
     )
     if not inside:
-        raise InputError(f"{name} = {value!r}: must be {allowed}")
+        raise InputError(f"{name} = {quoted(value)}: must be {allowed}")
     if abs(result) > LARGEST or 0 < abs(result) < 1 / LARGEST:
         raise InputError(
-            f"{name} = {value!r}: must lie between {1 / LARGEST:g} and {LARGEST:g} in size; "
+            f"{name} = {quoted(value)}: must lie between {1 / LARGEST:g} and {LARGEST:g} in size; "
             "in these units its powers overflow, choose others"
         )
     return result
@@ -128,7 +129,7 @@ def called(what: str, function: Callable, *arguments: Any) -> Any:
         raise
     except Exception as problem:
         raise InputError(
-            f"{what}: its function {function!r} raises {type(problem).__name__}: {problem}"
+            f"{what}: its function {quoted(function)} raises {type(problem).__name__}: {problem}"
         ) from problem
 
 
@@ -157,6 +158,13 @@ def is_function(value: Any) -> TypeGuard[Callable[..., Any]]:
     return callable(value) and not isinstance(value, ufl.core.expr.Expr)
 
 
+def function(name: str, value: Any, allowed: str = "") -> Any:
+    """``value`` if it is to be called, else an :class:`InputError`."""
+    if not is_function(value):
+        raise InputError(f"{name} = {quoted(value)}: must be a function{allowed}")
+    return value
+
+
 def point(name: str, value: Any) -> tuple[int, np.ndarray]:
     """The dimension of space and a point in it, from 2 or 3 finite numbers."""
     try:
@@ -164,7 +172,7 @@ def point(name: str, value: Any) -> tuple[int, np.ndarray]:
     except (TypeError, ValueError):
         size = 0
     if size not in (2, 3):
-        raise InputError(f"{name} = {value!r}: must be 2 or 3 finite numbers")
+        raise InputError(f"{name} = {quoted(value)}: must be 2 or 3 finite numbers")
     return size, vector(name, value, size)
 
 
@@ -184,7 +192,7 @@ def direction(name: str, value: Any, size: int) -> np.ndarray:
     along = vector(name, value, size)
     length = float(np.linalg.norm(along))
     if length == 0:
-        raise InputError(f"{name} = {value!r}: must not be zero")
+        raise InputError(f"{name} = {quoted(value)}: must not be zero")
     return along / length
 
 
@@ -193,9 +201,9 @@ def vector(name: str, value: Any, size: int) -> np.ndarray:
     try:
         result = floats(value)
     except (TypeError, ValueError):
-        raise InputError(f"{name} = {value!r}: must be {size} finite numbers") from None
+        raise InputError(f"{name} = {quoted(value)}: must be {size} finite numbers") from None
     if result.shape != (size,) or not np.isfinite(result).all():
-        raise InputError(f"{name} = {value!r}: must be {size} finite numbers")
+        raise InputError(f"{name} = {quoted(value)}: must be {size} finite numbers")
     for component in result:
         number(name, component)
     return result
@@ -204,47 +212,47 @@ def vector(name: str, value: Any, size: int) -> np.ndarray:
 def whole_number(name: str, value: Any, *, at_least: int) -> int:
     """``value`` as an int of at least ``at_least``, or an :class:`InputError`."""
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < at_least:
-        raise InputError(f"{name} = {value!r}: must be a whole number >= {at_least}")
+        raise InputError(f"{name} = {quoted(value)}: must be a whole number >= {at_least}")
     return int(value)
 
 
 def truth(name: str, value: Any) -> bool:
     """``value`` if it is True or False, else an :class:`InputError`."""
     if not isinstance(value, (bool, np.bool_)):
-        raise InputError(f"{name} = {value!r}: must be True or False")
+        raise InputError(f"{name} = {quoted(value)}: must be True or False")
     return bool(value)
 
 
 def label(name: str, value: Any) -> str:
     """``value`` if it can name a thing and its files, else an :class:`InputError`."""
     if not isinstance(value, str) or not value or "/" in value or not value.isprintable():
-        raise InputError(f"{name} = {value!r}: must be a text that can name a file, without '/'")
+        raise InputError(f"{name} = {quoted(value)}: must be a text that names a file, without '/'")
     if len(value.encode()) > 200:  # of 255 that file systems take, the rest for what is appended
-        raise InputError(f"{name} = {value!r}: must name a file, by at most 200 bytes")
+        raise InputError(f"{name} = {quoted(value)}: must name a file, by at most 200 bytes")
     return value
 
 
 def choice(name: str, value: Any, allowed: Iterable[str]) -> str:
     """``value`` if it is one of ``allowed``, else an :class:`InputError`."""
-    options: Sequence[str] = list(allowed)
-    if not isinstance(value, str) or value not in options:
-        raise InputError(f"{name} = {value!r}: must be one of {', '.join(map(repr, options))}")
+    known: Sequence[str] = list(allowed)
+    if not isinstance(value, str) or value not in known:
+        raise InputError(f"{name} = {quoted(value)}: must be one of {', '.join(map(repr, known))}")
     return value
 
 
 def path(name: str, value: Any) -> Path:
     """``value`` as a path, or an :class:`InputError`."""
     if instance(name, value, (str, Path), "a path") == "":  # Path takes it for the present one
-        raise InputError(f"{name} = {value!r}: must be a path ('.' is the present directory)")
+        raise InputError(f"{name} = {quoted(value)}: must be a path ('.' is the present directory)")
     if "\0" in str(value):
-        raise InputError(f"{name} = {value!r}: must be a path, without a zero character")
+        raise InputError(f"{name} = {quoted(value)}: must be a path, without a zero character")
     return Path(value)
 
 
 def instance(name: str, value: Any, kind: type | tuple[type, ...], allowed: str) -> Any:
     """``value`` if it is of ``kind``, else an :class:`InputError`."""
     if not isinstance(value, kind):
-        raise InputError(f"{name} = {value!r}: must be {allowed}")
+        raise InputError(f"{name} = {quoted(value)}: must be {allowed}")
     return value
 
 
@@ -252,12 +260,12 @@ def offers(name: str, value: Any, protocol: type, allowed: str) -> Any:
     """``value`` if it has all public members of a protocol (or of an abstract base class), whether
     it inherits from it or not, else an :class:`InputError` that names those which it lacks."""
     if isinstance(value, type):
-        raise InputError(f"{name} = {value!r}: must be {allowed}, not a class")
+        raise InputError(f"{name} = {quoted(value)}: must be {allowed}, not a class")
     members = _members(protocol)
     lacks = sorted(m for m in members if not (hasattr(value, m) or hasattr(type(value), m)))
     if lacks:
         some = f"; it lacks {', '.join(lacks[:4])}{', ...' if len(lacks) > 4 else ''}"
-        raise InputError(f"{name} = {value!r}: must be {allowed}{some}")
+        raise InputError(f"{name} = {quoted(value)}: must be {allowed}{some}")
     return value
 
 
@@ -272,19 +280,19 @@ def listed(name: str, values: Any, allowed: str) -> list[Any]:
     """``values`` as a list, whatever they are, or an :class:`InputError`."""
     plain = isinstance(values, (list, tuple)) or (isinstance(values, np.ndarray) and values.ndim)
     if not plain:
-        raise InputError(f"{name} = {values!r}: must be a list of {allowed}")
+        raise InputError(f"{name} = {quoted(values)}: must be a list of {allowed}")
     return list(values)
 
 
 def mapping(name: str, value: Any, allowed: str) -> Mapping:
     """``value`` if it is a dict, {} for None, else an :class:`InputError`."""
     if value is not None and not isinstance(value, Mapping):
-        raise InputError(f"{name} = {value!r}: must be a dict {allowed}")
+        raise InputError(f"{name} = {quoted(value)}: must be a dict {allowed}")
     return {} if value is None else value
 
 
 def sequence(name: str, values: Any, kind: Any, allowed: str) -> list[Any]:
     """``values`` as a list of things of one class, or an :class:`InputError`."""
     if not isinstance(values, (list, tuple)) or not all(isinstance(v, kind) for v in values):
-        raise InputError(f"{name} = {values!r}: must be a list of {allowed}")
+        raise InputError(f"{name} = {quoted(values)}: must be a list of {allowed}")
     return list(values)

@@ -12,6 +12,7 @@ import numpy as np
 import ufl
 
 from . import cells, checks, compat
+from .quoted import quoted
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ class NamedMesh:
         """Refuse tags that are not of facets of the mesh."""
         tags, topology, comm = self.facet_tags, self.mesh.topology, self.mesh.comm
         if not all(hasattr(tags, each) for each in ("find", "dim", "indices")):
-            raise checks.InputError(f"facet_tags = {tags!r}: must be MeshTags")
+            raise checks.InputError(f"facet_tags = {quoted(tags)}: must be MeshTags")
         fdim = topology.dim - 1
         if tags.dim != fdim:
             raise checks.InputError(
@@ -215,7 +216,7 @@ class NamedMesh:
 
 def _check_mesh(mesh: Any) -> None:
     if not hasattr(mesh, "topology") or not hasattr(mesh, "geometry"):
-        raise checks.InputError(f"mesh = {mesh!r}: must be a mesh of dolfinx")
+        raise checks.InputError(f"mesh = {quoted(mesh)}: must be a mesh of dolfinx")
 
 
 def name_facets(mesh: Any, where: Mapping[str, Callable[[np.ndarray], np.ndarray]]) -> NamedMesh:
@@ -245,7 +246,7 @@ def name_facets(mesh: Any, where: Mapping[str, Callable[[np.ndarray], np.ndarray
 def _marker(name: str, f: Any) -> Callable[[np.ndarray], np.ndarray]:
     """The function, its answers checked."""
     what = f"where[{name!r}]"
-    problem = f"{what} = {f!r}: must be a function of x (3, n) that gives n truth values"
+    problem = f"{what} = {quoted(f)}: must be a function of x (3, n) that gives n truth values"
     if not isinstance(name, str) or not checks.is_function(f):
         raise checks.InputError(problem)
 

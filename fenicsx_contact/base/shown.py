@@ -4,27 +4,16 @@ By which a run knows its own scene again are digits, which say nothing to a read
 
 from __future__ import annotations
 
-import inspect
-import reprlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from pathlib import PurePath
-from types import CodeType
 from typing import Any
 
 from .expressions import is_expression
-from .told import digits, told
+from .quoted import code_of, quoted
+from .told import MARK, digits, legible, name_of, told
 
 _EXACTLY = ContextVar("exactly", default=False)
-_short = reprlib.Repr()
-_short.maxother = 72  # of what is longer the beginning and the end are shown
-
-
-class _Formula(str):
-    """A text that stands without quotes."""
-
-    __repr__ = str.__str__
 
 
 @contextmanager
@@ -42,15 +31,17 @@ def shown(given: Any) -> str:
     their class; anything else, and all within :func:`exactly`, as told.py does."""
     if _EXACTLY.get() or not (callable(given) or is_expression(given)):
         return told(given)
-    if is_expression(given):
-        return _short.repr(_Formula(given))
-    code = getattr(inspect.unwrap(getattr(given, "func", given)), "__code__", None)
-    if not isinstance(code, CodeType):
-        return str(getattr(given, "__name__", type(given).__name__))
-    name = "lambda" if code.co_name == "<lambda>" else code.co_name
-    return f"{name} at {PurePath(code.co_filename).name}:{code.co_firstlineno}"
+    if is_expression(given) or code_of(given):
+        return quoted(given)
+    return name_of(given)
+
+
+def worded(text: str) -> str:
+    """A text that told.py has told, but within :func:`exactly` without the digits of what it tells,
+    which say nothing to a reader."""
+    return text if _EXACTLY.get() else legible(text)
 
 
 def marked(name: str, *parts: Any) -> str:
     """A name, within :func:`exactly` with eight digits of what it stands for."""
-    return f"{name} {digits(*parts)}" if _EXACTLY.get() else name
+    return f"{name} {MARK}{digits(*parts)}" if _EXACTLY.get() else name

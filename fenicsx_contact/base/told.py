@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import dis
+import re
 from collections.abc import Iterator, Mapping, Set
 from functools import partial
 from numbers import Real
@@ -27,6 +28,8 @@ from .told_ufl import eight_digits, in_ufl
 
 #: Of more numbers than so only the size is told, and eight digits of what they are.
 MANY = 12
+#: Before eight digits in a text, by which these are found again.
+MARK = "#"
 
 _DATA = (str, bool, Real, Mapping, list, tuple, np.ndarray)
 
@@ -49,6 +52,22 @@ def digits(*given: Any, fields: bool = False) -> str:
     texts = [_told(each, whole, fields) for each in given]
     texts += [_told(parts, whole, fields) for parts in whole]
     return eight_digits("; ".join(texts).encode())
+
+
+def legible(text: str) -> str:
+    """A text without the eight digits of what it tells."""
+    return re.sub(rf" {MARK}[0-9a-f]{{8}}\b", "", text)
+
+
+def name_of(thing: Any) -> str:
+    """Its own, or that of its class."""
+    return str(getattr(thing, "__name__", type(thing).__name__))
+
+
+def written(name: str, expression: Any) -> str:
+    """A name for UFL, with what it is and the values of its Functions, for which all processes must
+    ask together."""
+    return f"{name} {MARK}{in_ufl(expression, fields=True)}"
 
 
 def given(arguments: Mapping[str, Any]) -> str:
@@ -90,12 +109,13 @@ def _told(given: Any, whole: _Whole | None, fields: bool) -> str:
         return str(given) if isinstance(given, int) else f"{float(given):.9g}"
     if isinstance(given, (Mapping, list, tuple, Set)):
         return _many(given, whole, fields)
-    name = getattr(given, "__name__", type(given).__name__)
+    name = name_of(given)
     parts = _parts(given)
     if parts is not None:
-        return f"{name} {whole.place(given, parts) if whole else digits(given, fields=fields)}"
+        place = whole.place(given, parts) if whole else MARK + digits(given, fields=fields)
+        return f"{name} {place}"
     if is_expression(given) and not isinstance(given, fem.Constant):
-        return f"{name} {in_ufl(given, fields)}"
+        return f"{name} {MARK}{in_ufl(given, fields)}"
     # an array, or a Constant
     values = given if isinstance(given, np.ndarray) else getattr(given, "value", None)
     return name if values is None else f"{name} {_array(np.asarray(values))}"
@@ -116,8 +136,8 @@ def _array(values: np.ndarray) -> str:
     if values.dtype.kind in "biuf" and values.size <= MANY:
         return str(values.tolist())
     if values.dtype.hasobject:
-        return f"{values.shape} {digits(values.ravel().tolist())}"
-    return f"{values.shape} {eight_digits(values.dtype.str.encode() + values.tobytes())}"
+        return f"{values.shape} {MARK}{digits(values.ravel().tolist())}"
+    return f"{values.shape} {MARK}{eight_digits(values.dtype.str.encode() + values.tobytes())}"
 
 
 def _parts(given: Any) -> tuple[Any, ...] | None:

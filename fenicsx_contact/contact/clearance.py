@@ -12,6 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..base import checks
+from ..base.quoted import quoted
 
 #: In m, < 0: an interference; a number, a function of the places x (d, n), or None: as meshed.
 Clearance = float | Callable[[np.ndarray], np.ndarray] | None
@@ -32,6 +33,7 @@ def apart_at(places: np.ndarray, clearance: Clearance) -> np.ndarray:
         values = np.array([np.nan])
     if not np.isfinite(values).all():
         raise checks.InputError(
-            f"clearance(x) = {given!r}: must be {len(places)} finite numbers, one for each column"
+            f"clearance(x) = {quoted(given)}: must be {len(places)} finite numbers, "
+            "one for each column"
         )
     return np.array(values)

@@ -17,6 +17,7 @@ import ufl
 
 from ..base import checks, compat
 from ..base.expressions import is_coordinate, is_expression, symbolic, terminals_off
+from ..base.quoted import quoted
 from ..solids.coefficients import arguments
 from ..theory.scheme import Step
 from .memory import at_points
@@ -180,8 +181,9 @@ class FedFields:
             self.numbers[name] = self.surface.constant(number)
             return self.numbers[name], number
         bound = "" if at_least is None else f" >= {at_least:g}"
-        shown = value if is_expression(value) else repr(value)  # of UFL that is without end
-        refusal = f"{name} = {shown}: must be a scalar{bound} in UFL at all points of the contact"
+        refusal = (
+            f"{name} = {quoted(value)}: must be a scalar{bound} in UFL at all points of the contact"
+        )
         try:
             field = self._mirrored(value if is_expression(value) else self._call(value))
             start = at_points(self.surface, compat.PointExpression(field, self.surface.scalars))

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..base import checks
+from ..base.quoted import quoted
 from ..base.vectors import dot, largest, spread
 from ..solids import Solid, Trace
 from ..theory.scheme import Step
@@ -84,7 +85,7 @@ class Coupling(ABC):
         """Let the followed state have this clearance, whatever the meshes say."""
         if clearance is not None:
             raise checks.InputError(
-                f"clearance = {clearance!r}: is between two solids; move the obstacle instead"
+                f"clearance = {quoted(clearance)}: is between two solids; move the obstacle instead"
             )
 
     def swallowed(self, most: float) -> str:

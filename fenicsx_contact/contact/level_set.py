@@ -14,6 +14,7 @@ from dolfinx import fem
 from ..base import checks
 from ..base.expressions import symbolic, wrong_number
 from ..base.point_cloud import PointCloud
+from ..base.quoted import quoted
 from ..base.shown import shown
 
 
@@ -61,7 +62,9 @@ class LevelSet:
         self._phi, self.numbers = value, _constants("phi", value, x, t)
         used = ufl.algorithms.extract_coefficients(value)
         if x not in used:
-            raise checks.InputError(f"phi = {phi!r}: must depend on the position, it is {value}")
+            raise checks.InputError(
+                f"phi = {quoted(phi)}: must depend on the position, it is {value}"
+            )
         self.moving = t in used or velocity is not None
         self._drift, every = None, self.numbers
         if velocity is not None:
@@ -168,7 +171,8 @@ def _as_ufl(name: str, function: Any, x: Any, t: Any, shape: tuple[int, ...]) ->
     """What a function of the user's says in UFL, or a refusal."""
     kind = f"a vector of {shape[0]} components" if shape else "a scalar"
     problem = (
-        f"{name} = {function!r}: must be a function of (x, t) that gives {kind} in UFL (ufl.sin)"
+        f"{name} = {quoted(function)}: must be a function of (x, t) that gives "
+        f"{kind} in UFL (ufl.sin)"
     )
     if not checks.is_function(function):
         raise checks.InputError(problem)
@@ -182,5 +186,5 @@ def _as_ufl(name: str, function: Any, x: Any, t: Any, shape: tuple[int, ...]) ->
     if value.ufl_shape != shape:
         raise checks.InputError(f"{problem}; its shape is {value.ufl_shape}")
     if wrong := wrong_number(value):
-        raise checks.InputError(f"{name} = {function!r}: {wrong}")
+        raise checks.InputError(f"{name} = {quoted(function)}: {wrong}")
     return value

@@ -155,8 +155,7 @@ class Moved:
     moving = True
 
     def __init__(self, obstacle: Obstacle, motion: Callable[[float], Any]) -> None:
-        if not checks.is_function(motion):
-            raise checks.InputError(f"motion = {motion!r}: must be a function of the time")
+        checks.function("motion", motion, " of the time")
         self._wall, self._motion = Wall(obstacle), motion
         self.dim, self.flat = self._wall.dim, self._wall.flat
         self.displacement(0.0)

@@ -10,6 +10,7 @@ import scipy.sparse as sp
 
 from ..base import checks
 from ..base.constants import SAME
+from ..base.quoted import quoted
 from ..solids import DeformableSolid, Solid
 from ..solids.trace import DeformableTrace
 from ..theory.formulations import Formulation
@@ -38,12 +39,12 @@ def check_master(solid: Solid, facets: str, master: Any) -> Master:
         checks.instance("master", _shown(master), Obstacle, allowed)
         if master.dim != solid.dim:
             raise checks.InputError(
-                f"master = {master!r}: has dimension {master.dim!r}, the solid {solid.dim}"
+                f"master = {quoted(master)}: has dimension {master.dim!r}, the solid {solid.dim}"
             )
         return master
     if len(master) != 2 or not isinstance(master[1], str):
         shown = tuple(map(_shown, master))
-        raise checks.InputError(f"master = {shown!r}: must be (solid, name of facets)")
+        raise checks.InputError(f"master = {quoted(shown)}: must be (solid, name of facets)")
     other, theirs = checks.offers("master[0]", master[0], Solid, "a solid"), master[1]
     if other.dim != solid.dim:
         raise checks.InputError(
@@ -80,7 +81,7 @@ def acting_points(
         return surface.area > SAME * surface.area.max(initial=0.0), surface.area
     points = formulation.points
     if points is not None:
-        problem = f"points = {points!r}: each must be a node of the facets {facets!r}"
+        problem = f"points = {quoted(points)}: each must be a node of the facets {facets!r}"
         wanted = checks.table(problem, points)
         if wanted.ndim != 2 or wanted.shape[1] != surface.dim or not len(wanted):
             raise checks.InputError(f"{problem}, {surface.dim} coordinates each")

@@ -10,6 +10,7 @@ import ufl
 from dolfinx import fem
 
 from ..base import checks, compat
+from ..base.quoted import quoted
 from ..base.vectors import across, beside, cross, dot, normalised, orthogonal
 from ..theory.formulations import Formulation
 from ..theory.friction import Asked, FrictionBound
@@ -109,7 +110,7 @@ class SurfaceFields(LawFields):
                 of it is given.
         """
         gives = "which must give a form in UFL and the status of a point"
-        with checks.naming(f"formulation = {formulation!r}: its form, {gives},"):
+        with checks.naming(f"formulation = {quoted(formulation)}: its form, {gives},"):
             form, status = formulation.form(self)
             if self._law and not self._law.read:
                 raise checks.InputError(

@@ -41,8 +41,7 @@ class Turned:
         angle: Callable[[float], Any],
         axis: Sequence[float] | None = None,
     ) -> None:
-        if not checks.is_function(angle):
-            raise checks.InputError(f"angle = {angle!r}: must be a function of the time")
+        checks.function("angle", angle, " of the time")
         self._wall, self._angle = Wall(obstacle), angle
         self.dim = self._wall.dim
         self.about, self.axis = checks.vector("about", about, self.dim), None

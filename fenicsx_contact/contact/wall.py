@@ -13,6 +13,7 @@ import numpy as np
 from ..base import checks
 from ..base.constants import RIGHT, SHARP
 from ..base.overflow import told
+from ..base.quoted import quoted
 from ..base.shown import marked
 from ..base.vectors import dot, largest
 
@@ -132,7 +133,7 @@ class Wall:
         Raises:
             InputError: with what is wrong and where.
         """
-        refused = f"master = {self.obstacle!r}"
+        refused = f"master = {quoted(self.obstacle)}"
         size = float(np.ptp(points, axis=0).max()) or float(np.abs(points).max())  # of a point
         reach = RIGHT * (size or 1.0)
         try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from ..base import checks
 from ..base.expressions import is_expression
+from ..base.quoted import quoted
 from ..contact.contact import Contact
 from ..theory.formulations import Gap, Velocity
 from ..theory.friction import Coulomb, Tresca
@@ -26,5 +27,6 @@ def refuse_law(contact: Contact) -> None:
     number = getattr(law, "mu", getattr(law, "stress", 0.0))
     if not isinstance(number, float) and not is_expression(number):
         raise checks.InputError(
-            f"{name} has a law of place or time: {number!r}; those of a number are differentiated"
+            f"{name} has a law of place or time: {quoted(number)}; those of a "
+            "number are differentiated"
         )

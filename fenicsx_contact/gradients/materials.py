@@ -13,6 +13,7 @@ from dolfinx import fem
 from ..base import assembly, checks, compat
 from ..base.compiling import compiled
 from ..base.constants import SAME
+from ..base.quoted import quoted
 from ..solids import DeformableSolid, ElasticSolid, HyperelasticSolid, Solid
 from ..solids.energies import Energy, deformation
 from ..solids.viscous import ViscousStress
@@ -38,9 +39,11 @@ class Modulus(OfSolid):
         moduli = dict(solid.moduli)
         asked = isinstance(name, str)
         value = moduli.get(name) if asked else solid.kept.get(name, name)
-        if not isinstance(value, (float, fem.Constant) if asked else fem.Constant):
-            raise checks.InputError(f"Modulus: name = {name!r}: must be a number among {moduli}")
-        number = _number(solid, float(getattr(value, "value", value)))
+        fits = isinstance(value, (float, fem.Constant) if asked else fem.Constant)
+        if not fits or np.ndim(checks.plain(value)):
+            given = f"Modulus: name = {quoted(name)}"
+            raise checks.InputError(f"{given}: must be a number among {moduli}")
+        number = _number(solid, float(checks.plain(value)))
         if asked:
             moduli[name] = number
             form = solid.stiffness_form(*moduli.values())

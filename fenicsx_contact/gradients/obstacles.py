@@ -10,6 +10,7 @@ import numpy as np
 
 from ..base import checks
 from ..base.constants import SAME
+from ..base.quoted import quoted
 from ..contact.contact import Contact
 from ..contact.level_set import LevelSet
 from ..rods import CentreLine, GuideContact
@@ -66,7 +67,8 @@ class Shape(Parameter):
         if not any(number is each for each in self._level.numbers):
             there = [*map(str, self._level.numbers)]
             raise checks.InputError(
-                f"Shape: number = {number!r}: must be a fem.Constant in phi; these are {there}"
+                f"Shape: number = {quoted(number)}: must be a fem.Constant in phi; "
+                f"these are {there}"
             )
         self.number = number
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..base import checks
+from ..base.quoted import quoted
 from ..contact.contact import Contact
 from ..rods.beam import BeamSolid
 from ..rods.drive import AxialLaw
@@ -94,7 +95,9 @@ def damping(solid: DeformableSolid, step: Step, number: str) -> np.ndarray:
 def among(what: str, thing: Any, things: Sequence[Any]) -> None:
     """Refuse what a parameter belongs to if it is not in the scene."""
     if not any(thing is each for each in things):
-        raise checks.InputError(f"{what}: {getattr(thing, 'name', thing)!r} is not in the scene")
+        raise checks.InputError(
+            f"{what}: {quoted(getattr(thing, 'name', thing))} is not in the scene"
+        )
 
 
 class Law(Parameter):
@@ -119,7 +122,7 @@ class Law(Parameter):
                 "leaves the law out, a small positive number keeps it"
             )
         if not isinstance(name, Hashable) or name not in numbers:
-            raise checks.InputError(f"name = {name!r}: must be one of {[*map(str, numbers)]}")
+            raise checks.InputError(f"name = {quoted(name)}: must be one of {[*map(str, numbers)]}")
         self._derivative = ByConstant(contact, numbers[name])
 
     def rows(self, contact: Contact) -> np.ndarray | None:
@@ -133,7 +136,8 @@ def _check_rigid(what: str, solid: Any) -> None:
     if not isinstance(solid, RigidSolid):
         name, kind = getattr(solid, "name", solid), type(solid).__name__
         raise checks.InputError(
-            f"{what}: solid {name!r}, a {kind}, is not supported; only deformable solids, beams "
+            f"{what}: solid {quoted(name)}, a {kind}, is not supported; only "
+            "deformable solids, beams "
             "and rigid solids"
         )
 

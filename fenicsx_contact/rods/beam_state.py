@@ -7,6 +7,7 @@ from math import sqrt
 
 import numpy as np
 
+from ..base.quoted import quoted
 from ..solids.base import Solid
 from .axial_motion import AxialMotion
 from .unknowns import BeamUnknowns
@@ -68,5 +69,5 @@ class BeamState(Solid):
         return {"displacement": at_mesh(self.displacement), "velocity": at_mesh(self.velocity)}
 
     def describe(self) -> str:
-        given = f"gravity {self.gravity:.9g}, {self.axial.law!r}"
+        given = f"gravity {self.gravity:.9g}, {quoted(self.axial.law)}"
         return f"{self.unknowns.describe()}, {given}, {len(self.weight)} unknowns"

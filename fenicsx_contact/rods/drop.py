@@ -133,8 +133,7 @@ class RodDrop:
         scheme: ThetaScheme | None = None,
     ) -> None:
         checks.instance("guide", guide, Guide, "a Guide")
-        if not callable(rod):
-            raise checks.InputError(f"rod = {rod!r}: must be a function that makes a BeamSolid")
+        checks.function("rod", rod, " that makes a BeamSolid")
         self._rod, self._stretch, self.guide = rod, stretch, guide
         self.formulation, self.friction = formulation, friction
         self.scheme = ThetaScheme(0.6) if scheme is None else scheme

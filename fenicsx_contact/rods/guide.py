@@ -21,6 +21,7 @@ import numpy as np
 
 from ..base import checks
 from ..base.constants import SAME
+from ..base.quoted import quoted
 from .pieces import Card, Straight, Tube
 
 
@@ -87,8 +88,8 @@ class Guide:
         self._bent = [(i, tube) for i, tube in enumerate(self.tubes) if tube.curve != straight]
         self._segments()
         self._stations()
-        if motion is not None and not checks.is_function(motion):
-            raise checks.InputError(f"motion = {motion!r}: must be a function of the time")
+        if motion is not None:
+            checks.function("motion", motion, " of the time")
         self.moving, self._motion = motion is not None, motion
         if (first := self.displacement(0.0)).any():
             raise checks.InputError(f"motion: must be zero at time 0, not {first.tolist()}")
@@ -229,7 +230,7 @@ class Guide:
         result, which = np.zeros(len(depth)), self._which[self._bounds.searchsorted(depth)]
         for i, tube in self._bent:
             if not hasattr(tube.curve, "curvature"):
-                raise checks.InputError(f"curve = {tube.curve!r}: has no curvature(depth)")
+                raise checks.InputError(f"curve = {quoted(tube.curve)}: has no curvature(depth)")
             result[which == i] = tube.curve.curvature(depth[which == i])
         return result
 

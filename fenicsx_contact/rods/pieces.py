@@ -11,6 +11,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from ..base import checks
+from ..base.quoted import quoted
 
 
 @runtime_checkable
@@ -184,14 +185,14 @@ class Tube:
                 f"top = {self.top!r}, bottom = {self.bottom!r}: the top must be above"
             )
         checks.offers("curve", self.curve, CentreLine, "a curve (Straight, Sine, Bow, ...)")
-        problem = f"kinks = {self.kinks!r}: must be a list of depths, finite numbers"
+        problem = f"kinks = {quoted(self.kinks)}: must be a list of depths, finite numbers"
         if checks.table(problem, self.kinks).ndim != 1:
             raise checks.InputError(problem)
         if not _is_table(self.clearance):
             checks.keep(self, "clearance", above=0)
             return
         problem = (
-            f"clearance = {self.clearance!r}: must be > 0, or pairs (depth, clearance) that "
+            f"clearance = {quoted(self.clearance)}: must be > 0, or pairs (depth, clearance) that "
             "go downwards"
         )
         table = checks.table(problem, self.clearance)

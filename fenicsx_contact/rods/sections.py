@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base import checks
+from ..base.quoted import quoted
 
 #: A number, or a function of s [m] (n,) with values (n,), taken at the middle of each cell.
 Value = float | Callable[[np.ndarray], np.ndarray]
@@ -69,7 +70,7 @@ class Section:
         value = getattr(self, name)
         if not checks.is_function(value):
             return np.full(s.shape, value, dtype=float)
-        problem = f"{name} = {value!r}: must be a function of s (n,) with finite values (n,)"
+        problem = f"{name} = {quoted(value)}: must be a function of s (n,) with finite values (n,)"
         values = checks.table(problem, checks.called(name, value, s))
         if values.shape not in ((), s.shape):
             raise checks.InputError(f"{problem}, they are {values.shape}")
@@ -85,7 +86,9 @@ def values_of(what: str, field: Lateral, s: np.ndarray, planes: int) -> np.ndarr
     Raises:
         InputError: no function, or values that are not finite or of another shape.
     """
-    problem = f"{what} = {field!r}: must be a function of s (n,) with finite values ({planes}, n)"
+    problem = (
+        f"{what} = {quoted(field)}: must be a function of s (n,) with finite values ({planes}, n)"
+    )
     if not checks.is_function(field):
         raise checks.InputError(problem)
     values = checks.table(problem, checks.called(what, field, s))

@@ -13,6 +13,7 @@ from ..base import checks
 from ..base.constants import BRIEF, SAME
 from ..base.expressions import is_expression
 from ..base.processes import together
+from ..base.quoted import quoted
 from .coefficients import arguments, field, is_field
 from .locations import Location, nodes_at
 from .vector_space import VectorSpace
@@ -42,7 +43,7 @@ def told(what: str, motion: Motion, vectors: VectorSpace, nodes: np.ndarray) -> 
         if checks.is_function(motion):
             which += f"({time:g})"
             given = checks.called(which, motion, time)
-        problem = f"{which} = {given!r}: must be {d} numbers, None for a free direction"
+        problem = f"{which} = {quoted(given)}: must be {d} numbers, None for a free direction"
         values: Any = checks.plain(given) if is_expression(given) else given
         if isinstance(values, str) or not np.iterable(values) or len(list(values)) != d:
             raise checks.InputError(problem)

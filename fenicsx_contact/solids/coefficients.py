@@ -26,7 +26,8 @@ from ..base.checks import is_function
 from ..base.compiling import quiet
 from ..base.expressions import symbolic, terminals_off, wrong_number
 from ..base.mesh import NamedMesh
-from ..base.told_ufl import in_ufl
+from ..base.quoted import quoted
+from ..base.told import written
 
 Expression = ufl.core.expr.Expr
 #: A number, Constant, Function, expression in UFL, or function of x.
@@ -151,7 +152,7 @@ def field(
         finite = isinstance(values, np.ndarray) and np.abs(values).max(initial=0) <= checks.LARGEST
         problem = values if isinstance(values, str) else "" if finite else "not finite everywhere"
     if problem := max(domain.comm.allgather(problem)):
-        raise checks.InputError(f"{what} = {_shown(value)}: {allowed} ({problem})")
+        raise checks.InputError(f"{what} = {quoted(value)}: {allowed} ({problem})")
     return made
 
 
@@ -186,9 +187,9 @@ def of_a_field(what: str, given: Callable[[Any], Any], unknown: Any, mesh: Named
     with symbolic():
         value = checks.called(f"{what}, in UFL", given, unknown)
     if getattr(value, "ufl_shape", None) != ():
-        raise checks.InputError(f"{what} = {given!r}: must give a scalar in UFL")
+        raise checks.InputError(f"{what} = {quoted(given)}: must give a scalar in UFL")
     if problem := _strange(value, mesh):
-        raise checks.InputError(f"{what} = {given!r}: {problem}")
+        raise checks.InputError(f"{what} = {quoted(given)}: {problem}")
     return value
 
 
@@ -217,7 +218,7 @@ def number(what: str, value: Scalar, *, above: float, below: float = np.inf) -> 
         return value
     plain = checks.number(what, value, above=above)
     if not plain < below:
-        raise checks.InputError(f"{what} = {value!r}: must be < {below:g}")
+        raise checks.InputError(f"{what} = {quoted(value)}: must be < {below:g}")
     return plain
 
 
@@ -250,7 +251,7 @@ def scalar(
         stays = as_now(value, mesh, kept) if isinstance(value, fem.Constant) else plain
         return stays, repr(plain)
     if is_function(value) and len(arguments(value)) != 1:
-        raise checks.InputError(f"{what} = {_shown(value)}: must be a function of x alone")
+        raise checks.InputError(f"{what} = {quoted(value)}: must be a function of x alone")
     made = field(what, value, mesh)
     values, comm = sampled(made.expression, mesh), mesh.mesh.comm
     assert isinstance(values, np.ndarray)
@@ -259,10 +260,9 @@ def scalar(
     if not (least > above and most < below):
         bounds = f"> {above:g}" + (f" and < {below:g}" if below < np.inf else "")
         raise checks.InputError(
-            f"{what} = {_shown(value)}: must be {bounds}; it lies between {least:g} and {most:g}"
+            f"{what} = {quoted(value)}: must be {bounds}; it lies between {least:g} and {most:g}"
         )
-    digits = in_ufl(made.expression, fields=True)
-    told = f"between {least:.9g} and {most:.9g} {digits}"
+    told = written(f"between {least:.9g} and {most:.9g}", made.expression)
     return as_now(made.expression, mesh, kept), told
 
 
@@ -285,7 +285,3 @@ def as_now(expression: Any, mesh: NamedMesh, kept: dict[Any, Any]) -> Any:
 def constant(mesh: NamedMesh, value: Any) -> Any:
     """A number as a constant of UFL, so that other numbers need no new form; UFL as it is."""
     return value if isinstance(value, Expression) else fem.Constant(mesh.mesh, value)
-
-
-def _shown(value: Any) -> str:
-    return str(value) if isinstance(value, Expression) else repr(value)

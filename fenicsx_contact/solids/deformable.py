@@ -17,6 +17,7 @@ from petsc4py import PETSc
 
 from ..base import checks
 from ..base.mesh import NamedMesh
+from ..base.quoted import quoted
 from ..base.told import given
 from ..theory.scheme import Step
 from .boundary import Motion, Supports
@@ -149,7 +150,7 @@ class DeformableSolid(SystemRows, Stressed):
         checks.offers("damping", self.damping, Damping, "KelvinVoigt(eta), Rayleigh(alpha, beta)")
         self.dampers = []
         self.parameters += "".join(f", springs {f.told}" for f in self.foundations)
-        self.parameters += f", {damping!r}" if damping else ""
+        self.parameters += f", {quoted(damping)}" if damping else ""
         pieces = self.vectors.pieces.told
         self.parameters += pieces and f", {pieces}"
         self.remark = pieces and f"solid {self.name!r} is in {pieces}"

@@ -16,6 +16,7 @@ from petsc4py import PETSc
 from ..base import assembly
 from ..base.constants import KEPT
 from ..base.mesh import NamedMesh
+from ..base.shown import worded
 from ..base.signatures import whole
 from ..theory.scheme import Step
 from .coefficients import Scalar, constant, scalar
@@ -174,5 +175,5 @@ class ElasticSolid(DeformableSolid):
         return 0.5 * self._sum(self.displacement @ self._internal)
 
     def describe(self) -> str:
-        kind = f"small strain, {self.plane.name}{self.parameters}"
+        kind = f"small strain, {self.plane.name}{worded(self.parameters)}"
         return f"elastic, {kind}, {self.unknowns} unknowns"

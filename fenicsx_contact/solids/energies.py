@@ -10,6 +10,7 @@ from typing import Any
 import ufl
 
 from ..base import checks
+from ..base.quoted import quoted
 from .coefficients import Scalar, number
 
 #: Cost: Newton's corrections of the stretch across a plane, more of which change no digit where
@@ -129,6 +130,7 @@ def tangent(energy: Any, residual: ufl.Form, u: Any, du: Any) -> ufl.Form:
     derivative = ufl.derivative(residual, u, du)
     if ufl.algorithms.expand_derivatives(derivative).empty():
         raise checks.InputError(
-            f"energy = {energy!r}: is linear in F, so that nothing resists a strain; it must not be"
+            f"energy = {quoted(energy)}: is linear in F, so that nothing resists a "
+            "strain; it must not be"
         )
     return derivative

@@ -12,6 +12,7 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from ..base import assembly, checks
+from ..base.quoted import quoted
 from .locations import Location, is_surface, nodes_at
 from .vector_space import VectorSpace
 
@@ -73,7 +74,7 @@ class Foundation:
         there = resisting.reshape(-1, d).any(axis=0)
         self.directions = np.any(vectors.comm.allgather(there), axis=0)
         if not self.directions.any():
-            raise checks.InputError(f"springs = {springs!r}: none of them holds anything")
+            raise checks.InputError(f"springs = {quoted(springs)}: none of them holds anything")
 
     def _stiffness(self, what: str, given: Any) -> np.ndarray:
         d = self._vectors.dim

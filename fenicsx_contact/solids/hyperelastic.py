@@ -21,8 +21,9 @@ from ..base import assembly, checks, compat
 from ..base.compiling import compiled
 from ..base.constants import MADE, ROUND_OFF
 from ..base.mesh import NamedMesh
+from ..base.shown import worded
 from ..base.signatures import whole
-from ..base.told_ufl import in_ufl
+from ..base.told import name_of, written
 from ..theory.scheme import Step
 from .coefficients import of_a_field
 from .damping import StiffnessDamper
@@ -56,8 +57,7 @@ class HyperelasticSolid(DeformableSolid):
     def __init__(
         self, mesh: NamedMesh, *, energy: Energy, name: str = "hyperelastic", **others: Any
     ) -> None:
-        if not checks.is_function(energy):
-            raise checks.InputError(f"energy = {energy!r}: must be a function of F, in UFL")
+        checks.function("energy", energy, " of F, in UFL")
         super().__init__(mesh, name=name, **others)
         self._energy, self._given = self.plane.energy(energy), energy
         self._field = u = fem.Function(self.space)
@@ -67,7 +67,7 @@ class HyperelasticSolid(DeformableSolid):
         density = of_a_field("energy", self._energy, F, mesh)
         potential = self.breadth * density * self.volume
         residual = ufl.derivative(potential, u, v)
-        self.parameters += f", energy {in_ufl(density, fields=True)}"
+        self.parameters += written(f", energy {name_of(energy)}", density)
         self._volume_ratio = compat.PointExpression(ufl.det(F), compat.lagrange_space(mesh.mesh))
         self._potential_form = compiled(potential)
         self._force_form = compiled(residual)
@@ -297,4 +297,4 @@ class HyperelasticSolid(DeformableSolid):
         return "" if worst > 0 else f"an element of solid {self.name!r} is inverted"
 
     def describe(self) -> str:
-        return f"hyperelastic, {self.plane.name}{self.parameters}, {self.unknowns} unknowns"
+        return f"hyperelastic, {self.plane.name}{worded(self.parameters)}, {self.unknowns} unknowns"

@@ -15,6 +15,7 @@ from ..base import assembly, checks
 from ..base.checks import is_function
 from ..base.compiling import compiled
 from ..base.processes import together
+from ..base.quoted import quoted
 from .coefficients import Field, arguments, field, is_field
 from .vector_space import VectorSpace
 
@@ -29,7 +30,9 @@ def _varies_in_space(what: str, value: Load) -> bool:
         return is_field(value)
     named = arguments(value)
     if len(named) > 2:
-        raise checks.InputError(f"{what} = {value!r}: must be a function of t, of x, or of x and t")
+        raise checks.InputError(
+            f"{what} = {quoted(value)}: must be a function of t, of x, or of x and t"
+        )
     return named == ["x"] or len(named) == 2
 
 

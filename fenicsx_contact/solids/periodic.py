@@ -23,6 +23,7 @@ from ..base.compiling import compiled
 from ..base.constants import SAME
 from ..base.glued import glued_space
 from ..base.mesh import NamedMesh
+from ..base.quoted import quoted
 from ..base.vectors import largest
 from .vector_space import Field, VectorSpace
 
@@ -135,7 +136,7 @@ class PeriodicSpace(VectorSpace):
         size = max(self.comm.allgather(largest(every)))
         if max(self.comm.allgather(off)) > SAME * size:
             raise checks.InputError(
-                f"{what} = {field!r}: must be the same on both sides of periodic = "
+                f"{what} = {quoted(field)}: must be the same on both sides of periodic = "
                 f"{sorted(self.joined)}; it differs"
             )
         return values[: self.owned // self.dim].ravel()

@@ -11,6 +11,7 @@ import ufl
 
 from ..base import checks
 from ..base.constants import SAME
+from ..base.quoted import quoted
 from ..base.vectors import largest
 from .energies import in_space
 from .vector_space import VectorSpace
@@ -79,7 +80,7 @@ class PlaneStress(Whole):
     def energy(self, energy: Any) -> Any:
         if not hasattr(energy, "across"):
             raise checks.InputError(
-                f"plane = 'stress': energy = {energy!r} does not tell its stretch across the "
+                f"plane = 'stress': energy = {quoted(energy)} does not tell its stretch across the "
                 "plane; neo_hookean, ciarlet and st_venant_kirchhoff do"
             )
         return lambda F: energy(self.stretched(energy, F))

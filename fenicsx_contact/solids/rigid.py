@@ -18,6 +18,7 @@ from scipy.linalg import lapack
 
 from ..base import checks
 from ..base.mesh import NamedMesh
+from ..base.shown import worded
 from ..base.told import given
 from ..base.vectors import largest
 from ..theory.scheme import Step
@@ -268,5 +269,5 @@ class RigidSolid(RigidMotion):
         return float(mean @ change), step.work(mean, self._acting), 0.0, sum(driven)
 
     def describe(self) -> str:
-        weight = f"mass {self.mass:.9g}, gravity {self.gravity.tolist()}{self._held_by}"
+        weight = f"mass {self.mass:.9g}, gravity {self.gravity.tolist()}{worded(self._held_by)}"
         return f"rigid, {weight}, {len(self.velocity)} unknowns"

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..base import checks
+from ..base.quoted import quoted
 from ..theory.scheme import Step
 from .rotations import GENERATORS, angles, by_spins
 
@@ -110,7 +111,9 @@ def springs(given: Mapping[Sequence[float], Any], centre: np.ndarray) -> list[Sp
         InputError: no dict, a point that is none, a stiffness < 0.
     """
     if not isinstance(given, Mapping):
-        raise checks.InputError(f"springs = {given!r}: must be a dict from points to stiffness")
+        raise checks.InputError(
+            f"springs = {quoted(given)}: must be a dict from points to stiffness"
+        )
     made, d = [], len(centre)
     for point, stiffness in given.items():
         what = f"springs[{point!r}]"

@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 from ..base import checks, compat
 from ..base.expressions import is_expression
 from ..base.mesh import NamedMesh
+from ..base.quoted import quoted
 from ..base.vectors import components
 from .coefficients import field as in_ufl
 from .pieces import Pieces
@@ -216,7 +217,8 @@ class VectorSpace:
         elif field is not None:
             if not checks.is_function(field):
                 raise checks.InputError(
-                    f"{what} = {field!r}: must be {self.dim} numbers or a function of x (3, n)"
+                    f"{what} = {quoted(field)}: must be {self.dim} numbers or a function of "
+                    "x (3, n)"
                 )
             function.interpolate(values_at)  # the owned values are right without the ghosts
         values = function.x.array[: self.owned].copy()

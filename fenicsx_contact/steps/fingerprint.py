@@ -3,15 +3,15 @@
 
 from __future__ import annotations
 
-import re
 from math import pi
 from typing import Any, Protocol
 
 import numpy as np
 from mpi4py import MPI
 
+from ..base.quoted import without_addresses
 from ..base.shown import exactly
-from ..base.told import held, told
+from ..base.told import held, legible, told
 from ..base.told_ufl import field_digits, rounded
 from ..contact.contact import Contact
 from ..solids import DeformableSolid, Solid
@@ -60,14 +60,14 @@ def fingerprint(scene: Described, dt: float, step_error: float | None) -> str:
             f"gaps {contact.gap.min() + 0.0:.9g} to {contact.gap.max() + 0.0:.9g}, "
             f"{_shape(contact.surface.points, MPI.COMM_SELF)}"
         )
-    return re.sub(r" at 0x[0-9a-f]+", "", "\n".join(lines))  # no addresses in memory
+    return without_addresses("\n".join(lines))
 
 
 def shared(scene: Described) -> dict[str, Any]:
     """What must be the same on every process of a scene, by names. What functions do is not asked:
     they may have from around them what only one process has, such as its nodes."""
     with exactly():
-        words = re.sub(r" [0-9a-f]{8}\b", "", scene.describe())
+        words = legible(scene.describe())
     lines = dict(line.partition(": ")[::2] for line in words.splitlines())
     starts = {}
     for solid in scene.solids:

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..base import checks
 from ..base.processes import together
+from ..base.quoted import quoted
 
 
 def check_probes(columns: Iterable[str], probes: Mapping[str, Callable[[], float]]) -> None:
@@ -15,8 +16,7 @@ def check_probes(columns: Iterable[str], probes: Mapping[str, Callable[[], float
     for name, probe in probes.items():
         if name in columns:
             raise checks.InputError(f"probes: {name!r} is a column of every history already")
-        if not checks.is_function(probe):
-            raise checks.InputError(f"probes[{name!r}] = {probe!r}: must be a function")
+        checks.function(f"probes[{name!r}]", probe)
 
 
 def measured(comm: Any, probes: Mapping[str, Callable[[], float]]) -> list[float]:
@@ -34,7 +34,7 @@ def _number(what: str, probe: Callable[[], float]) -> float:
     try:
         return float(value)
     except (TypeError, ValueError):
-        raise checks.InputError(f"{what} = {value!r}: must be a number") from None
+        raise checks.InputError(f"{what} = {quoted(value)}: must be a number") from None
     except OverflowError:  # of an int, which may have too many digits to be told
         raise checks.InputError(f"{what}: must be a number in the range of floats") from None
 

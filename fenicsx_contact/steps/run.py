@@ -16,6 +16,7 @@ from ..base import checks
 from ..base.checks import StepFailed
 from ..base.overflow import diverging
 from ..base.processes import any_of, refuse_unlike
+from ..base.quoted import quoted
 from ..contact.arrivals import starts_inside, struck_apart, went_inside
 from ..output.history import History
 from ..output.stops import hint
@@ -66,10 +67,10 @@ def run(
     check_probes(scene.columns, probes)
     if progress is not None:
         checks.truth("progress", progress)
-    if stop_when is not None and not checks.is_function(stop_when):
-        raise checks.InputError(f"stop_when = {stop_when!r}: must be a function")
+    if stop_when is not None:
+        checks.function("stop_when", stop_when)
     if directory is not None and checks.path("directory", directory).is_file():
-        raise checks.InputError(f"directory = {directory!r}: must be the path of a directory")
+        raise checks.InputError(f"directory = {quoted(directory)}: must be the path of a directory")
     if directory is None and (resume or fields_every):
         raise checks.InputError("directory = None: resume and fields_every need a directory")
 

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from ..base import checks
+from ..base.quoted import quoted
 from .names import named
 from .records import listed, records
 
@@ -138,13 +139,13 @@ def _told(failures: Sequence[tuple[dict[str, Any], BaseException]], file: Path) 
 
 
 def _check_function(function: Any) -> None:
-    if not checks.is_function(function):
-        raise checks.InputError(f"function = {function!r}: must be a function")
+    checks.function("function", function)
     try:
         pickle.dumps(function)
     except Exception:  # of whatever kind
         raise checks.InputError(
-            f"function = {function!r}: must stand at the top of a module, by a name, for other "
+            f"function = {quoted(function)}: must stand at the top of a module, by "
+            "a name, for other "
             "processes to find it"
         ) from None
 
@@ -154,7 +155,7 @@ def _check_case(function: Callable[..., Any], i: int, case: Mapping[str, Any]) -
         _key(case)
     except (TypeError, ValueError) as problem:
         raise checks.InputError(
-            f"cases[{i}] = {case!r}: must be of numbers or texts by names ({problem})"
+            f"cases[{i}] = {quoted(case)}: must be of numbers or texts by names ({problem})"
         ) from None
     try:
         signature = inspect.signature(function)
@@ -164,7 +165,7 @@ def _check_case(function: Callable[..., Any], i: int, case: Mapping[str, Any]) -
         signature.bind(**case)
     except TypeError as problem:
         raise checks.InputError(
-            f"cases[{i}] = {case!r}: are no arguments of {function!r} ({problem})"
+            f"cases[{i}] = {quoted(case)}: are no arguments of {quoted(function)} ({problem})"
         ) from None
 
 

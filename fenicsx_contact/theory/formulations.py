@@ -17,6 +17,7 @@ import numpy as np
 import ufl
 
 from ..base import checks
+from ..base.quoted import quoted
 from .springs import Springs
 from .step_data import StepData
 from .weak_form import ContactFields, weak_form
@@ -259,7 +260,8 @@ def formulation(value: Formulation | str) -> Formulation:
     members = [name for name in asked if not hasattr(value, name)]
     if members or isinstance(value, type):
         raise checks.InputError(
-            f"formulation = {value!r}: must be one of {[*_NAMED, 'discrete']} or an object with "
+            f"formulation = {quoted(value)}: must be one of {[*_NAMED, 'discrete']} "
+            "or an object with "
             f"the members of Formulation; it lacks {members or 'its parameters: call it'}"
         )
     return value

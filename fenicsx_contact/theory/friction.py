@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from ..base import checks
+from ..base.quoted import quoted
 from .laws import Expr
 from .parameter import Parameter, keep_parameter, parameter, told, varies
 
@@ -112,7 +113,7 @@ class Asked:
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """That of the law."""
         self.read, k.bears = True, S
-        what = f"friction = {self._law!r}: its bound"
+        what = f"friction = {quoted(self._law)}: its bound"
         with checks.naming(what):
             given = self._law.bound(k, pressure, S)
         return checks.scalar(what, given)

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...base import checks, compat
 from ...base.constants import SHARP
+from ...base.quoted import quoted
 from ...base.vectors import dot
 from ...solids import RigidSolid, Solid
 from ...theory.formulations import Formulation
@@ -231,7 +232,8 @@ class Heap(Contact):
         law = self.friction_law
         if law is not None and (not isinstance(law, Coulomb) or law.slope is None):
             raise checks.InputError(
-                f"friction = {friction!r}: between many bodies it is Coulomb's, with one number"
+                f"friction = {quoted(friction)}: between many bodies it is Coulomb's, "
+                "with one number"
             )
         by_area = isinstance(self.formulation, Adhesive) or self.memory.values
         if by_area or not self.formulation.multipliers:

@@ -12,6 +12,7 @@ from scipy.optimize import linprog
 
 from ...base import checks
 from ...base.constants import SAME
+from ...base.quoted import quoted
 from ...base.shown import marked
 from ...solids.rotations import angles, rotation_matrix
 from ..obstacle import HalfSpace
@@ -44,7 +45,7 @@ class Polyhedron:
         dims = sorted({space.dim for space in spaces})
         if len(spaces) < 2 or len(dims) > 1:
             raise checks.InputError(
-                f"half_spaces = {half_spaces!r}: must be two at least, all in 2D or all in 3D"
+                f"half_spaces = {quoted(half_spaces)}: must be two at least, all in 2D or all in 3D"
             )
         self.dim, self.rounding = dims[0], checks.number("rounding", rounding, at_least=0)
         self._normals = np.array([space.normal for space in spaces])

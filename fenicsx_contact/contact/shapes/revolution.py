@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...base import checks
+from ...base.quoted import quoted
 from ...base.vectors import normalised
 from ..wall import Obstacle, Wall
 
@@ -39,7 +40,9 @@ class Revolution:
     def __init__(self, section: Obstacle, center: Sequence[float], axis: Sequence[float]) -> None:
         self._wall = Wall(section, "section")
         if self._wall.dim != 2:
-            raise checks.InputError(f"section = {section!r}: must be an obstacle of the plane")
+            raise checks.InputError(
+                f"section = {quoted(section)}: must be an obstacle of the plane"
+            )
         self.center = checks.vector("center", center, 3)
         self.axis = checks.direction("axis", axis, 3)
         self.moving = self._wall.moving

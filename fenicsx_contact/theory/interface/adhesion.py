@@ -9,6 +9,7 @@ from typing import Any
 import ufl
 
 from ...base import checks
+from ...base.quoted import quoted
 from ..formulations import Formulation, formulation
 from ..parameter import Parameter, keep_parameter, told
 from ..weak_form import ContactFields
@@ -42,7 +43,9 @@ class Adhesive:
     def __post_init__(self) -> None:
         keep_parameter(self, "stress")
         if not formulation(self.law).multipliers:
-            raise checks.InputError(f"law = {self.law!r}: must be a formulation with multipliers")
+            raise checks.InputError(
+                f"law = {quoted(self.law)}: must be a formulation with multipliers"
+            )
 
     @property
     def _law(self) -> Formulation:

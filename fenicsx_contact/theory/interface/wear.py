@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...base import checks
+from ...base.quoted import quoted
 from ..friction import FrictionBound, friction_bound
 from ..laws import Expr
 from ..parameter import Parameter, keep_parameter, told
@@ -44,7 +45,8 @@ class Archard:
         keep_parameter(self, "hardness", above=0)
         if friction_bound(self.friction) is None:
             raise checks.InputError(
-                f"friction = {self.friction!r}: must be > 0, or a law: without friction a contact "
+                f"friction = {quoted(self.friction)}: must be > 0, or a law: without "
+                "friction a contact "
                 "does not follow the slip that wears it"
             )
 

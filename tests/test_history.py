@@ -552,7 +552,7 @@ def test_functions_are_told_the_same_in_every_process():
         for seed in "12"
     }
     assert len(texts) == 1 and re.fullmatch(
-        r"\[load \w{8}, other \w{8}, <lambda> \w{8}\]\n", *texts
+        r"\[load #\w{8}, other #\w{8}, <lambda> #\w{8}\]\n", *texts
     )
 
 

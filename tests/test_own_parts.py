@@ -616,6 +616,43 @@ def test_a_bound_that_is_no_number_is_no_friction_without_bound(factor, deforms)
 # -- what numpy tells of them --------------------------------------------------------------------
 
 
+class Bound:
+    """So many times the pressure, in UFL."""
+
+    def __init__(self, factor):
+        self.factor = factor
+
+    def bound(self, k, pressure, S):
+        return self.factor(k) * pressure
+
+    def describe(self):
+        return "bound"
+
+
+@pytest.mark.parametrize("formulation", ["velocity", "gap", Discrete(1e6)], ids=str)
+@pytest.mark.parametrize(
+    "factor",
+    [lambda k: 0 * k.x[0] - 0.1, lambda k: ufl.conditional(ufl.gt(k.x[0], 0), 0.1, -0.1)],
+    ids=["everywhere", "in a part"],
+)
+def test_a_bound_of_friction_below_zero_is_refused(formulation, factor):
+    """Where half of the base had 0.1 and the other -0.1 the run finished, without friction."""
+    solid = RigidSolid(rectangle(), mass=1.0, gravity=(0, -G), velocity=(1, 0))
+    with pytest.raises(InputError, match=r"friction.*its bound must be >= 0.*-0.18, 0.0.*negative"):
+        Contact(solid, "base", FLOOR, formulation, Bound(factor))
+
+
+@pytest.mark.parametrize("formulation", ["velocity", "gap", Discrete(1e6)], ids=str)
+def test_a_bound_of_friction_that_falls_below_zero_stops_the_run(formulation):
+    """It went on with friction that pushes, until the contacts made energy, by which it stopped."""
+    solid = RigidSolid(rectangle(), mass=1.0, gravity=(0, -G), velocity=(1, 0))
+    contact = Contact(solid, "base", FLOOR, formulation, Bound(lambda k: 0.1 - 20 * k.t), name="c")
+    history = Scene([solid], [contact], IMPLICIT).run(until=0.02, dt=1e-3)
+    assert "the bound of friction of contact 'c' must be finite and >= 0" in history.reason
+    assert "(see: when it stops, 'parameter')" in history.reason
+    assert history["time"][-1] == pytest.approx(0.005, abs=1e-5)
+
+
 class Shelf:
     """The floor; ``asked`` does something careless at each question, as own functions may."""
 

@@ -16,6 +16,7 @@ from ..base.expressions import finite_form
 from ..base.vectors import components, largest
 from ..theory.formulations import Formulation
 from ..theory.friction import FrictionBound
+from .bounds import refuse_negative
 from .memory import at_points
 from .mortar.matrices import placed
 from .surface import Surface
@@ -38,7 +39,7 @@ class SurfaceEquations(SurfaceUnknowns):
 
     Attributes:
         gap, start_jump_n, normal: what the form reads as d_n, as w_n at the start of the step and
-            as n, flat, in m, m/s and 1.
+            as n, flat, in m, m/s and 1; ``revision`` counts changes of candidates and scales.
         carried: velocities of the other side that are given, flat, m/s: the velocities of the
             points are w and these.
     """
@@ -74,13 +75,12 @@ class SurfaceEquations(SurfaceUnknowns):
         self.tangents = SurfaceTangent(k, form, self._order)
         self._z, self._closed, self.gap = (f.x.array for f in (k.unknowns, k.closed, k.gap))
         self.start_jump_n, self.normal = k.start_jump_n.x.array, k.normal.x.array
-        self._key, self._rates = b"", (0.0, 0.0, 0.0, 0.0)
+        self._key, self._rates, self.revision = b"", (0.0, 0.0, 0.0, 0.0), 0
         self.speed = 0.0  # the typical one of the step, by which unknowns are scaled, m/s
-        self.carried = np.zeros(self.jumps)
-        self.rho = np.ones((2, n))  # normal, tangential
+        self.carried, self.rho = np.zeros(self.jumps), np.ones((2, n))  # normal, tangential
         self._tresca, self._given = 0.0, (self.rho, 0.0)  # of what rho is made
-        self.revision = 0  # counts the changes of candidates and scales
         self.choose(chosen)
+        refuse_negative(self, friction)
 
     def choose(self, candidates: np.ndarray) -> None:
         """The points that may bear in this step, (n,) of bool."""
@@ -289,7 +289,7 @@ class SurfaceEquations(SurfaceUnknowns):
         return self.tangents.sparse(frozen)[self.active][:, self.active]
 
     def statuses(self) -> np.ndarray:
-        """0 open, 1 stick (or bearing without friction), 2 slip, for each point."""
+        """0 open, 1 stick (or bearing without friction), 2 slip, -1 a bound < 0, for each point."""
         if not len(self.candidates):
             return np.zeros(self._surface.size)
         return at_points(self._surface, self._status) * self._closed

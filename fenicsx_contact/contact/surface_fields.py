@@ -103,7 +103,8 @@ class SurfaceFields(LawFields):
             self._weight.x.array[:] = weight
 
     def form_of(self, formulation: Formulation) -> tuple[ufl.Form, Any]:
-        """What a formulation writes with these fields, its form and the status of a point.
+        """What a formulation writes with these fields, its form and the status of a point, which is
+        -1 where the bound of friction is negative.
 
         Raises:
             InputError: it raises something, or gives something else, or has no friction, and a law
@@ -118,6 +119,8 @@ class SurfaceFields(LawFields):
                     f"{formulation.name!r} never asks for its bound: it has none"
                 )
             form, status = form + ufl.Form([]), ufl.as_ufl(status)
+            if self._law:
+                status = ufl.conditional(self._law.negative, -1.0, status)
         self.memory.compile(self.read)
         return self.read(form), self.read(status)
 

@@ -41,7 +41,8 @@ STOPS = {
         Stop(
             "parameter",
             "... must be finite and >= 0; ...",
-            "a parameter of a law that varies in space or time has become negative, or no number",
+            "a parameter of a law that varies in space or time, or the bound of an own law of "
+            "friction, has become negative, or no number",
             "another function, or an end of the run before that",
         ),
         Stop(

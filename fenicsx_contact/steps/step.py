@@ -12,6 +12,7 @@ import numpy as np
 from ..base.checks import StepFailed
 from ..base.vectors import largest
 from ..contact.arrivals import arrives, missed
+from ..contact.bounds import statuses
 from ..contact.contact import Contact
 from ..contact.percussion import approaching, strikes
 from ..contact.work import counts, work
@@ -45,10 +46,9 @@ class Stepper:
         inertia, floating: that of the scheme, and without any solids that only contact holds.
 
     Attributes:
-        time: s.
+        time: s; ``times``: seconds spent by phase.
         work: of impacts, friction, drives, damping and the scheme since the start, J; ``balance``,
             what they and the energies leave unexplained.
-        times: seconds spent by phase.
         watchers: called with each trial before it is accepted, to look; ``rounds``: solved again.
     """
 
@@ -147,7 +147,7 @@ class Stepper:
         """The step solved about where solids are put; whether they are put elsewhere after it."""
         solution = self._method.solve(step, clock)
         for contact in self.contacts:
-            contact.trial_status = contact.equations.statuses()
+            contact.trial_status = statuses(contact)
         moved = bool(step.dt) and not self._linear and hold_gaps(self.contacts, step)
         for solid in self.solids:
             if reason := solid.unsound(step):

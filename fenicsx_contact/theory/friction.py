@@ -11,7 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
+import ufl
+
 from ..base import checks
+from ..base.constants import ROUND_OFF
 from ..base.quoted import quoted
 from .laws import Expr
 from .parameter import Parameter, keep_parameter, parameter, told, varies
@@ -102,13 +105,14 @@ class Asked:
 
     Attributes:
         read: whether a form has asked.
+        negative: whether the bound that it was given is, in UFL.
 
     Raises:
         InputError: the law raises something, or gives what is no scalar.
     """
 
     def __init__(self, law: FrictionBound) -> None:
-        self._law, self.read = law, False
+        self._law, self.read, self.negative = law, False, ufl.lt(1, 0)
 
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """That of the law."""
@@ -116,7 +120,9 @@ class Asked:
         what = f"friction = {quoted(self._law)}: its bound"
         with checks.naming(what):
             given = self._law.bound(k, pressure, S)
-        return checks.scalar(what, given)
+        b = checks.scalar(what, given)
+        self.negative = ufl.lt(b, -ROUND_OFF * pressure)
+        return b
 
     def describe(self) -> str:
         """As the law does."""

@@ -25,6 +25,7 @@ from fenicsx_contact import (
     name_facets,
 )
 from fenicsx_contact.contact.inside import deepest, within
+from fenicsx_contact.contact.mortar import Pairing
 from fenicsx_contact.contact.simplices import nearest
 
 SKIN = {"skin": lambda x: x[0] < np.inf}
@@ -255,3 +256,14 @@ def test_an_obstacle_inside_a_body_is_refused(kind, radius):
         Scene([body], [contact])
     beside = Contact(body, "base", Circle((0.0, -radius), radius))
     Scene([body], [beside])
+
+
+def test_how_deep_a_state_is_inside_is_asked_once(monkeypatch):
+    """It was computed for what means say alone, and again for the history."""
+    lower = solid("elastic", cube("quadrilateral", 1, 2.0, 0.0, -1.0), "lower")
+    upper = solid("elastic", cube("quadrilateral", 2, 1.0, 0.0, 0.5), "upper", gravity=(0, -G))
+    pair = scene(upper, lower)
+    assert pair.run(until=5e-3, dt=1e-3).reason == "finished"
+    (contact,) = pair.contacts
+    monkeypatch.setattr(Pairing, "depths", None)
+    assert 0 <= contact.depth() < 1e-6

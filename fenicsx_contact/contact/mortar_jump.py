@@ -22,6 +22,7 @@ from .mortar import Pairing, Side
 from .mortar.facing import faces_anywhere
 from .mortar.matrices import Matrix, dense, square
 from .mortar.passing import gone_through
+from .mortar.pieces import Pieces
 from .mortar.stance import Stance
 from .mortar.standing import Standing
 from .mortar.worn import Receding
@@ -46,6 +47,7 @@ class MortarJump(Coupling):
     fixed_normal, by_means = False, True
     _share = 1.0  # of the way of the step, of these places
     _chords: np.ndarray | float = 0.0
+    _deep: tuple[Pieces | None, float] = None, 0.0  # how deep it is inside, at these
     _first: Matrix  # the operator where a step starts, and the normals of what had a partner there
     _faced: np.ndarray
 
@@ -176,10 +178,12 @@ class MortarJump(Coupling):
         if np.any(self._chords) or np.any(self.recess):
             return super().inside()
         pair = self._there()
-        points, around = pair.depths(pair.pieces).max(axis=1), pair.slave.corners[pair.pieces.facet]
-        near = np.unique(around[points > 0])
-        own = max(points.max(initial=0.0), self.gaps()[near].max(initial=0.0))
-        return max(self._comm.allgather(float(own)))
+        if self._deep[0] is not pair.pieces:  # which each state has anew
+            pieces, points = pair.pieces, pair.depths(pair.pieces).max(axis=1)
+            near = np.unique(pair.slave.corners[pieces.facet][points > 0])
+            own = max(points.max(initial=0.0), self.gaps()[near].max(initial=0.0))
+            self._deep = pieces, max(self._comm.allgather(float(own)))
+        return self._deep[1]
 
     def keep_apart(self, clearance: Clearance) -> None:
         if clearance is not None:

@@ -7,6 +7,7 @@ None of the classes here inherits from the package; each is passed where the pac
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -804,6 +805,25 @@ def test_normals_that_are_no_unit_vectors_later_stop_the_run(moved):
     history = Scene([block], [contact]).run(0.01, 2e-3)
     assert history.time[-1] < 5e-3 and "'obstacle')" in history.reason
     assert "the normals of an obstacle is [0.0, 2.0] at the point" in history.reason
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        (lambda n: np.full((n, 2, 2), np.nan), "is nan at the point"),
+        (lambda n: np.zeros((n, 2)), r"is of the shape \(2, 2\): must be \(2, 2, 2\)"),
+    ],
+    ids=["nan", "shape"],
+)
+def test_a_curvature_that_is_none_later_stops_the_run(wrong, said):
+    """It was asked for at the start only; later it led Newton's method astray, or raised."""
+    block = RigidSolid(rectangle((1, 1), (0.2, 0.1)), mass=1.0, gravity=(0, -G))
+    right = lambda n: np.zeros((n, 2, 2))  # noqa: E731
+    late = Own(curvature=lambda x, t: (right if t < 5e-3 else wrong)(len(x)))
+    contact = Contact(block, "base", late, friction=0.5)
+    history = Scene([block], [contact], geometry="newton").run(0.01, 2e-3)
+    assert history.time[-1] < 5e-3 and "'obstacle')" in history.reason
+    assert re.search(f"the curvature of an obstacle {said}", history.reason), history.reason
 
 
 @pytest.mark.parametrize("error", [ZeroDivisionError, KeyError, AttributeError, RuntimeError])

@@ -63,9 +63,8 @@ class Wall:
     """
 
     def __init__(self, obstacle: Obstacle, what: str = "obstacle") -> None:
-        checks.instance(
-            what, obstacle, Obstacle, "an obstacle (dim, distance and normals at least)"
-        )
+        allowed = "an obstacle (dim, distance and normals at least)"
+        checks.instance(what, obstacle, Obstacle, allowed)
         self.obstacle, self.dim = obstacle, obstacle.dim
         self.flat = checks.truth(f"{what}.flat", getattr(obstacle, "flat", False))
         self._distance, asks = _timed(obstacle.distance, self.flat)
@@ -111,9 +110,12 @@ class Wall:
         return _finite("slopes", answer, points)
 
     def curvature(self, points: np.ndarray, time: float) -> np.ndarray | None:
-        """Derivatives of the normals, (n, d, d) in 1/m; None where they vanish or are not known."""
+        """Derivatives of the normals, (n, d, d) in 1/m; None where none are known or needed."""
+        if not self._curvature:
+            return None
         with _asked():
-            return self._curvature(points, time) if self._curvature else None
+            answer = self._curvature(points, time)
+        return None if answer is None else _finite("curvature", answer, points, 2)
 
     def velocity(self, points: np.ndarray, start: float, end: float) -> np.ndarray:
         """Mean velocity of what is beside the points between two times, (n, d) in m/s."""
@@ -140,10 +142,8 @@ class Wall:
             distance, normals = self.distance(points, 0.0), self.normals(points, 0.0)
             if self.moving:
                 self.velocity(points, 0.0, 2.0**-30)  # s; any moment will do
-            if (curvature := self.curvature(points, 0.0)) is not None:
-                _finite("curvature", curvature, points, 2)
-            if not self._ours:
-                self.slopes(points, 0.0)
+            self.curvature(points, 0.0)
+            self.slopes(points, 0.0)
             feet, off = self._feet(points, distance, reach)
             slack = float(np.finfo(distance.dtype).eps) / reach
             slack *= float(np.abs(points).max() + np.abs(distance).max())

@@ -31,13 +31,12 @@ def refuse_negative(equations: Any, law: Any) -> None:
     """
     if law is None:
         return
-    gap, values = equations.gap.copy(), equations.values
+    gap, pressed = equations.gap.copy(), np.zeros(equations.size)
     equations.gap[:] = 1.0  # m, of springs
-    unknown = np.zeros(len(values))
-    unknown[equations.jumps : equations.tractions] = -1.0  # Pa
-    equations.values = unknown
-    at = np.flatnonzero(equations.statuses() < 0)
-    equations.gap[:], equations.values = gap, values
+    pressed[equations.jumps : equations.tractions] = -1.0  # Pa
+    with equations.being(pressed):
+        at = np.flatnonzero(equations.statuses() < 0)
+    equations.gap[:] = gap
     if len(at):
         where = equations.fields.surface.points[at[0]].tolist()
         raise checks.InputError(

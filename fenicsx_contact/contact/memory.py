@@ -8,6 +8,7 @@ else, so steps that are tried and not taken leave no trace. A law that remembers
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from typing import Any, Protocol
 
 import numpy as np
@@ -31,6 +32,8 @@ class Unknowns(Protocol):
     """What it asks of the equations of a surface: w point by point, then the multipliers."""
 
     values: np.ndarray
+
+    def being(self, values: np.ndarray) -> AbstractContextManager[None]: ...
 
 
 class Memory:
@@ -89,10 +92,8 @@ class Memory:
         rules = {name: r for name, r in self._rules.items() if dt or name in self._struck}
         if not rules:
             return
-        solved = equations.values
-        equations.values = np.concatenate([jump.ravel(), solved[jump.size :]])
-        new = {name: at_points(self._surface, rule) for name, rule in rules.items()}
-        equations.values = solved
+        with equations.being(np.concatenate([jump.ravel(), equations.values[jump.size :]])):
+            new = {name: at_points(self._surface, rule) for name, rule in rules.items()}
         before = np.array(self.recess)
         for name, values in new.items():
             self.values[name][:] = values

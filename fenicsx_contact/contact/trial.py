@@ -56,16 +56,14 @@ def violation(contact: Contact, step: Step, force: np.ndarray) -> float:
     e, share = contact.equations, contact.formulation.gap_share
     if not len(e.candidates):
         return 0.0
-    before, gap = e.values, e.gap.copy()
-    values = before.copy()
+    values, gap, n = e.values, e.gap.copy(), len(e.active_jumps)
     values[: e.jumps] = contact.trial_jump.ravel()
-    e.values = values
     if share:
         way = step.gap_rate * dot(contact.trial_jump, contact.normal)
         e.gap[:] = (1 - share) * contact.gap + share * (contact.coupling.gaps() - way)
-    n = len(e.active_jumps)
-    rows = e.natural(e.active_residual() * e.row_scale[e.active])[n:]
-    e.values, e.gap[:] = before, gap
+    with e.being(values):
+        rows = e.natural(e.active_residual() * e.row_scale[e.active])[n:]
+    e.gap[:] = gap
     force = force.reshape(len(e.candidates), -1)
     pushed = contact.push(force, step)
     near = contact.coupling.near()[e.candidates]

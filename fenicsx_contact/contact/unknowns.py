@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import numpy as np
 
 from .surface import Surface
@@ -33,6 +36,16 @@ class SurfaceUnknowns:
     @values.setter
     def values(self, values: np.ndarray) -> None:
         self._z[self._order] = values
+
+    @contextmanager
+    def being(self, values: np.ndarray) -> Iterator[None]:
+        """Within it the unknowns are these; after it they are as they were."""
+        kept = self.values
+        self.values = values
+        try:
+            yield
+        finally:
+            self.values = kept
 
     def start(self, jump: np.ndarray, free: np.ndarray, bore: np.ndarray) -> None:
         """Starting values of a step: what bore goes on, the others start from the free jump.

@@ -78,9 +78,8 @@ def weak(rows: ContactRows, speed: float) -> Iterator[Edge]:
         for sign in (1.0, -1.0):
             changed = values.copy()
             changed[: e.jumps] += sign * speed * way.ravel()
-            e.values = changed
-            after = e.statuses()
-            e.values = values
+            with e.being(changed):
+                after = e.statuses()
             points = rows.points[(after != before)[rows.points]]
             if len(points):
                 names = [[NAMES[int(s[p])] for s in (before, after)] for p in points]

@@ -76,7 +76,5 @@ class _Way:
     def keeps(self, share: float) -> bool:
         """Whether all statuses stay."""
         e = self.rows.contact.equations
-        e.values = self.values(share)
-        same = bool((e.statuses() == self._statuses).all())
-        e.values = self._values
-        return same
+        with e.being(self.values(share)):
+            return bool((e.statuses() == self._statuses).all())

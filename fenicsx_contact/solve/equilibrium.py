@@ -89,13 +89,10 @@ def _drawn(contact: Contact, step: Step) -> np.ndarray:
     e, limit = contact.equations, contact.candidates.limit(step)
     if limit is None:
         return np.zeros(contact.normal.shape)
-    kept = e.values
-    apart = np.zeros(kept.size)
+    apart = np.zeros(e.size)
     apart[: e.jumps] = ((limit - e.speed)[:, None] * contact.normal).ravel()
-    e.values = apart
-    force = -e.residual()[: e.jumps].reshape(contact.normal.shape)
-    e.values = kept
-    return force
+    with e.being(apart):
+        return np.asarray(-e.residual()[: e.jumps].reshape(contact.normal.shape))
 
 
 def _cone(contact: Contact) -> np.ndarray:

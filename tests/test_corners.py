@@ -167,5 +167,7 @@ def test_what_went_inside_is_told():
     floor = RigidSolid(moved(rectangle(), 0.0, -0.8), density=1.0, name="floor")
     contact = Contact(block, "base", (floor, "top"), name="c")
     assert not went_inside(contact, 1e-4, 1e-3)
-    assert "contact 'c' went 0.01 m inside its master" in went_inside(contact, 0.01, 1e-3)
+    assert "contact 'c' went 0.01 m inside its master between" in went_inside(contact, 0.01, 1e-3)
+    contact.coupling.deepest_gap = 0.01
+    assert "inside its master: 'velocity' holds velocities" in went_inside(contact, 0.01, 1e-3)
     assert not went_inside(Contact(block, "base", (floor, "top"), "gap"), 0.01, 1e-3)

@@ -121,8 +121,14 @@ def went_inside(contact: Contact, depth: float, most: float) -> str:
     if depth <= accepted:
         told = _inside_by_means(contact, means, f"at t = {time:.9g} s was")
         return f"contact {told}" if means > accepted else ""
+    went = f"contact {contact.name!r} went {depth:.3g} m inside its master"
+    if contact.coupling.by_means and (gap := contact.coupling.deepest_gap) <= accepted:
+        return (
+            f"{went} between its nodes, unseen by its gaps, means over facets, of which none was "
+            f"more than {gap:.3g} m: give it smaller facets, or the other solid as slave"
+        )
     return (
-        f"contact {contact.name!r} went {depth:.3g} m inside its master: {law.name!r} holds "
+        f"{went}: {law.name!r} holds "
         "velocities along the normals of facets, which are not those of the gap where surfaces are "
         "round, or edges of both meet: finer facets, 'gap', or a drift_correction help"
     )

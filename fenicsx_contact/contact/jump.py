@@ -34,6 +34,7 @@ class Coupling(ABC):
         blocked: why the slave cannot go on like that, in the followed state, or "".
         time: of the trial state, s.
         by_means_alone: by how much more gaps were inside than any point, at most, m, and when, s.
+        deepest_gap: of those that are means, in accepted states, m.
         apart, late: how far what bears was from what it meets, at most, when it began to, m, and
             how far inside.
         recess: how far the surface has worn back, (n,) in m, or 0.
@@ -48,6 +49,7 @@ class Coupling(ABC):
     by_means = False
     time = 0.0
     by_means_alone = 0.0, 0.0
+    deepest_gap = 0.0
     apart = late = 0.0
     recess: np.ndarray | float = 0.0
 

@@ -250,8 +250,9 @@ class MortarJump(Coupling):
             self._back.start(self._end)
             self._ending.update(self._worn(self._end), self._way)
         self._start_here()
-        more = float(self.gaps().max()) - self.inside()
-        self.by_means_alone = max(self.by_means_alone, (more, self.time))
+        gap = float(self.gaps().max())
+        self.deepest_gap = max(self.deepest_gap, gap)
+        self.by_means_alone = max(self.by_means_alone, (gap - self.inside(), self.time))
 
     def arrived(self, jump: np.ndarray) -> np.ndarray:
         if self._ending is self.pairing and not np.ndim(self.recess):

@@ -163,14 +163,19 @@ class BalancedSolid(MonolithicSolid):
         # against what acts, not against internal forces, which may be absurd
         contact, inertia, *others = terms
         acting = [reaction, contact, inertia, *others[1:]]
+        at = self.vectors.places.ravel()[: self.owned] + self.trial_displacement
         own = [largest(term) for term in (total, off, *acting)]
-        residual, whole, *sizes, bent = np.max(self.comm.allgather([*own, bent]), axis=0)
+        touch = ROUND_OFF * largest(stiffness) * largest(at)
+        residual, whole, *sizes, bent, touch = np.max(
+            self.comm.allgather([*own, bent, touch]), axis=0
+        )
         self.acts = worst(sizes)
         if self.acts <= noise and residual < np.inf:  # NaN is neither
             self.forgiven = self.whole = 0.0
             return 0.0
-        # without loads what supports move is in balance to round-off, whatever acts
-        loaded = not step.scheme.inertia and max(sizes[1:]) > noise
+        # without loads what supports move is in balance to round-off, whatever acts, also by what
+        # just touches, where round-off of places presses
+        loaded = not step.scheme.inertia and max(sizes[1] - touch, *sizes[2:]) > noise
         self.forgiven, self.whole = loaded * bent / self.acts, whole / self.acts
         return float(residual / self.acts)
 

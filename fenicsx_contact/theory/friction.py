@@ -34,7 +34,7 @@ class FrictionBound(Protocol):
         Args:
             k: the fields of the surface, :class:`~fenicsx_contact.theory.weak_form.ContactFields`.
             pressure: S max(-lam, 0), Pa (N at points).
-            S: 1 where the contact bears, else 0; b must vanish where S does.
+            S: 1 where the contact bears, else 0; b must vanish where S does, and be >= 0.
         """
 
     def describe(self) -> str:

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from corpus_meshes import moved
-from scenes import G, box, skinned
+from scenes import G, box, rectangle, skinned
 
 from fenicsx_contact import Contact, HalfSpace, InputError, RigidSolid, Scene, name_facets
 from fenicsx_contact.contact.mortar.walls import Others
@@ -110,3 +110,37 @@ def test_a_tilted_box_falls_on_a_plate_of_few_facets(facets, tilt):
         assert history.finished, history.reason
         ends.append(body.place)
     np.testing.assert_allclose(ends[1], ends[0], atol=2e-5)
+
+
+def named(dim, size, middle, **solid):
+    """A rigid box of one cell on a place, all of its facets named skin."""
+    make, keep = (rectangle, [0, 2]) if dim == 2 else (box, [0, 1, 2])
+    mesh = name_facets(make((1,) * dim, np.array(size)[keep]).mesh, SKIN)
+    return RigidSolid(moved(mesh, *np.array(middle)[keep]), mass=1.0, **solid)
+
+
+@pytest.mark.parametrize("below", [1e-9, 1e-5])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_what_lies_on_a_long_plank_is_not_inside_from_its_end(dim, below):
+    """Its side looks back through the plank at the end, 0.6 m away: once round-off had brought a
+    corner below the top it was "0.6 m inside", as half of the mean of both walls is 0.8 m."""
+    plank = named(dim, (3.0, 0.2, 0.1), (0.0, 0.0, -0.1), name="plank")
+    block = named(dim, (0.2, 0.2, 0.2), (0.8, 0.0, -below), name="block")
+    for slave, master in ((block, plank), (plank, block)):
+        contact = Contact(slave, "skin", (master, "skin"))
+        assert contact.gap.max() == pytest.approx(below, rel=1e-6)
+
+
+@pytest.mark.parametrize("step", [0.1, 1.0, 3.0])
+@pytest.mark.parametrize("small_is_slave", [True, False])
+def test_a_small_body_does_not_change_places_with_a_large_one(step, small_is_slave):
+    """Across a corner no facet faces another at first. In the mean both are thick, and the small
+    one was inside the other, or behind it, after one step, and never struck."""
+    size, dt = 10.0, 1e-3
+    small = named(2, (0.1, 0.0, 0.1), (0.0, 0.0, 0.0), held=("turning",), name="small")
+    large = named(2, (size, 0.0, size), (-size / 2 - 0.06, 0.0, 0.11), held=("turning",),
+                  velocity=(step / dt, -step / dt), name="large")  # fmt: skip
+    slave, master = (small, large) if small_is_slave else (large, small)
+    scene = Scene([small, large], [Contact(slave, "skin", (master, "skin"))])
+    assert scene.run(5 * dt, dt, progress=False).finished
+    assert small.velocity[1] == pytest.approx(-step / dt / 2, rel=1e-9)

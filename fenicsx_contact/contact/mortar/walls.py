@@ -4,8 +4,9 @@
 Where the whole skins of two bodies are named, a ray from the far side of one goes through it and on
 through the other, and what it meets last faces it, as deep behind it as both are thick. Of bodies
 of one height that overlap a little aside, top and bottom face each other, too, as deep as one is
-thick. A penetration is less deep than a share of the walls. Bodies that go farther in one step may
-be through each other unseen, and change places.
+thick. A penetration is less deep than a share of the thinner wall: what lies on a long plank may be
+below its top by round-off, far from its end. Bodies that go farther in one step may be through each
+other unseen, and change places.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ class Others:
         deep = np.flatnonzero(away < -DEEP * self._sizes[facet])
         if len(deep):
             mine, theirs = (wall(f[deep]) for wall, f in zip(self._walls, (facet, other)))
-            may[deep] = -away[deep] <= WALL * (mine + theirs) / 2
+            may[deep] = -away[deep] <= WALL * np.minimum(mine, theirs)
         return may
 
     def pass_through(self, mine: np.ndarray, theirs: np.ndarray) -> bool:
@@ -66,8 +67,8 @@ class Others:
 
     @cached_property
     def _thick(self) -> float:
-        """Of both bodies, in the mean of their walls, m."""
-        return sum(wall.mean() for wall in self._walls) / 2
+        """Of the thinner body, in the mean of its walls, m."""
+        return min(wall.mean() for wall in self._walls)
 
 
 class Walls:

@@ -79,7 +79,13 @@ class Candidates:
 
     def choose(self) -> None:
         """Take up what is near in the trial state."""
-        self._equations.choose(self.allowed & self._asked & self._coupling.near())
+        self._equations.choose(self.allowed & self._asked & self.near())
+
+    def near(self) -> np.ndarray:
+        """Points that are near what they may meet, (n,) of bool, but those whose gaps no forces
+        change: a multiplier there would be what round-off says of a row without it."""
+        near = self._coupling.near()
+        return near & ~self._coupling.held() if self._formulation.multipliers else near
 
     def narrow(self, bore: np.ndarray, free: np.ndarray, step: Step) -> None:
         """Ask only what bore, (n,) of bool, and what velocities of the traces' points without
@@ -93,7 +99,7 @@ class Candidates:
         if len(self._equations.candidates) == len(jump):
             return False
         more = self._violate(jump, step) & ~self._asked
-        if not more.any() or not (more & self.allowed & self._coupling.near()).any():
+        if not more.any() or not (more & self.allowed & self.near()).any():
             return False
         self._asked = self._asked | more
         self.earlier.append((self._equations.candidates, self._equations.values))

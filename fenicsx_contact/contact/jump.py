@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from functools import cached_property
 
 import numpy as np
 
@@ -257,9 +258,15 @@ class Coupling(ABC):
     def describe(self) -> str:
         """The master in a few words."""
 
+    @cached_property
+    def held_components(self) -> np.ndarray:
+        """Components of the traces' points that nothing but supports moves, (N, d) of bool."""
+        parts = [np.broadcast_to(t.held, t.positions().size) for t in self.traces]
+        return np.concatenate(parts).reshape(-1, self.solids[0].dim)
+
     def held(self) -> np.ndarray:
-        """Points whose gaps no forces change, as supports hold them across the obstacle, (n,) of
-        bool; of two solids nobody asks."""
+        """Points whose gaps no forces change, as supports hold them, and what they meet, along the
+        normals, (n,) of bool."""
         return np.zeros(len(self.positions()), dtype=bool)
 
     def positions(self) -> np.ndarray:

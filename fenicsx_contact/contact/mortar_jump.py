@@ -287,6 +287,9 @@ class MortarJump(Coupling):
         many = len(self.pairing.master.cells)
         return f"{self.solids[1].name!r} (master, its {many} facets {self._facets!r})"
 
+    def held(self) -> np.ndarray:
+        return self.pairing.fixed(self.held_components)
+
     def positions(self) -> np.ndarray:
         return self._end[: self._n]
 

@@ -214,10 +214,7 @@ class NodalJump(Coupling):
         return "" if self.encloses else swallowed(self.solids[0], self.wall, most)
 
     def held(self) -> np.ndarray:
-        trace = self.traces[0]
-        if not isinstance(trace, DeformableTrace):
-            return super().held()
-        return np.asarray((trace.held.reshape(self._shape) | (self.normals() == 0)).all(axis=1))
+        return np.asarray((self.held_components | (self.normals() == 0)).all(axis=1))
 
     @property
     def reference(self) -> np.ndarray:

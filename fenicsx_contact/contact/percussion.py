@@ -17,7 +17,7 @@ from .contact import Contact
 def approaching(contact: Contact, step: Step, where: np.ndarray) -> np.ndarray:
     """Points that start the step faster than its law allows, by more than the last step
     resolved and than round-off of their gaps is worth, among ``where`` (n,)."""
-    asked = where & contact.chosen & contact.coupling.near()
+    asked = where & contact.chosen & contact.candidates.near()
     return np.asarray(asked & (_excess(contact, step) > _least(contact, step)))
 
 

@@ -92,7 +92,7 @@ def grazing(rows: ContactRows, trial: Trial, speed: float) -> Iterator[Edge]:
     limit = contact.candidates.limit(step)
     if limit is None or (step.dt and not contact.candidates.allowed.any()):
         return
-    asked = contact.chosen & contact.candidates.allowed & contact.coupling.near()
+    asked = contact.chosen & contact.candidates.allowed & contact.candidates.near()
     asked[rows.points] = False
     approach = dot(rows.jump, rows.normal)
     points = np.flatnonzero(asked & (np.abs(limit - approach) <= speed))

@@ -30,7 +30,14 @@ from ..theory.scheme import Step
 
 class Trace(ABC):
     """A solid seen from n points of a surface. Jumps and forces are flat arrays of n d numbers,
-    the same on every process."""
+    the same on every process.
+
+    Attributes:
+        held: components that supports hold fast, or lead, whatever pushes them, (n d,) of bool, or
+            of all.
+    """
+
+    held: np.ndarray | bool = False
 
     @abstractmethod
     def follow(self) -> None:

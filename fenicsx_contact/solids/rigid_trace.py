@@ -51,6 +51,7 @@ class RigidTrace(MonolithicTrace):
         self._translation = np.zeros((*points.shape, len(solid.velocity)))
         self._translation[:, range(solid.dim), range(solid.dim)] = 1.0
         self._pattern = self._may_be()
+        self.held = ~self._pattern[0].any(axis=1)
         self.follow()
         self.accept()
         self._spreads: sp.csr_matrix | None = None

@@ -30,6 +30,7 @@ from math import prod
 import numpy as np
 from mpi4py import MPI
 
+from ...base.constants import ROUND_OFF
 from ...base.vectors import normalised
 from .integration import Lines, whole
 from .matrices import DENSE, Matrix, add_up, along, by_component, by_point, gather
@@ -188,6 +189,14 @@ class Pairing:
     def jumps(self, velocities: np.ndarray) -> np.ndarray:
         """J v of all nodes, flat."""
         return self.shared.sum(self.operator @ velocities.ravel())
+
+    def fixed(self, held: np.ndarray) -> np.ndarray:
+        """Nodes whose gaps nothing but such components of both sides' nodes changes, (N, d) of
+        bool, (n,) of bool."""
+        if not held.any():
+            return np.zeros(self.n, dtype=bool)
+        free = self.shared.sum(abs(self.means) @ ~held)
+        return np.asarray(((free <= ROUND_OFF) | (self.normal == 0)).all(axis=1))
 
     def at_normals(self, matrix: Matrix) -> Matrix:
         """Rows (n,) as components along the normals, (n d,)."""

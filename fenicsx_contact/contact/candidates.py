@@ -56,19 +56,18 @@ class Candidates:
         if step.within < inf:
             approach = self._coupling.coming(self._coupling.struck_jump(), gap >= -tolerance)
             allowed = allowed & (gap + step.within * approach >= -tolerance)
-        self._gap = gap
+        self.allowed, self._gap = allowed, gap
         self.earlier: list[tuple[np.ndarray, np.ndarray]] = []
         self._asked = np.ones(len(allowed), dtype=bool)
-        if self._formulation.multipliers:  # which no motion of what is held determines
-            held = allowed & self._coupling.held()
-            allowed = allowed & ~held
-            if step.dt and held.any():
-                self._refuse_held(held, tolerance)
-        self.allowed = allowed
+        if step.dt and self._formulation.multipliers:
+            self._refuse_held(tolerance)
 
-    def _refuse_held(self, held: np.ndarray, tolerance: float) -> None:
-        """Refuse a step, which is predicted, in which one of the points that are held, (n,) of
-        bool, is met by an obstacle: its gap is known then, and no force keeps it closed."""
+    def _refuse_held(self, tolerance: float) -> None:
+        """Refuse a step, which is predicted, in which a point that is held is met by an obstacle:
+        its gap is known then, and no force keeps it closed."""
+        held = self.allowed & self._coupling.held()
+        if not held.any():
+            return
         deeper = np.where(held, self._coupling.gaps() - np.maximum(self._gap, 0.0), -inf)
         worst = int(deeper.argmax())
         if deeper[worst] > tolerance + ROUND_OFF * largest(self._coupling.positions()):

@@ -261,7 +261,9 @@ class Coupling(ABC):
     @cached_property
     def held_components(self) -> np.ndarray:
         """Components of the traces' points that nothing but supports moves, (N, d) of bool."""
-        parts = [np.broadcast_to(t.held, t.positions().size) for t in self.traces]
+        parts = [
+            np.broadcast_to(getattr(t, "held", False), t.positions().size) for t in self.traces
+        ]
         return np.concatenate(parts).reshape(-1, self.solids[0].dim)
 
     def held(self) -> np.ndarray:

@@ -80,10 +80,9 @@ class MortarJump(Coupling):
     def _places(self) -> np.ndarray:
         return np.concatenate([trace.positions() for trace in self.traces])
 
-    def _split(self) -> tuple[np.ndarray, np.ndarray]:
+    def _split(self) -> list[np.ndarray]:
         """Places of the slave's nodes and of the master's at the start."""
-        last = len(self.pairing.slave.nodes)
-        return self._start[:last], self._start[last:]
+        return np.split(self._start, [len(self.pairing.slave.nodes)])
 
     def _find(self) -> bool:
         """Whether the sides face each other anywhere, near or, at last, far apart."""

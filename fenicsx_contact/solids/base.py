@@ -33,8 +33,8 @@ class Trace(ABC):
     the same on every process.
 
     Attributes:
-        held: components that supports hold fast, or lead, whatever pushes them, (n d,) of bool, or
-            of all.
+        held: may be told: components that supports hold fast, or lead, whatever pushes them, (n d,)
+            of bool, or of all.
     """
 
     held: np.ndarray | bool = False

@@ -352,3 +352,24 @@ def test_impacts_without_end_come_to_an_end(middle, restitution):
     assert history.finished
     assert "without end" in history.remarks[0][1]
     np.testing.assert_allclose(velocities, 1.0 / sum(masses), atol=1e-5)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("law", ["gap", "lagrange"])
+def test_a_law_of_positions_limits_nothing_in_a_percussion(law):
+    """Nothing moves in it: its gaps over a time of none were a warning of numpy's."""
+    solids = []
+    for place, velocity in ((0.2, 0.0), (0.7015, -1.0)):
+        mesh = rectangle((1, 1), (1.0, 0.5))
+        mesh.mesh.geometry.x[:, 1] += place
+        solids.append(RigidSolid(mesh, mass=1.0, velocity=(0.0, velocity), name=f"at {place}"))
+    lower, upper = solids
+    contacts = [
+        Contact(lower, "base", FLOOR, law, name="floor"),
+        Contact(upper, "base", (lower, "top"), name="between"),
+    ]
+    history = Scene(solids, contacts, ThetaScheme(0.6)).run(0.01, 1e-3, progress=False)
+    assert history.finished
+    assert history["impact"][-1] == pytest.approx(-0.25, rel=1e-12)
+    for solid in solids:
+        assert solid.velocity[1] == pytest.approx(-0.5, rel=1e-12)

@@ -125,8 +125,11 @@ class Candidates:
         """The w_n that the law allows at each point at most, (n,) in m/s, None for springs."""
         if self._limit_of is step:
             return self._limit
-        e, self._limit_of = self._equations, step
-        self._limit = self._formulation.limit(
+        e, law, self._limit_of = self._equations, self._formulation, step
+        if law.multipliers and not (step.dt or law.percussive):
+            self._limit = np.full(len(e.gap), inf)  # of positions, which no percussion changes
+            return self._limit
+        self._limit = law.limit(
             StepData(
                 gap=e.gap,
                 start_jump_n=e.start_jump_n,

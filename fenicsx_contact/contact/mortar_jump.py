@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, fields
 from functools import cached_property
 from math import sqrt
 
@@ -259,11 +258,11 @@ class MortarJump(Coupling):
         return self._there().jumps(self.velocities("velocity")).reshape(self._n, -1)
 
     def state(self) -> dict[str, np.ndarray]:
-        return asdict(self.pairing.stance)
+        return self.pairing.stance.state()
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         self._share = 1.0
-        stance = Stance(*(np.array(state[f.name]) for f in fields(Stance)))
+        stance = Stance.restored(state)
         self.pairing.stand(stance)
         self._ending.stand(stance)
         super().restore(state)

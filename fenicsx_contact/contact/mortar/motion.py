@@ -68,21 +68,24 @@ def _turns(pair: Pairing, pieces: Pieces) -> tuple[np.ndarray, np.ndarray | None
     side, last, d = pieces.side, len(pair.slave.nodes), pair.slave.dim
     places = pair.places[:last], pair.places[last:]
     turn = side.normal_rates(places[0], pieces.facet, pieces.slopes)
-    which = np.flatnonzero(pieces.stance.facet >= 0)
+    which = pieces.stance.standing
     if not len(which):
         return turn, None
     stance, facet, master = pieces.stance.of(which), pieces.facet[which], pair.master.flat
     normal, edge, length = below(stance, (pair.slave, master), places, facet)
-    slopes = np.repeat(master.middle_slopes[:, None], len(which), axis=1)
+    feet, q = stance.feet.ravel(), len(which)
+    slopes = np.repeat(master.middle_slopes[:, None], len(feet), axis=1)
     across = np.eye(d) - edge[:, :, None] * edge[:, None]
-    rates = -across[:, None] @ master.normal_rates(places[1], stance.facet, slopes)
+    rates = master.normal_rates(places[1], feet, slopes) * (feet >= 0)[:, None, None, None]
+    rates = -across[:, None] @ rates.reshape(q, -1, d, d)
     # n - (n . t) t turns with the edge, too
     along = (normal * edge).sum(axis=1)[:, None, None] * np.eye(d) + edge[:, :, None] * normal[
         :, None
     ]
     along = -(along @ across) / length[:, None, None]
     own = stance.along[:, :, None, None] * along[:, None]
-    around = np.concatenate([side.corners[facet], last + master.cells[stance.facet]], axis=1)
+    theirs = last + master.cells[feet].reshape(q, -1)
+    around = np.concatenate([side.corners[facet], theirs], axis=1)
     rates = np.concatenate([own, rates], axis=1)
     (p, k), more = turn.shape[:2], max(turn.shape[1], rates.shape[1])
     nodes, turns = np.zeros((p, more), dtype=np.int64), np.zeros((p, more, d, d))

@@ -5,7 +5,8 @@ Two surfaces touch where their gap is least. Between facets that are not paralle
 corner of one of them, and what presses there is normal to the face that the corner touches, not to
 the facet that it belongs to. So a facet of the slave that meets the master with a sharp corner
 looks along the normal of the facet below that corner, and so do its gaps and jumps; one that lies
-flat, or bends only as a mesh of something round does, looks along its own.
+flat, or bends only as a mesh of something round does, looks along its own. Facets in one plane are
+one face here, however it is meshed.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ class Standing:
         Args:
             places: of the nodes of both, the slave's first, (N, d).
             way: that they are about to go, at most, m.
-            bears: corners of the slave that bear, (n,): a facet of which d do lies flat.
+            bears: corners of the slave that bear, (n,): a flat face lies on those that span it.
         """
         side, master, d = self._slave, self._master, self._slave.dim
         asked = self._facets[bears[side.corners[self._facets]].sum(axis=1) < d]
@@ -90,11 +91,12 @@ class Standing:
         meets = master.holds(xi, EDGE) & self._admits(asked[of], below, height)
         hits = np.flatnonzero(meets & (np.abs(height) <= reach[of]))
         hits = hits[np.lexsort((below[hits], np.abs(height[hits]), ray[hits]))]
-        hits = hits[first_of_each(ray[hits])]
-        heights, foot = np.full(corners.size, np.inf), np.full(corners.size, -1)
-        heights[ray[hits]], foot[ray[hits]] = height[hits], below[hits]
-        heights, foot = heights.reshape(-1, c), foot.reshape(-1, c)
-        noise = ROUND_OFF * largest(places)
+        nearest = hits[first_of_each(ray[hits])]
+        heights, noise = np.full(corners.size, np.inf), ROUND_OFF * largest(places)
+        heights[ray[nearest]] = height[nearest]
+        hits = hits[np.abs(height[hits] - heights[ray[hits]]) <= noise]  # several, where they meet
+        feet = np.column_stack([asked[of[hits]], corners.ravel()[ray[hits]], below[hits]])
+        heights = heights.reshape(-1, c)
         # whose corners are level to round-off lies on all of them, unless it stands on one already
         low = np.sort(heights, axis=1)
         bent = bears[corners].any(axis=1) | (low[:, d - 1] > low[:, 0] + noise)
@@ -111,28 +113,28 @@ class Standing:
         np.minimum.at(rivals, of[over], -height[over])
 
         stands = bent & sharp & (low[:, 0] < rivals - EDGE * side.sizes[asked])
-        return self._stance(xs, asked[stands], foot[stands], heights[stands], noise, bears)
+        return self._stance(xs, asked[stands], heights[stands], feet, noise, bears)
 
     def _stance(
         self,
         xs: np.ndarray,
         facet: np.ndarray,
-        foot: np.ndarray,
         height: np.ndarray,
+        feet: np.ndarray,
         noise: float,
         bears: np.ndarray,
     ) -> Stance:
-        """That of facets (q,) that stand on those of the master, their corners on (q, c) and so
-        high above them, and of those in one plane with them: a flat face stands, or lies, as a
-        whole."""
-        side, result = self._slave, Stance(self._none.facet.copy(), self._none.along.copy())
+        """That of facets (q,) that stand, their corners (q, c) so high, and of those in one plane
+        with them: a flat face stands, or lies, as a whole. ``feet``: facets of the slave, a corner
+        of each, and a facet of the master below it, (k, 3)."""
+        side, nobody = self._slave, self._none
         if not len(facet):
-            return result
+            return nobody
         g, across = side.middle_tangents(side.nodes), side.middle_normals(side.nodes)
         unit, _ = unit_and_length(side.middle_normals(xs))
         middle = xs[side.corners].mean(axis=1)
-        lies = bears[side.corners].sum(axis=1) >= side.dim
-        done = np.zeros(len(side.cells), dtype=bool)
+        done, along = np.zeros(len(side.cells), dtype=bool), nobody.along.copy()
+        stood: list[tuple[np.ndarray, np.ndarray]] = []
         for i in np.argsort(height.min(axis=1), kind="stable"):
             one = facet[i]
             if done[one]:
@@ -140,29 +142,38 @@ class Standing:
             level = ~done & (np.abs((middle - middle[one]) @ unit[one]) <= SAME * side.size)
             level &= (np.abs(unit - unit[one]) <= SAME).all(axis=1)
             done |= level
-            which = np.flatnonzero(level)
-            if lies[which].any():
-                continue
-            mine = level[facet]
-            corners = side.corners[facet[mine]]
+            which, mine, its = np.flatnonzero(level), level[facet], feet[level[feet[:, 0]]]
+            bearing = np.unique(side.corners[which])
+            bearing = bearing[bears[bearing]]
             low = height[mine] <= height[mine].min() + noise
-            if (low & bears[corners]).any():  # it stands there already
-                low &= bears[corners]
-            below, edge = self._stood_on(corners[low], foot[mine][low])
+            on = np.unique(side.corners[facet[mine]][low])
+            if bears[on].any():  # it stands there already
+                on = np.intersect1d(bearing, its[:, 1])
+            if self._lies(xs[bearing]) or self._lies(xs[on]):
+                continue
+            outer = self._outermost(on)
+            ends = side.nodes[outer if len(on) > 1 else self._edges[on[0]]]
             basis = np.moveaxis(np.concatenate([g[:, which], across[None, which]]), 0, 2)
-            share = (inverses(basis) @ edge)[:, :-1]  # in the planes of the facets, to go with them
-            result.facet[which], result.along[which] = below, share @ side.middle_slopes
+            share = inverses(basis) @ (ends[1] - ends[0])  # of the facets, to go with them
+            along[which] = share[:, :-1] @ side.middle_slopes
+            stood.append((which, np.unique(its[np.isin(its[:, 1], outer), 2])))
+        many = max((len(below) for _, below in stood), default=1)
+        result = Stance(np.full((len(side.cells), many), -1), along)
+        for which, below in stood:
+            result.feet[which, : len(below)] = below
         return result
 
-    def _stood_on(self, corners: np.ndarray, foot: np.ndarray) -> tuple[int, np.ndarray]:
-        """The facet of the master below corners (k,) that are alike, and the edge (d,), at rest, on
-        which they stand: of the first in space at rest, for round-off must not choose, and its
-        edge; where edges of space meet in it, that between them all."""
-        at, first = np.unique(corners, return_index=True)
-        nodes = self._slave.nodes
-        order = np.lexsort(nodes[at].T)
-        one = at[order[0]]
-        ends = self._edges[one]
-        if ends[0] == ends[1] and self._slave.dim == 3:
-            ends = one, at[((nodes[at] - nodes[one]) ** 2).sum(axis=1).argmax()]
-        return foot[first[order[0]]], nodes[ends[1]] - nodes[ends[0]]
+    def _lies(self, places: np.ndarray) -> bool:
+        """Whether a flat face does, on corners at places (n, d): on two of them in the plane, on
+        three that are not in line in space."""
+        d = places.shape[1]
+        if len(places) < d:
+            return False
+        apart = places - places.mean(axis=0)
+        return int(np.linalg.matrix_rank(apart, tol=SAME * self._slave.size)) >= d - 1
+
+    def _outermost(self, on: np.ndarray) -> np.ndarray:
+        """The outer two of corners (n,) in line, of one itself twice: no axes of space choose."""
+        x = self._slave.nodes[on]
+        one = ((x - x[0]) ** 2).sum(axis=1).argmax()
+        return on[[one, ((x - x[one]) ** 2).sum(axis=1).argmax()]]

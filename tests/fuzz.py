@@ -668,7 +668,7 @@ subject(
     bottom=st.floats(2, 3),
     clearance=POSITIVE | fixed([(0.0, 0.1), (1.0, 0.2)]),
     curve=fixed(Straight(), Straight(0.1), Sine(0.01, 1.0), Bow(0.01, 2.0)),
-    kinks=fixed((), [0.5]),
+    kinks=fixed((), [1.5]),
 )
 subject(
     "Card",

@@ -628,6 +628,7 @@ def rod_at(tip, **others):
         (lambda: Tube(0, 1, [(1, C), (0, C)]), "downwards"),
         (lambda: Tube(1, 0, C), "top"),
         (lambda: Tube(0, 1, C, curve="S"), "curve"),
+        (lambda: Tube(0, 1, C, kinks=[0, 0.5, 1, 5]), "kinks = .*must lie in the tube"),
         (lambda: Card(0, 0), "clearance"),
         (lambda: Sine(0.01, 0.0), "wavelength"),
         (lambda: Sine(0.01, 1.0, "sharp"), "inlet"),

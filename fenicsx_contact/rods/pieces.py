@@ -168,7 +168,7 @@ class Tube:
         kinks: depths at which the curve has a kink.
 
     Raises:
-        InputError: an empty or upside-down tube, a clearance that is not positive.
+        InputError: an empty or upside-down tube, a clearance that is not positive, a kink outside.
     """
 
     top: float
@@ -186,8 +186,14 @@ class Tube:
             )
         checks.offers("curve", self.curve, CentreLine, "a curve (Straight, Sine, Bow, ...)")
         problem = f"kinks = {quoted(self.kinks)}: must be a list of depths, finite numbers"
-        if checks.table(problem, self.kinks).ndim != 1:
+        kinks = checks.table(problem, self.kinks)
+        if kinks.ndim != 1:
             raise checks.InputError(problem)
+        if not ((self.top <= kinks) & (kinks <= self.bottom)).all():
+            raise checks.InputError(
+                f"kinks = {quoted(self.kinks)}: must lie in the tube, between its top at "
+                f"{self.top:g} m and its bottom at {self.bottom:g} m"
+            )
         if not _is_table(self.clearance):
             checks.keep(self, "clearance", above=0)
             return

@@ -452,8 +452,9 @@ def test_bad_input_is_refused(build, message):
 def test_a_rod_that_would_never_fall_is_refused(law):
     """2 kg: buoyancy carries it, the drive line holds it, or there is no gravity."""
     gravity = (0, -9.81) if law != Fall() else None
-    with pytest.raises(InputError, match="never fall"):
+    with pytest.raises(InputError, match="never fall") as caught:
         BeamSolid(AXIS, GOOD, law=law, gravity=gravity)
+    assert ("no gravity acts along" in str(caught.value)) == (gravity is None)
 
 
 def test_no_part_of_a_monolithic_system():

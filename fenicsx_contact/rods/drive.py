@@ -99,6 +99,11 @@ class Fall:
 
     def check(self, mass: float, gravity: float, held: bool) -> None:
         """Refuse a rod that would never fall."""
+        if gravity == 0:
+            raise checks.InputError(
+                "fall: no gravity acts along the axis of the rod, it would never fall; "
+                "give it one, such as gravity = (0, -9.81)"
+            )
         buoyancy = self.water.buoyancy if self.water else 0.0
         if (mass - buoyancy) * gravity <= self.drive_friction:
             raise checks.InputError(

@@ -843,6 +843,23 @@ def test_messages_show_no_addresses(make):
     assert "0x" not in str(caught.value), caught.value
 
 
+@pytest.mark.parametrize("friction", ["0.3", [0.3, 0.2], -0.1])
+def test_no_friction_tells_all_that_it_may_be(friction):
+    words = "friction = ", "a finite number >= 0", "a function of x", "UFL", "a law of friction"
+    refused(lambda: contact(friction=friction), *words)
+
+
+def test_a_spring_at_no_point_is_no_stiffness():
+    refused(lambda: rigid(springs={"base": 1e4}), "springs: the point = 'base': must be 2 finite")
+    refused(lambda: rigid(springs={(0, 0): "a"}), "springs[(0, 0)] = 'a': must be a finite number")
+
+
+def test_what_ufl_refuses_is_told_once(caplog):
+    """(UFL logged it, too.)"""
+    refused(lambda: LevelSet(lambda x, t: x[1], 2, velocity=lambda x, t: 1.0), "2 components")
+    assert not caplog.records
+
+
 def test_functions_are_quoted_by_name_and_place():
     refused(lambda: contact(friction=lambda x: 0 * x[0] - 1), "friction = lambda at test_input.py:")
 

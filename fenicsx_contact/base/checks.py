@@ -85,11 +85,13 @@ def number(
     at_least: float | None = None,
     above: float | None = None,
     at_most: float | None = None,
+    also: str = "",
 ) -> float:
-    """``value``, a number or a scalar ``fem.Constant``, as a float, or an :class:`InputError`."""
+    """``value``, a number or a scalar ``fem.Constant``, as a float, or an :class:`InputError`, that
+    tells what is ``also`` allowed in its place."""
     limits = (">=", at_least), (">", above), ("<=", at_most)
     bounds = [f"{sign} {limit:g}" for sign, limit in limits if limit is not None]
-    allowed = "a finite number" + (" " + " and ".join(bounds) if bounds else "")
+    allowed = "a finite number" + (" " + " and ".join(bounds) if bounds else "") + also
     value = value.item() if isinstance(value, np.generic) else value  # told as a plain number
     try:
         array = floats(value)
@@ -114,7 +116,7 @@ def number(
     return result
 
 
-def keep(thing: Any, name: str, **limits: float | None) -> None:
+def keep(thing: Any, name: str, **limits: Any) -> None:
     """Check a number that a frozen dataclass was given, see :func:`number`, and let it hold the
     float in place of a Constant or a fraction."""
     object.__setattr__(thing, name, number(name, getattr(thing, name), **limits))

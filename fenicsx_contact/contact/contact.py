@@ -37,8 +37,8 @@ class Contact(Scaled, SurfaceResults):
         facets: the name of its facets in contact.
         master: an obstacle, or another solid and the name of its facets; the same ones: itself.
         formulation: a formulation or its name; see :mod:`fenicsx_contact.theory.formulations`.
-        friction: Coulomb's coefficient, or a law of friction (see
-            :mod:`fenicsx_contact.theory.friction`); 0 leaves friction out, unknowns and all.
+        friction: Coulomb's coefficient, a number or a function of x or (x, t) in UFL, or a law of
+            friction (see :mod:`fenicsx_contact.theory.friction`); 0 leaves friction out.
         normal_augmentation, tangential_augmentation: pure numbers; rho_n and rho_t are these
             times values scaled by the scene. They act on the way to the solution, not on it.
         gap_tolerance: share of the surface's extent to which the arrival of a point is located.

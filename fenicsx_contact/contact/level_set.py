@@ -179,8 +179,9 @@ def _as_ufl(name: str, function: Any, x: Any, t: Any, shape: tuple[int, ...]) ->
     try:
         with symbolic():
             value = function(x, t)
-        value = ufl.as_vector(value) if shape and not hasattr(value, "ufl_shape") else value
-        value = ufl.as_ufl(value)
+            if shape and not hasattr(value, "ufl_shape"):
+                value = ufl.as_vector(value)
+            value = ufl.as_ufl(value)
     except Exception as error:  # of the user's function, of UFL, of whatever kind
         raise checks.InputError(f"{problem}; {error}") from None
     if value.ufl_shape != shape:

@@ -117,7 +117,7 @@ def springs(given: Mapping[Sequence[float], Any], centre: np.ndarray) -> list[Sp
     made, d = [], len(centre)
     for point, stiffness in given.items():
         what = f"springs[{point!r}]"
-        anchor = checks.vector(what, point, d)
+        anchor = checks.vector("springs: the point", point, d)
         single = np.ndim(checks.plain(stiffness)) == 0
         ks = [stiffness] * d if single else checks.vector(what, stiffness, d)
         k = np.array([checks.number(what, each, at_least=0) for each in ks])

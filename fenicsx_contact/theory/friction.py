@@ -139,5 +139,5 @@ def friction_bound(value: Any) -> FrictionBound | None:
     if isinstance(value, type) or {"bound", "describe"} & set(dir(value)):
         law: FrictionBound = checks.offers("friction", value, FrictionBound, "a law of friction")
         return law
-    mu = parameter("friction", value)
+    mu = parameter("friction", value, also=", or a law of friction such as Stribeck(...)")
     return Coulomb(mu) if varies(mu) or mu else None

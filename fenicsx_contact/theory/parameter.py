@@ -20,16 +20,19 @@ def varies(value: Parameter) -> bool:
     return is_expression(value) or callable(value)
 
 
-def parameter(name: str, value: Parameter, *, above: float | None = None) -> Parameter:
+def parameter(
+    name: str, value: Parameter, *, above: float | None = None, also: str = ""
+) -> Parameter:
     """What was given, a number as a float. What varies is asked for its values, which must be
-    finite and >= 0, when a contact is made.
+    finite and >= 0, when a contact is made. ``also``: what else is allowed, for the refusal.
 
     Raises:
         InputError: a number below 0, or not above the limit if there is one, or something else.
     """
     if varies(value) and not isinstance(value, type):
         return value
-    return checks.number(name, value, at_least=0 if above is None else None, above=above)
+    also = f", a function of x or of (x, t) that gives one in UFL{also}"
+    return checks.number(name, value, at_least=0 if above is None else None, above=above, also=also)
 
 
 def keep_parameter(thing: Any, name: str, *, above: float | None = None) -> None:

@@ -274,6 +274,21 @@ def test_what_a_process_has_compiled_is_not_sought_again(monkeypatch):
     assert counts[0] == counts[1] > 5
 
 
+def test_a_cache_that_cannot_be_written_is_named(monkeypatch, tmp_path):
+    """Below a file nobody can write, whoever it is; a form that fails by itself says so."""
+    (tmp_path / "file").touch()
+    name = "get_options" if hasattr(jit, "get_options") else "get_parameters"  # before 0.6
+    options, of = getattr(jit, name), {"cache_dir": tmp_path / "file" / "fenics"}
+    monkeypatch.setattr(jit, name, lambda *given: {**options(*given), **of})
+    monkeypatch.setattr(compiling, "_known", {})
+    with pytest.raises(InputError, match=r"file/fenics'.*\(Not a directory\).*XDG_CACHE_HOME") as e:
+        run()
+    assert e.value.__suppress_context__
+    of["cache_dir"] = tmp_path
+    with pytest.raises(ZeroDivisionError), compiling.cached():
+        raise ZeroDivisionError
+
+
 @pytest.mark.second
 def test_a_form_that_a_killed_run_left_half_compiled(tmp_path):
     """A later run would wait for it, and give up; it is compiled anew once it is old."""

@@ -14,6 +14,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
+from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 import ffcx.naming
@@ -22,17 +24,47 @@ from dolfinx import fem, jit
 from ufl.algorithms.map_integrands import map_integrand_dags
 from ufl.corealg.multifunction import MultiFunction
 
+from .checks import InputError
+
 #: Cost: age in seconds from which a form that is not compiled is taken for one that a killed run
 #: left; another run may be at work on a younger one.
 LEFT = 60.0
 
 
+def _cache() -> Path:
+    """The directory of compiled forms."""
+    options = getattr(jit, "get_options", None) or jit.get_parameters  # before 0.6
+    return Path(options()["cache_dir"])
+
+
+@contextmanager
+def cached() -> Iterator[None]:
+    """Within it forms are compiled; what fails where nothing can be written tells that.
+
+    Raises:
+        InputError: the cache cannot be written.
+    """
+    try:
+        yield
+    except Exception:  # one that is there may be read all the same, so it is not asked before
+        where = _cache()
+        try:
+            where.mkdir(parents=True, exist_ok=True)
+            TemporaryFile(dir=where).close()
+        except OSError as problem:
+            raise InputError(
+                f"cache of compiled forms = {str(where)!r}: must be a directory in which files can "
+                f"be written ({problem.strerror}); set the environment variable XDG_CACHE_HOME to "
+                "one before Python starts"
+            ) from None
+        raise
+
+
 @cache
 def forget_what_is_left() -> None:
     """Remove the sources of forms of which no compilation is under way, once a process."""
-    options = getattr(jit, "get_options", None) or jit.get_parameters  # before 0.6
     with suppress(OSError):  # no cache, or not ours
-        with os.scandir(options()["cache_dir"]) as found:
+        with os.scandir(_cache()) as found:
             files = {file.name: file for file in found}
         for name, file in files.items():
             if name.endswith(".c") and f"{name}.cached" not in files:
@@ -69,7 +101,7 @@ def _once(seek: Callable[..., Any]) -> Callable[..., Any]:
         key = _name(what), str((options, named))
         if comm.size > 1 or key not in _known:  # processes seek together
             forget_what_is_left()
-            with quiet():
+            with quiet(), cached():
                 _known[key] = seek(comm, what, *options, **named)
         return _known[key]
 

@@ -23,7 +23,14 @@ from test_lessons import LESSONS, learn
 
 import fenicsx_contact
 from fenicsx_contact import gradients, rods, study
+from fenicsx_contact.contact.wall import Obstacle
 from fenicsx_contact.output import stops
+from fenicsx_contact.rods.drive import AxialLaw
+from fenicsx_contact.solids.damping import Damping
+from fenicsx_contact.theory.formulations import Formulation
+from fenicsx_contact.theory.friction import FrictionBound
+from fenicsx_contact.theory.scheme import Scheme
+from fenicsx_contact.theory.weak_form import ContactFields
 
 TOP = Path(__file__).resolve().parent.parent
 SITE = TOP / "demos" / "site"
@@ -71,6 +78,17 @@ def test_which_and_when_names_what_there_is():
     for name, given in calls:
         known = inspect.signature(getattr(fenicsx_contact, name)).parameters
         assert set(re.findall(r"(\w+)=", given)) <= set(known), name
+
+
+@pytest.mark.parametrize(
+    "protocol",
+    [ContactFields, FrictionBound, Formulation, Obstacle, Damping, Scheme, AxialLaw],
+)
+def test_what_own_parts_need_is_on_their_page(protocol):
+    page = (SITE / "reference" / "extend.md").read_text()
+    needed = [*vars(protocol), *vars(protocol).get("__annotations__", ())]
+    named = re.findall(r"`([a-z_]+)(?:\(.*?\))?`", page)
+    assert [name for name in needed if not name.startswith("_") and name not in named] == []
 
 
 def included():

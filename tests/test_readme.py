@@ -30,6 +30,13 @@ def test_the_readme_is_short_and_its_links_lead_somewhere():
             assert (page.parent / link).exists(), link
 
 
+def test_code_that_its_pages_show_only_when_built_is_named():
+    pages = [TOP / link for link in re.findall(r"\]\((demos/site/[^)#]+\.md)", README)]
+    shown = {code for p in pages for code in re.findall(r"de\} \S*code/(\S+)", p.read_text())}
+    assert "own_laws.py" in shown
+    assert [name for name in shown if f"[{name}](" not in README] == []
+
+
 def test_every_demo_is_in_their_list():
     listed = set(re.findall(r"`?(\w+\.py)`?", (TOP / "demos" / "README.md").read_text()))
     assert listed >= {path.name for path in (TOP / "demos").glob("*.py")}

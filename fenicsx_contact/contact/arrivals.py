@@ -35,7 +35,8 @@ def missed(contact: Contact, closing: bool) -> str:
     """Why a step is too long for the contact to see what its points meet, in the trial state of it,
     or nothing: a point that arrives goes through and out again, or in by another side than the one
     that it is before at the end; or one is farther within than the surface is large; if none may
-    close (not ``closing``), one that may bear."""
+    close (not ``closing``), one that may bear. What does not itself go so deep, by its velocity at
+    the start, goes round what is round: only the chord of its way dips into that."""
     if (why := contact.coupling.blocked) or contact.coupling.encloses:
         return why
     gaps, touches = contact.coupling.gaps(), contact.touching()
@@ -43,9 +44,11 @@ def missed(contact: Contact, closing: bool) -> str:
     approach = dot(contact.jump, contact.coupling.start_normals())
     comes = contact.chosen & (~touches | (approach > contact.resolution))
     deepest = contact.coupling.deepest(contact.chosen & (free | comes), contact.gap, gaps)
-    # what touches and does not itself go so deep slides along what is round
-    comes &= ~touches | (contact.gap + contact.moved * approach >= deepest)
+    # of one face, depths along a straight way stay below that line: it is convex, or hollow
+    itself = contact.gap + contact.moved * approach >= deepest
+    comes &= ~touches | itself
     much = np.where(comes, contact.tolerance, contact.surface.extent)
+    much += np.where(itself, 0.0, contact.coupling.dips())
     through = contact.chosen & free & (deepest > np.maximum(gaps, 0.0) + much)
     inside = comes & may & (deepest > contact.tolerance)
     if (through | contact.coupling.other_side(inside)).any():

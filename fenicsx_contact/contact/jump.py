@@ -102,6 +102,11 @@ class Coupling(ABC):
         (n,) in m."""
         return end
 
+    def dips(self) -> np.ndarray | float:
+        """How far the straight ways of points from the start of the step to the followed state dip
+        below arcs that turn as the normals between both do, at most, (n,) in m."""
+        return 0.0
+
     def other_side(self, asked: np.ndarray) -> np.ndarray:
         """Which of the points that are ``asked``, (n,) of bool, which get inside on their ways, do
         so by another side than the one that they are before in the followed state, (n,) of bool."""

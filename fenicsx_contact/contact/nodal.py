@@ -195,6 +195,16 @@ class NodalJump(Coupling):
         deep[before] = ways.depth(before, share[before])
         return deep
 
+    def dips(self) -> np.ndarray | float:
+        if self.fixed_normal or self._start_normals is None:
+            return 0.0
+        normals = self._start_normals, self.normals()
+        turned = 0.5 * np.linalg.norm(normals[1] - normals[0], axis=1)  # sine of half the angle
+        way = np.linalg.norm(self.positions() - self._start_positions, axis=1)
+        # a chord times half the tangent of a quarter of the angle is the height of its arc
+        dips = 0.5 * way * turned / (1 + np.sqrt(np.maximum(1 - turned**2, 0.0)))
+        return np.where(dot(*normals) > SHARP, dips, 0.0)
+
     def other_side(self, asked: np.ndarray) -> np.ndarray:
         other = np.zeros(len(asked), dtype=bool)
         if not self.fixed_normal and (points := asked.nonzero()[0]).size:

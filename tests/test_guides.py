@@ -463,6 +463,27 @@ def test_a_wall_moves_for_a_falling_rod():
     assert history["c.penetration"].max() < 0.05 * C
 
 
+def test_a_guide_that_moves_changes_sides_within_a_step():
+    """A rod on springs bounces from wall to wall: what its guide does that is pulled sideways by
+    a t²/2 is what the weight -a does in one at rest, and what is lost is the same."""
+
+    def run(weight, motion):
+        axis = axis_mesh((0, 0), (0, 1), rod=(1.0, 4))
+        section = Section(mass=3.0, bending=60.0)
+        rod = BeamSolid(axis, section, gravity=(weight, -9.81), law=Fall())
+        guide = Guide([Tube(-3, 2, 1e-3)], motion=motion)
+        contact = GuideContact(rod, "rod", guide, Discrete(1e4), 0.3)
+        return rod, Scene([rod], [contact], ThetaScheme(0.5)).run(0.4, 2e-3)
+
+    rod, moved = run(0.0, lambda t: (2.0 * t * t, 0.0))
+    other, still = run(-4.0, None)
+    assert moved.finished and still.finished
+    assert rod.travel == pytest.approx(other.travel, rel=1e-9)
+    for lost in ("impact", "friction"):
+        size = np.abs(still[lost]).max()
+        np.testing.assert_allclose(moved[lost], still[lost], atol=1e-8 * size)
+
+
 @pytest.mark.parametrize("cuts", [(), (-0.5,), (-0.62, -0.33)])
 @pytest.mark.parametrize("top", [-2.0, -20.0])
 def test_laws_of_areas_see_the_length_of_the_rod(cuts, top):

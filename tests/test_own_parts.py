@@ -28,6 +28,7 @@ from fenicsx_contact import (
     Scene,
     ThetaScheme,
 )
+from fenicsx_contact.steps.certificate import Certificate
 from fenicsx_contact.theory.weak_form import weak_form
 
 IMPLICIT = ThetaScheme(1.0)
@@ -612,6 +613,10 @@ def test_a_bound_that_is_no_number_is_no_friction_without_bound(factor, deforms)
     history = Scene([solid], [contact]).run(0.05, 0.01)
     assert not history.finished and "no finite solution" in history.reason
     assert np.isfinite(history.rows()).all()
+
+
+def test_a_work_that_is_no_number_is_not_booked():
+    assert "no finite solution" in Certificate(0.0, 0.0, np.nan).refusal
 
 
 # -- what numpy tells of them --------------------------------------------------------------------

@@ -152,8 +152,8 @@ class NodalJump(Coupling):
         k = self.equations.fields
         if not self.driven or self.fixed_normal or k.start_normal is None:
             return 0.0
-        normals = self.normals(), k.mean_normal()
-        return self._ride.aside(self.positions(), *normals, k.end_share.x.array)
+        old = k.start_normal.x.array.reshape(self._shape)
+        return self._ride.aside(self.positions(), old, self.normals(), k.end_share.x.array)
 
     def force(self, force: np.ndarray) -> np.ndarray:
         return force.reshape(self._shape)

@@ -56,7 +56,7 @@ class Ride:
             self.end = self._last_velocity(x)
         else:  # the rates of the step where it starts
             mean = wall.velocity(x, step.end, step.start)
-            self._mean = dot(mean, normal)
+            self._mean = mean
             self.end = late * mean + (1 - late) * (2 * mean - new)
         if late < 1 or step.is_part:
             refuse_leaps(wall, x, normal, new, step)
@@ -97,33 +97,39 @@ class Ride:
 
     def start_speed(self, x: np.ndarray, normal: np.ndarray) -> np.ndarray:
         """The component at the start along the normals at the end, where the points are then."""
-        assert self._start_normal is not None
-        return dot(self.start, self._start_normal) + self._gain(x, normal)
+        old = self._start_normal
+        assert old is not None
+        return dot(self.start, old) + self._gain(x, normal, old)
 
-    def _gain(self, x: np.ndarray, normal: np.ndarray) -> np.ndarray | float:
-        """By how much the component along the normals changes on the way, by the mean rates."""
+    def _gain(self, x: np.ndarray, normal: np.ndarray, old: np.ndarray) -> np.ndarray | float:
+        """By how much the component along the normals changes on the way from the old ones, by the
+        mean rates."""
         step = self._step
         assert step is not None
         if not step.dt:
             return 0.0
-        return dot(self._wall.velocity(x, step.start, step.end), normal) - self._mean
+        return dot(self._wall.velocity(x, step.start, step.end), normal) - dot(self._mean, old)
 
     def aside(
-        self, x: np.ndarray, normal: np.ndarray, force: np.ndarray, share: np.ndarray
+        self, x: np.ndarray, old: np.ndarray, normal: np.ndarray, share: np.ndarray
     ) -> np.ndarray:
         """What is missing in the mean of the velocities at both ends, (n, d): its component along
         which forces act is made of those along the normals where they are.
 
         Args:
-            x, normal: where the points are at the end, and the normals there, (n, d).
-            force: along which forces act, (n, d): a mean of the normals at both ends.
+            x: where the points are at the end, (n, d) in m.
+            old, normal: at the start and at the end, of which that along which forces act is the
+                mean, (n, d). In a guide the old one is mirrored, not that of the wall there: of
+                opposite walls there is no mean.
             share: what those at the end count in it, (n,).
         """
-        assert self._step is not None and self._start_normal is not None
+        assert self._step is not None
         average = self._step.scheme.mean
-        mean, old = average(self.start, self.end), self._start_normal
+        mean = average(self.start, self.end)
         first, last = dot(self.start, old), dot(self.end, normal)
-        gain = self._gain(x, normal) if (2 * share != 1).any() else 0.0
+        gain = self._gain(x, normal, old) if (2 * share != 1).any() else 0.0
         along = share * average(first + gain, last) + (1 - share) * average(first, last - gain)
-        size = np.linalg.norm(share[:, None] * normal + (1 - share)[:, None] * old, axis=1)
+        force = share[:, None] * normal + (1 - share)[:, None] * old
+        size = np.linalg.norm(force, axis=1)
+        force /= size[:, None]
         return (along / size - dot(mean, force))[:, None] * force

@@ -16,17 +16,18 @@ def work(
 ) -> tuple[float, float, float]:
     """Work of the contact on its solids in the step that was accepted, J, from their mean
     velocities (by id): of the normal and of the friction forces on the jumps, which both are
-    losses, and of what drives the other side."""
-    force, span = contact.force, step.span
-    if not force.any():
+    losses, and of what drives the other side. What meets nothing does none, wherever it is: only
+    what acts is certified."""
+    span, acts = step.span, contact.force.any(axis=1)
+    if not acts.any():
         return 0.0, 0.0, 0.0
-    jump = contact.coupling.mean_jump(means, step)
+    force, jump = contact.force[acts], contact.coupling.mean_jump(means, step)[acts]
     total = span * float(np.vdot(force, jump))
-    pressed = span * float(np.vdot(contact.normal_forces, jump))
+    pressed = span * float(np.vdot(contact.normal_forces[acts], jump))
     if not contact.coupling.driven:
         return pressed, total - pressed, 0.0
-    driven = span * float((force * contact.coupling.carried(step)).sum())
-    return pressed, total - pressed, driven
+    carried = np.broadcast_to(contact.coupling.carried(step), contact.force.shape)[acts]
+    return pressed, total - pressed, span * float(np.vdot(force, carried))
 
 
 def counts(contact: Contact) -> tuple[int, int]:

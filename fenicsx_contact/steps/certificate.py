@@ -15,6 +15,7 @@ together. A percussion is asked alone, too: it moves nothing that could take wha
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isnan
 from typing import NamedTuple
 
 from ..base.constants import SAME
@@ -68,7 +69,9 @@ class Certificate:
                 f"no certificate: forces of contact {self.wedged!r} wedge a point: all that acts "
                 "is less than their error"
             )
-        if not self.given <= GIVEN:
+        if isnan(self.given):
+            return "the contact equations have no finite solution"
+        if self.given > GIVEN:
             return f"no certificate: contacts would have given {self.given:.2g} of the energy"
         return ""
 

@@ -50,15 +50,16 @@ class Blows:
     Attributes:
         settled: points that are put to rest, (n,) of bool: in the rest of the step no percussion
             throws them back, and the parts of it may close them.
+        idle: that the last percussion could stop and left as they were: so would another one.
     """
 
     def __init__(self, n: int) -> None:
-        self.settled = np.zeros(n, dtype=bool)
+        self.settled, self.idle = np.zeros((2, n), dtype=bool)
         self._number, self._fastest, self._came, self._back = np.zeros((4, n))
 
     def forget(self, points: np.ndarray | None = None) -> None:
         """Another step begins; or others meet at these points, (n,) of bool."""
-        for each in self.settled, self._number, self._fastest, self._came, self._back:
+        for each in self.settled, self.idle, self._number, self._fastest, self._came, self._back:
             each[... if points is None else points] = 0
 
     def closed(self, contact: Struck, step: Step) -> np.ndarray:
@@ -74,6 +75,7 @@ class Blows:
     def fly(self, contact: Struck, dt: float) -> None:
         """Take note of how loads push open points back, in the trial state of ``dt`` seconds in
         which none of them could close."""
+        self.idle[:] = False
         change = dot(contact.trial_jump - contact.jump, contact.coupling.start_normals())
         self._back = np.where(contact.candidates.allowed, self._back, change / dt)
 
@@ -103,6 +105,8 @@ class Blows:
     def note(self, contact: Struck) -> None:
         """Count a percussion that is accepted now."""
         self._number, self._fastest, self._came, _ = self._with(contact)
+        change = np.linalg.norm(contact.trial_jump - contact.jump, axis=1)
+        self.idle = (self.idle | contact.candidates.allowed) & (change <= contact.resolution)
 
     def _with(self, contact: Struck) -> tuple[np.ndarray, ...]:
         """Blows, their largest speed, the last one, m/s, with those of the trial state; which

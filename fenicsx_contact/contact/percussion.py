@@ -14,14 +14,23 @@ from .blows import struck_gap
 from .contact import Contact
 
 
-def approaching(contact: Contact, step: Step, where: np.ndarray) -> np.ndarray:
-    """Points that start the step faster than its law allows, by more than the last step
-    resolved and than round-off of their gaps is worth, among ``where`` (n,)."""
-    asked = where & contact.chosen & contact.candidates.near()
-    return np.asarray(asked & (_excess(contact, step) > _least(contact, step)))
+def approaching(
+    contact: Contact, step: Step, touching: bool = False
+) -> tuple[np.ndarray, np.ndarray]:
+    """How fast points come at the start of the begun step, (n,) in m/s, and which of them, or of
+    those that touch, faster than their law allows in ``step``, (n,) of bool: by more than the last
+    step resolved and than round-off of their gaps is worth. None of those that the last percussion
+    left as they were: the next one would, too."""
+    touches = contact.touching()
+    comes = contact.coupling.coming(_struck_jump(contact), touches)
+    asked = contact.chosen & contact.candidates.near() & ~contact.blows.idle
+    asked &= _excess(contact, step, comes) > _least(contact, step)
+    return comes, asked & touches if touching else asked
 
 
-def strikes(contact: Contact, step: Step, points: np.ndarray, error: float) -> bool:
+def strikes(
+    contact: Contact, step: Step, comes: np.ndarray, points: np.ndarray, error: float
+) -> bool:
     """Whether one of these points is faster than its law allows by more than what the loads of
     the step change: less is a body coming to rest, which the step itself can stop; or arrives and
     goes beyond what it meets even if the step stops it, by more than errors of its gap are worth
@@ -33,12 +42,14 @@ def strikes(contact: Contact, step: Step, points: np.ndarray, error: float) -> b
     change = contact.coupling.loaded(free, _struck_jump(contact))
     least = contact.tolerance / step.horizon + _least(contact, step)
     least += error * contact.coupling.fastest("velocity")
-    beyond = _excess(contact, step, stopped=True) > least
+    # in the mean, if it is at rest at the end
+    stopped = comes * (1 - step.gap_rate / step.horizon)
+    beyond = _excess(contact, step, stopped) > least
     # what rests and was lifted by a finite rotation is put back by the steps
     came = dot(contact.jump, contact.coupling.start_normals())
     beyond &= came <= contact.arriving + _least(contact, step)
     beyond &= not getattr(contact.formulation, "drift_correction", 0.0)  # which puts it back
-    return bool((beyond | (_excess(contact, step) > change))[points].any())
+    return bool((beyond | (_excess(contact, step, comes) > change))[points].any())
 
 
 def rebounding(contacts: Iterable[Contact]) -> bool:
@@ -52,10 +63,9 @@ def first_arrival(contacts: Iterable[Contact], step: Step) -> float:
     first = inf
     for contact in contacts:
         if contact.formulation.percussive:
-            points = approaching(contact, step, contact.chosen)
+            comes, points = approaching(contact, step)
             gap = np.minimum(contact.gap, 0.0)[points]
-            approach = _approach(contact)[points]
-            first = min(first, (-gap / approach).min(initial=inf))
+            first = min(first, (-gap / comes[points]).min(initial=inf))
     return first
 
 
@@ -64,17 +74,9 @@ def _least(contact: Contact, step: Step) -> float:
     return contact.resolution + contact.noise / step.horizon
 
 
-def _excess(contact: Contact, step: Step, stopped: bool = False) -> np.ndarray:
-    """How much faster than its law allows each point starts the step, (n,) in m/s; or is in the
-    mean if it is at rest at its end."""
-    approach = _approach(contact)
-    approach = approach * (1 - step.gap_rate / step.horizon) if stopped else approach
-    return np.asarray(approach + struck_gap(contact, step) / step.horizon)
-
-
-def _approach(contact: Contact) -> np.ndarray:
-    """w_n at the start of the begun step, if it starts with a percussion, (n,)."""
-    return contact.coupling.coming(_struck_jump(contact), contact.touching())
+def _excess(contact: Contact, step: Step, comes: np.ndarray) -> np.ndarray:
+    """How much faster than its law allows each point is, (n,) in m/s, if it comes as fast."""
+    return np.asarray(comes + struck_gap(contact, step) / step.horizon)
 
 
 def _struck_jump(contact: Contact) -> np.ndarray:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from math import inf
 
@@ -41,8 +42,7 @@ class Stepper:
     Args:
         solids, contacts: of the scene.
         newton: settings of the Newton loop.
-        geometry: "newton" or "fixed point".
-        solver: "condensed", "monolithic" or "iterative".
+        geometry, solver: "newton" or "fixed point"; "condensed", "monolithic" or "iterative".
         inertia, floating: that of the scheme, and without any solids that only contact holds.
 
     Attributes:
@@ -165,24 +165,22 @@ class Stepper:
         return certify(self._assembly, step, books, self._pushed)
 
     def struck(self, step: Step, touching: bool = False) -> bool:
-        """Whether a velocity law is violated at the start of a step: a percussion is due.
-
-        Args:
-            step: to be crossed from the present state.
-            touching: ask only points that touch; the others are watched otherwise.
-        """
+        """Whether a velocity law is violated at the start of a step to be crossed from the present
+        state: a percussion is due. Only points that touch are asked if ``touching``; the others
+        are watched otherwise."""
         percussive = [contact for contact in self.contacts if contact.formulation.percussive]
-        if not percussive or not step.scheme.inertia:
+        if not (percussive and step.scheme.inertia):
             return False
-        self._begin(step)
-        where = [contact.touching() if touching else contact.chosen for contact in percussive]
-        points = [approaching(contact, step, asked) for contact, asked in zip(percussive, where)]
-        asked = [(contact, each) for contact, each in zip(percussive, points) if each.any()]
+        # what touches is asked as a percussion would stop it: where it is, not where it slides to
+        self._begin(replace(step, dt=0.0, ahead=step.horizon) if touching else step)
+        asked = [(contact, *approaching(contact, step, touching)) for contact in percussive]
+        asked = [(c, comes, points) for c, comes, points in asked if points.any()]
         if not asked:
             return False
+        self._begin(step)
         for solid in self.solids:
             solid.linearise(step)
-        return any(strikes(contact, step, points, ACCEPTED) for contact, points in asked)
+        return any(strikes(c, step, comes, points, ACCEPTED) for c, comes, points in asked)
 
     def _begin(self, step: Step) -> None:
         """Predict the solids, and take up what is given in the step, if not done yet."""

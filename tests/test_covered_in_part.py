@@ -6,7 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from corpus_meshes import moved
-from scenes import G, rectangle
+from scenes import G, box, rectangle
+from test_two_bodies import patch
 
 from fenicsx_contact import (
     Contact,
@@ -16,6 +17,11 @@ from fenicsx_contact import (
     Scene,
     ThetaScheme,
 )
+from fenicsx_contact.contact.mortar import Pairing, Side
+from fenicsx_contact.contact.mortar.rates import Rates
+
+#: A rigid solid in space.
+HELD = [*"xyz", *(f"turning about {axis}" for axis in "xyz")]
 
 
 def plank(aside, facets, law="velocity", theta=0.5, slave="plank", **scene):
@@ -82,3 +88,145 @@ def test_statics_of_a_plank_that_nothing_holds_are_refused(facets):
         reasons.append(history.reason)
     assert reasons[0] == "finished"
     assert "contacts cannot hold 'plank' against turning" in reasons[1]
+
+
+# -- in space, of quadrilaterals --
+
+TURNED = np.array([[2, -1, 2], [2, 2, -1], [-1, 2, 2]]) / 3  # any way
+
+
+def plank_in_space(aside, cells, law="velocity", theta=0.5, turn=None, size=1.0):
+    """The same plank, 0.3 m wide, on a pedestal as wide, all turned so and so much larger; its spin
+    about the edge."""
+    turn = np.eye(3) if turn is None else turn
+    upper, lower = box((*cells, 1), (2.0, 0.3, 0.1)), box((1, 1, 1), (0.4, 0.3, 0.4))
+    upper, lower = moved(upper, aside, 0.0, 0.0), moved(lower, 0.0, 0.0, -0.4)
+    for mesh in (upper.mesh, lower.mesh):
+        mesh.geometry.x[:] = size * mesh.geometry.x @ turn.T
+    down = size * turn @ [0.0, 0.0, -G]
+    above = RigidSolid(upper, mass=3.0, gravity=down, name="plank")
+    below = RigidSolid(lower, mass=1.0, held=HELD, name="pedestal")
+    contact = Contact(above, "base", (below, "top"), law, name="c")
+    scene = Scene([above, below], [contact], ThetaScheme(theta))
+    history = scene.run(0.2, 5e-3, progress=False)
+    assert history.finished and not history.remarks, (history.reason, history.remarks)
+    spin = turn.T @ above.velocity[3:] * np.linalg.det(turn)  # a pseudovector
+    assert np.abs(spin[[0, 2]]).max() < 1e-9
+    return -float(spin[1])
+
+
+@pytest.mark.parametrize(("law", "theta"), [("velocity", 0.5), ("gap", 1.0), ("lagrange", 1.0)])
+def test_a_plank_in_space_tips_as_one_in_the_plane(law, theta):
+    """With its weight 0.3 m beside its support it lay still: it was borne at a node in the air."""
+    known = plank(0.5, 1, law, theta)
+    for cells in ((1, 1), (2, 1), (5, 2)):
+        assert plank_in_space(0.5, cells, law, theta) == pytest.approx(known, rel=1e-5)
+    assert abs(plank_in_space(0.19, (1, 1), law, theta)) < 1e-9
+    assert plank_in_space(0.21, (1, 1), law, theta) < -0.03
+
+
+def test_nor_does_it_matter_how_the_scene_lies_and_in_which_units():
+    known = plank_in_space(0.5, (1, 1))
+    mirror = np.diag([1.0, -1.0, 1.0])
+    for turn, size in ((TURNED, 1.0), (TURNED @ mirror, 1.0), (None, 1e3)):
+        assert plank_in_space(0.5, (1, 1), turn=turn, size=size) == pytest.approx(known, rel=1e-7)
+
+
+@pytest.mark.parametrize("facets", [1, 2, 10])
+def test_a_box_that_lands_on_a_lever_in_space(facets):
+    """As in the plane: it is struck at the inner edge of the box, which is less wide than it is."""
+    bar = moved(box((facets, 1, 1), (2.0, 0.3, 0.1)), 0.0, 0.0, -0.05)
+    held = [*"xyz", "turning about x", "turning about z"]
+    lever = RigidSolid(bar, mass=3.0, held=held, name="lever")
+    low = moved(box((1, 1, 1), (0.1, 0.1, 0.1)), 0.8, 0.0, 0.15)
+    drop = RigidSolid(low, mass=1.0, velocity=(0, 0, -2.0), held=HELD[3:], name="drop")
+    contact = Contact(lever, "top", (drop, "base"), name="c")
+    scene = Scene([lever, drop], [contact], locate_impacts=True)
+    spin = {"spin": lambda: float(lever.velocity[4])}
+    history = scene.run(0.055, 5e-3, progress=False, probes=spin)
+    struck = np.argmax(history["kinetic"] < 1.9)
+    inertia, arm = 3.0 / 12 * (2.0**2 + 0.1**2), 0.75
+    assert history["spin"][struck] == pytest.approx(2.0 * arm / (inertia + arm**2), rel=1e-9)
+
+
+def two_bricks(cell, angle):
+    """A brick of one facet, the unit square, before two with a gap between them, turned so."""
+    c, s = np.cos(angle), np.sin(angle)
+    parts = []
+    for left in (0.1, 0.6):
+        x, y = np.meshgrid([left, left + 0.3], [0.2, 0.45, 0.7], indexing="ij")
+        x, y = x.ravel() - 0.5, y.ravel() - 0.5
+        parts.append(np.stack([0.5 + c * x - s * y, 0.5 + s * x + c * y, 0 * x], axis=1))
+    points, cells = np.concatenate(parts), np.array([[0, 3, 1, 4], [1, 4, 2, 5]])
+    if cell == "triangle":
+        cells = np.concatenate([cells[:, [0, 1, 2]], cells[:, [1, 3, 2]]])
+    cells = np.concatenate([cells, cells + 6])
+    middle = points[cells].mean(axis=1)
+    inside = np.stack([middle, middle - [0, 0, 1]], axis=1)
+    return patch(1, 0.0, "quadrilateral", 0.0, 1, True, 0.0, 1.0), Side(points, cells, cell, inside)
+
+
+ANGLES = pytest.mark.parametrize("angle", [0.0, 0.1, np.pi / 4, np.pi / 2])
+CELLS = pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
+
+
+@CELLS
+@ANGLES
+def test_rows_stand_at_the_corners_of_what_is_covered(cell, angle):
+    """What each exerts acts at a corner of the box around both bricks; their areas add up."""
+    slave, master = two_bricks(cell, angle)
+    pair, places = Pairing(slave, master), np.concatenate([slave.nodes, master.nodes])
+    pair.update(places, 0.5)
+    low, high = master.nodes[:, :2].min(axis=0), master.nodes[:, :2].max(axis=0)
+    assert pair.area.min() > 0 and pair.area.sum() == pytest.approx(0.3, rel=1e-12)
+    for i, node in enumerate(slave.nodes):
+        force = np.zeros((pair.n, 3))
+        force[i, 2] = 1.0
+        force = (pair.operator.T @ force.ravel()).reshape(-1, 3)[:, 2]
+        for side in (slice(0, 4), slice(4, None)):
+            acts = force[side] @ places[side, :2] / force[side].sum()
+            np.testing.assert_allclose(acts, np.where(node[:2] < 0.5, low, high), atol=1e-12)
+
+
+def compared(pair, places, way):
+    """What changes as the places move that way: by derivatives, and by central differences."""
+    rng, h = np.random.default_rng(3), 1e-6
+    v, f = rng.standard_normal(places.shape), rng.standard_normal((pair.n, 3))
+    pair.update(places, 0.5)
+    rates = Rates(pair)
+    matrices = rates.gap, rates.areas, rates.jump(v), rates.spread(f)
+    computed = [matrix @ way.ravel() for matrix in matrices]
+
+    def values(x):
+        pair.update(x, 0.5)
+        J = pair.operator
+        return pair.gap.copy(), pair.area.copy(), J @ v.ravel(), J.T @ f.ravel()
+
+    pairs = zip(values(places + h * way), values(places - h * way))
+    return zip(computed, [(a - b) / (2 * h) for a, b in pairs])
+
+
+@CELLS
+@ANGLES
+def test_derivatives_where_the_master_ends_on_all_sides(cell, angle):
+    slave, master = two_bricks(cell, angle)
+    rng = np.random.default_rng(2)
+    places = np.concatenate([slave.nodes, master.nodes])
+    places += 2e-3 * rng.standard_normal(places.shape)
+    way = rng.standard_normal(places.shape)
+    for exact, found in compared(Pairing(slave, master), places, way):
+        assert np.abs(exact - found).max() < 1e-8 * np.abs(exact).max()
+
+
+@CELLS
+def test_derivatives_where_edges_are_parallel(cell):
+    """By what slides, and by what turns, as much to either side: of corners as far none decides."""
+    slave, master = two_bricks(cell, 0.0)
+    places = np.concatenate([slave.nodes, master.nodes])
+    places[:4, 2] += 0.1 * slave.nodes[:, 0] + 0.2 * slave.nodes[:, 1]
+    slide, turn = np.zeros_like(places), np.zeros_like(places)
+    slide[:4] = [1.0, -0.7, 0.0]
+    turn[4:, 0], turn[4:, 1] = master.nodes[:, 1] - 0.45, 0.5 - master.nodes[:, 0]
+    for way in (slide, turn):
+        for exact, found in compared(Pairing(slave, master), places, way):
+            assert np.abs(exact - found).max() < 1e-7 * max(1.0, np.abs(exact).max())

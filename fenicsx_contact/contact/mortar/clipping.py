@@ -23,7 +23,7 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def clip(subject: np.ndarray, window: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What each polygon (q, v, 2) has in common with a convex window (q, k, 2), counterclockwise:
     numbers of those that have (r,), polygons (r, w, 2), and of which edge of the subject the edges
-    that begin at the corners are part, (r, w), or -1: of the window's.
+    that begin at the corners are part, (r, w), or, as -1 - edge, of which of the window.
 
     Sutherland and Hodgman, Commun. ACM 17, 1974: one edge of all windows after the other.
     """
@@ -36,12 +36,12 @@ def clip(subject: np.ndarray, window: np.ndarray) -> tuple[np.ndarray, np.ndarra
         within = (depth > 0).any(axis=1)
         which, subject, edges, depth = (x[within] for x in (which, subject, edges, depth))
         if len(which):
-            subject, edges = _cut(subject, edges, depth)
+            subject, edges = _cut(subject, edges, depth, -1 - edge)
     return which, subject, edges
 
 
 def _cut(
-    polygon: np.ndarray, edges: np.ndarray, depth: np.ndarray
+    polygon: np.ndarray, edges: np.ndarray, depth: np.ndarray, line: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """What lies on the inner side of a line, at whose depths (q, v) the corners (q, v, 2) are."""
     inside = depth >= 0
@@ -51,13 +51,23 @@ def _cut(
     crossing = polygon + fraction[..., None] * (after - polygon)
     q, v = depth.shape
     corners = np.stack([polygon, crossing], axis=2).reshape(q, 2 * v, 2)
-    edges = np.stack([edges, np.where(inside, -1, edges)], axis=2).reshape(q, 2 * v)
+    edges = np.stack([edges, np.where(inside, line, edges)], axis=2).reshape(q, 2 * v)
     kept = np.stack([inside, crosses], axis=2).reshape(q, 2 * v)
     count = kept.sum(axis=1)
     order = np.argsort(~kept, axis=1, kind="stable")[:, : count.max()]
     order = np.where(np.arange(order.shape[1]) < count[:, None], order, order[:, :1])
     corners = np.take_along_axis(corners, order[..., None], axis=1)
     return corners, np.take_along_axis(edges, order, axis=1)
+
+
+def corners(polygons: np.ndarray, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Corners of what :func:`clip` found, each once: numbers of polygons (r,), places (r, 2), and
+    of which edges those are part that end and begin there, (r, 2)."""
+    w = polygons.shape[1]
+    real = (np.roll(polygons, -1, axis=1) != polygons).any(axis=2)  # with a length
+    last = np.maximum.accumulate(np.where(np.tile(real, 2), np.arange(2 * w), -1), axis=1)
+    before = np.take_along_axis(edges, last[:, w - 1 : -1] % w, axis=1)
+    return np.nonzero(real)[0], polygons[real], np.stack([before[real], edges[real]], axis=1)
 
 
 def covers(polygons: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -6,11 +6,11 @@ the mean  (J v)_i = 1/a_i int psi_i v  of a field v, psi = D M^-1 phi on each fa
 
     1/a_i  oint [phi_i (c_i - (J v)_i) + psi_i (v - sum_k c_k phi_k)] dA,   c = M^-1 int phi v,
 
-the field's best linear fit there. A linear field that fits its means changes nothing. Where phi_j
-is of a corner of what is covered, which moves on by the way ds, phi stays behind, and the fit is
-read elsewhere:
+the field's best linear fit there. A linear field that fits its means changes nothing. Where the
+part that bears moves on by the way ds, its functions change within their span, D with them, and the
+fit is read elsewhere (parts.py):
 
-    dphi_i = -phi_i' phi_j ds,    dc_i = delta_ij sum_k c_k phi_k' ds.
+    dphi_i = sum_k phi_k K_ki ds,    dD_i = sum_k K_ki D_k ds,    dc_i = -sum_k K_ik c_k ds.
 """
 
 from __future__ import annotations
@@ -20,40 +20,47 @@ import numpy as np
 from .matrices import Matrix, add_up, by_component, gather
 from .mortar import Pairing
 from .motion import Motion
-from .pieces import Brink
+from .pieces import Brink, Ends
 
 
 class Cover:
     """Derivatives of a pair's means by the moving edges of the master, by all nodes, (N d,)."""
 
     def __init__(self, pair: Pairing, brink: Brink) -> None:
-        self._pair, points = pair, brink.points
-        self._points, motion = points, Motion(pair, brink.guides)
-        self._columns, self._facet = motion.columns, points.facet
-        self._corners = pair.slave.corners[points.facet]
-        across = brink.across * points.weight[..., None]
-        self._way = (across[:, :, None] @ motion.slide)[:, :, 0]  # dA, (p, g, k d)
-        self._psi = points.corner @ pair.dual[points.facet]
-        area = (points.corner[:, 0] * pair.lumped[points.facet]).sum(axis=1, keepdims=True)
-        self._pull = area * brink.pull  # (p, corners)
+        self._pair, self._points = pair, brink.points
+        self._corners = pair.slave.corners[self._points.facet]
+        self._psi = self._points.corner @ pair.dual[self._points.facet]
+        motion = Motion(pair, brink.guides)
+        across = brink.across * self._points.weight[..., None]
+        self._edge = _Way(pair, self._points.facet, across, motion)  # dA
+        self._end: _End | None = None
+        if (ends := brink.ends) is not None:
+            motion = motion if ends.guides is brink.guides else Motion(pair, ends.guides)
+            self._end = _End(pair, ends, motion)
 
     def means(self, pieces: np.ndarray, edge: np.ndarray, nodal: np.ndarray) -> Matrix:
         """Those of the means of a field of e components: of its values on the pieces (p, g, e), on
         the edges, and of the means (n, e); a matrix (n e, N d)."""
-        pair, phi, e = self._pair, self._points.corner, nodal.shape[1]
-        fit = self._fit(pieces)[self._facet]
-        rest = (edge - phi @ fit)[:, :, None]
-        off, pull = fit - nodal[self._corners], self._pull[..., None]
-        lever = phi[..., None] * (off + (pull * fit).sum(axis=1, keepdims=True))[:, None]
-        lever += self._psi[..., None] * rest - (pull * off)[:, None]
-        lever *= pair.share[self._corners][:, None, :, None]
-        rows = self._corners[:, :, None] * e + np.arange(e)
-        return self._gather(lever, rows, pair.n * e)
+        pair, phi, corners = self._pair, self._points.corner, self._pair.slave.corners
+        share, fits = pair.share[:, None], self._fit(pieces)
+        fit = fits[self._points.facet]
+        lever = phi[..., None] * (fit - nodal[self._corners])[:, None]
+        lever += self._psi[..., None] * (edge - phi @ fit)[:, :, None]
+        lever *= share[self._corners][:, None]
+        result = self._edge.gather(lever, corners, pair.n)
+        if end := self._end:
+            at, fit = corners[end.facet], fits[end.facet]
+            lever = end.grown * (fit - nodal[at]) - end.area * (end.change @ fit)
+            result = result + end.gather((lever * share[at])[:, None], corners, pair.n)
+        return result
 
     def areas(self) -> Matrix:
         """Those of the areas a_i, (n, N d)."""
-        lever = self._points.corner - self._pull[:, None]
-        return self._gather(lever[..., None], self._corners[:, :, None], self._pair.n)
+        rows = self._pair.slave.corners, self._pair.n
+        result = self._edge.gather(self._points.corner[..., None], *rows)
+        if end := self._end:
+            result = result + end.gather(end.grown[:, None], *rows)
+        return result
 
     def forces(self, force: np.ndarray, pressed: np.ndarray) -> Matrix:
         """Those of J' f of forces that grow with the areas, (N d, N d): those spread by the means,
@@ -73,18 +80,21 @@ class Cover:
     def _spread(self, force: np.ndarray, fit: Matrix, direction: np.ndarray) -> Matrix:
         """Of forces (n, e) whose means fit so on the facets, (m c e, N d), and that act where they
         are in a direction, (p, g, d)."""
-        pair, phi, e = self._pair, self._points.corner, force.shape[1]
-        m, c = pair.slave.corners.shape
-        d = pair.slave.dim
-        pressure = (pair.share[:, None] * force)[self._corners]  # (p, c, e)
+        pair, phi, corners = self._pair, self._points.corner, self._pair.slave.corners
+        each = np.arange(corners.size).reshape(corners.shape), corners.size
+        pressures = pair.share[:, None] * force
+        pressure = pressures[self._corners]  # (p, c, e)
         pulled = self._psi @ pressure  # (p, g, e)
-        rows = pair.nodes_of(self._points)[:, :, None] * d + np.arange(d)
         acting = self._points.both[..., None] * (pulled * direction)[:, :, None]
-        direct = self._gather(acting, rows, pair.total * d)
+        nodes = pair.nodes_of(self._points)
+        direct = self._edge.gather(acting, nodes, pair.total, each=False)
         lever = phi[..., None] * (pressure[:, None] - pulled[:, :, None])
-        lever += self._pull[:, None, :, None] * ((phi @ pressure)[:, :, None] - pressure[:, None])
-        rows = (self._facet[:, None] * c + np.arange(c))[:, :, None] * e + np.arange(e)
-        return direct + fit.T @ self._gather(lever, rows, m * c * e)
+        result = self._edge.gather(lever, *each)
+        if end := self._end:
+            pressure = pressures[corners[end.facet]]
+            lever = end.grown * pressure - end.back @ (end.area * pressure)
+            result = result + end.gather(lever[:, None], *each)
+        return direct + fit.T @ result
 
     def _fit(self, values: np.ndarray) -> np.ndarray:
         """The best linear fit on each facet of values on the pieces, (m, corners, e)."""
@@ -95,9 +105,33 @@ class Cover:
         sums = add_up(moments.reshape(len(moments), c * e), pieces.facet, m)
         return pair.inverse_mass @ sums.reshape(m, c, e)
 
-    def _gather(self, lever: np.ndarray, rows: np.ndarray, n: int) -> Matrix:
-        """What levers (p, g, c, e) on the edge give the rows (p, c, e) of n."""
+
+class _Way:
+    """How far points (p, g) of facets (p,) go across what ends there."""
+
+    def __init__(
+        self, pair: Pairing, facet: np.ndarray, across: np.ndarray, motion: Motion
+    ) -> None:
+        self.facet, self._columns, self._dense = facet, motion.columns[:, None], pair.dense
+        self._way = (across[:, :, None] @ motion.slide)[:, :, 0]  # (p, g, k d)
+        self._total = pair.total * pair.slave.dim
+
+    def gather(self, lever: np.ndarray, rows: np.ndarray, n: int, each: bool = True) -> Matrix:
+        """What levers (p, g, c, e) on these ways give to n rows of e components: to ``rows`` (m, c)
+        of facets, or, not of ``each`` facet, (p, c) of points."""
         p, g, c, e = lever.shape
+        rows = rows[self.facet] if each else rows
+        rows = (rows[:, :, None] * e + np.arange(e)).reshape(p, c * e, 1)
         entries = np.swapaxes(lever.reshape(p, g, c * e), 1, 2) @ self._way
-        rows, shape = rows.reshape(p, c * e, 1), (n, self._pair.total * self._pair.slave.dim)
-        return gather(entries, rows, self._columns[:, None], shape, self._pair.dense)
+        return gather(entries, rows, self._columns, (n * e, self._total), self._dense)
+
+
+class _End(_Way):
+    """Ways with which functions of facets change, by K, (q, c, c): ``back``: K', ``area``: D, (q,
+    c, 1), ``grown``: what the former makes of the latter, (q, c, 1)."""
+
+    def __init__(self, pair: Pairing, ends: Ends, motion: Motion) -> None:
+        super().__init__(pair, ends.guides.facet, ends.across, motion)
+        self.change, self.back = ends.change, np.swapaxes(ends.change, 1, 2)
+        self.area = pair.lumped[self.facet][..., None]
+        self.grown = self.back @ self.area

@@ -2,13 +2,8 @@
 """Where a pair of lines is integrated: points on pieces of the slave's facets.
 
 The facets are cut where corners of the other side face them: what is integrated is smooth on each
-piece, and the integral exact for straight facets (mortar). A facet that is covered in part, from a
-to b of its local coordinate xi, has its corners at the ends of this part: these are its functions,
-
-    e_0 = (b - xi)/(b - a),    e_1 = (xi - a)/(b - a),
-
-so that its rows stand there, and forces act where both solids are: with the functions of the whole
-facet rows would stand at its nodes, and beside the end of what bears it a solid would be borne.
+piece, and the integral exact for straight facets (mortar). Forces on a facet that is covered in
+part, from a to b of its local coordinate, act at the ends of this part (parts.py).
 """
 
 from __future__ import annotations
@@ -22,7 +17,8 @@ import numpy as np
 from .clipping import gauss
 from .itself import Admits
 from .partners import Hits, Partners, Rays, intersect
-from .pieces import Brink, Pieces
+from .parts import Parts
+from .pieces import Brink, Ends, Pieces
 from .search import Near, Spheres
 from .side import TURN, Side, unit_and_length
 from .stance import Places, Sides, Stance, look
@@ -74,12 +70,12 @@ class Lines:
         hits = self._partners.meet(Rays(view.x, view.unit, view.facet, reach), places)
         covered = np.zeros(len(cut.facet), dtype=bool)
         covered[hits.ray // cut.each] = True
-        part = cut.part(covered, len(reach))
+        part = cut.part(covered, self._sides[0])
         pieces = _pieces(view.of(hits.ray), self._sides, hits, part)
         return pieces, self._brink(cut, covered, hits, part, places, stance)
 
     def _brink(
-        self, cut: Cut, covered: np.ndarray, hits: Hits, part: np.ndarray, places: Places,
+        self, cut: Cut, covered: np.ndarray, hits: Hits, part: Parts, places: Places,
         stance: Stance,
     ) -> Brink | None:  # fmt: skip
         piece, end = cut.free(covered)
@@ -104,9 +100,10 @@ class Lines:
             )  # fmt: skip
         tangent = guide.side.tangents(places[0], facet, guide.slopes)[0]
         pace = outwards * (guide.inverse[:, 0, 0] * tangent).sum(axis=1)  # of their coordinate
-        moves = (xi == part[facet, end]) * outwards / (part[facet, 1] - part[facet, 0])
-        pull = moves[:, None] * np.array([-1.0, 1.0]) / there.weight
-        return Brink(there, guide, -1 / pace[:, None, None], pull)
+        across = -1 / pace[:, None, None]
+        moves = part.within(facet, xi[:, None])[np.arange(len(xi)), end]  # not of gaps between
+        ends = Ends(guide, across, moves[:, None, None] * part.changes(facet, end))
+        return Brink(there, guide, across, ends)
 
 
 class _View(NamedTuple):
@@ -145,16 +142,15 @@ def _look(points: Points, sides: Sides, places: Places, stance: Stance) -> _View
     return _View(points, values, slopes, x, unit, length, stance)
 
 
-def _pieces(view: _View, sides: Sides, hits: Hits, part: np.ndarray) -> Pieces:
-    """Those of points that meet these, of facets that are covered from xi to xi, (m, 2)."""
-    (slave, master), facet = sides, view.facet
-    values, (a, b) = view.values[:, None], part[facet].T[..., None]
+def _pieces(view: _View, sides: Sides, hits: Hits, part: Parts) -> Pieces:
+    """Those of points that meet these."""
+    (slave, master), facet, values = sides, view.facet, view.values[:, None]
     weight = view.points.weight * slave.reference_measure(facet, view.slopes)
     weight *= slave.breadth(facet, view.values)
-    corner = np.hstack([b - view.points.xi, view.points.xi - a]) / (b - a)
+    corner = part.functions(facet, view.points.xi[:, None])
     theirs, their_slopes = (each[..., None, :] for each in master.shape(hits.xi))
     return Pieces(
-        facet=facet, other=hits.facet, weight=weight[:, None], corner=corner[:, None],
+        facet=facet, other=hits.facet, weight=weight[:, None], corner=corner,
         values=values, their_values=theirs, their_slopes=their_slopes,
         guide=values, their_guide=theirs, aligned=True, distance=hits.distance[:, None],
         unit=view.unit[:, None], side=slave, slopes=view.slopes, length=view.length,
@@ -171,14 +167,10 @@ class Cut(NamedTuple):
     points: Points
     each: int
 
-    def part(self, covered: np.ndarray, m: int) -> np.ndarray:
-        """From where to where each of m facets is covered, (m, 2): all of those that are not, of
-        which nobody asks."""
-        low, high = np.ones(m), np.zeros(m)
-        facet, (start, end) = self.facet[covered], self.ends[covered].T
-        np.minimum.at(low, facet, start)
-        np.maximum.at(high, facet, end)
-        return np.column_stack([np.where(high > 0, low, 0.0), np.where(high > 0, high, 1.0)])
+    def part(self, covered: np.ndarray, side: Side) -> Parts:
+        """The parts of this side's facets that the covered pieces are."""
+        facet, ends = self.facet[covered].repeat(2), self.ends[covered].reshape(-1, 1)
+        return Parts(side, facet, ends)
 
     def free(self, covered: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Covered pieces beside which their facet goes on and is not, and at which end, 0 or 1."""

@@ -6,10 +6,10 @@ shape functions phi_j (int psi_i phi_j = delta_ij a_i on each facet; Wohlmuth 20
 
     w_i = 1/a_i  int psi_i (v_slave - v_master o pi)        a_i = int phi_i,
 
-over the part of the surface that has a partner (in the plane phi_j are those of the ends of this
-part, integration.py), which faces it along the normal of the facet or, where a sharp corner stands
-on the master, of that (standing.py); gaps likewise. Integrals of solids of revolution are weighted
-by 2 pi r. With these nodal values the weak form (7) needs no change:
+over the part of the surface that has a partner (phi_j are those of the corners of this part,
+parts.py), which faces it along the normal of the facet or, where a sharp corner stands on the
+master, of that (standing.py); gaps likewise. Integrals of solids of revolution are weighted by
+2 pi r. With these nodal values the weak form (7) needs no change:
 integrated by them with weights a_i, it is the mortar form  int lam_h n . [[v*]]  with lam_h = sum
 lam_i psi_i. On a P1 slave lam_i a_i is the force on node i: signs are read node by node. (With
 phi_i in place of psi_i, lam_i oscillates at the edge of the contact, and Newton's method lets go of
@@ -154,7 +154,7 @@ class Pairing:
         )
         here = self.shared.facet_here
         self.pieces = pieces = pieces.only(here[pieces.facet])
-        self.brink = brink.only(here[brink.points.facet]) if brink else None
+        self.brink = brink.only(here) if brink else None
         corners = self.slave.corners[pieces.facet]
         self.nodes = self.nodes_of(pieces)
 

@@ -22,8 +22,8 @@ class Pieces:
     Attributes:
         facet, other: facets of the slave and of the master, (p,).
         weight: of the points on the reference surface, (p, g).
-        corner: linear functions that are 1 at one corner each of what is covered of the slave's
-            facet, (p, g, corners): in space those of the whole facet.
+        corner: linear functions that are 1 at one corner each of the part of the slave's facet
+            that bears, (p, g, corners), see parts.py.
         values, their_values: shape functions of the fields, (p, g, k).
         their_slopes: derivatives of the latter, (d - 1, p, g, k).
         guide, their_guide: shape functions of the guides, of the first of these nodes, (p, g, k).
@@ -76,6 +76,27 @@ class Pieces:
 
 
 @dataclass(frozen=True)
+class Ends:
+    """Where what is covered of a facet reaches farthest by one of its sides: points (q, 1).
+
+    Attributes:
+        guides: they, in pieces, as they are placed by what is cut.
+        across: by how much farther it reaches where a master's point moves on its facet, in its
+            local coordinates, (q, 1, d - 1).
+        change: K of  de_i = sum_k e_k K_ki ds,  the linear functions of the corners, for each such
+            length, (q, corners, corners).
+    """
+
+    guides: Pieces
+    across: np.ndarray
+    change: np.ndarray
+
+    def only(self, kept: np.ndarray, guides: Pieces) -> Ends:
+        """Some of them, (q,) of bool, which are these in pieces."""
+        return Ends(guides, self.across[kept], self.change[kept])
+
+
+@dataclass(frozen=True)
 class Brink:
     """Where a piece ends because the master does: points on free edges of its facets.
 
@@ -84,16 +105,26 @@ class Brink:
         guides: the same as they are placed by what is cut.
         across: by how much area what is covered grows where a master's point moves on its facet, in
             its local coordinates, (p, g, d - 1).
-        pull: where a corner of what is covered moves with it, derivatives of the functions of the
-            corners along the way, of a unit of area, (p, corners), else 0.
+        ends: where the corners of what is covered move, or None: nowhere.
     """
 
     points: Pieces
     guides: Pieces
     across: np.ndarray
-    pull: np.ndarray
+    ends: Ends | None
 
-    def only(self, kept: np.ndarray) -> Brink:
-        """Some of them, (p,) of bool."""
-        both = self.points.only(kept), self.guides.only(kept)
-        return Brink(*both, self.across[kept], self.pull[kept])
+    @property
+    def moves(self) -> bool:
+        """Whether there are any."""
+        return len(self.across) > 0 or (self.ends is not None and len(self.ends.across) > 0)
+
+    def only(self, facets: np.ndarray) -> Brink:
+        """What belongs to some of the slave's facets, (m,) of bool."""
+        kept = facets[self.points.facet]
+        points, guides, ends = self.points.only(kept), self.guides.only(kept), self.ends
+        if ends is not None and ends.guides is self.guides:
+            ends = ends.only(kept, guides)
+        elif ends is not None:
+            here = facets[ends.guides.facet]
+            ends = ends.only(here, ends.guides.only(here))
+        return Brink(points, guides, self.across[kept], ends)

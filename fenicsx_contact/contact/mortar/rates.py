@@ -51,7 +51,7 @@ class Rates:
         rows, shape = self._rows(), (pair.normal.size, across)
         mean = gather(turn, rows[..., None], columns, shape, pair.dense)  # of m_i
         self._cover: Cover | None = None
-        if pair.brink is not None and pair.shared.anywhere(len(pair.brink.across) > 0):
+        if pair.brink is not None and pair.shared.anywhere(pair.brink.moves):
             self._cover, self._edge = Cover(pair, pair.brink), pair.brink.points
             sides, lengths = (pieces, self._edge), pair.length[:, None]
             inside, edge = (pair.depths(each)[..., None] for each in sides)

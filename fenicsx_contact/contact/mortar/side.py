@@ -128,6 +128,10 @@ class Side:
         """Shape functions of the corners at local coordinates, (q, corners)."""
         return _tabulate(self._linear, 0, xi)[0]
 
+    def linear_slopes(self, xi: np.ndarray) -> np.ndarray:
+        """Their derivatives, (d - 1, q, corners)."""
+        return _tabulate(self._linear, 1, xi)[1:]
+
     def reference_measure(self, facet: np.ndarray, slopes: np.ndarray) -> np.ndarray:
         """Surface element of the reference placement at points of the facets, (q,), from the
         derivatives of the shape functions."""

@@ -518,7 +518,9 @@ def test_laws_of_areas_see_the_length_of_the_rod(cuts, top):
         section = Section(mass=2.0, bending=40.0)
         rod = BeamSolid(axis, section, gravity=(3.0, 0), law=Driven(0.5), **lying)
         ends = [top, *cuts, 2.0]
-        guide = Guide([Tube(a, b, 1e-3) for a, b in zip(ends[:-1], ends[1:])])
+        line = lambda: AnyCurve(lambda x: 0 * x, lambda x: 0 * x)  # noqa: E731  # another for each
+        guide = Guide([Tube(a, b, 1e-3, line()) for a, b in zip(ends[:-1], ends[1:])])
+        assert len(guide.stations) == len(ends)
         soft = Compliance(1e6, tangential_stiffness=1e8)  # so that all of it bears
         contact = GuideContact(rod, "rod", guide, soft, friction)
         rubs = {"rubbing": lambda: contact.axial_force()[1]}
@@ -532,6 +534,41 @@ def test_laws_of_areas_see_the_length_of_the_rod(cuts, top):
     assert contact.gap.max() == pytest.approx(6e-6, rel=2e-2)
     worn = np.delete(contact.memory.values["worn"], contact.stations)
     assert worn.mean() == pytest.approx(1e-4 / 1e6 * 6.0 * 0.2, rel=0.05)
+
+
+@pytest.mark.parametrize("law", ["gap", "velocity"])
+@pytest.mark.parametrize("cut", [-0.5, -1.01])
+def test_a_joint_of_no_effect_has_none(cut, law):
+    """5 N/m on 2 m of a rod that lies in a straight tube are 10 N, wherever it is divided."""
+    guide = Guide([Tube(cut, 3, 1e-3), Tube(-3, cut, 1e-3)])
+    section = Section(mass=3.0, bending=60.0)
+    axis = axis_mesh((0, 0), (0, 1), rod=(2.0, 10))
+    rod = BeamSolid(axis, section, gravity=(-4, -9.81), law=Fall())
+    settle(rod, "rod", guide)
+    contact = GuideContact(rod, "rod", guide, law, Tresca(5.0))
+    assert Scene([rod], [contact], ThetaScheme(0.5)).run(0.05, 2e-3).finished
+    assert rod.speed == pytest.approx(0.05 * (9.81 - 10 / 6), rel=1e-12)
+
+
+def test_tubes_that_are_one_are_one():
+    table = [(0.2, C), (0.9, 0.6 * C), (1.5, C), (1.8, C)]
+    whole = Tube(0, 2, table, Sine(0.01, L, "kinked"), [0.4])
+
+    def part(a, b, curve=whole.curve, clearance=table):
+        return Tube(a, b, clearance, curve, [0.4])
+
+    one, parts = Guide([whole]), Guide([part(1.2, 2), part(0, 0.7), part(0.7, 1.2)])
+    np.testing.assert_array_equal(parts.stations, one.stations)
+    x = np.stack([np.linspace(-2e-3, 2e-3, 501), -np.linspace(-0.1, 2.1, 501)], axis=1)
+    np.testing.assert_allclose(parts.distance(x), one.distance(x), rtol=1e-12)
+    np.testing.assert_allclose(parts.normals(x), one.normals(x), rtol=1e-12)
+    for other in (
+        part(0.7, 2, Sine(0.01, L)),
+        part(0.7, 2, clearance=2 * C),
+        part(0.7, 2, clearance=[(0.7, np.interp(0.7, *np.transpose(table))), (2, 2 * C)]),
+        part(0.8, 2),
+    ):
+        assert 0.7 in Guide([part(0, 0.7), other]).stations
 
 
 def test_what_is_between_tubes_has_no_length():

@@ -22,14 +22,15 @@ import numpy as np
 from ..base import checks
 from ..base.constants import SAME
 from ..base.quoted import quoted
-from .pieces import Card, Straight, Tube
+from .pieces import Card, Straight, Tube, joined
 
 
 class Guide:
     """Tubes and cards along one line.
 
     Args:
-        pieces: tubes and cards; tubes must not overlap.
+        pieces: tubes and cards; tubes must not overlap, and are one where one leads into the other
+            on the same line.
         origin: the point at depth 0, d coordinates, m.
         direction: along which the depth grows.
         plane: in 3D, the lateral direction in which the curves bend; default: the first one.
@@ -76,14 +77,11 @@ class Guide:
         second = [np.cross(self.direction, self.plane)] if d == 3 else []
         # depth first, then the lateral directions
         self._axes = np.array([self.direction, self.plane, *second])
-        self.tubes = sorted((p for p in pieces if isinstance(p, Tube)), key=lambda p: p.top)
         depths = [x for p in pieces for x in p.stations()]
         length = max(depths) - min(depths)
         self._same = SAME * length
         self.far = length + max(p.hole(x)[0] for p in pieces for x in p.stations())
-        for upper, lower in zip(self.tubes[:-1], self.tubes[1:]):
-            if lower.top < upper.bottom - self._same:
-                raise checks.InputError(f"pieces: {upper} and {lower} overlap")
+        self.tubes = joined([p for p in pieces if isinstance(p, Tube)], self._same)
         straight = Straight()
         self._bent = [(i, tube) for i, tube in enumerate(self.tubes) if tube.curve != straight]
         self._segments()
@@ -123,7 +121,9 @@ class Guide:
             return float(np.linalg.norm(a[2] - b[2])) + a[1] <= b[1] + self._same
 
         found: list[Station] = []
-        for piece in self.pieces:
+        pieces: list[Tube | Card] = [*self.tubes]
+        pieces += [piece for piece in self.pieces if isinstance(piece, Card)]
+        for piece in pieces:
             for depth in (depths := piece.stations()):
                 clearance, place = piece.hole(depth)
                 faces = np.array([depth == depths[0], depth == depths[-1]])

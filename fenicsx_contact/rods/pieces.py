@@ -229,6 +229,43 @@ class Tube:
         return float(np.interp(depth, *self.table())), self.curve.offset(np.array([depth]))
 
 
+def joined(tubes: Sequence[Tube], same: float) -> list[Tube]:
+    """Tubes from the top down, those that are one in fact as one: they adjoin, up to ``same`` [m],
+    and lead on the same line with the same clearance there.
+
+    Raises:
+        InputError: they overlap.
+    """
+    tubes = sorted(tubes, key=lambda tube: tube.top)
+    for upper, lower in zip(tubes[:-1], tubes[1:]):
+        if lower.top < upper.bottom - same:
+            raise checks.InputError(f"pieces: {upper} and {lower} overlap")
+    whole = tubes[:1]
+    for lower in tubes[1:]:
+        upper = whole[-1]
+        apart = lower.top - upper.bottom, lower.hole(lower.top)[0] - upper.hole(upper.bottom)[0]
+        if max(map(abs, apart)) > same or not _same_line(upper.curve, lower.curve):
+            whole.append(lower)
+            continue
+        (x, above), (z, below) = upper.table(), lower.table()
+        high = (x >= upper.top) & (x < upper.bottom)
+        low = (z > upper.bottom) & (z <= lower.bottom)
+        clearance = [*zip(x[high], above[high]), *zip(z[low], below[low])]
+        joint = upper.bottom, upper.hole(upper.bottom)[0]
+        if abs(np.interp(joint[0], *np.transpose(clearance)) - joint[1]) > same:
+            clearance = sorted([*clearance, joint])
+        kinks = [x for x in upper.kinks if x <= upper.bottom]
+        kinks += [x for x in lower.kinks if x >= lower.top]
+        whole[-1] = Tube(upper.top, lower.bottom, clearance, upper.curve, kinks)
+    return whole
+
+
+def _same_line(one: CentreLine, other: CentreLine) -> bool:
+    # own curves need not tell which are equal
+    told = isinstance(one, (Straight, Sine, Bow, AnyCurve))
+    return one is other or (told and one == other)
+
+
 @dataclass(frozen=True)
 class Card:
     """A thin plate with a hole.

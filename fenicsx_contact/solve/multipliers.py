@@ -10,7 +10,9 @@ problem as it was. The stiffer they are, the fewer rounds it takes: they are as 
 problem settle, softer where it does not, stiffer again where it does at once; where no springs do,
 and what is solved is known to be convex, all is tried once more, with patience. Where every problem
 settles and bounds turn round and round all the same (much friction at points that jam each other)
-the springs become softer, too: pressures, and bounds with them, then move less in a round.
+the springs become softer, too: pressures, and bounds with them, then move less in a round. Where
+all settles and a bound follows the others but slowly (along a belt), Newton's method without
+springs ends what it came near.
 (M.J.D. Powell 1969, M.R. Hestenes 1969; R.T. Rockafellar, SIAM J. Control Optim. 14, 877-898,
 1976.)
 """
@@ -46,6 +48,8 @@ class Softened(Protocol):
 
     def iterate(self) -> bool: ...
     def error(self) -> float: ...
+    def state(self) -> list[np.ndarray]: ...
+    def go_back(self, state: list[np.ndarray], share: float = 1.0) -> None: ...
     def soften(self, compliance: float) -> None: ...
     def begin_again(self) -> bool: ...
 
@@ -61,15 +65,17 @@ def method_of_multipliers(system: Softened, tolerance: float, rough: float) -> i
     Returns:
         The number of Newton steps. ``system.worst`` says whether they solved it.
     """
-    total = _rounds(system, tolerance, rough, STALLS)
-    if not system.worst <= rough and system.begin_again():
-        total += _rounds(system, tolerance, rough, PATIENCE)
+    total, settled = _rounds(system, tolerance, rough, STALLS)
+    # what settled each time would do the same again
+    if not (system.worst <= rough or settled) and system.begin_again():
+        total += _rounds(system, tolerance, rough, PATIENCE)[0]
     return total
 
 
-def _rounds(system: Softened, tolerance: float, enough: float, patience: int) -> int:
-    """Of the method, with so much patience where an error does not halve."""
-    total, compliance, rough, stiffest = 0, STIFFEST, 0, STIFFEST
+def _rounds(system: Softened, tolerance: float, enough: float, patience: int) -> tuple[int, bool]:
+    """Of the method, with so much patience where an error does not halve: the steps, and whether
+    all problems with springs settled."""
+    total, compliance, rough, stiffest, settled = 0, STIFFEST, 0, STIFFEST, True
     outer, gains = Patience(np.inf, stalls=np.finfo(float).nmant), Patience(np.inf)
     # multipliers may have to double, or errors to halve, as often as a number has digits
     for _ in range(4 * np.finfo(float).nmant):
@@ -82,15 +88,21 @@ def _rounds(system: Softened, tolerance: float, enough: float, patience: int) ->
             inner.see(system.error())
             if inner.best <= tolerance:
                 break
-        total += steps
+        total, settled = total + steps, settled and inner.best <= tolerance
         system.soften(0.0)
         lost = inner.best * np.finfo(float).eps > 1  # nothing holds it: no digit is left
         if system.error() <= tolerance or lost:
             break
         outer.see(system.worst)
         gains.see(system.worst)
-        if system.worst <= enough and not gains.lasts:
-            break
+        if not gains.lasts:
+            if system.worst <= enough:
+                break
+            if inner.best <= tolerance:
+                total += _ended(system, tolerance)
+                if system.worst <= tolerance:
+                    break
+                gains = Patience(system.worst)
         if not outer.lasts and inner.best <= tolerance and stiffest < SOFTEST:
             # bounds that follow pressures at once turn round with them
             stiffest = compliance = max(compliance, CHANGE * stiffest)
@@ -103,7 +115,22 @@ def _rounds(system: Softened, tolerance: float, enough: float, patience: int) ->
             rough += 1
             if inner.best > ROUGH * tolerance or rough > STALLS:
                 break
-    return total
+    return total, settled
+
+
+def _ended(system: Softened, tolerance: float) -> int:
+    """Steps of Newton's method from here on, as long as each halves the error; back where they do
+    not end in a solution. How many."""
+    start, steps, last = system.state(), 0, np.inf
+    while system.worst > tolerance and 2 * system.worst <= last:
+        steps, last = steps + 1, system.worst
+        if not system.iterate():
+            break
+        system.error()
+    if not system.worst <= tolerance:
+        system.go_back(start)
+        system.error()
+    return steps
 
 
 class Patience:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from dolfinx.mesh import CellType, create_box
 from mpi4py import MPI
 from scenes import box, rectangle, total_energy
 
@@ -14,6 +15,7 @@ from fenicsx_contact import (
     HalfSpace,
     HyperelasticSolid,
     InputError,
+    Newton,
     QuasiStatic,
     RigidSolid,
     Scene,
@@ -539,3 +541,34 @@ def test_tangents_that_are_kept_end_where_fresh_ones_do(monkeypatch):
     assert few < 0.8 * many and many == fresh["newton"].sum()
     assert kept["newton"].sum() <= fresh["newton"].sum() + 0.1 * len(fresh["newton"])
     assert kept["certificate"].max() < 1e-8
+
+
+@pytest.mark.parametrize(
+    "rigid, elastic, place",
+    [((2, 3, 1), (3, 2, 2), (0.06, 0.03)), ((4, 4, 1), (2, 2, 1), (0.013, -0.027))],
+)
+def test_a_fine_rigid_plate_lands_flat(rigid, elastic, place):
+    """More points than a rigid body and the few nodes below them tell apart: full Newton went far
+    along forces that do nothing, back and forth, and stopped after 30 iterations."""
+
+    def landed(**settings):
+        plate = brick((0.3, 0.25, 0.2), rigid, (*place, 0.1))
+        block = brick((0.5, 0.6, 0.2), elastic, (0.0, 0.0, -0.1))
+        upper = RigidSolid(plate, density=100.0, velocity=(0, 0, -1.0))
+        lower = ElasticSolid(block, youngs_modulus=2e5, poisson_ratio=0.3, density=200.0)
+        scene = Scene([upper, lower], [Contact(upper, "base", (lower, "top"))], **settings)
+        history = scene.run(until=3e-3, dt=1e-3, progress=False)
+        assert history.finished and not history.remarks
+        return history
+
+    history, other = landed(), landed(solver="monolithic", newton=Newton(max_iterations=100))
+    assert history["newton"].max() < 20
+    np.testing.assert_allclose(history["kinetic"], other["kinetic"], rtol=1e-7)
+
+
+def brick(size, cells, centre):
+    """A box of tetrahedra about there, its base and top named."""
+    corners = [np.array(centre) - np.array(size) / 2, np.array(centre) + np.array(size) / 2]
+    mesh = create_box(MPI.COMM_WORLD, corners, list(cells), CellType.tetrahedron)
+    ends = {"base": corners[0][2], "top": corners[1][2]}
+    return name_facets(mesh, {k: (lambda x, z=z: np.isclose(x[2], z)) for k, z in ends.items()})

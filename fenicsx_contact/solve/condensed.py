@@ -51,8 +51,8 @@ class Condensed:
 
     def freeze(self, step: Step) -> SurfaceSystem:
         """The contact problem with solids and geometry linearised as they are, after `free`."""
-        active = self.surfaces.arrange()
-        self.surfaces.begin(self._free[active], self._all.compliance(active))
+        self.surfaces.restart()
+        self._take_up()
         return self.surfaces
 
     def carry(self, step: Step, force: np.ndarray) -> None:
@@ -79,8 +79,8 @@ class Condensed:
     def begin(self, step: Step) -> tuple[float, np.ndarray]:
         """Residual of the present state: its largest relative error, and the forces on all points
         (flat, N)."""
-        active = self.surfaces.arrange()
-        self.surfaces.begin(self.free()[active], self._all.compliance(active))
+        self.free()
+        self._take_up()
         force = self.surfaces.force()
         self._all.spread(force)
         errors = self._all.imbalances(step, [s for s in self._all.solids if not s.linear])
@@ -92,8 +92,14 @@ class Condensed:
 
     def renew(self, step: Step) -> None:
         """Take up the derivatives of the geometry, which have been seen since `begin`."""
-        if self.freeze(step).size:
+        self._take_up()
+        if self.surfaces.size:
             self.surfaces.error(slow=0.0)
+
+    def _take_up(self) -> None:
+        """Solids and geometry as they are linearised now."""
+        active = self.surfaces.arrange()
+        self.surfaces.begin(self._free[active], self._all.compliance(active))
 
     def _changed(self, force: np.ndarray) -> float:
         """By how much the last correction changed the forces, over the largest. Where a fine mesh
@@ -105,9 +111,14 @@ class Condensed:
     def iterate(self, step: Step) -> bool:
         """Solve, and move the solids; False if the system is singular."""
         surfaces = self.surfaces
-        if surfaces.size and not surfaces.iterate():
+        if surfaces.size and not surfaces.iterate(by_pieces=True):
             return False
-        self.carry(step, surfaces.linear_force())
+        share, carried, force = surfaces.share, self._carried, surfaces.linear_force()
+        before = [solid.trial_velocity.copy() for solid in self._all.solids if share < 1]
+        self.carry(step, force)
+        for solid, old in zip(self._all.solids, before):
+            solid.go(old + share * (solid.trial_velocity - old), step)
+        self._carried = carried + share * (force - carried)
         return True
 
     def stall(self) -> str:

@@ -49,11 +49,11 @@ class Assembly:
 
     @cached_property
     def hyperstatic(self) -> bool:
-        """Whether there may be forces that the motion does not determine: a contact without springs
-        is between rigid bodies only, and has more points than these freedoms, or obstacles meet in
-        a corner and ask more of a node than it has components."""
+        """Whether there may be forces that the motion does not determine: points of a contact
+        without springs are a rigid body's, and more than it and what they meet can tell apart, or
+        obstacles meet in a corner and ask more of a node than it has components."""
         firm = [c for c in self.contacts if c.formulation.multipliers]
-        rigid = any(all(solid.shiftable for solid in c.solids) for c in firm)
+        rigid = any(c.solids[0].shiftable for c in firm)
         return rigid or any(map(self._cornered, self._of.values()))
 
     def _cornered(self, contacts: list[Contact]) -> bool:

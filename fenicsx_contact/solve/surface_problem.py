@@ -48,6 +48,7 @@ class SurfaceSystem(Statuses):
         parts, names: of the contacts.
         W, free: compliance of the active points and their velocities without contact.
         worst: the largest error of any row, after :meth:`error`.
+        share: of the last step that was gone.
     """
 
     def __init__(
@@ -57,7 +58,7 @@ class SurfaceSystem(Statuses):
         hyperstatic: bool,
         crowded: bool = False,
     ) -> None:
-        self._by_points = ByPoints()
+        self._by_points, self._yielding = ByPoints(), Yielding()
         super().__init__(parts, names)
         self.hyperstatic, self.crowded = hyperstatic, crowded
         self._total = sum(p.places for p in self.parts)
@@ -65,10 +66,9 @@ class SurfaceSystem(Statuses):
         self._sizes = np.empty(0), np.empty(0)
         self.W, self.free, self._many = np.empty((0, 0)), np.empty(0), False
         self._yields: Any = self.W
-        self.worst, self._judged = 0.0, np.empty(0)
+        self.worst, self.share, self._judged = 0.0, 1.0, np.empty(0)
         self._firm = COMPLIANCE if hyperstatic else FIRM
         self._compliance, self._centre = self._firm, np.empty(0)
-        self._yielding = Yielding()
         self._tangent: Factored | None = None
 
     def arrange(self) -> np.ndarray:
@@ -86,8 +86,7 @@ class SurfaceSystem(Statuses):
         self.W, self.free = compliance, free
         # of many bodies each yields alone
         self._yields = sp.csr_matrix(compliance) if self.crowded else compliance
-        self.worst = 0.0
-        self._yielding.restart()
+        self.worst, self.share = 0.0, 1.0
         if self.size:
             self.update()
 
@@ -156,27 +155,28 @@ class SurfaceSystem(Statuses):
         super().forget()
         self._tangent = None
         self._by_points.forget()
+        self.restart()
+
+    def restart(self) -> None:
+        """What follows begins with a plain step again."""
+        self._yielding.restart()
 
     def begin_again(self) -> bool:
         """It would not help: with the solids condensed no function falls."""
         return False
 
-    def iterate(self, enough: float = 0.0) -> bool:
-        """One Newton step; False where the tangent is singular. A first one of a hyperstatic
-        contact that makes the error worse is taken back, and another made if it was more than
-        ``enough``."""
+    def iterate(self, enough: float = 0.0, by_pieces: bool = False) -> bool:
+        """One Newton step; False where the tangent is singular. One of a hyperstatic contact is
+        judged; the error is not to be below ``enough``. If ``by_pieces`` it may be cut short."""
         if not self.hyperstatic or self._centre.size:
             return self._iterate()
-        first, before = self._yielding.first, self.worst
-        self._yielding.next(before, self.now())
-        self._compliance = self._yielding.compliance
-        if not first:
-            return self._iterate()
-        state = self.state()
-        if self._iterate() and self.error() <= before:
-            return True
-        self.go_back(state)
-        return before <= enough or self.iterate()
+        done, self.share = self._yielding.step(self, enough, by_pieces)
+        return done
+
+    def yields(self, compliance: float) -> bool:
+        """The same, not judged, with multipliers so compliant."""
+        self._compliance = compliance
+        return self._iterate()
 
     def state(self) -> list[np.ndarray]:
         """The active unknowns of the contacts."""

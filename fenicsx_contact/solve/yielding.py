@@ -11,6 +11,8 @@ M. Fukushima, Computing Suppl. 15, 239-249, 2001).
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 
 #: The compliance of a plain step (scaled), which picks the multipliers nearest to the last ones;
@@ -24,6 +26,22 @@ YIELDING = 1e-6, 1e-3
 CAUTION, MORE, LESS = 1e-4, 100.0, 10.0
 #: Cost: so many careful steps that do not halve the error while no status changes are enough.
 CREEPS = 5
+
+
+class Stepping(Protocol):
+    """What takes Newton steps.
+
+    Attributes:
+        worst: the largest error of any row, after `error`.
+    """
+
+    worst: float
+
+    def yields(self, compliance: float) -> bool: ...
+    def error(self) -> float: ...
+    def now(self) -> np.ndarray: ...
+    def state(self) -> list[np.ndarray]: ...
+    def go_back(self, state: list[np.ndarray], share: float = 1.0) -> None: ...
 
 
 class Yielding:
@@ -60,3 +78,45 @@ class Yielding:
             plain = self._stuck > 1 or self._crept > CREEPS
             self.compliance = COMPLIANCE if plain else careful
         self.first, self._last = False, error
+
+    def step(self, system: Stepping, enough: float, by_pieces: bool) -> tuple[bool, float]:
+        """One Newton step. A first one that makes the error worse is taken back, and another made
+        if the error was more than ``enough``; if ``by_pieces`` a later one ends where the first
+        point changes its status.
+
+        Returns:
+            Whether there is one, False where the tangent is singular, and the share of it that was
+            gone.
+        """
+        first, before = self.first, system.worst
+        start = system.state() if first or by_pieces else []
+        self.next(before, system.now())
+        done = system.yields(self.compliance)
+        if not start or (done and system.error() <= before):
+            return done, 1.0
+        if first:
+            system.go_back(start)
+            return (True, 0.0) if before <= enough else self.step(system, enough, by_pieces)
+        return done, _end_piece(system, start) if done else 1.0
+
+
+def _end_piece(system: Stepping, start: list[np.ndarray]) -> float:
+    """Go back along the last step to where the first point changed its status, by halves; the share
+    that is left. Forces that do nothing are to mend what little redundant rows lack, and grow until
+    one of their points opens: a step along them leads past many."""
+    statuses, end = system.now(), system.state()
+    system.go_back(start)
+    before = system.now()
+    changed, at, low, high = np.count_nonzero(statuses != before), 0.0, 0.0, 1.0
+    while changed > 1 and low < (middle := 0.5 * (low + high)) < high:
+        if middle < at:
+            system.go_back(start, (at - middle) / at)
+        else:
+            system.go_back(end, (middle - at) / (1 - at))
+        at, count = middle, np.count_nonzero(system.now() != before)
+        if count:
+            high, changed = middle, count
+        else:
+            low = middle
+    system.go_back(end, (high - at) / (1 - at))
+    return high

@@ -314,9 +314,14 @@ def slide(way, steps, friction=0.3, n=(60, 2), material="elastic", unit=1.0, str
             parts[name] = HyperelasticSolid(mesh, energy=neo_hookean(E, 0.3), **law)
     augmentation = options.pop("augmentation", {})
     contact = Contact(
-        parts["die"], "base", (parts["slab"], "top"), "gap", friction=friction, name="c",
+        parts["die"],
+        "base",
+        (parts["slab"], "top"),
+        "gap",
+        friction=friction,
+        name="c",
         **augmentation,
-    )  # fmt: skip
+    )
     scene = Scene([*parts.values()], [contact], QuasiStatic(), **options)
     return scene, scene.run(until=1 + steps, dt=1.0)
 
@@ -419,9 +424,12 @@ def pressed(depth):
     soft, stiff = rectangle((4, 4), (0.4, 0.5)), rectangle((5, 2), (0.8, 0.2))
     stiff.mesh.geometry.x[:, 1] -= 0.2
     upper = HyperelasticSolid(
-        soft, energy=neo_hookean(1.0, 0.3), density=1.0, name="upper",
+        soft,
+        energy=neo_hookean(1.0, 0.3),
+        density=1.0,
+        name="upper",
         prescribed={"top": lambda t: (0.0, -depth * t)},
-    )  # fmt: skip
+    )
     lower = ElasticSolid(
         stiff, youngs_modulus=50.0, poisson_ratio=0.3, density=1.0, name="lower", fixed=["base"]
     )
@@ -552,11 +560,7 @@ def test_a_fine_rigid_plate_lands_flat(rigid, elastic, place):
     along forces that do nothing, back and forth, and stopped after 30 iterations."""
 
     def landed(**settings):
-        plate = brick((0.3, 0.25, 0.2), rigid, (*place, 0.1))
-        block = brick((0.5, 0.6, 0.2), elastic, (0.0, 0.0, -0.1))
-        upper = RigidSolid(plate, density=100.0, velocity=(0, 0, -1.0))
-        lower = ElasticSolid(block, youngs_modulus=2e5, poisson_ratio=0.3, density=200.0)
-        scene = Scene([upper, lower], [Contact(upper, "base", (lower, "top"))], **settings)
+        scene = plate_on_block(rigid, elastic, place, **settings)
         history = scene.run(until=3e-3, dt=1e-3, progress=False)
         assert history.finished and not history.remarks
         return history
@@ -564,6 +568,25 @@ def test_a_fine_rigid_plate_lands_flat(rigid, elastic, place):
     history, other = landed(), landed(solver="monolithic", newton=Newton(max_iterations=100))
     assert history["newton"].max() < 20
     np.testing.assert_allclose(history["kinetic"], other["kinetic"], rtol=1e-7)
+
+
+@pytest.mark.parametrize("iterations", range(3, 11))
+def test_what_stalls_is_told_of_the_state(iterations):
+    """A row was named that was solved, to 5.5e-16: forces still changed, or the row was that of
+    one more correction, which nobody had judged."""
+    scene = plate_on_block((4, 4, 1), (2, 2, 1), (0.013, -0.027), newton=Newton(1e-10, iterations))
+    reason = scene.run(until=1e-3, dt=1e-3, shortest=1.0, progress=False).reason
+    told = float(reason.split(";")[0].split(" of ")[-1])
+    assert told == pytest.approx(scene.stepper.errors[-1], rel=1e-2) and told > 1e-10
+
+
+def plate_on_block(rigid, elastic, place, **settings):
+    """A rigid plate on a free elastic block, falling at 1 m/s, without friction."""
+    plate = brick((0.3, 0.25, 0.2), rigid, (*place, 0.1))
+    block = brick((0.5, 0.6, 0.2), elastic, (0.0, 0.0, -0.1))
+    upper = RigidSolid(plate, density=100.0, velocity=(0, 0, -1.0))
+    lower = ElasticSolid(block, youngs_modulus=2e5, poisson_ratio=0.3, density=200.0)
+    return Scene([upper, lower], [Contact(upper, "base", (lower, "top"))], **settings)
 
 
 def brick(size, cells, centre):

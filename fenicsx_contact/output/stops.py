@@ -103,7 +103,7 @@ STOPS = {
         Stop(
             "solver stalls",
             "... stalls at a relative error of ...",
-            "the system of a contact or the balance of a solid, by sparse solvers",
+            "the system or the forces of a contact, or the balance of a solid: what errs most",
             "smaller steps; stiffnesses of the scene that differ by 1e12 or more",
         ),
         Stop(

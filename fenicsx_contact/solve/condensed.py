@@ -83,10 +83,13 @@ class Condensed:
         self._take_up()
         force = self.surfaces.force()
         self._all.spread(force)
-        errors = self._all.imbalances(step, [s for s in self._all.solids if not s.linear])
+        asked = [solid for solid in self._all.solids if not solid.linear]
+        errors = self._all.imbalances(step, asked)
+        self._errors = [(f"the momentum balance of {s.name!r}", e) for s, e in zip(asked, errors)]
         if self.surfaces.size:
             errors.append(self.surfaces.error(slow=0.0))
-            errors.append(SETTLED * self._changed(force))
+            errors.append(change := SETTLED * self._changed(force))
+            self._errors.append(("the change of the contact forces", change))
             self.surfaces.remember()
         return worst(errors), force
 
@@ -125,4 +128,9 @@ class Condensed:
         """What stalls or flips."""
         if not self.surfaces.size:
             return "the momentum balance stalls"
-        return f"{self.surfaces.stall()}; {self.surfaces.flips()}"
+        rows, others = self.surfaces.worst, max(self._errors, key=lambda each: each[1])
+        if others[1] > rows:
+            stalls = f"{others[0]} stalls at a relative error of {others[1]:.3g}"
+        else:
+            stalls = self.surfaces.stall()
+        return f"{stalls}; {self.surfaces.flips()}"

@@ -206,8 +206,7 @@ class StepSolver:
 
     def _full(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         settled, halved, last, turns = 0, 0, np.inf, Turns(bool(self._floating))
-        plain = kept = False  # whether the last correction was, and by an older tangent
-        sound = True  # whether the trial state was asked
+        plain, kept, sound = False, False, True  # a correction; its tangent is old; state asked
         errors, remarks = self.errors, list[str]()
         for iteration in range(self._newton.max_iterations + 1):
             for solid in self._all.solids:
@@ -238,6 +237,8 @@ class StepSolver:
                 self._halve(step)
                 plain = kept = False
                 continue
+            if iteration == self._newton.max_iterations:
+                break
             # a tangent is kept if one more correction as good as the last one is enough
             kept = plain and error**2 <= last * self._newton.tolerance
             if plain and not kept and isinstance(self.system, Condensed):
@@ -258,10 +259,9 @@ class StepSolver:
                 plain = kept = sound = False
                 continue
             self._advance(step, clock)
-            sound = True
-            plain = isinstance(self.system, Condensed)
-        moved = free_motion(self._floating, step)
-        raise StepFailed(f"{self.system.stall()} after {len(errors) - 1} Newton iterations{moved}")
+            plain, sound = isinstance(self.system, Condensed), True
+        told = f"after {len(errors) - 1} Newton iterations{free_motion(self._floating, step)}"
+        raise StepFailed(f"{self.system.stall()} {told}")
 
     def _see(self, step: Step, exact: bool, kept: bool = False) -> None:
         """Take up the geometry; ``exact`` with its derivatives: ``kept``, those of last time."""

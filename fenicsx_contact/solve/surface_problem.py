@@ -288,11 +288,10 @@ class SurfaceSystem(Statuses):
         return result
 
     def stall(self) -> str:
-        """Which residual is largest."""
+        """Which row errs most."""
         if not np.isfinite(self.residual).all():
             return "the contact equations have no finite solution"
-        row = int(np.abs(self.residual).argmax())
-        kinds = (
-            p.kind(int(np.flatnonzero(place == row)[0])) for p, place in self.placed if row in place
-        )
-        return f"a {next(kinds)} row stalls at a scaled residual of {self.worst:.3g}"
+        rows = [np.abs(p.equations.natural(self.residual[place])) for p, place in self.placed]
+        most = int(np.argmax([largest(each) for each in rows]))
+        kind = self.placed[most].part.kind(int(rows[most].argmax()))
+        return f"a {kind} row stalls at a scaled residual of {self.worst:.3g}"

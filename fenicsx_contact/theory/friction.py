@@ -76,6 +76,10 @@ class Coulomb:
 class Tresca:
     """``b = s`` wherever the contact bears, whatever its pressure.
 
+    So it jumps where a point lifts off. A drag that all but tips a rigid body has no solution then:
+    as many points as bear drag too much, one fewer too little. A law that vanishes with the
+    pressure has one, a bound of one's own min(s, mu p).
+
     Args:
         stress: s, Pa (N at points), >= 0; it may vary, see :data:`Parameter`.
 

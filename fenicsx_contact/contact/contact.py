@@ -33,7 +33,7 @@ class Contact(Scaled, SurfaceResults):
     """A contact between the named facets of a solid (slave) and what they may touch (master).
 
     Args:
-        solid: the slave; between two solids better the softer or the finer one.
+        solid: the slave; of two solids better the softer, or of two alike the finer one.
         facets: the name of its facets in contact.
         master: an obstacle, or another solid and the name of its facets; the same ones: itself.
         formulation: a formulation or its name; see :mod:`fenicsx_contact.theory.formulations`.

@@ -207,8 +207,8 @@ class StepSolver:
     def _full(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
         settled, halved, last, turns = 0, 0, np.inf, Turns(bool(self._floating))
         plain, kept, sound = False, False, True  # a correction; its tangent is old; state asked
-        errors, remarks = self.errors, list[str]()
-        for iteration in range(self._newton.max_iterations + 1):
+        errors, remarks, most = self.errors, list[str](), self._newton.max_iterations
+        for iteration in range(2 * most + 1):  # and again from contact that has settled
             for solid in self._all.solids:
                 solid.linearise(step)
             clock("solids")
@@ -237,7 +237,7 @@ class StepSolver:
                 self._halve(step)
                 plain = kept = False
                 continue
-            if iteration == self._newton.max_iterations:
+            if iteration == 2 * most:
                 break
             # a tangent is kept if one more correction as good as the last one is enough
             kept = plain and error**2 <= last * self._newton.tolerance
@@ -249,7 +249,7 @@ class StepSolver:
                 self._see(step, exact=True)
                 clock("pairing")
             self._keep()
-            if turns.settles(error):
+            if turns.settles(error, spent=iteration == most):
                 solution = self._settle(step, first=iteration == 0)
                 self.system.carry(step, solution.force)
                 settled += solution.iterations
@@ -260,8 +260,8 @@ class StepSolver:
                 continue
             self._advance(step, clock)
             plain, sound = isinstance(self.system, Condensed), True
-        told = f"after {len(errors) - 1} Newton iterations{free_motion(self._floating, step)}"
-        raise StepFailed(f"{self.system.stall()} {told}")
+        told = f"{self.system.stall()} after {len(errors) - 1} Newton iterations"
+        raise StepFailed(told + free_motion(self._floating, step))
 
     def _see(self, step: Step, exact: bool, kept: bool = False) -> None:
         """Take up the geometry; ``exact`` with its derivatives: ``kept``, those of last time."""

@@ -25,9 +25,12 @@ class Turns:
         self._settles, self._failed, self._last = settles, np.inf, np.inf
         self._first, self._patience = True, Patience(1.0, gain=1.0)
 
-    def settles(self, error: float) -> bool:
-        """Whether to settle now, at this relative error; the first tells little."""
-        if self._first:
+    def settles(self, error: float, spent: bool = False) -> bool:
+        """Whether to settle now, at this relative error; the first tells little. It is to be where
+        the iterations of Newton's method are ``spent``."""
+        if spent:
+            self._settles, self._failed = True, self._patience.best
+        elif self._first:
             self._first = False
         elif self._settles:
             self._settles = error < self._last and 2 * error > self._failed

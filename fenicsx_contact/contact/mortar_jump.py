@@ -225,9 +225,8 @@ class MortarJump(Coupling):
         return self.pairing.slave.at_corners(own) if self.pairing.carries else law
 
     def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
-        velocities = self.velocities("trial_velocity")
+        velocities, rate = self.velocities("trial_velocity"), self._share * step.gap_rate
         self._mean = self._first if self._share == 1 else None  # or it is half-way
-        rate = self._share * step.gap_rate
         self._part.linearise(velocities, exact, rate, share, kept, self._mean)
 
     def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
@@ -248,9 +247,10 @@ class MortarJump(Coupling):
             self._back.start(self._end)
             self._ending.update(self._worn(self._end), self._way)
         self._start_here()
-        gap = float(self.gaps().max())
+        gap, inside = float(self.gaps().max()), self.inside()
+        self.pairing.sunk = self._ending.sunk = inside
         self.deepest_gap = max(self.deepest_gap, gap)
-        self.by_means_alone = max(self.by_means_alone, (gap - self.inside(), self.time))
+        self.by_means_alone = max(self.by_means_alone, (gap - inside, self.time))
 
     def arrived(self, jump: np.ndarray) -> np.ndarray:
         if self._ending is self.pairing and not np.ndim(self.recess):
@@ -258,10 +258,11 @@ class MortarJump(Coupling):
         return self._there().jumps(self.velocities("velocity")).reshape(self._n, -1)
 
     def state(self) -> dict[str, np.ndarray]:
-        return self.pairing.stance.state()
+        return {**self.pairing.stance.state(), "sunk": np.array([self.pairing.sunk])}
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         self._share = 1.0
+        self.pairing.sunk = self._ending.sunk = float(state["sunk"][0])
         stance = Stance.restored(state)
         self.pairing.stand(stance)
         self._ending.stand(stance)
@@ -277,9 +278,9 @@ class MortarJump(Coupling):
         return result
 
     def mobility(self) -> np.ndarray:
-        mobility = np.concatenate([trace.mobility() for trace in self.traces])
-        mobility = square(self.pairing.operator) @ mobility.ravel()
-        return self.pairing.shared.sum(mobility).reshape(self._n, -1)
+        each = np.concatenate([trace.mobility().ravel() for trace in self.traces])
+        mobility = self.pairing.shared.sum(square(self.pairing.operator) @ each)
+        return mobility.reshape(self._n, -1)
 
     def describe(self) -> str:
         many = len(self.pairing.master.cells)

@@ -152,8 +152,9 @@ class NodalJump(Coupling):
         k = self.equations.fields
         if not self.driven or self.fixed_normal or k.start_normal is None:
             return 0.0
-        old = k.start_normal.x.array.reshape(self._shape)
-        return self._ride.aside(self.positions(), old, self.normals(), k.end_share.x.array)
+        old = k.start_normal.x.array.reshape(self._shape) if self.encloses else None
+        normals, share = (old, self.normals()), k.end_share.x.array
+        return self._ride.aside(self.positions(), normals, k.mean_normal(), share)
 
     def force(self, force: np.ndarray) -> np.ndarray:
         return force.reshape(self._shape)

@@ -111,25 +111,28 @@ class Ride:
         return dot(self._wall.velocity(x, step.start, step.end), normal) - dot(self._mean, old)
 
     def aside(
-        self, x: np.ndarray, old: np.ndarray, normal: np.ndarray, share: np.ndarray
+        self,
+        x: np.ndarray,
+        normals: tuple[np.ndarray | None, np.ndarray],
+        force: np.ndarray,
+        share: np.ndarray,
     ) -> np.ndarray:
         """What is missing in the mean of the velocities at both ends, (n, d): its component along
         which forces act is made of those along the normals where they are.
 
         Args:
             x: where the points are at the end, (n, d) in m.
-            old, normal: at the start and at the end, of which that along which forces act is the
-                mean, (n, d). In a guide the old one is mirrored, not that of the wall there: of
-                opposite walls there is no mean.
+            normals: at the start, None: those of the wall, and at the end, (n, d). (In a guide they
+                are mirrored, for of opposite walls there is no mean.)
+            force: along which forces act, (n, d): a mean of both.
             share: what those at the end count in it, (n,).
         """
-        assert self._step is not None
-        average = self._step.scheme.mean
+        assert self._step is not None and self._start_normal is not None
+        average, (old, normal) = self._step.scheme.mean, normals
+        old = self._start_normal if old is None else old
         mean = average(self.start, self.end)
         first, last = dot(self.start, old), dot(self.end, normal)
         gain = self._gain(x, normal, old) if (2 * share != 1).any() else 0.0
         along = share * average(first + gain, last) + (1 - share) * average(first, last - gain)
-        force = share[:, None] * normal + (1 - share)[:, None] * old
-        size = np.linalg.norm(force, axis=1)
-        force /= size[:, None]
+        size = np.linalg.norm(share[:, None] * normal + (1 - share)[:, None] * old, axis=1)
         return (along / size - dot(mean, force))[:, None] * force

@@ -21,7 +21,13 @@ from .side import Side
 
 
 class Admits(Protocol):
-    """Which facets may meet."""
+    """Which facets may meet.
+
+    Attributes:
+        way: how far they have gone to each other in the step, and how deep they were before, m.
+    """
+
+    way: float
 
     def __call__(self, facet: np.ndarray, other: np.ndarray, away: np.ndarray) -> np.ndarray:
         """Whether facets (q,) may meet others (q,) ``away`` [m] along their normals, (q,)."""
@@ -48,6 +54,8 @@ class Itself:
     Args:
         side: both slave and master.
     """
+
+    way = 0.0
 
     def __init__(self, side: Side) -> None:
         m = len(side.cells)

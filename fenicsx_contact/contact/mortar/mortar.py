@@ -77,9 +77,10 @@ class Pairing:
         admits: which of these may meet.
         carries: whether forces on a node of the slave act on those beside it, too.
         recess: how far places of the slave have worn back from its nodes, (n,) in m, or 0.
+        sunk: how deep they were in each other where the step began, m.
     """
 
-    carries = False
+    carries, sunk = False, 0.0
     recess: np.ndarray | float = 0.0
 
     def __init__(self, slave: Side, master: Side, comm: MPI.Comm = MPI.COMM_SELF) -> None:
@@ -144,7 +145,7 @@ class Pairing:
         step tells how far partners are sought."""
         if way == self._way and np.array_equal(places, self.places):  # at rest
             return
-        self._way = way
+        self._way, self.admits.way = way, way + self.sunk
         reach = FACETS * self.slave.sizes + 4 * way
         self.reach = FACETS * self._sizes + 4 * way
         self.places = places

@@ -149,6 +149,8 @@ class Standing:
             on = np.unique(side.corners[facet[mine]][low])
             if bears[on].any():  # it stands there already
                 on = np.intersect1d(bearing, its[:, 1])
+            elif len(bearing) and not np.isin(bearing, its[:, 1]).any():
+                continue  # an edge of the master bears it, between its corners
             if self._lies(xs[bearing]) or self._lies(xs[on]):
                 continue
             outer = self._outermost(on)

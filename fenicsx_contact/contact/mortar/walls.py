@@ -4,9 +4,9 @@
 Where the whole skins of two bodies are named, a ray from the far side of one goes through it and on
 through the other, and what it meets last faces it, as deep behind it as both are thick. Of bodies
 of one height that overlap a little aside, top and bottom face each other, too, as deep as one is
-thick. A penetration is less deep than a share of the thinner wall: what lies on a long plank may be
-below its top by round-off, far from its end. Bodies that go farther in one step may be through each
-other unseen, and change places.
+thick. A penetration is less deep than a share of the walls, and of the thinner one, but for what
+comes deeper in the step: what lies on a long plank may be below its top by round-off, far from its
+end. Bodies that go farther in one step may be through each other unseen, and change places.
 """
 
 from __future__ import annotations
@@ -38,6 +38,8 @@ class Others:
         slave, master: the sides.
     """
 
+    way = 0.0
+
     def __init__(self, slave: Side, master: Side) -> None:
         self._sizes = slave.sizes
         self._walls = Walls(slave), Walls(master)
@@ -48,7 +50,8 @@ class Others:
         deep = np.flatnonzero(away < -DEEP * self._sizes[facet])
         if len(deep):
             mine, theirs = (wall(f[deep]) for wall, f in zip(self._walls, (facet, other)))
-            may[deep] = -away[deep] <= WALL * np.minimum(mine, theirs)
+            far = np.maximum(self.way, WALL * np.minimum(mine, theirs))
+            may[deep] = -away[deep] <= np.minimum(far, WALL * (mine + theirs) / 2)
         return may
 
     def pass_through(self, mine: np.ndarray, theirs: np.ndarray) -> bool:
@@ -67,8 +70,8 @@ class Others:
 
     @cached_property
     def _thick(self) -> float:
-        """Of the thinner body, in the mean of its walls, m."""
-        return min(wall.mean() for wall in self._walls)
+        """Of both bodies, in the mean of their walls, m."""
+        return sum(wall.mean() for wall in self._walls) / 2
 
 
 class Walls:

@@ -154,9 +154,8 @@ class Standing:
             if self._lies(xs[bearing]) or self._lies(xs[on]):
                 continue
             outer = self._outermost(on)
-            ends = side.nodes[outer if len(on) > 1 else self._edges[on[0]]]
             basis = np.moveaxis(np.concatenate([g[:, which], across[None, which]]), 0, 2)
-            share = inverses(basis) @ (ends[1] - ends[0])  # of the facets, to go with them
+            share = inverses(basis) @ self._edge(on, outer)  # of the facets, to go with them
             along[which] = share[:, :-1] @ side.middle_slopes
             stood.append((which, np.unique(its[np.isin(its[:, 1], outer), 2])))
         many = max((len(below) for _, below in stood), default=1)
@@ -173,6 +172,16 @@ class Standing:
             return False
         apart = places - places.mean(axis=0)
         return int(np.linalg.matrix_rank(apart, tol=SAME * self._slave.size)) >= d - 1
+
+    def _edge(self, on: np.ndarray, outer: np.ndarray) -> np.ndarray:
+        """That on which a face stands by such corners (n,), (d,) in m: that on which they lie, as
+        those of a base that bends smoothly do, or, of true corners, between the outer two."""
+        ends = self._edges[on]
+        along = self._slave.nodes[ends[:, 1]] - self._slave.nodes[ends[:, 0]]
+        along = along[ends[:, 0] != ends[:, 1]]
+        if len(along):
+            return np.asarray((along * np.sign(along @ along[0])[:, None]).sum(axis=0))
+        return np.asarray(self._slave.nodes[outer[1]] - self._slave.nodes[outer[0]])
 
     def _outermost(self, on: np.ndarray) -> np.ndarray:
         """The outer two of corners (n,) in line, of one itself twice: no axes of space choose."""

@@ -197,12 +197,10 @@ def _arrive(fly: Callable[[float], Flight], flight: Flight, tolerance: float) ->
             if gap - inside - abs(rate) * instant > tolerance:
                 raise no_velocity("what a point meets", gap, clock + low)
             break
-        trial, gap, rate, _ = fly(new)
-        arrived = abs(gap) <= tolerance
-        if arrived and rate > 0:
+        trial, gap, _, _ = fly(new)
+        low, high = (new, high) if gap < 0 else (low, new)
+        if abs(gap) <= tolerance:
             break
-        # what still leaves, as it rebounded just now, arrives later
-        low, high = (new, high) if gap < 0 or arrived else (low, new)
         (a, gap_a), (b, gap_b) = points[-2:]
         points.append((new, gap))
         slope = (gap - gap_b) / (new - b)

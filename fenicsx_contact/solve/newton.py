@@ -71,7 +71,7 @@ class Newton:
     Args:
         tolerance: on the largest scaled residual of any row, and where solids, geometry and
             contact are solved together on the momentum balances.
-        max_iterations: of full steps, and again of damped ones.
+        max_iterations: of full steps, and again of damped ones, or from contact that has settled.
     """
 
     tolerance: float = 1e-10

@@ -87,8 +87,8 @@ def on_facet(
         error, g = p - shape @ flat, slopes @ flat
         step = np.stack([cross(error, g[1]), cross(g[0], error)], axis=2)
         step /= cross(g[0], g[1])[..., None]
-        # nobody is far from a facet, but by a fold in a crooked one
-        xi = np.clip(xi + step, -5.0, 6.0)
         if largest(step) < 1e-13:
-            break
+            return xi, shape, slopes
+        # nobody is far from a facet, but by a fold in a crooked one
+        xi = np.minimum(np.maximum(xi + step, -5.0), 6.0)
     return (xi, *fields(side, xi))

@@ -208,13 +208,17 @@ def compared(pair, places, way):
 
 @CELLS
 @ANGLES
-def test_derivatives_where_the_master_ends_on_all_sides(cell, angle):
+@pytest.mark.parametrize("nodes", [[], [1], [0, 2]], ids=str)
+def test_derivatives_where_the_master_ends_on_all_sides(cell, angle, nodes):
+    """Also where supports hold some nodes of the slave."""
     slave, master = two_bricks(cell, angle)
+    held = np.zeros((len(slave.nodes) + len(master.nodes), 3), dtype=bool)
+    held[nodes] = True
     rng = np.random.default_rng(2)
     places = np.concatenate([slave.nodes, master.nodes])
     places += 2e-3 * rng.standard_normal(places.shape)
     way = rng.standard_normal(places.shape)
-    for exact, found in compared(Pairing(slave, master), places, way):
+    for exact, found in compared(Pairing(slave, master, held=held), places, way):
         assert np.abs(exact - found).max() < 1e-8 * np.abs(exact).max()
 
 

@@ -736,3 +736,25 @@ def test_a_held_node_that_touches_bears_nothing(below, law):
     expected, forces = (lap(below, angle, law) for angle in (0.0, 0.6))
     assert forces[0] == 0
     np.testing.assert_allclose(forces, expected, rtol=0, atol=1e-9 * expected.max())
+
+
+@pytest.mark.parametrize(
+    ("degree", "cells"), [(1, (54, 40)), (1, (40, 54)), (2, (40, 54)), (2, (80, 80))]
+)
+@pytest.mark.parametrize("law", ["gap", "velocity"])
+def test_of_two_cantilevers_each_bears_half(law, degree, cells):
+    """Two beams on each other, held at one edge, the upper one pressed: they bend alike, so the
+    contact hands on half of the load (to what shear and the mesh near the edge change). The node
+    at the edge bore 30 times the load where the lower mesh was the finer one, and contact settled
+    on frozen geometry by a tangent that was not frozen: rows stalled at 1e78."""
+    plates = []
+    for y, n in zip((0.0, 0.05), cells):
+        mesh = rectangle((n, 2), (1.0, 0.05), "triangle")
+        mesh.mesh.geometry.x[:, 1] += y
+        stiff = {"youngs_modulus": 2e9, "poisson_ratio": 0.0, "density": 1000.0}
+        press = {"tractions": {"top": (0.0, -1e5)}, "name": "upper"} if y else {}
+        plates.append(ElasticSolid(mesh, fixed=["left"], degree=degree, **stiff, **press))
+    contact = Contact(plates[1], "base", (plates[0], "top"), law)
+    history = Scene(plates, [contact], QuasiStatic()).run(1.0, 0.5)
+    assert history.finished, history.reason
+    assert contact.force[:, 1].sum() == pytest.approx(5e4, rel=0.5 if degree == 1 else 0.1)

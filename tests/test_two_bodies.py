@@ -78,18 +78,27 @@ def stance(slave, master, rng):
     return Stance(feet, share @ slave.flat.middle_slopes)
 
 
+def some_held(slave, master):
+    """Components of nodes that supports hold: of some of the slave's, on whole facets and not."""
+    held = np.zeros((len(slave.nodes) + len(master.nodes), slave.dim), dtype=bool)
+    n = slave.corners.max() + 1
+    held[: n // 3] = held[n // 2] = True
+    return held
+
+
+@pytest.mark.parametrize("holds", [False, True], ids=["", "held"])
 @pytest.mark.parametrize("stands", [False, True], ids=["", "standing"])
 @pytest.mark.parametrize("over", [False, True], ids=["inside", "over the edge"])
 @pytest.mark.parametrize(
     ("cell", "degree"),
     [("interval", 1), ("triangle", 1), ("triangle", 2), ("quadrilateral", 1), ("quadrilateral", 2)],
 )
-def test_derivatives_of_the_pairing(cell, degree, over, stands):
+def test_derivatives_of_the_pairing(cell, degree, over, stands, holds):
     """Gap, normal, jump and forces against central differences; also where the slave hangs over the
-    master's edges, and areas change; also of facets that stand on others."""
+    master's edges, and areas change; also of facets that stand on others, and of held nodes."""
     rng = np.random.default_rng(0)
     slave, master = sides(cell, degree)
-    pair = Pairing(slave, master)
+    pair = Pairing(slave, master, held=some_held(slave, master) if holds else None)
     places = np.concatenate([slave.nodes, master.nodes])
     places += 1e-3 * rng.standard_normal(places.shape)
     aside = [0.42, 0.0] if slave.dim == 2 else [0.37, -0.29, 0.0]
@@ -100,16 +109,19 @@ def test_derivatives_of_the_pairing(cell, degree, over, stands):
     pair.update(places, 0.5)
     f = rng.standard_normal((pair.n, slave.dim))
     rates = Rates(pair)
-    assert pair.paired.all() and (pair.area.sum() < 0.9 * pair.full_area.sum()) == over
+    assert not pair.alone.any() and pair.paired.all() != holds
+    assert (pair.area.sum() < 0.9 * pair.full_area.sum()) == over
     area = pair.area[:, None].copy()
+    looks = np.repeat(pair.paired, slave.dim)  # where nothing is met nobody asks for the normal
     computed = [m @ way.ravel() for m in (rates.gap, rates.normal, rates.jump(v), rates.spread(f))]
+    computed[1] *= looks
     computed += [rates.spread(area * f, areas=True) @ way.ravel()]
 
     def values(x):
         pair.update(x, 0.5)
         J = pair.operator
         forces = J.T @ f.ravel(), J.T @ (pair.area[:, None] * f).ravel()
-        return [pair.gap.copy(), pair.normal.ravel(), J @ v.ravel(), *forces]
+        return [pair.gap.copy(), looks * pair.normal.ravel(), J @ v.ravel(), *forces]
 
     h = 1e-6
     for exact, a, b in zip(computed, values(places + h * way), values(places - h * way)):

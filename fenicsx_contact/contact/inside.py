@@ -53,7 +53,7 @@ def inside_each_other(
     the pairing and by more than ``most``, m; or nothing."""
     last = len(pair.slave.nodes)
     seen = np.zeros(pair.total, dtype=bool)
-    seen[: pair.n] = pair.paired
+    seen[: pair.n] = ~pair.alone
     seen[last:] = (abs(pair.means[:, last:]) > 0).sum(axis=0) > 0
     for side, first in ((pair.slave, 0), (pair.master, last)):  # middles as their corners
         faces = seen[first + side.corners].any(axis=1)

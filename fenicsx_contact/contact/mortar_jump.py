@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from math import sqrt
 
 import numpy as np
@@ -62,9 +62,9 @@ class MortarJump(Coupling):
         self.solids, self.equations = list(solids), equations
         self._facets, self._moves = facets, moves
         self._comm = communicator(solids)
-        self._kind = kind
-        self.pairing = self._ending = kind(*sides, self._comm)
         self.traces = [side.trace(solid) for solid, side in zip(solids, sides)]
+        self._made = partial(kind, *sides, self._comm, self.held_components)
+        self.pairing = self._ending = self._made()
         self._standing = Standing(*sides)
         self.part = self._part = PairedEquations(equations, self.pairing)
         self._shape = (self.pairing.total, sides[0].dim)
@@ -96,7 +96,7 @@ class MortarJump(Coupling):
         super().begin(step)
         self._share = step.place_share if self._moves else 1.0
         if self._share < 1 and self._ending is self.pairing:
-            self._ending = self._kind(self.pairing.slave, self.pairing.master, self._comm)
+            self._ending = self._made()
             self._ending.stand(self.pairing.stance)
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
@@ -121,7 +121,7 @@ class MortarJump(Coupling):
         """Seek partners so far away as nodes that are about to go a way, m, may meet them in the
         step; whether that is farther than they were sought. What has none there is not met."""
         pair = self.pairing
-        if pair.paired.all() or 2 * sqrt(self._shape[1]) * way <= pair.reach.min():
+        if not pair.alone.any() or 2 * sqrt(self._shape[1]) * way <= pair.reach.min():
             return False
         self._end, self._way = self._start, way
         pair.update(self._worn(self._start), way)
@@ -191,7 +191,7 @@ class MortarJump(Coupling):
     def deepest(self, asked: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         # nobody knows how deep a point was that went through and has no partner now
         pair = self._there()
-        alone = asked & ~pair.paired
+        alone = asked & pair.alone
         if not alone.any():
             return end
         moved = self._first @ (self._end - self._start).ravel()
@@ -287,7 +287,7 @@ class MortarJump(Coupling):
         return f"{self.solids[1].name!r} (master, its {many} facets {self._facets!r})"
 
     def held(self) -> np.ndarray:
-        return self.pairing.fixed(self.held_components)
+        return self.pairing.fixed()
 
     def positions(self) -> np.ndarray:
         return self._end[: self._n]

@@ -148,9 +148,7 @@ class StepSolver:
 
     def _linearise(self, step: Step, first: bool) -> float:
         """Geometry, candidates and scales; returns a typical speed."""
-        dense = isinstance(self.system, Condensed)
-        for contact in self._all.contacts:
-            contact.linearise(step, exact=not dense and len(contact.solids) == 1)
+        self._see(step, exact=False)
         if first:
             self._pushed = max((c.pushed(step) for c in self._all.contacts), default=0.0)
         if not self._foresees:
@@ -250,6 +248,7 @@ class StepSolver:
                 clock("pairing")
             self._keep()
             if turns.settles(error, spent=iteration == most):
+                self._see(step, exact=False)
                 solution = self._settle(step, first=iteration == 0)
                 self.system.carry(step, solution.force)
                 settled += solution.iterations
@@ -265,8 +264,9 @@ class StepSolver:
 
     def _see(self, step: Step, exact: bool, kept: bool = False) -> None:
         """Take up the geometry; ``exact`` with its derivatives: ``kept``, those of last time."""
+        single = exact or not isinstance(self.system, Condensed)  # it leaves them out where frozen
         for contact in self._all.contacts:
-            contact.linearise(step, exact or len(contact.solids) == 1, kept)
+            contact.linearise(step, single if len(contact.solids) == 1 else exact, kept)
 
     def _advance(self, step: Step, clock: Clock) -> None:
         """One correction, shortened where it would invert an element."""

@@ -11,6 +11,8 @@ part that bears moves on by the way ds, its functions change within their span, 
 fit is read elsewhere (parts.py):
 
     dphi_i = sum_k phi_k K_ki ds,    dD_i = sum_k K_ki D_k ds,    dc_i = -sum_k K_ik c_k ds.
+
+What a held corner has of all this it lends to others, by H (lending.py).
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ class Cover:
         self._pair, self._points = pair, brink.points
         self._corners = pair.slave.corners[self._points.facet]
         self._psi = self._points.corner @ pair.dual[self._points.facet]
+        self._lending = pair.lending[self._points.facet]
         motion = Motion(pair, brink.guides)
         across = brink.across * self._points.weight[..., None]
         self._edge = _Way(pair, self._points.facet, across, motion)  # dA
@@ -44,22 +47,25 @@ class Cover:
         pair, phi, corners = self._pair, self._points.corner, self._pair.slave.corners
         share, fits = pair.share[:, None], self._fit(pieces)
         fit = fits[self._points.facet]
-        lever = phi[..., None] * (fit - nodal[self._corners])[:, None]
+        lever = phi[..., None] * fit[:, None]
         lever += self._psi[..., None] * (edge - phi @ fit)[:, :, None]
+        back = np.swapaxes(self._lending, 1, 2)[:, None]
+        lever = back @ lever - (phi @ self._lending)[..., None] * nodal[self._corners][:, None]
         lever *= share[self._corners][:, None]
         result = self._edge.gather(lever, corners, pair.n)
         if end := self._end:
             at, fit = corners[end.facet], fits[end.facet]
-            lever = end.grown * (fit - nodal[at]) - end.area * (end.change @ fit)
+            lever = end.lent(end.grown * fit - end.area * (end.change @ fit))
+            lever -= end.lent(end.grown) * nodal[at]
             result = result + end.gather((lever * share[at])[:, None], corners, pair.n)
         return result
 
     def areas(self) -> Matrix:
         """Those of the areas a_i, (n, N d)."""
         rows = self._pair.slave.corners, self._pair.n
-        result = self._edge.gather(self._points.corner[..., None], *rows)
+        result = self._edge.gather((self._points.corner @ self._lending)[..., None], *rows)
         if end := self._end:
-            result = result + end.gather(end.grown[:, None], *rows)
+            result = result + end.gather(end.lent(end.grown)[:, None], *rows)
         return result
 
     def forces(self, force: np.ndarray, pressed: np.ndarray) -> Matrix:
@@ -83,7 +89,7 @@ class Cover:
         pair, phi, corners = self._pair, self._points.corner, self._pair.slave.corners
         each = np.arange(corners.size).reshape(corners.shape), corners.size
         pressures = pair.share[:, None] * force
-        pressure = pressures[self._corners]  # (p, c, e)
+        pressure = self._lending @ pressures[self._corners]  # (p, c, e)
         pulled = self._psi @ pressure  # (p, g, e)
         acting = self._points.both[..., None] * (pulled * direction)[:, :, None]
         nodes = pair.nodes_of(self._points)
@@ -91,7 +97,7 @@ class Cover:
         lever = phi[..., None] * (pressure[:, None] - pulled[:, :, None])
         result = self._edge.gather(lever, *each)
         if end := self._end:
-            pressure = pressures[corners[end.facet]]
+            pressure = pair.lending[end.facet] @ pressures[corners[end.facet]]
             lever = end.grown * pressure - end.back @ (end.area * pressure)
             result = result + end.gather(lever[:, None], *each)
         return direct + fit.T @ result
@@ -135,3 +141,8 @@ class _End(_Way):
         self.change, self.back = ends.change, np.swapaxes(ends.change, 1, 2)
         self.area = pair.lumped[self.facet][..., None]
         self.grown = self.back @ self.area
+        self._lending = np.swapaxes(pair.lending[self.facet], 1, 2)
+
+    def lent(self, values: np.ndarray) -> np.ndarray:
+        """What the functions at corners give, (q, c, e), by those that count."""
+        return self._lending @ values

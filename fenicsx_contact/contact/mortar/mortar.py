@@ -33,6 +33,7 @@ from mpi4py import MPI
 from ...base.constants import ROUND_OFF
 from ...base.vectors import normalised
 from .integration import Lines, whole
+from .lending import lent
 from .matrices import DENSE, Matrix, add_up, along, by_component, by_point, gather
 from .overlaps import Overlaps
 from .pieces import Brink, Pieces
@@ -57,6 +58,7 @@ class Pairing:
     Args:
         slave, master: the sides; the same one twice: a surface before itself.
         comm: the processes that share the work, each with all of both sides.
+        held: components of the nodes that nothing but supports moves, (N, d) of bool.
 
     Attributes:
         operator: J, (n d, N d), of which each process has the rows of its nodes.
@@ -66,7 +68,8 @@ class Pairing:
         gap: weighted d_n, positive: penetration, (n,) in m; -reach where there is no partner.
         normal, length: n_i, outward at the slave's corners, (n, d), and |m_i|, (n,).
         area: paired share of the surface of each node, (n,).
-        paired: nodes that have a partner.
+        paired, alone: nodes that have a partner, and that would bear and have none, (n,) of bool.
+        lending: H of each facet (lending.py), by which psi and phi count, (m, corners, corners).
         shared: which facets this process pairs, and whose nodes' rows it has.
         pieces, brink: what is integrated, and where it ends with the master, on these.
         dual, inverse_mass: of each facet, psi = phi @ dual, (m, corners, corners); ``lumped``:
@@ -83,10 +86,18 @@ class Pairing:
     carries, sunk = False, 0.0
     recess: np.ndarray | float = 0.0
 
-    def __init__(self, slave: Side, master: Side, comm: MPI.Comm = MPI.COMM_SELF) -> None:
+    def __init__(
+        self,
+        slave: Side,
+        master: Side,
+        comm: MPI.Comm = MPI.COMM_SELF,
+        held: np.ndarray | None = None,
+    ) -> None:
         self.slave, self.master = slave, master
         self.n = int(slave.corners.max()) + 1
         self.total = len(slave.nodes) + len(master.nodes)
+        self.held = np.zeros((self.total, slave.dim), dtype=bool) if held is None else held
+        self.lending = lent(slave.corners, slave.cell, self.held[: self.n].all(axis=1))
         self.dense = (self.total * slave.dim) ** 2 <= DENSE
         self._sizes = np.zeros(self.n)  # of the largest facet at each node
         np.maximum.at(self._sizes, slave.corners, slave.sizes[:, None])
@@ -108,9 +119,8 @@ class Pairing:
         self._whole = np.arange(len(slave.cells))
         phi = phi.reshape(len(slave.cells), -1, phi.shape[1])
         self.mean_weight = phi * rule.weight.reshape(*phi.shape[:2], 1)
-        self.full_area = self.collect(
-            self.mean_weight * measure.reshape(*phi.shape[:2], 1), self._whole
-        )
+        areas = self.mean_weight * measure.reshape(*phi.shape[:2], 1)
+        self.full_area = self.collect(areas @ self.lending, self._whole)
 
     def collect(self, values: np.ndarray, facet: np.ndarray) -> np.ndarray:
         """Sum values (p, g, corners) of points on slave facets to the corners, (n,), or values
@@ -159,11 +169,11 @@ class Pairing:
         corners = self.slave.corners[pieces.facet]
         self.nodes = self.nodes_of(pieces)
 
-        area = self._integral(pieces.corner * pieces.weight[..., None])
+        area = self._integral(pieces.corner * pieces.weight[..., None] @ self.lending[pieces.facet])
         self.paired = area > COVERED * self.full_area
         self.area = np.where(self.paired, area, 0.0)
         self.share = share = 1 / np.where(self.paired, area, np.inf)
-        dual = self._dual(pieces) * pieces.weight[..., None]
+        dual = self._dual(pieces) @ self.lending[pieces.facet] * pieces.weight[..., None]
         self.shares = dual * share[corners][:, None]
         self._turn_normals(xs)
         gap = self._integral(self.shares * self.depths(pieces)[..., None])
@@ -191,17 +201,21 @@ class Pairing:
         """J v of all nodes, flat."""
         return self.shared.sum(self.operator @ velocities.ravel())
 
-    def fixed(self, held: np.ndarray) -> np.ndarray:
-        """Nodes whose gaps nothing but such components of both sides' nodes changes, (N, d) of
-        bool, (n,) of bool."""
-        if not held.any():
+    def fixed(self) -> np.ndarray:
+        """Nodes whose gaps nothing but held components of both sides' nodes changes, (n,) of
+        bool."""
+        if not self.held.any():
             return np.zeros(self.n, dtype=bool)
-        free = self.shared.sum(abs(self.means) @ ~held)
+        free = self.shared.sum(abs(self.means) @ ~self.held)
         return np.asarray(((free <= ROUND_OFF) | (self.normal == 0)).all(axis=1))
 
     def at_normals(self, matrix: Matrix) -> Matrix:
         """Rows (n,) as components along the normals, (n d,)."""
         return by_point(self.normal[:, :, None], matrix)
+
+    @property
+    def alone(self) -> np.ndarray:
+        return ~self.paired & (self.full_area > 0)
 
     @property
     def near(self) -> np.ndarray:

@@ -154,6 +154,7 @@ class Contact(Scaled, SurfaceResults):
         if bool(step.dt) != bool(self.moved):  # impulses are alike in a percussion and a step
             self.equations.scale_multipliers((self.moved or 1.0) / step.span)
         self.moved, self._told = step.dt, None
+        self.equations.turn(False)
         if self.coupling.driven:
             self.jump = self.coupling.jump("velocity")
         self.coupling.follow()

@@ -16,13 +16,14 @@ from ..base.expressions import finite_form
 from ..base.vectors import components, largest
 from ..theory.formulations import Formulation
 from ..theory.friction import FrictionBound
+from .augmentation import Augmentation
 from .bounds import refuse_negative
 from .memory import at_points
 from .mortar.matrices import placed
 from .surface import Surface
 from .surface_fields import SurfaceFields
 from .tangent import PointRows, SurfaceTangent
-from .unknowns import SurfaceUnknowns
+from .unknowns import SurfaceUnknowns, own_multipliers
 
 
 class SurfaceEquations(SurfaceUnknowns):
@@ -44,7 +45,7 @@ class SurfaceEquations(SurfaceUnknowns):
             points are w and these.
     """
 
-    keeps = False
+    keeps = _turned = False
 
     def __init__(
         self,
@@ -66,7 +67,7 @@ class SurfaceEquations(SurfaceUnknowns):
         self._status = compat.PointExpression(status, surface.scalars)
 
         self._surface, self._chosen = surface, chosen
-        self._augmentation, self._natural = np.array(augmentation), augmentation == (1, 1)
+        self.augmentation = Augmentation(augmentation, n)
         self.weight = weight
         self.jumps = self.places = n * d
         self.size = k.components * n
@@ -77,8 +78,7 @@ class SurfaceEquations(SurfaceUnknowns):
         self.start_jump_n, self.normal = k.start_jump_n.x.array, k.normal.x.array
         self._key, self._rates, self.revision = b"", (0.0, 0.0, 0.0, 0.0), 0
         self.speed = 0.0  # the typical one of the step, by which unknowns are scaled, m/s
-        self.carried, self.rho = np.zeros(self.jumps), np.ones((2, n))  # normal, tangential
-        self._tresca, self._given = 0.0, (self.rho, 0.0)  # of what rho is made
+        self.carried = np.zeros(self.jumps)
         self.choose(chosen)
         refuse_negative(self, friction)
 
@@ -112,14 +112,11 @@ class SurfaceEquations(SurfaceUnknowns):
                 normal and its tangents, (2, n).
             speed: a typical speed of the step, m/s.
         """
-        given = units, self._tresca
-        changed = given[0] is not self._given[0] or given[1] != self._given[1]
+        changed = self.augmentation.take_up(units)
         if not changed and speed == self.speed:
             return
         if changed:
-            self._given = given
-            self.rho = rho = (self._tresca or self._augmentation[:, None]) * units
-            self.fields.rho_n.x.array[:], self.fields.rho_t.x.array[:] = rho
+            self._set_rho()
         self.speed = speed
         self.revision += 1
         d, share = self._surface.dim, np.where(self.weight > 0, self.weight, 1.0)
@@ -132,6 +129,22 @@ class SurfaceEquations(SurfaceUnknowns):
             self.column_scale[self.jumps : self.tractions] = units[0] * speed
         if self.size > self.tractions:
             self.column_scale[self.tractions :] = np.tile(units[1] * speed, d - 1)
+
+    def _set_rho(self) -> None:
+        rho = self.augmentation.rho
+        self.fields.rho_n.x.array[:], self.fields.rho_t.x.array[:] = rho
+        self.revision += 1
+
+    def turn(self, careful: bool) -> bool:
+        """If ``careful`` let slips that a correction turned stick first; whether rows change."""
+        if not (self._turned or careful) or not self.size > self.tractions > self.jumps:
+            return False
+        (n, d), values, self._turned = self._surface.points.shape, self.values, careful
+        slip = (self.fields.frame()[1] * values[: self.jumps].reshape(n, d)).sum(axis=2)
+        traction = values[self.tractions :].reshape(d - 1, n)
+        if changed := self.augmentation.turn(traction, slip, careful):
+            self._set_rho()
+        return changed
 
     @property
     def stopping_force(self) -> float:
@@ -160,36 +173,28 @@ class SurfaceEquations(SurfaceUnknowns):
     def natural(self, scaled: np.ndarray) -> np.ndarray:
         """What the scaled residuals of the active rows stand for: where a row says what a
         multiplier is (open points, friction that slips) it is divided by rho."""
-        if self._tresca or self._natural:
+        if (shares := self.augmentation.shares()) is None:
             return scaled
         m, kinds = len(self.candidates), self.fields.components - self._surface.dim
         status, result = self.statuses()[self.candidates], scaled.copy()
         rows = result[len(result) - m * kinds :].reshape(kinds, m)
         normal = int(self.tractions > self.jumps)  # springs have none
-        rows[:normal, status == 0] *= self._augmentation[0]
-        rows[normal:, status != 1] *= self._augmentation[1]
+        shares = shares[:, self.candidates]
+        rows[:normal] *= np.where(status == 0, shares[0], 1.0)
+        rows[normal:] *= np.where(status != 1, shares[1], 1.0)
         return result
 
     def freeze_bound(self, augmentation: float) -> None:
         """Whether the bound of friction is that of the present pressure, which then is no unknown
         in it: Tresca's problem. It is solved with this augmentation; 0: no longer."""
-        self._tresca = augmentation
+        self.augmentation.tresca = augmentation
         if self.speed:
-            self.set_scale(self._given[0], self.speed)
+            self.set_scale(self.augmentation.units, self.speed)
         if self.size > self.tractions > self.jumps:
             self.fields.frozen.value = float(augmentation > 0)
             lam = self.values[self.jumps : self.tractions]
             self.fields.known_pressure.x.array[:] = np.maximum(-lam, 0) if augmentation else 0.0
             self.refresh()
-
-    def project_multipliers(self) -> None:
-        """Let the multipliers be what bears in the jump rows: S g_n and P_b(g_t)."""
-        counts = np.diff([self.jumps, self.tractions, self.size]) // self.rho.shape[1]
-        rho = np.repeat(self.rho, counts, axis=0)
-        bears = rho / np.where(self.weight > 0, self.weight, 1.0)
-        values = self.values
-        values[self.jumps :] += bears.ravel() * self.residual()[self.jumps :]
-        self.values = values
 
     def refresh(self) -> None:
         """Constants of the form have changed."""
@@ -293,8 +298,3 @@ class SurfaceEquations(SurfaceUnknowns):
         if not len(self.candidates):
             return np.zeros(self._surface.size)
         return at_points(self._surface, self._status) * self._closed
-
-
-def own_multipliers(own: np.ndarray, candidates: int, multipliers: int) -> np.ndarray:
-    """Numbers of the multipliers of some candidates among those of all, component by component."""
-    return np.arange(multipliers).reshape(-1, max(candidates, 1))[:, own].ravel()

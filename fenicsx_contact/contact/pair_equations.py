@@ -14,7 +14,7 @@ import scipy.sparse as sp
 from mpi4py import MPI
 
 from ..base.vectors import components
-from .equations import SurfaceEquations, own_multipliers
+from .equations import SurfaceEquations
 from .mortar import Pairing
 from .mortar.matrices import (
     Matrix,
@@ -29,6 +29,7 @@ from .mortar.matrices import (
 )
 from .mortar.rates import Rates
 from .tangent import PointRows
+from .unknowns import own_multipliers
 
 
 class PairedEquations:

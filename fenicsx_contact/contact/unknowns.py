@@ -84,3 +84,8 @@ class SurfaceUnknowns:
         there is a multiplier, by what it says, which what draws them together may cancel."""
         lam, size = self.multiplier, np.abs(force)
         return size if lam is None else np.maximum(size, -lam * self.weight)
+
+
+def own_multipliers(own: np.ndarray, candidates: int, multipliers: int) -> np.ndarray:
+    """Numbers of the multipliers of some candidates among those of all, component by component."""
+    return np.arange(multipliers).reshape(-1, max(candidates, 1))[:, own].ravel()

@@ -10,6 +10,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ..base.vectors import largest, worst
+from ..contact.equations import SurfaceEquations
 from ..contact.part import Part
 from ..solids import MonolithicSolid
 from ..theory.scheme import Step
@@ -62,7 +63,7 @@ class FrozenContact(Statuses):
         self.crowded = system.crowded
         self._start: list[np.ndarray] | None = None
         self._convex = True
-        self._see()
+        self.update()
 
     def glue(self) -> None:
         """Begin with the solids as if all that may touch were glued: what is then pulled opens,
@@ -78,7 +79,7 @@ class FrozenContact(Statuses):
             change = values - part.active_values()[n:]
             part.move(np.concatenate([np.zeros(n), change]))
             added.append(change / scales)
-        self._see()
+        self.update()
         self._system.added = np.concatenate(added)
         self.iterate()
         self._system.added = None
@@ -93,7 +94,7 @@ class FrozenContact(Statuses):
         system.frozen = False
         if not done:
             return False
-        self._see()
+        self.update()
         if system.held:
             self._search(old)
         return True
@@ -112,7 +113,7 @@ class FrozenContact(Statuses):
         for part, old in zip(self.parts, state[len(solids) :]):
             now = part.equations.values
             part.equations.values = now + share * (old - now)
-        self._see()
+        self.update()
 
     def _search(self, old: list[np.ndarray]) -> None:
         """Go from the old velocities towards the present ones, and beyond, as far as the function
@@ -136,14 +137,14 @@ class FrozenContact(Statuses):
         system = self._system
         for solid, a, b in zip(system.solids, old, way):
             solid.go(a + share * b, self._step)
-        self._see()
+        self.update()
         mine, total = system.places.mine, 0.0
         for own, solid, b in zip(system.places.own, system.solids, way):
             here = (own >= mine.start) & (own < mine.stop)  # of rigid ones every process has all
             total += float((b * solid.linear_residual())[here].sum())
         return float(system.comm.allreduce(total))
 
-    def _see(self) -> None:
+    def update(self) -> None:
         """Take up the velocities that the solids have now, by the operators as they are."""
         system = self._system
         for contact, part in zip(system.assembly.contacts, self.parts):
@@ -175,10 +176,10 @@ class FrozenContact(Statuses):
             self._start = self.state()
         for part in self.parts:
             if system.held:
-                part.equations.project_multipliers()
+                _project_multipliers(part.equations)
             part.equations.freeze_bound(1 / compliance if compliance else 0.0)
         system.held = compliance > 0
-        self._see()
+        self.update()
 
     def begin_again(self) -> bool:
         """Go back to where the springs came, if there is a function that is least somewhere."""
@@ -193,3 +194,12 @@ class FrozenContact(Statuses):
     def force(self) -> np.ndarray:
         """Forces on the solids at all points, flat, N."""
         return self._system.force
+
+
+def _project_multipliers(e: SurfaceEquations) -> None:
+    """Let the multipliers be what bears in the jump rows: S g_n and P_b(g_t)."""
+    rho, values = e.augmentation.rho, e.values
+    rho = np.repeat(rho, np.diff([e.jumps, e.tractions, e.size]) // rho.shape[1], axis=0)
+    bears = rho / np.where(e.weight > 0, e.weight, 1.0)
+    values[e.jumps :] += bears.ravel() * e.residual()[e.jumps :]
+    e.values = values

@@ -217,17 +217,17 @@ class StepSolver:
             error, force = self.system.begin(step)
             errors.append(error)
             clock("newton")
-            fell = kept or iteration < 2 or error < errors[-2]
-            stalled = not fell and error <= ROUGH * self._newton.tolerance
+            rises = iteration > 1 and error >= errors[-2]
+            stalled = (rises and not kept) or (iteration > 2 and 2 * error > errors[-3])
+            stalled &= error <= ROUGH * self._newton.tolerance
             if iteration and (error <= self._newton.tolerance or stalled):
                 self.reached = error
                 if not sound:
                     self._all.refuse_broken()
                 if self.system.settle(step, force, self._newton.tolerance):
-                    for contact in self._all.contacts:
-                        contact.follow()
+                    self._follow()
                 return force, iteration + settled, 1, remarks
-            if not np.isfinite(error):
+            if not np.isfinite(error) or iteration == 2 * most:
                 self._all.refuse_broken()
                 break
             if error > WORSE * max(last, 1.0) and halved < HALVINGS:
@@ -235,8 +235,6 @@ class StepSolver:
                 self._halve(step)
                 plain = kept = False
                 continue
-            if iteration == 2 * most:
-                break
             # a tangent is kept if one more correction as good as the last one is enough
             kept = plain and error**2 <= last * self._newton.tolerance
             if plain and not kept and isinstance(self.system, Condensed):
@@ -253,11 +251,10 @@ class StepSolver:
                 self.system.carry(step, solution.force)
                 settled += solution.iterations
                 remarks += solution.remarks
-                for contact in self._all.contacts:
-                    contact.follow()
+                self._follow()
                 plain = kept = sound = False
                 continue
-            self._advance(step, clock)
+            self._advance(step, clock, careful=rises)
             plain, sound = isinstance(self.system, Condensed), True
         told = f"{self.system.stall()} after {len(errors) - 1} Newton iterations"
         raise StepFailed(told + free_motion(self._floating, step))
@@ -268,7 +265,7 @@ class StepSolver:
         for contact in self._all.contacts:
             contact.linearise(step, single if len(contact.solids) == 1 else exact, kept)
 
-    def _advance(self, step: Step, clock: Clock) -> None:
+    def _advance(self, step: Step, clock: Clock, careful: bool) -> None:
         """One correction, shortened where it would invert an element."""
         if not self.system.iterate(step):
             raise StepFailed("the linearised problem is singular: is a body without support?")
@@ -279,16 +276,18 @@ class StepSolver:
             self._halve(step)
         else:
             self._all.refuse_broken()
+        self._follow(careful)
+        clock("pairing")
+
+    def _follow(self, careful: bool = False) -> None:
         for contact in self._all.contacts:
             contact.follow()
-        clock("pairing")
+            contact.equations.turn(careful)
 
     def _keep(self) -> None:
         """Keep the state from which a correction starts."""
-        self._before = [
-            [solid.trial_velocity.copy() for solid in self._all.solids],
-            [contact.equations.values for contact in self._all.contacts],
-        ]
+        velocities = [solid.trial_velocity.copy() for solid in self._all.solids]
+        self._before = velocities, [contact.equations.values for contact in self._all.contacts]
 
     def _halve(self, step: Step) -> None:
         """Go back half of the last correction."""

@@ -33,6 +33,7 @@ class ContactProblem(Softened, Protocol):
     def iterate(self, enough: float = 0.0) -> bool: ...
     def state(self) -> list[np.ndarray]: ...
     def go_back(self, state: list[np.ndarray], share: float = 1.0) -> None: ...
+    def turn(self, careful: bool) -> bool: ...
     def remember(self) -> np.ndarray: ...
     def flips(self) -> str: ...
     def stall(self) -> str: ...
@@ -131,6 +132,8 @@ class Newton:
             error = system.error()
             if not np.isfinite(error) or error <= self.tolerance:
                 return iteration, self.tolerance
+            if system.turn(iteration > 1 and error >= before):
+                error = system.error()
             stalls = stalls + 1 if before <= 2 * error else 0
             if stalls >= STALLS and error <= rough:
                 return iteration, rough
@@ -142,6 +145,9 @@ class Newton:
                 if returns == STALLS or not system.crowded:
                     # points that contradict each other may go round for ever by what rounds them
                     return iteration, rough if system.hyperstatic else self.tolerance
+            if stalls > STALLS and key == last and not (system.crowded or system.hyperstatic):
+                # pieces of which statuses know nothing, leapt over back and forth
+                return iteration, self.tolerance
             seen[key] = error
             last = key
         return self.max_iterations, self.tolerance

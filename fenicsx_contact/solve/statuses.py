@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from ..contact.part import Part
 
 
-class Statuses:
+class Statuses(ABC):
     """What a contact problem remembers of its points, to tell why it does not settle.
 
     Args:
@@ -33,6 +34,18 @@ class Statuses:
     def now(self) -> np.ndarray:
         """Statuses of all points of all contacts."""
         return np.concatenate([np.empty(0, dtype=int), *(part.statuses() for part in self.parts)])
+
+    def turn(self, careful: bool) -> bool:
+        """After a correction: let slips that it turned round stick first (augmentation.py); none if
+        not ``careful``. Whether that changes the rows, which are then taken up anew."""
+        changed = any([part.equations.turn(careful) for part in self.parts])
+        if changed:
+            self.update()
+        return changed
+
+    @abstractmethod
+    def update(self) -> None:
+        """Assemble the rows from the unknowns as they are."""
 
     def remember(self) -> np.ndarray:
         """The same, which are kept."""

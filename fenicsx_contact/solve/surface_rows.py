@@ -15,8 +15,8 @@ import scipy.sparse as sp
 from mpi4py import MPI
 
 from ..base.shared_rows import own_rows, sum_of
-from ..contact.equations import own_multipliers
 from ..contact.part import Part
+from ..contact.unknowns import own_multipliers
 from ..solids import MonolithicTrace
 from .embedding import Added, Embedding
 from .numbering import Numbering

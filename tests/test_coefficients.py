@@ -277,6 +277,25 @@ def test_a_force_in_time_moves_a_stiff_bar_as_a_point(scheme):
             check_books(history)
 
 
+def test_what_is_applied_works_on_the_way_gone():
+    """As weight does, by theta = 1, too, in which mean velocities are not of the way."""
+    G, top = 9.81, 1000.0 * 9.81 * 0.4
+    loads = {"gravity": (0, -G)}, {"body_force": (0, -1000 * G)}, {"tractions": {"top": (0, -top)}}
+    found = []
+    for load in loads:
+        solid = elastic(fixed=(), **load)
+        history = Scene([solid], [], ThetaScheme(1.0), allow_free=True).run(0.1, 0.01)
+        assert history.finished, history.reason
+        given = history["drive"] - history["potential"]
+        found.append((given, history["scheme"] - history["strain"]))
+        check_books(history)
+    exact = 400.0 * G**2 * 0.01 * np.arange(11) * 0.01 * (np.arange(11) + 1) / 2
+    np.testing.assert_allclose(found[0][0], exact, rtol=1e-9)
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-9, atol=1e-9 * exact[-1])
+    # what pulls at the top strains the block, too
+    np.testing.assert_allclose(found[2][0][-1], exact[-1], rtol=1e-2)
+
+
 @pytest.mark.parametrize(
     "value",
     [

@@ -144,6 +144,46 @@ def test_forces_and_torques_in_time(scheme):
     assert steady.velocity[5] == pytest.approx(0.05 / steady.inertia[2, 2], rel=1e-9)
 
 
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("scheme", [ThetaScheme(), ThetaScheme(1.0), GeneralisedAlpha(0.8)])
+def test_what_is_applied_works_on_the_way_gone(scheme, dim):
+    """As weight does: what else the mean velocities would tell is of the scheme."""
+    pull, turn = 5.0 * np.eye(dim)[0], 2.0 if dim == 2 else (0.0, 0.0, 2.0)
+    held = ["y", "turning about x", "turning about y"] if dim == 3 else []
+    drawn, turned = rigid(dim, force=pull), rigid(dim, torque=turn, held=held)
+    weighted, start = rigid(dim, gravity=pull / MASS), rigid(dim).place
+    by_weight = run(weighted, 0.5, 25, scheme)
+    for solid, way in (
+        (drawn, lambda: 5.0 * (drawn.place - start)[0]),
+        (turned, lambda: 2.0 * np.atleast_1d(turned.rotation)[-1]),
+    ):
+        history = run(solid, 0.5, 25, scheme)
+        assert history["drive"][-1] == pytest.approx(way(), rel=1e-12)
+        books = history["drive"] + history["scheme"] - history["kinetic"]
+        np.testing.assert_allclose(books, 0.0, atol=1e-12 * history["drive"][-1])
+        if solid is drawn:
+            for column in ("scheme", "kinetic"):
+                np.testing.assert_allclose(history[column], by_weight[column], atol=1e-12)
+
+
+def test_what_is_applied_works_on_the_way_that_bodies_are_put_back():
+    """A block turns about its corner on another one, which keeps its gap by shifts."""
+    below = rectangle((4, 1), (2.0, 0.2))
+    below.mesh.geometry.x[:, 1] -= 0.2
+    found = []
+    for load in ({"gravity": (0, -G)}, {"force": (0, -MASS * G)}):
+        solid = rigid(rotation=-0.5, about=(0.18, 0.0), **load)
+        ground = RigidSolid(below, mass=1.0, held=["x", "y", "turning"], name="ground")
+        contact = Contact(solid, "base", (ground, "top"), friction=0.9, name="c")
+        history = Scene([solid, ground], [contact]).run(0.2, 1e-2)
+        assert history.finished, history.reason
+        found.append((history, history["drive"] - history["potential"] + history["potential"][0]))
+    (by_weight, fallen), (by_force, driven) = found
+    assert np.abs(by_weight["scheme"]).max() > 1e-6 * fallen[-1]  # by what was put back
+    np.testing.assert_allclose(driven, fallen, atol=1e-12 * fallen[-1])
+    np.testing.assert_allclose(by_force["scheme"], by_weight["scheme"], atol=1e-12 * fallen[-1])
+
+
 @pytest.mark.parametrize("solver", ["condensed", "monolithic"])
 def test_a_held_block_on_the_floor(solver):
     """Held against turning and along x it is dropped, pushed, and stays; the floor bears all."""

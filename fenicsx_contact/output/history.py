@@ -50,7 +50,8 @@ class History:
     * ``impact``, ``friction``: work of the normal and tangential contact forces on the jumps since
       the start (negative: a loss). In a step in which slip turns round one of them may gain a
       little on behalf of the other; their sum does not;
-    * ``drive``: work of prescribed motions, tractions and obstacles that move since the start;
+    * ``drive``: work since the start of what is applied (force, torque, tractions, body force) on
+      the way really gone, of prescribed motions, and of obstacles that move;
     * ``damping``: work of the damping of solids on their mean velocities since the start, a loss;
     * ``scheme``: energy that the time scheme has made (positive) or damped since the start;
     * ``balance``: what is left of the sum, as a check of the whole; a small residual;

@@ -193,15 +193,16 @@ class AxialMotion:
         lacking: np.ndarray,
         others: dict[str, float],
     ) -> tuple[float, float]:
-        """Works of the law in the step, J: against the added inertia, and of its forces.
+        """Works of the law on the mean velocity, J: against the added inertia, and of its forces.
 
         Args:
             step: the step.
             u, v: displacements and velocities at its ends.
             lacking: what is left of the balance without the law: its forces and a drive's, N.
-            others: works that are kept in the same books.
+            others: works of loads that are kept in the same books, J, no part of the sum.
         """
-        works, inertial = dict(others), 0.0
+        works: dict[str, float] = {}
+        inertial = 0.0
         for (_, forces, *_), (place, found, added) in zip(self._acting, self._found(step, u, v)):
             share = self._shares[place]
             change, middle = -float(share @ (v[1] - v[0])), -float(share @ (v[1] + v[0])) / 2
@@ -214,7 +215,7 @@ class AxialMotion:
             self.drive_force = -float(share @ given) / float(share @ share)
             middle = -float(share @ (v[1] + v[0])) / 2
             works["drive"] = step.span * middle * self.drive_force
-        self._works = works
+        self._works = works | others
         return inertial, sum(works.values())
 
     def accept(self, before: tuple[float, float], after: tuple[float, float]) -> None:

@@ -225,10 +225,11 @@ class BeamSolid(BeamState):
     def works(self, step: Step) -> tuple[float, float, float, float]:
         mean = self.mean_velocity(step)
         lacking, change = self._lacking(step), self._trial_momentum - self._momentum
-        flows = self.lateral_load is not None and step.dt
-        others = {"flow": step.dt * float(mean @ self._flow)} if flows else {}
+        loads, others = step.dt * float(mean @ self._acting), {}
+        if self.lateral_load is not None and step.dt:  # gives what it does on the way, as weight
+            loads += step.dt * float(mean @ self._flow)
+            others["flow"] = float((self.trial_displacement - self.displacement) @ self._flow)
         against, works = self.axial.works(step, *self._states, lacking, others)
-        loads = step.dt * float(mean @ self._acting)
         return float(mean @ change) + against, loads + works, 0.0, 0.0
 
     def _lacking(self, step: Step) -> np.ndarray:

@@ -187,7 +187,8 @@ class BalancedSolid(MonolithicSolid):
         contact, inertia, *others = self._balance(step)
         self._acting = -(others[0] + others[1]) if others else np.zeros(self.owned)
         self._reaction = (contact + (inertia - self._acting))[held]
-        pulled = step.work(moved, step.loaded * self._pull) if self.applied else 0.0
+        way = self.trial_displacement - self.displacement
+        pulled = step.loaded * float(way @ self._pull) if self.applied else 0.0
         driven = step.work(mean[held], self._reaction)
         driven += step.work((mean - moved)[held], self._acting[held])
         return (

@@ -185,8 +185,8 @@ class Solid(ABC):
     @abstractmethod
     def works(self, step: Step) -> tuple[float, float, float, float]:
         """Work on the mean velocity of the step in J, in the trial state: of the change of
-        momentum, of internal forces and all loads, of the supports, of the tractions among the
-        loads."""
+        momentum, of internal forces and all loads, of the supports; and of what is applied among
+        the loads, weight apart, on the way really gone, as weight works."""
 
     def damped(self, step: Step) -> float:
         """Work of damping on the mean velocity of the step in J, in the trial state, never

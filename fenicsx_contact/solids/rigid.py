@@ -265,7 +265,7 @@ class RigidSolid(RigidMotion):
     def works(self, step: Step) -> tuple[float, float, float, float]:
         mean = step.mean(self.velocity, self.trial_velocity)
         change = self._trial_momentum - self._momentum
-        driven = [step.work(mean, step.loaded * self._driving) for _ in self.applied]
+        driven = [step.loaded * float(self._way(step) @ self._driving) for _ in self.applied]
         return float(mean @ change), step.work(mean, self._acting), 0.0, sum(driven)
 
     def describe(self) -> str:

@@ -65,6 +65,11 @@ class RigidMotion(MonolithicSolid):
         if self.shifted is not None:
             self._put(self.shifted)
 
+    def _way(self, step: Step) -> np.ndarray:
+        """The way really gone in the step: of the centre, m, and turned, rad."""
+        way = step.increment(self.velocity, self.moving_velocity, self.memory)
+        return way if self.shifted is None else way + self.shifted
+
     def _put(self, way: np.ndarray) -> None:
         self.trial_place = self.trial_place + way[: self.dim]
         self.trial_turn = rotation_matrix(way[self.dim :]) @ self.trial_turn

@@ -77,9 +77,8 @@ class HyperelasticSolid(DeformableSolid):
         self._last = np.empty(0), np.empty(0)
         self._stored = np.empty(0), 0.0
         self._tangent = assembly.assemble_petsc_matrix(self._tangent_form)
-        swelling = self.vectors.places.ravel()
-        swollen = self._sum(swelling @ self.multiply(self._tangent, swelling))
-        self._noise = ROUND_OFF * abs(swollen)  # of the energy, the difference of such terms
+        swelling = self.vectors.places.ravel()  # energies are differences of what it would store
+        self._noise = ROUND_OFF * abs(self._sum(swelling @ self.multiply(self._tangent, swelling)))
         self.grain = mesh.grain
         if self.damping.beta:
             beta = self.damping.beta
@@ -278,13 +277,14 @@ class HyperelasticSolid(DeformableSolid):
         return self._strain
 
     def unsound(self, step: Step) -> str:
-        """The forces of a step are those of a few points of its way: no more may be stored."""
+        """The forces of a step are those of a few points of its way: no more may be stored than
+        they give and the scheme takes."""
         if not step.loaded or not step.scheme.bounds_work:
             return ""
         end = self.trial_displacement
         self._stored = end, self._stored_energy(end)
         work = self._sum(self._internal_forces(step) @ (end - self.displacement))
-        made = self._stored[1] - self._strain - work
+        made = self._stored[1] - self._strain - work - self.taken(step)
         moving = self._sum(self.trial_velocity @ self._trial_momentum) / 2
         size = max(moving, self.energies()[0]) + max(self._strain, self._stored[1])
         if made <= MADE * size + self._noise:

@@ -603,6 +603,30 @@ def test_a_step_is_not_cut_for_energy_that_the_scheme_takes():
     assert np.diff(energy).max() < 1e-7 * energy[0]
 
 
+def test_what_turns_by_small_strain_is_said_to_swell():
+    """Of what spins, by the exact swelling; not of what turns by little, is held, or is not
+    linear."""
+    spin, until = 2.0, 0.1  # 0.2 rad
+    kinds = {"youngs_modulus": 1e7, "poisson_ratio": 0.3}, {"energy": neo_hookean(1e7, 0.3)}
+
+    def remarks(mesh, turn, held=(), kind=ElasticSolid, **material):
+        def velocity(x):
+            return np.array([-turn * x[1], turn * x[0], *[0 * x[0]] * (mesh.dim - 2)])
+
+        moving = {"gravity": (turn, 0)} if held else {"velocity": velocity}
+        solid = kind(mesh, density=1000.0, fixed=held, **moving, **material)
+        history = Scene([solid], [], allow_free=True).run(until, until / 8)
+        assert history.finished
+        return [text for _, text in history.remarks]
+
+    for mesh in (rectangle((2, 2), (0.2, 0.2)), box((2, 2, 2), (0.2, 0.2, 0.2))):
+        (told,) = remarks(mesh, spin, **kinds[0])
+        assert "turned by 0.2 rad" in told and f"by {np.hypot(1, 0.2) - 1:.2g} of" in told
+        assert not remarks(mesh, 0.2 * spin, **kinds[0])
+        assert not remarks(mesh, spin, kind=HyperelasticSolid, **kinds[1])
+    assert not remarks(rectangle((2, 2), (0.2, 0.2)), 1e4, ["base"], **kinds[0])  # is bent
+
+
 def test_step_that_would_make_energy_is_refused():
     bar = bar_at_wall(cells=20, hyperelastic=True, speed=1.0).scene
     history = bar.run(0.9, 0.02, shortest=1.0)

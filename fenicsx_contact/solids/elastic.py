@@ -18,12 +18,14 @@ from ..base.constants import KEPT
 from ..base.mesh import NamedMesh
 from ..base.shown import worded
 from ..base.signatures import whole
+from ..base.vectors import largest
 from ..theory.scheme import Step
 from .coefficients import Scalar, constant, scalar
 from .damping import StiffnessDamper
 from .deformable import DeformableSolid
 from .energies import in_space
 from .factor import Factorisation
+from .motions import FREE, Motions
 from .planes import PLANES
 
 
@@ -173,6 +175,22 @@ class ElasticSolid(DeformableSolid):
 
     def strain_energy(self) -> float:
         return 0.5 * self._sum(self.displacement @ self._internal)
+
+    def swollen(self, most: float) -> str:
+        """What a reader should know of a solid that has turned so far that it swells by more than a
+        share of its size, ``|X + theta x X| = sqrt(1 + theta²) |X|``; or nothing."""
+        motions, d = Motions(self), self.dim
+        turns = np.arange(len(motions.names)) % motions.each >= d
+        if largest(motions.free()[turns]) <= FREE:  # held
+            return ""
+        turned = largest(np.linalg.norm(motions.amounts(self.displacement)[:, d:], axis=1))
+        if (swells := np.hypot(1.0, turned) - 1) <= most:
+            return ""
+        return (
+            f"solid {self.name!r} has turned by {turned:.3g} rad: of small strain, it swells by "
+            f"that, by {swells:.2g} of its size, and presses on what it meets; a HyperelasticSolid "
+            "does not"
+        )
 
     def describe(self) -> str:
         kind = f"small strain, {self.plane.name}{worded(self.parameters)}"

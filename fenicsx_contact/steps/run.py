@@ -21,6 +21,7 @@ from ..contact.arrivals import starts_inside, struck_apart, went_inside
 from ..output.history import History
 from ..output.stops import hint
 from ..output.storage import NotWritten, RunDirectory
+from ..solids import ElasticSolid
 from .adaptive import AdaptivePace, ErrorControl, StepTooLong
 from .checkpoint import collect, spread
 from .fingerprint import Described, fingerprint, shared
@@ -186,10 +187,12 @@ class _Course:
             self._go_back()
             raise
         bar.close()
+        elastic = [solid for solid in scene.solids if isinstance(solid, ElasticSolid)]
+        told = [solid.swollen(scene.deepest) for solid in elastic]
         for contact in scene.contacts:
             depth = float(history[f"{contact.name}.penetration"].max())
-            told = went_inside(contact, depth, scene.deepest), struck_apart(contact, scene.deepest)
-            history.remarks += [(scene.time, remark) for remark in told if remark]
+            told += went_inside(contact, depth, scene.deepest), struck_apart(contact, scene.deepest)
+        history.remarks += [(scene.time, remark) for remark in told if remark]
         history.reason += hint(history.reason)
         history.times = dict(scene.stepper.times)
         if self.files:

@@ -321,3 +321,36 @@ def test_what_opens_by_its_speed_and_closes_by_its_gap_does_not_jump():
     assert history.finished, history.reason
     assert history["kinetic"][-1] < history["kinetic"][0]
     assert plank.velocity[2] < 0 and np.isfinite(history.rows()).all()
+
+
+def test_what_a_pivot_gives_by_implicit_steps_is_explained(tmp_path):
+    """A polygon rolls down a slope: by theta = 1 contacts give until the run stops, whatever the
+    step is cut to; the advice is what lets it end."""
+    n, slope, radius = 12, 0.15, 0.1
+    turns = slope + 2 * np.pi * (np.arange(n) + 0.5) / n
+    corners = radius * np.column_stack([np.sin(turns), np.cos(turns)])
+    normal = np.array([np.sin(slope), np.cos(slope)])
+    pivot, spin = corners[n // 2 - 1], -6.0
+    assert np.isclose(pivot @ normal, (corners @ normal).min())
+    assert pivot @ [normal[1], -normal[0]] > 0  # the one ahead
+
+    def roll(theta, dt):
+        wheel = RigidSolid(
+            polygon(corners, tmp_path / "wheel.vtu"),
+            mass=1.3,
+            gravity=(0, -G),
+            velocity=spin * np.array([pivot[1], -pivot[0]]),
+            spin=spin,
+        )
+        plane = HalfSpace(pivot, normal)
+        contact = Contact(wheel, "skin", plane, friction=5.0, name="c")
+        return Scene([wheel], [contact], ThetaScheme(theta)).run(0.1, dt)
+
+    stopped = roll(1.0, 5e-3)
+    assert "contacts would have given" in stopped.reason
+    assert "from the start; theta = 1/2" in stopped.advice
+    for theta, dt in ((1.0, 1e-3), (0.5, 5e-3)):
+        history = roll(theta, dt)
+        assert history.finished
+        given = history["impact"] + history["friction"]
+        assert given.max() <= (1e-5 if theta == 0.5 else 4e-3) * history["kinetic"][0]

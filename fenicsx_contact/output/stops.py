@@ -138,8 +138,8 @@ STOPS = {
             "energy",
             "no certificate: contacts would have given ... of the energy",
             "a law that makes energy: an own one, `Restitution` in oblique impacts with friction "
-            "(Kane's paradox), slip that turns round in a long step",
-            "smaller steps; no restitution where there is friction; check your law",
+            "(Kane's paradox), slip that turns round in a long step, a pivot by theta = 1",
+            "smaller dt from the start; theta = 1/2; no restitution with friction; check your law",
         ),
         Stop(
             "inverted",

@@ -308,6 +308,42 @@ def test_a_ball_bounces_and_comes_to_rest_exactly(restitution, dt):
     np.testing.assert_allclose(found, instants[: len(found)], rtol=1e-10)
 
 
+def bounces_by(theta, height, restitution, dt, n):
+    """Instants of the first n impacts, as the scheme itself has them: over a length W of a step the
+    height changes by v W - theta g W**2, and v by -g W."""
+    instants, now, left, speed = [], 0.0, dt, 0.0
+    while len(instants) < n:
+        way = left
+        if height + speed * left <= theta * G * left**2:
+            way = (speed + np.sqrt(speed**2 + 4 * theta * G * height)) / (2 * theta * G)
+        height, speed = height + speed * way - theta * G * way**2, speed - G * way
+        now, left = now + way, left - way
+        if left:
+            instants.append(now)
+            height, speed = 0.0, -restitution * speed
+            if speed < 1e-12:  # by theta = 1 what leaves and returns in a step has lost its speed
+                break
+        left = left or dt
+    return instants
+
+
+@pytest.mark.parametrize("theta", [0.5, 0.55, 0.75, 1.0])
+@pytest.mark.parametrize("restitution", [0.3, 0.5])
+def test_a_ball_bounces_by_any_scheme(theta, restitution):
+    """By theta > 1/2 what left the floor arrived as it left, without end: the speed at the end of a
+    flight is not the rate of the gap by its length."""
+    (ball,) = squares(1, [1.0], [(0.0, 0.5)], None, (0, -G))
+    contact = Contact(ball, "base", FLOOR, Restitution(restitution), name="c")
+    scene = Scene([ball], [contact], ThetaScheme(theta), locate_impacts=True)
+    rows = iter(range(300))
+    history = scene.run(1.0, 0.01, probes={"row": lambda: next(rows)})
+    assert history.finished and not history.remarks
+    exact = bounces_by(theta, 0.5, restitution, 0.01, 5)
+    found = history.time[history["dt"] == 0][1:]
+    np.testing.assert_allclose(found[: len(exact)], exact, rtol=1e-10)
+    assert history["c.penetration"].max() < 1e-11
+
+
 def chain(masses, restitution, gap, until, dt):
     """Three squares in line, of which the first comes with 1 m/s."""
     solids = squares(3, masses, [((1 + gap) * i, 0.0) for i in range(3)], (1.0, 0.0, 0.0))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from corpus_meshes import moved, ring_mesh
 from mpi4py import MPI
-from scenes import G, rectangle
+from scenes import G, energy_size, rectangle, skinned, total_energy
 
 from fenicsx_contact import (
     Archard,
@@ -167,6 +167,18 @@ def test_what_slides_in_a_hollow_ends_along_the_wall(located, tmp_path):
         out = mass.place - corners.mean(axis=0)  # of the corner that slides
         out /= np.hypot(*out)
         assert abs(mass.velocity[:2] @ out) < 1e-8 * np.hypot(*mass.velocity[:2])
+
+
+@pytest.mark.parametrize("theta", [0.75, 1.0])
+def test_what_leaves_a_hollow_arrives_when_it_returns(theta):
+    """Located: a corner that had just rebounded arrived again at once, every 1e-12 s."""
+    block = skinned(2, 0.1, (0.3, -0.75), gravity=(0, -G))
+    contact = Contact(block, "skin", Circle((0, 0), 1.0, inside=True), Restitution(0.5), name="c")
+    scene = Scene([block], [contact], ThetaScheme(theta), locate_impacts=True)
+    rows = iter(range(200))
+    history = scene.run(0.52, 5e-3, probes={"row": lambda: next(rows)})
+    assert history.finished and history["c.penetration"].max() < 1e-7
+    assert np.diff(total_energy(history)).max() < 1e-9 * energy_size(history)
 
 
 @pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])

@@ -4,31 +4,45 @@ where steps end."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..base.vectors import dot
 from .contact import Contact
 
 
-def arrival(contact: Contact) -> tuple[float, float, float]:
-    """The deepest point in the trial state among those that may not bear in the step.
+class Arrival(NamedTuple):
+    """The deepest point in a trial state among those that may not bear in the step.
 
-    Returns:
-        Its gap there [m], the rate of it [m/s], and its gap at the start.
+    Attributes:
+        gap, start: there and at the start of the step, m.
+        came: rate of the gap at the start, m/s.
+        rate: speed of approach in the trial state, m/s.
     """
+
+    gap: float = -np.inf
+    start: float = 0.0
+    came: float = 0.0
+    rate: float = 0.0
+
+
+def arrival(contact: Contact) -> Arrival:
+    """Of the points of a contact."""
     free = contact.chosen & ~contact.candidates.allowed
     if not free.any():
-        return -np.inf, 0.0, 0.0
+        return Arrival()
     gap = np.where(free, contact.coupling.gaps(), -np.inf)
-    deepest = int(gap.argmax())
-    rate = float(contact.trial_jump[deepest] @ contact.normal[deepest])
-    return float(gap[deepest]), rate, float(contact.gap[deepest])
+    at = int(gap.argmax())
+    came = float(contact.jump[at] @ contact.coupling.start_normals()[at])
+    rate = float(contact.trial_jump[at] @ contact.normal[at])
+    return Arrival(float(gap[at]), float(contact.gap[at]), came, rate)
 
 
 def arrives(contact: Contact) -> bool:
     """Whether a point is inside, by more than gaps are told apart, in the trial state that may not
     bear in the step."""
-    return arrival(contact)[0] > contact.tolerance
+    return arrival(contact).gap > contact.tolerance
 
 
 def missed(contact: Contact, closing: bool) -> str:

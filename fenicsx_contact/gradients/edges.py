@@ -112,7 +112,7 @@ class Edges:
     def _touches(self, trial: Trial) -> list[Kink]:
         """Points that are open and just touch where the step ends, beside the one that ends it."""
         found: list[Kink] = []
-        first = max(self._linear.contacts, key=lambda rows: arrival(rows.contact)[0], default=None)
+        first = max(self._linear.contacts, key=lambda rows: arrival(rows.contact).gap, default=None)
         for rows in self._linear.contacts:
             contact = rows.contact
             gaps, free = contact.coupling.gaps(), contact.chosen & ~contact.candidates.allowed

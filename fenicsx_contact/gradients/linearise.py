@@ -271,7 +271,7 @@ class Linearisation:
             if not trial.step.dt:
                 minus.add(t, t, -np.ones((1, 1)))
             return
-        rows = max(self.contacts, key=lambda rows: arrival(rows.contact)[0])
+        rows = max(self.contacts, key=lambda rows: arrival(rows.contact).gap)
         at = arriving(rows)
         refuse_grazing(rows, at, trial.step, self._scene.stepper.resolution)
         plus.add(t, self._q[id(rows.motion)], rows.gap_row(at)[None])

@@ -23,11 +23,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from math import inf, sqrt
+from math import inf, nan, sqrt
 
 import numpy as np
 
-from ..contact.arrivals import arrival
+from ..contact.arrivals import Arrival, arrival
 from ..contact.leaps import no_velocity
 from ..contact.percussion import first_arrival, rebounding
 from ..theory.scheme import Scheme, Step
@@ -38,8 +38,8 @@ from .trial import Trial
 #: Flights until an arrival is found, at most: the bracket may be halved to round-off.
 MAX_FLIGHTS = 50
 
-#: A flight: its trial state, and of the deepest point there the gap, its rate, and where it began.
-Flight = tuple[Trial, float, float, float]
+#: A flight: its trial state, and the deepest point there.
+Flight = tuple[Trial, Arrival]
 
 
 class UniformImpacts:
@@ -133,7 +133,7 @@ class LocatedImpacts:
             flight = self._fly(stepper, left, dt)
             for contact in stepper.contacts:
                 contact.blows.fly(contact, left)
-            arrives = flight[1] > tolerance  # what is nearer touches, and may strike at once
+            arrives = flight[1].gap > tolerance  # what is nearer touches, and may strike at once
             fly = partial(self._fly, stepper, whole=dt)
             trial = _arrive(fly, flight, tolerance) if arrives else flight[0]
             remarks.extend(trial.remarks)
@@ -156,8 +156,7 @@ class LocatedImpacts:
         rates, self._rates = self._rates, None  # not those of a step that fails
         trial = stepper.attempt(step, closing=False, rates=rates)
         self._rates = stepper.mean_accelerations(step)
-        nothing = (-np.inf, 0.0, 0.0)
-        return trial, *max((arrival(c) for c in stepper.contacts), default=nothing)
+        return trial, max((arrival(c) for c in stepper.contacts), default=Arrival())
 
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically."""
@@ -171,39 +170,48 @@ class LocatedImpacts:
 def _arrive(fly: Callable[[float], Flight], flight: Flight, tolerance: float) -> Trial:
     """The step to the instant at which the first point arrives, from a flight beyond it.
 
-    The gap is nearly a parabola in time. It is walked back along: first the one through the gaps
-    at the start and at the end with the rate there, then those through the last three gaps; where
-    this leaves the bracket, which it does not in smooth motion, the bracket is halved, down to what
-    the clock tells.
+    The gap is nearly a parabola in the length of the step. It is followed to where it rises: first
+    the one through the gaps at the start and at the end with the rate at the start, then those
+    through the last three gaps; where this leaves the bracket, which it does not in smooth motion,
+    the bracket is halved, down to what the clock tells. What touches at the start leaves, having
+    rebounded, and arrives when it is back where it was.
 
     Raises:
         StepFailed: the gap jumps.
     """
-    trial, gap, rate, start = flight
+    trial, deepest = flight
     whole, clock = trial.step.dt, trial.step.start
+    inside = max(deepest.start, 0.0)  # by less than what counts as arrived
+    start, gap, came = deepest.start - inside, deepest.gap - inside, deepest.came
     points = [(0.0, start), (whole, gap)]
-    slope, bend = rate, (start - gap + rate * whole) / whole**2
+    new = _rise(start, came, (gap - start - came * whole) / whole**2)
     low, high = 0.0, whole
     for _ in range(MAX_FLIGHTS):
-        at, gap = points[-1]
-        root = slope + sqrt(max(slope**2 - 4 * bend * gap, 0.0))
-        new = at - 2 * gap / root if root else low
-        if not low < new < high:
+        if not clock + low < clock + new < clock + high:
             new = 0.5 * (low + high)
         if not clock + low < clock + new < clock + high:
-            trial, gap, rate, _ = fly(high)
+            trial, found = fly(high)
             instant = high - low + 2 * float(np.spacing(clock + high))
-            inside = 0.0 if low else max(start, 0.0)  # by less than what counts as arrived
-            if gap - inside - abs(rate) * instant > tolerance:
-                raise no_velocity("what a point meets", gap, clock + low)
+            if found.gap - inside - abs(found.rate) * instant > tolerance:
+                raise no_velocity("what a point meets", found.gap, clock + low)
             break
-        trial, gap, _, _ = fly(new)
+        trial, found = fly(new)
+        gap = found.gap - inside
         low, high = (new, high) if gap < 0 else (low, new)
-        if abs(gap) <= tolerance:
+        if abs(found.gap) <= tolerance:
             break
         (a, gap_a), (b, gap_b) = points[-2:]
         points.append((new, gap))
         slope = (gap - gap_b) / (new - b)
         bend = (slope - (gap_b - gap_a) / (b - a)) / (new - a)
-        slope += bend * (new - b)
+        new += _rise(gap, slope + bend * (new - b), bend)
     return replace(trial, arrives=True)
+
+
+def _rise(value: float, slope: float, bend: float) -> float:
+    """How far from here a parabola rises through 0, or its lowest point if it stays above; NaN if
+    it never does."""
+    root = sqrt(max(slope**2 - 4 * bend * value, 0.0))
+    if slope > 0:
+        return -2 * value / (slope + root)
+    return (root - slope) / (2 * bend) if bend > 0 else nan

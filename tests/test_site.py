@@ -166,6 +166,37 @@ def test_the_api_has_every_name():
         assert hasattr(importlib.import_module(module), name)
 
 
+def documented():
+    """Docstrings that the pages show: of what these list and of its public members."""
+    pages = "".join(page.read_text() for page in SITE.rglob("*.md"))
+    for path in re.findall(r"auto(?:class|function):: (fenicsx_contact\.\S+)", pages):
+        module, _, name = path.rpartition(".")
+        thing = getattr(importlib.import_module(module), name)
+        members = vars(thing).items() if isinstance(thing, type) else ()
+        for each in (thing, *(member for n, member in members if not n.startswith("_"))):
+            if text := inspect.getdoc(each):
+                yield path, text
+
+
+def test_docstrings_are_text_that_sphinx_reads():
+    """A line is indented deeper than the one before only where a text begins, or in a section."""
+    wrong, indent = [], lambda line: len(line) - len(line.lstrip())
+    for path, text in documented():
+        section, first = False, True  # whether the line before begins a text
+        lines = text.splitlines()
+        for before, line in zip(lines, lines[1:]):
+            if not line or not before:
+                first = not before
+                continue
+            named = re.fullmatch(r"(Args|Attributes|Raises|Returns|Yields):", before)
+            section = bool(named) or (section and indent(before) > 0)
+            item = first or named or (section and indent(before) == 4)
+            if indent(line) > indent(before) and not item and not re.match(r" *[-*] ", before):
+                wrong.append((path, line))
+            first = False
+    assert not wrong
+
+
 NODE = shutil.which("node")
 
 

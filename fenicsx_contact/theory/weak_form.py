@@ -50,8 +50,8 @@ class ContactFields(Protocol):
         loaded: 1 where time passes, 0 in an impact;
         field(name, value): a parameter (:data:`~fenicsx_contact.theory.parameter.Parameter`);
         state(name, start, evolve): a field that the law remembers, and what it becomes in a time;
-        wears(name, evolve): a depth [m] that does, by which the surface recedes, in the step, too:
-            the gap that the form reads is less by that.
+        wears(name, evolve): a depth [m] that does, by which the surface recedes; the gap that the
+        form reads is less by that, in the step, too.
     """
 
     velocity_jump: Any

@@ -16,6 +16,7 @@ from fenicsx_contact import (
     QuasiStatic,
     RigidSolid,
     Scene,
+    ThetaScheme,
     Velocity,
 )
 
@@ -94,6 +95,22 @@ def test_what_is_inside_is_told_once():
     [(time, remark)] = scene.run(until=0.1, dt=0.1).remarks
     assert time == 0 and "'floor' starts 0.0001 m inside" in remark
     assert not scene.run(until=0.2, dt=0.1).remarks
+
+
+def test_what_means_do_not_see_is_not_said_to_start_inside():
+    """After statics by "gap" a law of velocities said that "gap" would take back what is deep
+    between the nodes of both meshes, where gaps, which are means, are none."""
+    soft = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}
+    low = moved(rectangle((7, 3), (2.0, 0.5)), 0.0, -0.5)
+    solids = [
+        ElasticSolid(rectangle((6, 3), (1.0, 0.5)), tractions={"top": (2e3, -1e4)}, **soft),
+        ElasticSolid(low, fixed=["base"], name="low", **soft),
+    ]
+    for law, scheme, until in (("gap", QuasiStatic(), 1.0), ("velocity", ThetaScheme(), 4e-3)):
+        contact = Contact(solids[0], "base", (solids[1], "top"), law, friction=0.3)
+        assert law == "gap" or contact.depth() > 1e4 * contact.tolerance > 0
+        history = Scene(solids, [contact], scheme).run(until, until / 2)
+        assert history.finished and not history.remarks
 
 
 def blocks(clearance):

@@ -76,8 +76,8 @@ def missed(contact: Contact, closing: bool) -> str:
 
 def starts_inside(contact: Contact) -> str:
     """What a reader should know of a contact that overlaps, whose law leaves it so, or nothing."""
-    law, deep = contact.formulation, contact.depth()
-    means = float(contact.gap.max())
+    law, means = contact.formulation, float(contact.gap.max())
+    deep = min(contact.depth(), means)  # what means do not see no law takes back
     if means > contact.tolerance >= contact.coupling.inside():
         return f"contact {_inside_by_means(contact, means)}"
     if _takes_back(contact) or deep <= contact.tolerance:

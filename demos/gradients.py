@@ -313,9 +313,10 @@ if __name__ == "__main__":
 # ## What to try next
 #
 # - `slide(steps=7)`: by the speed of second order, by the friction exact all the same.
-# - `energy` at 0.4 s: the block has come to rest by ever shorter impacts. How many of them a run
-#   resolves depends on the tilt; the tangent is right for the impacts that there were, and
-#   differences find no plateau.
+# - `slope(0.01, True, dt, 0.4)`: the block has come to rest by ever shorter impacts, the last of
+#   which arrive with no more speed than gaps are told. There is no derivative of their instants:
+#   with `dt` of 1 or 2 ms the run says so; by 5 ms the block is put to rest before they are so
+#   slow, and the slope is 0. At 0.36 s, before all that, there is one.
 # - `identify.py`: friction and stiffness from a measured motion; `design.py`: the shape of a die.
 #
 # ## Sources

@@ -683,6 +683,14 @@ def test_a_block_that_just_touches_a_ceiling(depth):
         tangents(scene, 2 * steps * dt, dt, asked, centre(scene))["y"]
 
 
+def test_a_block_that_comes_to_rest_by_impacts_without_end():
+    """The last of them arrive without a speed that gaps tell; they were said to graze."""
+    scene = rocking_block(locate_impacts=True, geometry="newton")
+    asked = {"tilt": Start(solid_of(scene), turn=1.0, about=(-0.18, 0))}
+    with pytest.raises(NoDerivative, match=r"t = 0\.37.* comes to rest by impacts without end"):
+        tangents(scene, 0.4, 2e-3, asked, {"energy": Kinetic(solid_of(scene))})
+
+
 # -- what is not supported --
 
 

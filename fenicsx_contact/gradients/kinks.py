@@ -158,7 +158,8 @@ def refuse_grazing(rows: ContactRows, at: int, step: Step, resolution: float) ->
     graze = sqrt(2 * change * rows.contact.tolerance)
     if speed <= max(graze, resolved(rows, resolution)):
         place = tuple(rows.contact.surface.points[at].tolist())
-        kink = Kink(rows.contact.name, place, step.end, "arrives without speed: grazing")
+        what = "arrives without speed: it grazes, or comes to rest by impacts without end"
+        kink = Kink(rows.contact.name, place, step.end, what)
         raise NoDerivative(str(kink))
 
 

@@ -152,14 +152,14 @@ class Scene:
                     f"no velocity of its own; contact {contact.name!r} needs a law of positions "
                     "(gap, lagrange, springs) there"
                 )
-            if deep := starts_too_deep(contact, self.deepest):
-                raise checks.InputError(f"contacts: {deep}")
             most = self.deepest * contact.surface.extent
             if within := contact.coupling.swallowed(most):
                 raise checks.InputError(
                     f"contacts: {contact.name!r} starts with {within}, where their facets do not "
                     f"face each other; at most {most:.4g} is allowed"
                 )
+            if deep := starts_too_deep(contact, self.deepest):
+                raise checks.InputError(f"contacts: {deep}")
         touched = {id(solid) for contact in self.contacts for solid in contact.solids}
         for solid in self.solids:
             if id(solid) not in touched and not solid.supported and not allow_free:

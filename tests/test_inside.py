@@ -20,6 +20,7 @@ from fenicsx_contact import (
     ElasticSolid,
     HalfSpace,
     InputError,
+    LevelSet,
     RigidSolid,
     Scene,
     name_facets,
@@ -230,14 +231,17 @@ def test_no_fast_body_ends_inside_in_silence(d, seed):
         (Curve([(1, 0), (-1, 0)]), Curve([(-1, 0), (1, 0)])),
         (HalfSpace((0, 0), (0, -1)), HalfSpace((0, 0), (0, 1))),
         (Circle((0, 10), 10.0), Circle((0, 10), 10.0, inside=True)),
+        # where its base is deep inside by that, too
+        (HalfSpace((0, -0.01), (0, -1)), HalfSpace((0, -0.01), (0, 1))),
+        (LevelSet(lambda x, t: -x[1] - 0.01, 2), LevelSet(lambda x, t: x[1] + 0.01, 2)),
     ],
-    ids=["curve", "half space", "circle"],
+    ids=["curve", "half space", "circle", "off a half space", "off a level set"],
 )
 def test_an_obstacle_told_the_wrong_way_round_is_refused(kind, wrong, right):
     """A body whose base lay on it was let fall away freely."""
     body = solid(kind, rectangle((4, 4), (0.02, 0.02)), "body")
     Scene([body], [Contact(body, "base", right)])
-    with pytest.raises(InputError, match=r"all of 'body', 0.02 deep, inside .*wrong way round"):
+    with pytest.raises(InputError, match=r"all of 'body', 0.0[23] deep, inside .*wrong way round"):
         Scene([body], [Contact(body, "base", wrong)])
 
 

@@ -257,6 +257,10 @@ def test_groups_of_med():
     }
 
 
+def test_a_script_is_no_mesh():
+    refused(lambda: mesh_from_file("block.geo"), "file = 'block.geo'", "mesh_from_gmsh")
+
+
 # -- bad files --
 
 

@@ -63,6 +63,8 @@ def mesh_from_file(
 
 def read_mesh(path: Path) -> meshio.Mesh:
     """The file by meshio, whose readers raise all sorts of things, or print and exit."""
+    if path.suffix == ".geo":
+        raise checks.InputError("is a script of gmsh, not a mesh: mesh_from_gmsh reads it")
     if not path.is_file():
         raise checks.InputError("no such file")
     said = io.StringIO()

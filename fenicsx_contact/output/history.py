@@ -138,11 +138,17 @@ class History:
         return np.where(self["dt"] > 0, self["dt"], 1.0)
 
     def impulse(self, contact: str) -> np.ndarray:
-        """Impulse of a contact on its solid since the start, (rows, d) in N s."""
+        """Impulse of a contact on its solid since the start, (rows, d) in N s.
+
+        Raises:
+            KeyError: no such contact; the message lists those that there are.
+        """
         names = [f"{contact}.force_{axis}" for axis in "xyz"]
         forces = [name for name in names if name in self.columns]
         if not forces:
-            raise KeyError(f"{contact!r}: no such contact")
+            ends = ".force_x"
+            there = [name[: -len(ends)] for name in self.columns if name.endswith(ends)]
+            raise KeyError(f"{contact!r}: the contacts are {', '.join(there) or 'none'}")
         rates = np.stack([self[c] for c in forces], axis=1)
         return np.cumsum(rates * self.span[:, None], axis=0)
 

@@ -145,7 +145,7 @@ STOPS = {
             "inverted",
             "an element of solid ... is inverted",
             "a material was pressed through itself",
-            "smaller steps; a finer mesh where it is squeezed; if neither helps, less load",
+            "smaller steps; if these stop, too, less load: finer meshes invert earlier, at corners",
         ),
         Stop(
             "strains too much",

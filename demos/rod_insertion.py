@@ -60,7 +60,7 @@ def figures(way: Passage) -> dict[str, Any]:
 # %% [markdown]
 # ## Figure
 #
-# Resistance against travel, on the way in and, dashed, on the way out, which hides the first: the
+# Resistance against travel, on the way in, pale and wide, and, dashed on it, on the way out: the
 # same places bear, and friction turns round. Dotted, what the walls alone push back on the way in,
 # which is next to nothing: it is friction that resists. With the tangent inlet there is none until
 # the tips are in the bend; with the kink the rod is bent from the start, and the ripple is its
@@ -77,7 +77,7 @@ def draw(ways: dict[str, tuple[Passage, Passage]]) -> None:
     fig, ax = plots.figure()
     for i, (name, (inward, outward)) in enumerate(ways.items()):
         travel, resistance, friction = inward.resistance()
-        ax.plot(travel, resistance, color=f"C{i}", label=f"{name}: inward")
+        ax.plot(travel, resistance, color=f"C{i}", lw=4, alpha=0.3, label=f"{name}: inward")
         ax.plot(*outward.resistance()[:2], "--", color=f"C{i}", lw=0.8, label="outward")
         ax.plot(travel, resistance - friction, ":", color=f"C{i}", lw=0.8, label="walls alone")
     ax.set_xlabel("travel [m]")

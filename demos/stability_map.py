@@ -136,7 +136,7 @@ if __name__ == "__main__":
 # %% [markdown]
 # ## What to try next
 #
-# - One cell that you doubt, `cell = MAPS[0].cells()[0]`: `judge(lambda: MAPS[0].problem(**cell))`,
+# - One cell that you doubt, `cell = MAPS[0].cells()[-1]`: `judge(lambda: MAPS[0].problem(**cell))`,
 #   with `from fenicsx_contact.study import judge`; `MAPS[0].problem(**cell).run()` is its history.
 # - Softer springs: `rocking(tilt=1e-3, share=1e-3, formulation="discrete", stiffness=1e10)`, with
 #   `from problems import rocking`; on 1e6 N/m the block sinks in by more than it was tilted.

@@ -78,7 +78,7 @@ def draw(ways: dict[str, tuple[Passage, Passage]]) -> None:
     for i, (name, (inward, outward)) in enumerate(ways.items()):
         travel, resistance, friction = inward.resistance()
         ax.plot(travel, resistance, color=f"C{i}", lw=4, alpha=0.3, label=f"{name}: inward")
-        ax.plot(*outward.resistance()[:2], "--", color=f"C{i}", lw=0.8, label="outward")
+        ax.plot(*outward.resistance()[:2], "--", color=f"C{i}", lw=1.2, label="outward")
         ax.plot(travel, resistance - friction, ":", color=f"C{i}", lw=0.8, label="walls alone")
     ax.set_xlabel("travel [m]")
     ax.set_ylabel("resistance [N]")

@@ -25,6 +25,7 @@ from fenicsx_contact import (
     neo_hookean,
     st_venant_kirchhoff,
 )
+from fenicsx_contact.theory.formulations import formulation
 
 E = 1e6  # Pa
 TURNS = [0.3, 1.0, 3.0]
@@ -157,6 +158,56 @@ def test_glue_holds_whether_or_not_a_step_ends_without_load(angle, rate):
     history = Scene([lower, upper], [contact], QuasiStatic()).run(until=1.4, dt=0.01, shortest=0.01)
     force = (np.array([history["c.force_x"], history["c.force_y"]]).T @ R)[:, 1]
     assert -force.min() == pytest.approx(400, rel=0.07)
+
+
+class Drawn:
+    """A formulation of a user's, that draws by 200 Pa."""
+
+    def __init__(self, law):
+        self._law = formulation(law)
+
+    def __getattr__(self, name):
+        return getattr(self._law, name)
+
+    def form(self, k):
+        form, status = self._law.form(k)
+        return form - k.integral(200.0 * k.touched * k.test_jump_n), status
+
+
+@pytest.mark.parametrize("glue", [lambda law: Adhesive(200.0, law), Drawn], ids=["glue", "own"])
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+@pytest.mark.parametrize("load", [0.0, 1.0])
+@pytest.mark.parametrize(
+    ("kind", "scheme"),
+    [
+        ("rigid", ThetaScheme(1.0)),
+        ("rigid", ThetaScheme(0.5)),
+        ("elastic", ThetaScheme(1.0)),
+        ("elastic", ThetaScheme(0.5)),
+        ("held", QuasiStatic()),
+    ],
+    ids=str,
+)
+def test_glue_rests_without_loads(kind, scheme, load, law, glue):
+    """And under a pressure that turns into a pull: what draws and multipliers that cancel it were
+    in no scale, so their round-off was held against nothing. Steps were halved, or runs ended."""
+    R = turned(0.6)
+    mesh = block((3, 1), 1.0, 0.1, (0, 0), R)
+
+    def pull(t):
+        return tuple(10 * load * (t / 5e-3 - 1) * R[:, 1])
+
+    if kind == "rigid":
+        body = RigidSolid(mesh, mass=10.0, force=lambda t: tuple(0.1 * np.array(pull(t))))
+    else:
+        fixed = {"fixed": ["top"]} if kind == "held" else {}
+        given = {"youngs_modulus": E, "poisson_ratio": 0.3, "density": 100.0, "body_force": pull}
+        body = ElasticSolid(mesh, **given, **fixed)
+    contact = Contact(body, "base", HalfSpace((0, 0), R[:, 1]), glue(law), 0.4, name="c")
+    history = Scene([body], [contact], scheme).run(until=0.01, dt=1e-3)
+    assert history.finished and not history.remarks, history.reason
+    assert history["newton"].max() <= 3 and history["newton"][2:].max() <= 2
+    assert abs(contact.gap).max() < 1e-13 and abs(contact.jump).max() < 1e-9
 
 
 def test_a_state_stays_as_it_is():

@@ -167,8 +167,8 @@ class StepSolver:
 
     def _scale(self, step: Step, speed: float) -> float:
         """Let rows be scaled by about this speed, m/s, or any if there is none; that scale."""
-        scale = scale_of(speed)
-        self.speed = speed  # what it decides is the same in all units of time
+        self.speed = max(speed, self._speeds.drawn(step))  # decides alike in all units of time
+        scale = scale_of(self.speed)
         self._all.set_scale(step, scale)
         return scale
 

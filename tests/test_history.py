@@ -22,7 +22,8 @@ import pytest
 import scenes
 import ufl
 from dolfinx import fem
-from processes import killed_after
+from mpi4py import MPI
+from processes import killed_after, mpirun, needs_mpirun, output_of
 from scenes import FLOOR, FLOOR_3D, G, box, check_energies, elastic_block, rectangle, rocking_block
 
 import fenicsx_contact
@@ -310,6 +311,121 @@ def test_what_differs_only_later_is_another_scene(kind, tmp_path):
         told_in_time(kind, 0.2).run(8e-3, 1e-3, directory=tmp_path, resume=True)
     again = told_in_time(kind, 0.1).run(8e-3, 1e-3, directory=tmp_path, resume=True)
     assert again.finished and len(again) == 9
+
+
+OWN_CLASSES = """
+import numpy as np
+from mpi4py import MPI
+from scenes import rectangle
+
+from fenicsx_contact import Contact, ElasticSolid, HalfSpace, Moved, RigidSolid, Scene, ThetaScheme
+from fenicsx_contact.theory.formulations import Gap
+
+
+class Bound:
+    def bound(self, k, pressure, S):
+        return self.share() * pressure
+
+    def share(self):
+        return 1.0 * {friction}
+
+    def describe(self):
+        return "own"
+
+
+class Law(Gap):
+    def form(self, k):
+        form, status = super().form(k)
+        return form - {form} * k.integral(k.touched * k.test_jump_n), status
+
+
+class Floor:
+    dim = 2
+
+    def distance(self, points, t):
+        return points[:, 1]
+
+    def normals(self, points, t):
+        return np.tile([0.0, 1.0], (len(points), 1))
+
+    def velocity(self, points, start, end):
+        return np.tile([{obstacle}, 0.0], (len(points), 1))
+
+    def __repr__(self):
+        return "floor"
+
+
+class Damping:
+    beta = 0.0
+
+    @property
+    def alpha(self):
+        return {damping} + 0.0
+
+    def __repr__(self):
+        return "damping"
+
+
+class Block(ElasticSolid):
+    def load_speed(self):
+        return {solid} * super().load_speed()
+
+
+class Theta(ThetaScheme):
+    def describe(self):
+        return "mine"[: int({scheme})]
+
+
+def scene(comm):
+    given = dict(youngs_modulus=1e6, poisson_ratio=0.3, density=1e3, gravity=(0, -9.81))
+    block = Block(rectangle((3, 2), comm=comm), **given, damping=Damping())
+    floor = Moved(Floor(), lambda t: (0.0, 0.0)) if {moved} else Floor()
+    return Scene([block], [Contact(block, "base", floor, Law(), Bound())], Theta(0.7))
+"""
+OWN = {"friction": 0.3, "form": 1.0, "obstacle": 0.0, "damping": 0.0, "solid": 1.0, "scheme": 4.0}
+
+
+def own_scene(comm=MPI.COMM_SELF, moved=False, **changes):
+    """A scene of classes that a script defines, with a number each in their code."""
+    script = {"__name__": "script"}
+    exec(OWN_CLASSES.format(**{**OWN, **changes}, moved=moved), script)
+    return script["scene"](comm)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"friction": 0.4},
+        {"form": 2.0},
+        {"obstacle": 0.1},
+        {"obstacle": 0.1, "moved": True},
+        {"damping": 0.1},
+        {"solid": 1.5},
+        {"scheme": 3.0},
+    ],
+    ids=str,
+)
+def test_what_methods_of_own_classes_do_is_known(change, tmp_path):
+    """Classes were told by their names and what they hold: a run went on under another law."""
+    same = {"moved": change.get("moved", False)}
+    own_scene(**same).run(2e-3, 1e-3, directory=tmp_path)
+    with pytest.raises(InputError, match=r"directory = .* holds a run of another scene"):
+        own_scene(**change).run(3e-3, 1e-3, directory=tmp_path, resume=True)
+    assert own_scene(**same).run(3e-3, 1e-3, directory=tmp_path, resume=True).finished
+
+
+@needs_mpirun
+def test_own_classes_are_told_alike_by_all_interpreters():
+    script = OWN_CLASSES.format(**OWN, moved=False) + (
+        "from fenicsx_contact.steps.fingerprint import fingerprint\n"
+        "told = fingerprint(scene(MPI.COMM_WORLD), 1e-3, None)\n"
+        "if MPI.COMM_WORLD.rank == 0:\n"
+        "    print([t for t in told.splitlines() if 'Bound.bound' in t or 'Floor' in t])"
+    )
+    script = f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n" + script
+    first, *others = [output_of(mpirun(script, processes)) for processes in (1, 1, 2)]
+    assert "Bound.share" in first and "Floor.velocity" in first
+    assert all(other == first for other in others)
 
 
 def nodal(mesh, values):

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import dis
 import re
+import sys
 from collections.abc import Iterator, Mapping, Set
 from functools import partial
 from numbers import Real
@@ -31,6 +32,12 @@ MANY = 12
 #: Before eight digits in a text, by which these are found again.
 MARK = "#"
 
+# what is wrapped in a property, a method of a class, and one that is asked once.
+_INNER = "fget", "__func__", "func"
+_PACKAGE = __name__.partition(".")[0]
+# whose classes are not a user's
+_OTHERS = {"basix", "dolfinx", "mpi4py", "numpy", "petsc4py", "scipy", "ufl"}
+_KNOWN = sys.stdlib_module_names | _OTHERS | {_PACKAGE}
 _DATA = (str, bool, Real, Mapping, list, tuple, np.ndarray)
 
 
@@ -82,6 +89,37 @@ def held(thing: Any) -> dict[str, Any]:
     slots = [n for n, v in sorted(every.items()) if isinstance(v, MemberDescriptorType)]
     filled = {name: getattr(thing, name) for name in slots if hasattr(thing, name)}
     return {**getattr(thing, "__dict__", {}), **filled}
+
+
+def methods(thing: Any) -> dict[str, Any]:
+    """What classes of a user's make an object do and be, by name: their functions, and the data
+    among their attributes. Nothing of this package, what it stands on and Python's own."""
+    found: dict[str, Any] = {}
+    for kind in type(thing).__mro__:
+        if kind.__module__.partition(".")[0] in _KNOWN:
+            continue
+        for name, value in sorted(vars(kind).items()):
+            inner = next((getattr(value, a) for a in _INNER if hasattr(value, a)), value)
+            data = isinstance(value, _DATA) or is_expression(value)
+            if isinstance(inner, FunctionType) or (data and not name.startswith("__")):
+                found[f"{kind.__qualname__}.{name}"] = inner
+    return found
+
+
+def own_within(thing: Any) -> list[Any]:
+    """What is of a user's own classes: the object itself, what it holds, and what that holds; what
+    others than the user and this package made is not looked into."""
+    found, seen, left = list[Any](), set[int](), [thing]
+    while left:
+        each = left.pop(0)
+        if id(each) in seen:
+            continue
+        seen.add(id(each))
+        if methods(each):
+            found.append(each)
+        if methods(each) or type(each).__module__.partition(".")[0] == _PACKAGE:
+            left += held(each).values()
+    return found
 
 
 class _Whole:

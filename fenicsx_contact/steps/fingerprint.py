@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import pi
 from typing import Any, Protocol
 
@@ -11,7 +12,7 @@ from mpi4py import MPI
 
 from ..base.quoted import without_addresses
 from ..base.shown import exactly
-from ..base.told import held, legible, told
+from ..base.told import held, legible, methods, own_within, told
 from ..base.told_ufl import field_digits, rounded
 from ..contact.contact import Contact
 from ..solids import DeformableSolid, Solid
@@ -60,7 +61,24 @@ def fingerprint(scene: Described, dt: float, step_error: float | None) -> str:
             f"gaps {contact.gap.min() + 0.0:.9g} to {contact.gap.max() + 0.0:.9g}, "
             f"{_shape(contact.surface.points, MPI.COMM_SELF)}"
         )
+    for name, part in _own_parts(scene):
+        lines.append(f"{name}: {type(part).__name__} {told(methods(part), fields=True)}")
     return without_addresses("\n".join(lines))
+
+
+def _own_parts(scene: Described) -> Iterator[tuple[str, Any]]:
+    """What is of users' own classes, whose code says what it does; of a solid itself, which holds
+    all that is computed, its damping and its drive."""
+    yield from (("scheme", part) for part in own_within(scene.scheme))
+    for solid in scene.solids:
+        rod = getattr(solid, "rod", solid)
+        others = getattr(solid, "damping", None), getattr(rod, "law", None)
+        own = [part for other in others for part in own_within(other)]
+        yield from ((solid.name, part) for part in ([solid] if methods(solid) else []) + own)
+    for contact in scene.contacts:
+        obstacle = getattr(contact.coupling, "obstacle", None) or getattr(contact, "obstacle", None)
+        for thing in (contact.formulation, contact.friction_law, obstacle):
+            yield from ((contact.name, part) for part in own_within(thing))
 
 
 def shared(scene: Described) -> dict[str, Any]:

@@ -5,12 +5,14 @@ each kind gives the same result."""
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
-from scenes import rectangle
+from processes import mpirun, needs_mpirun, output_of
+from scenes import FLOOR, FLOOR_3D, box, rectangle
 
 from fenicsx_contact import (
     Contact,
@@ -21,6 +23,7 @@ from fenicsx_contact import (
     HyperelasticSolid,
     InputError,
     QuasiStatic,
+    RigidSolid,
     Scene,
     ThetaScheme,
     ciarlet,
@@ -28,6 +31,7 @@ from fenicsx_contact import (
     neo_hookean,
 )
 from fenicsx_contact.base import compat, compiling
+from fenicsx_contact.contact.nodal_values import NodalValues
 
 MESH = rectangle((4, 2), (1.0, 0.4))
 X = ufl.SpatialCoordinate(MESH.mesh)
@@ -421,3 +425,76 @@ def test_a_load_whose_time_has_a_default_follows_it():
     solid = ElasticSolid(named, fixed=["base"], tractions=load, **data)
     assert Scene([solid], [], QuasiStatic()).run(2.0, 1.0).finished
     assert solid.fields()["displacement"][:, 1].min() == pytest.approx(-0.02, rel=1e-9)
+
+
+# -- on a contact surface --
+
+
+def uneven(mesh, degree=0):
+    """Of one number in each cell, or of values that jump between cells."""
+    made = fem.Function(compat.cellwise_space(mesh, degree=degree))
+    made.x.array[:] = 0.2 + 0.1 * np.sin(7.0 * np.arange(len(made.x.array)))
+    return made
+
+
+@pytest.mark.parametrize("jumps", [0, 1], ids=["constant", "linear"])
+@pytest.mark.parametrize("cell", ["quadrilateral", "triangle", "hexahedron", "tetrahedron"])
+def test_of_what_jumps_between_facets_a_surface_has_all(cell, jumps):
+    """A node read the first cell that it met, on whichever side: cells' numbers decided. The mean
+    over its facets keeps the integral over the surface."""
+    plane = cell in ("quadrilateral", "triangle")
+    named = (rectangle if plane else box)((5, 2) if plane else (4, 3, 2), cell=cell)
+    x = named.mesh.geometry.x
+    x[:, 0] += 0.8 * x[:, 0] ** 2  # facets of several sizes
+    field = uneven(named.mesh, jumps)
+    solid = RigidSolid(named, mass=1.0)
+    surface = Contact(solid, "base", FLOOR if plane else FLOOR_3D, friction=field).surface
+    tag = named.names["base"]
+    ds = ufl.Measure("ds", named.mesh, subdomain_data=named.facet_tags)(tag)
+    whole = fem.assemble_scalar(fem.form(field * ds))
+    assert surface.area @ NodalValues(field, surface)() == pytest.approx(whole, rel=1e-12)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("cells", [2, 8])
+@pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
+def test_half_of_a_block_rubs(cell, cells, mirrored):
+    """0.4 on one half, none on the other: 0.2 in all, from the left and from the right. A node in
+    the middle had 0.1025 of two facets, or 0.3015."""
+    named = rectangle((cells, 1), (1.0, 1e-3), cell)
+    friction = fem.Function(compat.cellwise_space(named.mesh))
+    side = -1.0 if mirrored else 1.0
+    friction.interpolate(lambda x: np.where(side * x[0] > 0, 0.4, 0.0))
+    top = {"top": lambda t: (0.1 * t * side, -2e-6)}
+    material = {"youngs_modulus": 1e6, "poisson_ratio": 0.0, "density": 1.0}
+    slab = ElasticSolid(named, **material, prescribed=top)
+    contact = Contact(slab, "base", FLOOR, "gap", friction=friction)
+    assert Scene([slab], [contact], QuasiStatic()).run(1.0, 0.5).finished
+    drag, pressed = contact.force.sum(axis=0)
+    assert -side * drag / pressed == pytest.approx(0.2, rel=1e-3)
+
+
+PARALLEL = """
+import sys; sys.path.insert(0, {here!r})
+from mpi4py import MPI
+from processes import mpirun, needs_mpirun, output_of
+from scenes import FLOOR, FLOOR_3D, box, rectangle
+from dolfinx import fem
+import numpy as np
+from fenicsx_contact import Contact, ElasticSolid, HalfSpace
+from fenicsx_contact.base import compat
+from fenicsx_contact.contact.nodal_values import NodalValues
+
+named = rectangle((6, 2), (1.0, 0.4), "triangle")
+friction = fem.Function(compat.cellwise_space(named.mesh))
+friction.interpolate(lambda x: np.where(x[0] > 0, 0.4, 0.0))
+block = ElasticSolid(named, youngs_modulus=1e6, poisson_ratio=0.3, density=1e3)
+surface = Contact(block, "base", HalfSpace((0, 0), (0, 1)), friction=friction).surface
+values = NodalValues(friction, surface)()[np.argsort(surface.points[:, 0])]
+np.testing.assert_allclose(values, [0, 0, 0, 0.2, 0.4, 0.4, 0.4])
+"""
+
+
+@needs_mpirun
+def test_nor_do_processes_decide():
+    output_of(mpirun(PARALLEL.format(here=str(Path(__file__).parent)), 2))

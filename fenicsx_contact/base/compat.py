@@ -124,13 +124,13 @@ def component_space(mesh: Any, components: int, degree: int = 1) -> Any:
 
 
 @compiler()
-def cellwise_space(mesh: Any, dim: int = 0) -> Any:
-    """Space of scalars, or vectors of ``dim`` components, that are constant in each cell."""
+def cellwise_space(mesh: Any, dim: int = 0, degree: int = 0) -> Any:
+    """Space of scalars, or vectors of ``dim`` components, of a degree in each cell: constant."""
     if MODERN:
-        return fem.functionspace(mesh, ("DG", 0, (dim,)) if dim else ("DG", 0))
+        return fem.functionspace(mesh, ("DG", degree, (dim,)) if dim else ("DG", degree))
     if dim:
-        return fem.VectorFunctionSpace(mesh, ("DG", 0), dim=dim)
-    return fem.FunctionSpace(mesh, ("DG", 0))
+        return fem.VectorFunctionSpace(mesh, ("DG", degree), dim=dim)
+    return fem.FunctionSpace(mesh, ("DG", degree))
 
 
 def cell_dofs(space: Any) -> np.ndarray:
@@ -255,24 +255,26 @@ class PointExpression:
 
 
 class PointValues:
-    """Values of a scalar dolfinx Function at fixed points (n, d) of its mesh, on every process.
+    """Values of a scalar dolfinx Function at fixed points (n, d) of its mesh, on every process, in
+    the cells in which they are, or others (n, d) that say which of these.
 
     Raises:
         ValueError: it is no scalar, or a point is outside of its mesh.
     """
 
-    def __init__(self, function: Any, points: np.ndarray) -> None:
+    def __init__(self, function: Any, points: np.ndarray, *others: np.ndarray) -> None:
         if function.ufl_shape:
             raise ValueError("it is no scalar")
         mesh = function.function_space.mesh
         self._function = function
-        self._points = np.zeros((len(points), 3))
-        self._points[:, : points.shape[1]] = points
+        self._points, within = (
+            np.pad(each, ((0, 0), (0, 3 - each.shape[1]))) for each in (points, *others, points)[:2]
+        )
         reach = 1e-10 * float(np.ptp(mesh.geometry.x, axis=0).max())
         make = geometry.bb_tree if MODERN else geometry.BoundingBoxTree
         tree = make(mesh, mesh.topology.dim, padding=reach)
         collide = geometry.compute_collisions_points if MODERN else geometry.compute_collisions
-        cells = geometry.compute_colliding_cells(mesh, collide(tree, self._points), self._points)
+        cells = geometry.compute_colliding_cells(mesh, collide(tree, within), within)
         found = [cells.links(i)[:1] for i in range(len(points))]
         self._comm = comm = mesh.comm  # each process has a part: the first that has a point tells
         here = np.where([len(each) > 0 for each in found], comm.rank, comm.size)

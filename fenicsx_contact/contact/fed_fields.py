@@ -21,6 +21,7 @@ from ..base.quoted import quoted
 from ..solids.coefficients import arguments
 from ..theory.scheme import Step
 from .memory import at_points
+from .nodal_values import NodalValues
 
 
 class Teller(Protocol):
@@ -215,6 +216,6 @@ class FedFields:
             now = self._constant(lambda contact, step: float(other.value), float(other.value))
             self.numbers[other] = now
             return now
-        values, mirror = compat.PointValues(other, self.surface.points), self.surface.scalar()
+        values, mirror = NodalValues(other, self.surface), self.surface.scalar()
         mirror.x.array[:] = values()
         return self._function(lambda contact, step: values(), mirror)

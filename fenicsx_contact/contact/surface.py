@@ -72,13 +72,14 @@ class Surface:
         self.extent = float(np.ptp(self.sites, axis=0).max())
         self.dx = compat.nodal_measure(self.mesh, degree)
         test, exact = ufl.TestFunction(every), ufl.dx(self.mesh)
-        shares = [test * self.dx]
+        rules: list[Callable[[Any], Any]] = [lambda v: v * self.dx]
         if breadth:
-            shares.append(breadth(ufl.SpatialCoordinate(self.mesh)) * test * exact)
+            wide = breadth(ufl.SpatialCoordinate(self.mesh))
+            rules.append(lambda v: wide * v * exact)
         elif degree < shape:
-            shares.append(test * exact)
-        site_areas = [compat.VectorAssembler(each)().copy() for each in shares]
-        self.site_area = site_areas[-1]
+            rules.append(lambda v: v * exact)
+        site_areas = [compat.VectorAssembler(rule(test))().copy() for rule in rules]
+        self.site_area, self._area_by = site_areas[-1], rules[-1]
         self._twins = twins(self.sites) if twins else np.arange(len(self.sites))
         self.scalars = glued_space(every, self._twins)
         vectors = compat.lagrange_space(self.mesh, degree, shape=(self.dim,))
@@ -117,6 +118,12 @@ class Surface:
     def constant(self, value: float = 0.0) -> Any:
         """A new constant."""
         return fem.Constant(self.mesh, float(value))
+
+    def shares(self) -> np.ndarray:
+        """What each cell adds to the areas of its nodes, (m, k), in m or m²."""
+        apart = compat.cellwise_space(self.mesh, degree=self._degree)
+        shares = compat.VectorAssembler(self._area_by(ufl.TestFunction(apart)))()
+        return np.asarray(shares[compat.cell_dofs(apart)])
 
     def nodes_at(self, points: np.ndarray, tolerance: float) -> np.ndarray:
         """For each of ``points`` (k, d) the nearest node, or -1 where none is within reach."""

@@ -11,7 +11,8 @@ from ..base.shown import shown
 
 #: A number >= 0; or a function of the place [m], and of the time [s] if it has a second argument,
 #: in UFL; or UFL on the mesh of the slave: of its coordinates, a dolfinx Function, a Constant. A
-#: function sees where a point is now (a floor), UFL belongs to the material (a coating).
+#: function sees where a point is now (a floor), UFL belongs to the material (a coating). Values are
+#: read at the nodes of the surface; of a Function that jumps there, the mean over its facets.
 Parameter = Any
 
 

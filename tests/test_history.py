@@ -52,7 +52,7 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.base import compat
 from fenicsx_contact.base.shown import exactly
-from fenicsx_contact.base.told import told
+from fenicsx_contact.base.told import methods, told
 from fenicsx_contact.contact.wall import Wall
 from fenicsx_contact.output.history import COLUMNS
 from fenicsx_contact.solve.newton import NotConverged
@@ -412,6 +412,26 @@ def test_what_methods_of_own_classes_do_is_known(change, tmp_path):
     with pytest.raises(InputError, match=r"directory = .* holds a run of another scene"):
         own_scene(**change).run(3e-3, 1e-3, directory=tmp_path, resume=True)
     assert own_scene(**same).run(3e-3, 1e-3, directory=tmp_path, resume=True).finished
+
+
+def test_whatever_makes_a_method_is_known():
+    def made(a, k):
+        class Own:
+            bound, mu = partial(max, a), k
+
+            @staticmethod
+            def fixed():
+                return a
+
+            @property
+            def asked(self):
+                return a
+
+        return told(methods(Own()))
+
+    assert made(1, 2) == made(1, 2) and len({made(1, 2), made(2, 2), made(1, 3)}) == 3
+    names = {line.split(":")[0] for line in made(1, 2)[1:-1].split(", ")}
+    assert len(names) == 4
 
 
 @needs_mpirun

@@ -7,7 +7,7 @@ import dis
 import re
 import sys
 from collections.abc import Iterator, Mapping, Set
-from functools import partial
+from functools import cached_property, partial
 from numbers import Real
 from pathlib import PurePath
 from types import (
@@ -32,8 +32,9 @@ MANY = 12
 #: Before eight digits in a text, by which these are found again.
 MARK = "#"
 
-# what is wrapped in a property, a method of a class, and one that is asked once.
-_INNER = "fget", "__func__", "func"
+# the function in what a class makes of it
+_INNER = {property: "fget", staticmethod: "__func__", classmethod: "__func__"}
+_INNER |= {cached_property: "func"}
 _PACKAGE = __name__.partition(".")[0]
 # whose classes are not a user's
 _OTHERS = {"basix", "dolfinx", "mpi4py", "numpy", "petsc4py", "scipy", "ufl"}
@@ -99,9 +100,9 @@ def methods(thing: Any) -> dict[str, Any]:
         if kind.__module__.partition(".")[0] in _KNOWN:
             continue
         for name, value in sorted(vars(kind).items()):
-            inner = next((getattr(value, a) for a in _INNER if hasattr(value, a)), value)
+            inner = getattr(value, _INNER.get(type(value), ""), value)
             data = isinstance(value, _DATA) or is_expression(value)
-            if isinstance(inner, FunctionType) or (data and not name.startswith("__")):
+            if _parts(inner) is not None or (data and not name.startswith("__")):
                 found[f"{kind.__qualname__}.{name}"] = inner
     return found
 

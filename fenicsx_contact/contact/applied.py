@@ -5,16 +5,20 @@ from __future__ import annotations
 
 import numpy as np
 
+from .contact import Contact
 from .equations import SurfaceEquations
+
+
+def applies(contact: Contact) -> bool:
+    """Whether it may do anything: not springs, nor laws whose forces are the same for any areas."""
+    known = vars(type(contact.formulation)).get("reads_areas", True)
+    return bool(known) and contact.equations.tractions > contact.equations.jumps
 
 
 def applied(equations: SurfaceEquations) -> np.ndarray:
     """These forces, (n, d) in N: without multipliers, what in the rows of the jumps does not go
-    with rho. All else goes with it, by powers of two to the last digit. 0 of springs."""
+    with rho. All else goes with it, by powers of two to the last digit."""
     e, fields = equations, equations.fields
-    shape = len(e.weight), fields.surface.dim
-    if e.tractions == e.jumps:
-        return np.zeros(shape)
     values, rows = e.values, []
     values[e.jumps :] = 0.0
     rho = [(each.x.array, each.x.array.copy()) for each in (fields.rho_n, fields.rho_t)]
@@ -26,4 +30,4 @@ def applied(equations: SurfaceEquations) -> np.ndarray:
             rows.append(e.residual()[: e.jumps])
     for array, full in rho:
         array[:] = full
-    return (rows[1] - 2 * rows[0]).reshape(shape)
+    return (rows[1] - 2 * rows[0]).reshape(-1, fields.surface.dim)

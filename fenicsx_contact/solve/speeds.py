@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base.constants import ROUND_OFF
 from ..base.vectors import largest, longest
-from ..contact.applied import applied
+from ..contact.applied import applied, applies
 from ..contact.contact import Contact
 from ..contact.jump import Coupling
 from ..contact.trial import candidate_force
@@ -41,6 +41,7 @@ class Speeds:
         self._comm = communicator(solids)
         self.bodies = [s for s in solids if isinstance(s, DeformableSolid)]
         self._start: tuple[Step | None, float, float] = None, 0.0, 0.0
+        self._drawing = [contact for contact in contacts if applies(contact)]
         self._drawn: tuple[Step | None, float] = None, 0.0
 
     def typical(self, step: Step) -> float:
@@ -77,7 +78,7 @@ class Speeds:
         """The largest speed that what laws do by themselves would give to a point, m/s: a load
         that multipliers cancel, of which all else may be the small difference."""
         if step is not self._drawn[0]:
-            each = (c.push(applied(c.equations), step) for c in self._contacts)
+            each = (c.push(applied(c.equations), step) for c in self._drawing)
             self._drawn = step, max(each, default=0.0)
         return self._drawn[1]
 

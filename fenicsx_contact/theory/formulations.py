@@ -190,6 +190,7 @@ class Lagrange(Gap):
 
     points: Sequence[Sequence[float]] | np.ndarray | None = None
     name: ClassVar[str] = "lagrange"
+    reads_areas: ClassVar[bool] = False
     at_points: ClassVar[bool] = True
 
 

@@ -37,6 +37,7 @@ from fenicsx_contact import (
     neo_hookean,
     st_venant_kirchhoff,
 )
+from fenicsx_contact.contact.candidates import Candidates
 
 E, NU, RHO, WIDTH, HEIGHT = 1e6, 0.3, 1000.0, 0.4, 0.8
 CELLS = ("triangle", "quadrilateral")
@@ -782,3 +783,49 @@ def test_a_leaf_spring_takes_few_iterations(solver, amplitude):
     most, moved = bent(solver=solver)
     assert most <= 25
     np.testing.assert_allclose(moved, bent(geometry="fixed point")[1], atol=1e-3 * abs(moved).max())
+
+
+HELD_ALONG = [("quadrilateral", (4, 1)), ("triangle", (4, 2)), ("hexahedron", (4, 2, 1))]
+
+
+@pytest.mark.parametrize("law", ["gap", "velocity"])
+@pytest.mark.parametrize("scheme", [QuasiStatic(), ThetaScheme(1.0)], ids=["static", "theta"])
+@pytest.mark.parametrize(("cell", "n"), HELD_ALONG)
+def test_simply_supported_layers_each_bear_half(cell, n, scheme, law):
+    """Ends that are held along the normal at rest, and not across, turn as the layers bend: by as
+    small a lever their nodes pushed 2e4 times the load, or rows stalled."""
+    d, up = len(n), (0.0,) * (len(n) - 1)
+    layers = []
+    for z in (0.0, 0.1):
+        mesh = (rectangle if d == 2 else box)(n, (1.0, *(0.4,) * (d - 2), 0.1), cell)
+        mesh.mesh.geometry.x[:, d - 1] += z
+        ends = dict.fromkeys(("left", "right"), (*(None,) * (d - 1), 0.0))
+        middle = {(0.0, *(-0.2,) * (d - 2), 2 * z): (0.0,) * (d - 1) + (None,)}
+        if d == 3:
+            middle[0.0, 0.2, 2 * z] = (0.0, None, None)
+        press = {"tractions": {"top": (*up, -1e3)}, "name": "upper"} if z else {}
+        stiff = {"youngs_modulus": 1e9, "poisson_ratio": 0.3, "density": 1e3}
+        layers.append(ElasticSolid(mesh, prescribed={**ends, **middle}, **stiff, **press))
+    contact = Contact(layers[1], "base", (layers[0], "top"), law)
+    history = Scene(layers, [contact], scheme).run(0.02, 2e-3)
+    assert history.finished, history.reason
+    load = 1e3 * (0.4 if d == 3 else 1.0)
+    assert contact.force[:, d - 1].sum() == pytest.approx(0.5 * load, rel=0.08)
+    assert contact.pressure.max() < 1e3
+
+
+@pytest.mark.parametrize("law", ["gap", "velocity"])
+@pytest.mark.parametrize("scheme", [QuasiStatic(), ThetaScheme(1.0)], ids=["static", "theta"])
+def test_points_that_nothing_asked_are_certified(monkeypatch, scheme, law):
+    """A solution without candidates, of bodies through each other, was certified: a state of 1e33 m
+    on the way had lost them all."""
+    stiff = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1e3}
+    lower = ElasticSolid(rectangle(), fixed=["base"], name="lower", **stiff)
+    mesh = rectangle()
+    mesh.mesh.geometry.x[:, 1] += 0.8
+    upper = ElasticSolid(mesh, prescribed={"top": lambda t: (0.0, -1e-2 * t)}, **stiff)
+    contact = Contact(upper, "base", (lower, "top"), law)
+    nobody = np.zeros(2, dtype=bool)
+    monkeypatch.setattr(Candidates, "choose", lambda self: self._equations.choose(nobody))
+    history = Scene([upper, lower], [contact], scheme).run(1.0, 0.25)
+    assert not history.finished and "certificate" in history.reason

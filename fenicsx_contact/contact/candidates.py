@@ -105,6 +105,15 @@ class Candidates:
         self.choose()
         return True
 
+    def passed_over(self, jump: np.ndarray, step: Step) -> float:
+        """By how much more than the law allows points approach that may bear and were not asked,
+        m/s, from the jumps (n, d); 0 of springs, which bear where they are."""
+        e, limit, others = self._equations, self.limit(step), self.allowed & self.near()
+        others[e.candidates] = False
+        if limit is None or not others.any():
+            return 0.0
+        return max(0.0, float((dot(jump, e.normal.reshape(jump.shape)) - limit)[others].max()))
+
     def told(self, jump: np.ndarray, step: Step) -> np.ndarray:
         """Jumps (n, d) for laws that read them at all points: where nothing could bear, none that
         would press."""

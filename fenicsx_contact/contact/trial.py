@@ -51,16 +51,19 @@ def in_round_hole(contact: Contact) -> bool:
 def violation(contact: Contact, step: Step, force: np.ndarray) -> float:
     """By how much the rows of the candidates fail with the jumps and gaps of the trial state,
     in shares of the speeds of the step and of the forces that stop them: those of the unknowns, at
-    the candidates, flat, N. What meets nothing there bears nothing, and laws read
-    the places of points there."""
+    the candidates, flat, N. What meets nothing there bears nothing, laws read the places of points
+    there, and no other point does what the law forbids."""
     e, share = contact.equations, contact.formulation.gap_share
-    if not len(e.candidates):
-        return 0.0
     values, gap, n = e.values, e.gap.copy(), len(e.active_jumps)
     values[: e.jumps] = contact.trial_jump.ravel()
     if share:
         way = step.gap_rate * dot(contact.trial_jump, contact.normal)
         e.gap[:] = (1 - share) * contact.gap + share * (contact.coupling.gaps() - way)
+        contact.candidates.renew()
+    over = contact.candidates.passed_over(contact.trial_jump, step)
+    if not len(e.candidates):
+        e.gap[:] = gap
+        return over / e.speed if e.speed else 0.0
     with e.being(values):
         rows = e.natural(e.active_residual() * e.row_scale[e.active])[n:]
     e.gap[:] = gap
@@ -69,7 +72,7 @@ def violation(contact: Contact, step: Step, force: np.ndarray) -> float:
     near = contact.coupling.near()[e.candidates]
     lost = 0.0 if near.all() else contact.push(force[~near], step)
     strayed = _strayed(contact, step) / step.span
-    return max(largest(rows) * e.speed, lost, strayed) / max(e.speed, pushed)
+    return max(largest(rows) * e.speed, lost, strayed, over) / max(e.speed, pushed)
 
 
 def candidate_force(contact: Contact) -> np.ndarray:

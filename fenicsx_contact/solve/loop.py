@@ -212,7 +212,7 @@ class StepSolver:
             clock("solids")
             near = self.system.near
             self._see(step, exact=near == np.inf, kept=plain)
-            self._scale(step, self._speeds.typical(step))
+            scale = self._scale(step, self._speeds.typical(step))
             clock("pairing")
             error, force = self.system.begin(step)
             errors.append(error)
@@ -226,6 +226,9 @@ class StepSolver:
                     self._all.refuse_broken()
                 if self.system.settle(step, force, self._newton.tolerance):
                     self._follow()
+                    if self._scale(step, self._speeds.typical(step)) != scale:
+                        plain = kept = False  # what was judged was another state
+                        continue
                 return force, iteration + settled, 1, remarks
             if not np.isfinite(error) or iteration == 2 * most:
                 self._all.refuse_broken()
@@ -243,7 +246,6 @@ class StepSolver:
             last, halved = error, 0
             if error <= near < np.inf:
                 self._see(step, exact=True)
-                clock("pairing")
             self._keep()
             if turns.settles(error, spent=iteration == most):
                 self._see(step, exact=False)
@@ -284,8 +286,7 @@ class StepSolver:
             contact.follow()
             contact.equations.turn(careful)
 
-    def _keep(self) -> None:
-        """Keep the state from which a correction starts."""
+    def _keep(self) -> None:  # the state from which a correction starts
         velocities = [solid.trial_velocity.copy() for solid in self._all.solids]
         self._before = velocities, [contact.equations.values for contact in self._all.contacts]
 

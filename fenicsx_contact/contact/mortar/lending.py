@@ -6,13 +6,18 @@ have functions enough for whatever it does: a multiplier at a held one would ask
 theirs ask, by as little as what it meets is free there, and push as hard. So on such a facet a held
 node lends its function to the free ones beside it, of which the sum stays 1: what is uniform is
 transmitted as before (Puso and Laursen, Comput. Methods Appl. Mech. Engrg. 193, 2004, at supports).
+
+Held is what cannot go along the normal that it has at rest: one that ends held so turn by, as what
+is bent does, moves the gap by a lever that is as small, and would push by as much more.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from .side import OUTLINE
+from ...base.constants import ROUND_OFF
+from .matrices import add_up
+from .side import OUTLINE, Side
 
 
 def lent(corners: np.ndarray, cell: str, held: np.ndarray) -> np.ndarray:
@@ -27,3 +32,12 @@ def lent(corners: np.ndarray, cell: str, held: np.ndarray) -> np.ndarray:
     share = to / np.maximum(to.sum(axis=2, keepdims=True), 1)
     own = (free | ~free.any(axis=1, keepdims=True))[..., None]
     return np.where(own, np.eye(k), share)
+
+
+def directions(side: Side, n: int) -> np.ndarray:
+    """Components that the normals at its n corners have in the reference placement, means over the
+    facets, (n, d) of bool; all, where these cancel."""
+    each, rows = side.middle_normals(side.nodes), side.corners.ravel()
+    sums = [add_up(x.repeat(side.corners.shape[1], axis=0), rows, n) for x in (each, np.abs(each))]
+    there = np.abs(sums[0]) > ROUND_OFF * sums[1].sum(axis=1, keepdims=True)
+    return there | ~there.any(axis=1, keepdims=True)

@@ -33,7 +33,7 @@ from mpi4py import MPI
 from ...base.constants import ROUND_OFF
 from ...base.vectors import normalised
 from .integration import Lines, whole
-from .lending import lent
+from .lending import directions, lent
 from .matrices import DENSE, Matrix, add_up, along, by_component, by_point, gather
 from .overlaps import Overlaps
 from .pieces import Brink, Pieces
@@ -97,7 +97,9 @@ class Pairing:
         self.n = int(slave.corners.max()) + 1
         self.total = len(slave.nodes) + len(master.nodes)
         self.held = np.zeros((self.total, slave.dim), dtype=bool) if held is None else held
-        self.lending = lent(slave.corners, slave.cell, self.held[: self.n].all(axis=1))
+        self._along = directions(slave, self.n)  # what holds these holds the gap
+        held = (self.held[: self.n] | ~self._along).all(axis=1)
+        self.lending = lent(slave.corners, slave.cell, held)
         self.dense = (self.total * slave.dim) ** 2 <= DENSE
         self._sizes = np.zeros(self.n)  # of the largest facet at each node
         np.maximum.at(self._sizes, slave.corners, slave.sizes[:, None])
@@ -207,7 +209,7 @@ class Pairing:
         if not self.held.any():
             return np.zeros(self.n, dtype=bool)
         free = self.shared.sum(abs(self.means) @ ~self.held)
-        return np.asarray(((free <= ROUND_OFF) | (self.normal == 0)).all(axis=1))
+        return np.asarray(((free <= ROUND_OFF) | ~self._along).all(axis=1))
 
     def at_normals(self, matrix: Matrix) -> Matrix:
         """Rows (n,) as components along the normals, (n d,)."""

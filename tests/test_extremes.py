@@ -245,7 +245,7 @@ def test_a_balance_that_is_not_a_number_does_not_hold(held):
 
 def test_a_horseshoe_bent_beyond_itself_stops():
     """Its ends are moved past each other, which nothing could: an inverted element, all strains
-    NaN, was a row, certified with an error of 2e-21."""
+    NaN, was a row, certified with an error of 2e-21. Nodes beside them bear for them, and tell."""
     mesh = rectangle((24, 2), (1.0, 1.0), "triangle")
     x, turn = mesh.mesh.geometry.x, 0.5 * np.pi
     s, r = (x[:, 0] + 0.5) * (3 + turn), 0.5 + 0.3 * x[:, 1]
@@ -256,9 +256,10 @@ def test_a_horseshoe_bent_beyond_itself_stops():
     ends = {"left": lambda t: (0, -0.5 * t), "right": lambda t: (0, 0.5 * t)}
     solid = HyperelasticSolid(mesh, energy=neo_hookean(100.0, 0.3), density=1.0, prescribed=ends)
     contact = Contact(solid, "base", (solid, "base"), "gap", friction=0.2)
-    history = Scene([solid], [contact], QuasiStatic()).run(1.05, 0.05)
-    assert "is inverted" in history.reason
-    assert np.isfinite(history.rows()).all() and history.time[-1] == pytest.approx(1.0)
+    history = Scene([solid], [contact], QuasiStatic()).run(1.5, 0.05)
+    assert "is inverted" in history.reason or "goes through what it meets" in history.reason
+    assert np.isfinite(history.rows()).all() and 1.0 < history.time[-1] < 1.2
+    assert history["hyperelastic.base.penetration"].max() < 0.1  # half of a facet
 
 
 @pytest.mark.parametrize("load", [0.0, 1e-6])

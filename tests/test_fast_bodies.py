@@ -255,7 +255,9 @@ def test_what_is_drawn_along_a_drum_goes_round_it(lift, law, scheme, step):
     )
     contact = Contact(strip, "base", Circle((0, 0), 1.0), law, name="c")
     history = Scene([strip], [contact], scheme).run(2.0, 1.0)
-    assert history.finished and not history.remarks and len(history.time) == 3
+    # by theta = 1 a step of 30 mrad gives twice what moves, for which it may be halved
+    told = [text for _, text in history.remarks if "certificate: contacts would" not in text]
+    assert history.finished and not told and (len(history.time) == 3 or history.remarks)
     # by a velocity law each step goes along a tangent, off by its height above the arc
     off = np.linalg.norm(contact.coupling.positions(), axis=1) - 1
     within = step**2 if law == "velocity" else 1e-12

@@ -8,6 +8,7 @@ other side: what slips together then goes to and fro. With
     rho_t = |tau|^2 / -(tau . w_t)
 
 tau + rho_t w_t is orthogonal to tau, and along a line the middle of the ball: the point sticks.
+(Not points of a rigid body, whose forces would push against each other.)
 """
 
 from __future__ import annotations

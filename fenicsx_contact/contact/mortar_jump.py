@@ -191,7 +191,7 @@ class MortarJump(Coupling):
     def deepest(self, asked: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         # nobody knows how deep a point was that went through and has no partner now
         pair = self._there()
-        alone = asked & pair.alone
+        alone, end = asked & pair.alone, np.where(pair.run_over(), np.inf, end)
         if not alone.any():
             return end
         moved = self._first @ (self._end - self._start).ravel()

@@ -256,7 +256,7 @@ class StepSolver:
                 self._follow()
                 plain = kept = sound = False
                 continue
-            self._advance(step, clock, careful=rises)
+            self._advance(step, clock, careful=rises and not self._all.hyperstatic)
             plain, sound = isinstance(self.system, Condensed), True
         told = f"{self.system.stall()} after {len(errors) - 1} Newton iterations"
         raise StepFailed(told + free_motion(self._floating, step))

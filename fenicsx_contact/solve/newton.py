@@ -130,9 +130,10 @@ class Newton:
             if not system.iterate(self.tolerance):
                 return iteration, self.tolerance
             error = system.error()
-            if not np.isfinite(error) or error <= self.tolerance:
+            # what was turned ends with the usual rows, of which all digits are known
+            if not np.isfinite(error) or (error <= self.tolerance and not system.turn(False)):
                 return iteration, self.tolerance
-            if system.turn(iteration > 1 and error >= before):
+            if system.turn(iteration > 1 and error >= before and not system.hyperstatic):
                 error = system.error()
             stalls = stalls + 1 if before <= 2 * error else 0
             if stalls >= STALLS and error <= rough:

@@ -219,6 +219,18 @@ class Pairing:
     def alone(self) -> np.ndarray:
         return ~self.paired & (self.full_area > 0)
 
+    def run_over(self) -> np.ndarray:
+        """Held nodes for which others bear on facets of which points are inside by more than half
+        their size, (n,) of bool: supports go through each other."""
+        lends = ~self.lending.diagonal(axis1=1, axis2=2).all(axis=1)
+        deep = np.zeros(self.n, dtype=bool)
+        if lends.any():
+            mine = self.pieces.only(lends[self.pieces.facet])
+            facet = mine.facet[2 * self.depths(mine).max(axis=1) > self.slave.sizes[mine.facet]]
+            deep[self.slave.corners[facet]] = True
+            deep = self.shared.sum(deep.astype(float)) > 0
+        return deep & (self.full_area == 0)
+
     @property
     def near(self) -> np.ndarray:
         """Nodes that may close in the step: those with a partner that is not far, (n,)."""

@@ -15,6 +15,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.constants import RIGHT
+
 
 class Augmentation:
     """rho_n and rho_t.
@@ -44,12 +46,16 @@ class Augmentation:
         self.rho = self._usual()
         return True
 
-    def turn(self, traction: np.ndarray, slip: np.ndarray, careful: bool) -> bool:
-        """Let slips (d - 1, n) that turned against tractions (d - 1, n) stick before they go the
-        other way; none if not ``careful``. Whether that changes rho."""
+    def turn(
+        self, traction: np.ndarray, slip: np.ndarray, before: np.ndarray, careful: bool
+    ) -> bool:
+        """Let slips that turned, from one iteration to the next, against tractions, all (d - 1, n),
+        stick before they go the other way, but for what hardly resists them; none if not
+        ``careful``. Whether that changes rho."""
         rho, usual = self.rho[1], self._usual()[1]
         against, size = -(traction * slip).sum(axis=0), (traction**2).sum(axis=0)
-        turned = careful & (against > 0) & (usual * against > 2 * size)
+        turned = careful & ((slip * before).sum(axis=0) < 0) & (usual * against > 2 * size)
+        turned &= size > RIGHT * usual * against
         new = np.where(turned, size / np.where(turned, against, 1.0), usual)
         if np.array_equal(new, rho):
             return False

@@ -78,7 +78,7 @@ class SurfaceEquations(SurfaceUnknowns):
         self.start_jump_n, self.normal = k.start_jump_n.x.array, k.normal.x.array
         self._key, self._rates, self.revision = b"", (0.0, 0.0, 0.0, 0.0), 0
         self.speed = 0.0  # the typical one of the step, by which unknowns are scaled, m/s
-        self.carried = np.zeros(self.jumps)
+        self.carried, self._last = np.zeros(self.jumps), np.zeros(self.size)
         self.choose(chosen)
         refuse_negative(self, friction)
 
@@ -131,18 +131,18 @@ class SurfaceEquations(SurfaceUnknowns):
             self.column_scale[self.tractions :] = np.tile(units[1] * speed, d - 1)
 
     def _set_rho(self) -> None:
-        rho = self.augmentation.rho
-        self.fields.rho_n.x.array[:], self.fields.rho_t.x.array[:] = rho
+        self.fields.rho_n.x.array[:], self.fields.rho_t.x.array[:] = self.augmentation.rho
         self.revision += 1
 
     def turn(self, careful: bool) -> bool:
         """If ``careful`` let slips that a correction turned stick first; whether rows change."""
+        both, self._last = (self.values, self._last), self.values
         if not (self._turned or careful) or not self.size > self.tractions > self.jumps:
             return False
-        (n, d), values, self._turned = self._surface.points.shape, self.values, careful
-        slip = (self.fields.frame()[1] * values[: self.jumps].reshape(n, d)).sum(axis=2)
-        traction = values[self.tractions :].reshape(d - 1, n)
-        if changed := self.augmentation.turn(traction, slip, careful):
+        (n, d), tangents, self._turned = self._surface.points.shape, self.fields.frame()[1], careful
+        slip, before = ((tangents * v[: self.jumps].reshape(n, d)).sum(axis=2) for v in both)
+        traction = both[0][self.tractions :].reshape(d - 1, n)
+        if changed := self.augmentation.turn(traction, slip, before, careful):
             self._set_rho()
         return changed
 

@@ -256,7 +256,7 @@ class StepSolver:
                 self._follow()
                 plain = kept = sound = False
                 continue
-            self._advance(step, clock, careful=rises and not self._all.hyperstatic)
+            self._advance(step, clock, careful=rises)
             plain, sound = isinstance(self.system, Condensed), True
         told = f"{self.system.stall()} after {len(errors) - 1} Newton iterations"
         raise StepFailed(told + free_motion(self._floating, step))
@@ -284,7 +284,7 @@ class StepSolver:
     def _follow(self, careful: bool = False) -> None:
         for contact in self._all.contacts:
             contact.follow()
-            contact.equations.turn(careful)
+            contact.equations.turn(careful and not self._all.hyperstatic)
 
     def _keep(self) -> None:  # the state from which a correction starts
         velocities = [solid.trial_velocity.copy() for solid in self._all.solids]

@@ -246,7 +246,9 @@ class StepSolver:
             last, halved = error, 0
             if error <= near < np.inf:
                 self._see(step, exact=True)
-            self._keep()
+                clock("pairing")
+            velocities = [solid.trial_velocity.copy() for solid in self._all.solids]
+            self._before = velocities, [contact.equations.values for contact in self._all.contacts]
             if turns.settles(error, spent=iteration == most):
                 self._see(step, exact=False)
                 solution = self._settle(step, first=iteration == 0)
@@ -285,10 +287,6 @@ class StepSolver:
         for contact in self._all.contacts:
             contact.follow()
             contact.equations.turn(careful and not self._all.hyperstatic)
-
-    def _keep(self) -> None:  # the state from which a correction starts
-        velocities = [solid.trial_velocity.copy() for solid in self._all.solids]
-        self._before = velocities, [contact.equations.values for contact in self._all.contacts]
 
     def _halve(self, step: Step) -> None:
         """Go back half of the last correction."""

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import dolfinx
@@ -829,3 +830,27 @@ def test_points_that_nothing_asked_are_certified(monkeypatch, scheme, law):
     monkeypatch.setattr(Candidates, "choose", lambda self: self._equations.choose(nobody))
     history = Scene([upper, lower], [contact], scheme).run(1.0, 0.25)
     assert not history.finished and "certificate" in history.reason
+
+
+@pytest.mark.parametrize("law", ["gap", "velocity"])
+@pytest.mark.parametrize("cells", [(6, 4), (8, 6), (4, 6), (4, 4)])
+def test_of_two_clamped_plates_each_bears_half(law, cells):
+    """Two corners of each are facets of which all nodes are held, beside ones of which one is
+    free: with multipliers of their own they pushed 63 and 918 times the load."""
+    plates, sides = [], {"left": (0, -0.5), "right": (0, 0.5), "front": (1, -0.5), "back": (1, 0.5)}
+    for z, n in zip((0.0, 0.05), cells):
+        mesh = box((n, n, 1), (1.0, 1.0, 0.05), "tetrahedron").mesh
+        places = {name: partial(lambda x, i, c: np.isclose(x[i], c), i=i, c=c)
+                  for name, (i, c) in sides.items()}  # fmt: skip
+        places |= {"base": lambda x: np.isclose(x[2], 0.0), "top": lambda x: np.isclose(x[2], 0.05)}
+        named = name_facets(mesh, places)
+        mesh.geometry.x[:, 2] += z
+        stiff = {"youngs_modulus": 1e9, "poisson_ratio": 0.3, "density": 1e3}
+        press = {"tractions": {"top": (0, 0, -1e3)}, "name": "upper"} if z else {}
+        plates.append(ElasticSolid(named, fixed=[*sides], **stiff, **press))
+    contact = Contact(plates[1], "base", (plates[0], "top"), law)
+    history = Scene(plates, [contact], QuasiStatic()).run(1.0, 0.5)
+    assert history.finished, history.reason
+    assert history["newton"].max() <= 6
+    assert contact.force[:, 2].sum() == pytest.approx(500.0, rel=0.25)
+    assert contact.pressure.max() < 1.1e3

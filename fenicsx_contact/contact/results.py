@@ -39,18 +39,19 @@ class SurfaceResults:
 
     @property
     def traction(self) -> np.ndarray:
-        """Traction of the contact on its solid, (n, d) in Pa."""
+        """Traction of the contact on its solid, (n, d) in Pa (N by formulations at points)."""
         return self._per_area(self.force)
 
     @property
     def pressure(self) -> np.ndarray:
-        """Contact pressure, (n,) in Pa: > 0 where it presses, 0 where it is open (< 0 where an
-        adhesive pulls)."""
+        """Contact pressure, (n,) in Pa (N by formulations at points): > 0 where it presses, 0 where
+        it is open (< 0 where an adhesive pulls)."""
         return 0.0 - dot(self.traction, self.force_normal)
 
     @property
     def friction_traction(self) -> np.ndarray:
-        """Traction of friction on its solid, (n, d) in Pa: what of the traction is tangential."""
+        """Traction of friction on its solid, (n, d) in Pa (N by formulations at points), tangential
+        to the surface."""
         return self._per_area(self.force - self.normal_forces)
 
     def _per_area(self, force: np.ndarray) -> np.ndarray:

@@ -30,7 +30,7 @@ class Cover:
 
     def __init__(self, pair: Pairing, brink: Brink) -> None:
         self._pair, self._points = pair, brink.points
-        self._corners = pair.slave.corners[self._points.facet]
+        self._corners = pair.rows[self._points.facet]
         self._psi = self._points.corner @ pair.dual[self._points.facet]
         self._lending = pair.lending[self._points.facet]
         motion = Motion(pair, brink.guides)
@@ -44,7 +44,7 @@ class Cover:
     def means(self, pieces: np.ndarray, edge: np.ndarray, nodal: np.ndarray) -> Matrix:
         """Those of the means of a field of e components: of its values on the pieces (p, g, e), on
         the edges, and of the means (n, e); a matrix (n e, N d)."""
-        pair, phi, corners = self._pair, self._points.corner, self._pair.slave.corners
+        pair, phi, corners = self._pair, self._points.corner, self._pair.rows
         share, fits = pair.share[:, None], self._fit(pieces)
         fit = fits[self._points.facet]
         lever = phi[..., None] * fit[:, None]
@@ -62,7 +62,7 @@ class Cover:
 
     def areas(self) -> Matrix:
         """Those of the areas a_i, (n, N d)."""
-        rows = self._pair.slave.corners, self._pair.n
+        rows = self._pair.rows, self._pair.n
         result = self._edge.gather((self._points.corner @ self._lending)[..., None], *rows)
         if end := self._end:
             result = result + end.gather(end.lent(end.grown)[:, None], *rows)
@@ -72,7 +72,7 @@ class Cover:
         """Those of J' f of forces that grow with the areas, (N d, N d): those spread by the means,
         (n, d), and those along the normals of the facets, (n,)."""
         pair, pieces, (n, d) = self._pair, self._pair.pieces, force.shape
-        m, c = pair.slave.corners.shape
+        m, c = pair.rows.shape
         moments = np.swapaxes(pieces.corner * pieces.weight[..., None], 1, 2) @ pieces.both
         fits = (pair.inverse_mass[pieces.facet] @ moments)[..., None]
         rows = (pieces.facet[:, None] * c + np.arange(c))[:, :, None, None]
@@ -86,7 +86,7 @@ class Cover:
     def _spread(self, force: np.ndarray, fit: Matrix, direction: np.ndarray) -> Matrix:
         """Of forces (n, e) whose means fit so on the facets, (m c e, N d), and that act where they
         are in a direction, (p, g, d)."""
-        pair, phi, corners = self._pair, self._points.corner, self._pair.slave.corners
+        pair, phi, corners = self._pair, self._points.corner, self._pair.rows
         each = np.arange(corners.size).reshape(corners.shape), corners.size
         pressures = pair.share[:, None] * force
         pressure = self._lending @ pressures[self._corners]  # (p, c, e)
@@ -105,7 +105,7 @@ class Cover:
     def _fit(self, values: np.ndarray) -> np.ndarray:
         """The best linear fit on each facet of values on the pieces, (m, corners, e)."""
         pair, pieces = self._pair, self._pair.pieces
-        m, c = pair.slave.corners.shape
+        m, c = pair.rows.shape
         e = values.shape[2]
         moments = np.swapaxes(pieces.corner * pieces.weight[..., None], 1, 2) @ values
         sums = add_up(moments.reshape(len(moments), c * e), pieces.facet, m)

@@ -33,7 +33,7 @@ from mpi4py import MPI
 from ...base.constants import ROUND_OFF
 from ...base.vectors import normalised
 from .integration import Lines, whole
-from .lending import directions, lent
+from .lending import bearing, directions
 from .matrices import DENSE, Matrix, add_up, along, by_component, by_point, gather
 from .overlaps import Overlaps
 from .pieces import Brink, Pieces
@@ -69,7 +69,8 @@ class Pairing:
         normal, length: n_i, outward at the slave's corners, (n, d), and |m_i|, (n,).
         area: paired share of the surface of each node, (n,).
         paired, alone: nodes that have a partner, and that would bear and have none, (n,) of bool.
-        lending: H of each facet (lending.py), by which psi and phi count, (m, corners, corners).
+        rows, lending: nodes that bear for the corners of each facet (lending.py), (m, corners), and
+            H, by which psi and phi count there, (m, corners, corners).
         shared: which facets this process pairs, and whose nodes' rows it has.
         pieces, brink: what is integrated, and where it ends with the master, on these.
         dual, inverse_mass: of each facet, psi = phi @ dual, (m, corners, corners); ``lumped``:
@@ -99,7 +100,7 @@ class Pairing:
         self.held = np.zeros((self.total, slave.dim), dtype=bool) if held is None else held
         self._along = directions(slave, self.n)  # what holds these holds the gap
         held = (self.held[: self.n] | ~self._along).all(axis=1)
-        self.lending = lent(slave.corners, slave.cell, held)
+        self.rows, self.lending = bearing(slave.corners, slave.cell, held)
         self.dense = (self.total * slave.dim) ** 2 <= DENSE
         self._sizes = np.zeros(self.n)  # of the largest facet at each node
         np.maximum.at(self._sizes, slave.corners, slave.sizes[:, None])
@@ -128,7 +129,7 @@ class Pairing:
         """Sum values (p, g, corners) of points on slave facets to the corners, (n,), or values
         (p, g, corners, d), (n, d)."""
         sums = values.sum(axis=1)
-        rows = self.slave.corners[facet].ravel()
+        rows = self.rows[facet].ravel()
         flat = sums.reshape(len(rows), prod(sums.shape[2:]))  # also of no points
         return add_up(flat, rows, self.n).reshape(self.n, *sums.shape[2:])
 
@@ -168,7 +169,7 @@ class Pairing:
         here = self.shared.facet_here
         self.pieces = pieces = pieces.only(here[pieces.facet])
         self.brink = brink.only(here) if brink else None
-        corners = self.slave.corners[pieces.facet]
+        corners = self.rows[pieces.facet]
         self.nodes = self.nodes_of(pieces)
 
         area = self._integral(pieces.corner * pieces.weight[..., None] @ self.lending[pieces.facet])
@@ -184,7 +185,7 @@ class Pairing:
 
     def _operate(self) -> None:
         pieces, d = self.pieces, self.slave.dim
-        rows, columns = self.slave.corners[pieces.facet][:, :, None], self.nodes[:, None]
+        rows, columns = self.rows[pieces.facet][:, :, None], self.nodes[:, None]
         means = np.swapaxes(self.shares, 1, 2) @ pieces.both  # (p, corners, k)
         own = gather(means, rows, columns, (self.n, self.total), self.dense)
         self.means: Matrix = self.shared.rows(own)
@@ -262,7 +263,8 @@ class Pairing:
         if alone.any():  # by all of the facets
             normal = self.slave.normals(xs, self._rule.facet, self.rule_slopes)
             normal = normal.reshape(*self.mean_weight.shape[:2], 1, -1)
-            whole = self.collect(self.mean_weight[..., None] * normal, self._whole)
+            each = (self.mean_weight[..., None] * normal).sum(axis=1)  # (m, corners, d)
+            whole = add_up(each.reshape(-1, each.shape[2]), self.slave.corners.ravel(), self.n)
             mean[alone] = normalised(whole[alone])
         self.length = np.where(self.paired, length, 1.0)
         self.normal = mean / self.length[:, None]

@@ -40,7 +40,7 @@ class Rates:
         self._motion = motion = Motion(pair, pieces)
         p, g, t, width = motion.slide.shape
         self._slide = motion.slide.reshape(p, g * t, width)
-        self._corners = pair.slave.corners[pieces.facet]
+        self._corners = pair.rows[pieces.facet]
         sum_up = np.swapaxes(pair.shares, 1, 2)  # (p, corners, g)
         columns, across = motion.columns[:, None], pair.total * pair.slave.dim
         gap = gather(

@@ -87,11 +87,11 @@ class Motions:
 
     def name(self, way: np.ndarray) -> str:
         """The motion of the piece that moves most by some amounts of all, (motions,): what turns
-        about any point turns."""
+        about a point no farther from its centre than twice its ends does so."""
         every, d = np.abs(way).reshape(-1, self.each), self._solid.dim
         piece = int(every.max(axis=1).argmax())
         amounts = every[piece]
-        turns = d * bool(amounts[d:].max() > FREE * amounts.max())
+        turns = d * bool(2 * amounts[d:].max() >= amounts[:d].max())
         return self.names[piece * self.each + turns + int(amounts[turns:].argmax())]
 
     def free(self) -> np.ndarray:

@@ -110,6 +110,7 @@ class Penalty:
     multipliers = percussive = at_points = False
     points = None
     gap_share = 1.0
+    pushes = True  # and never pulls
 
     def form(self, k: Any) -> tuple[Any, Any]:
         """Contact terms of (7), without friction, and the status."""

@@ -24,6 +24,7 @@ from fenicsx_contact import (
     HalfSpace,
     InputError,
     Moved,
+    QuasiStatic,
     RigidSolid,
     Scene,
     ThetaScheme,
@@ -844,3 +845,96 @@ def test_what_an_own_obstacle_raises_names_it(member, error):
     with pytest.raises(InputError, match=said) as refused:
         Contact(block, "base", Own(**{member: fails}))
     assert isinstance(refused.value.__cause__, error)
+
+
+# -- formulations that pull ----------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Bed:
+    """Springs that push and pull, linear, until they break at a stretch, if they do; the mean of
+    the forces at both ends. The status is 1 where it presses, or wherever it acts."""
+
+    stiffness: float
+    telling: bool = False
+    breaks: float = np.inf
+    name = "bed"
+    multipliers = percussive = at_points = False
+    points = None
+    gap_share = 1.0
+
+    def form(self, k):
+        start, end = k.gap, k.gap + k.gap_rate * k.jump_n
+        p = self.stiffness * (start + end) / 2
+        if self.breaks < np.inf:
+            p = ufl.conditional(ufl.gt(end, -self.breaks), p, 0.0)
+        return k.integral(p * k.test_jump_n), ufl.conditional(
+            ufl.gt(abs(p) if self.telling else p, 0.0), 1.0, 0.0
+        )
+
+    def limit(self, data):
+        """None."""
+
+
+@pytest.mark.parametrize("telling", [False, True])
+@pytest.mark.parametrize(("depth", "speed"), [(0.0, 1.0), (0.05, 0.0), (0.0, -1.0)])
+def test_an_own_bed_pulls(depth, speed, telling):
+    """A form that pulls was not asked where points were open: what was thrown off a bed flew off,
+    0.63 m wrong, "finished"."""
+    body = RigidSolid(rectangle((2, 1), (1.0, 0.1)), mass=10.0, velocity=(0, speed))
+    body.restore({**body.state(), "place": body.place - np.array([0, depth])})
+    contact = Contact(body, "base", FLOOR, Bed(1000.0, telling), name="c")
+    probes = {"y": lambda: body.place[1] - 0.05}
+    history = Scene([body], [contact], deepest=1.0).run(0.6, 1e-3, probes=probes, progress=False)
+    assert history.finished, history.reason
+    t = 10 * history.time
+    np.testing.assert_allclose(history["y"], 0.1 * speed * np.sin(t) - depth * np.cos(t), atol=1e-3)
+    assert history["newton"].max() <= 3
+
+
+@pytest.mark.parametrize("breaks", [np.inf, 0.0105])
+def test_an_own_bed_holds_what_is_pulled_at_rest(breaks):
+    """Without inertia, just touching at the start: 0 N, "finished"."""
+    drive = {"top": lambda t: (0.0, 0.02 * t)}
+    stiff = {"youngs_modulus": 1e9, "poisson_ratio": 0.0, "density": 1.0}
+    block = ElasticSolid(rectangle((2, 1), (1.0, 0.1)), prescribed=drive, **stiff)
+    contact = Contact(block, "base", FLOOR, Bed(1e4, breaks=breaks), name="c")
+    history = Scene([block], [contact], QuasiStatic(), deepest=1.0).run(1.0, 0.05, progress=False)
+    assert history.finished, history.reason
+    stretch = 0.02 * (history.time - 0.025)[1:]  # the mean of the step
+    expected = np.where(0.02 * history.time[1:] < breaks, -1e4 * stretch, 0.0)
+    np.testing.assert_allclose(history["c.force_y"][1:], expected, atol=1e-3 * 200)
+
+
+# -- a bound that depends on direction -----------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Grooved:
+    """Grooves along x: 0.1 of the pressure along them, 0.4 across."""
+
+    def bound(self, k, pressure, S):
+        x = k.tangential(ufl.as_vector((1.0, 0.0, 0.0)))
+        along, slip2 = ufl.dot(k.jump_t, x) ** 2 / ufl.dot(x, x), ufl.dot(k.jump_t, k.jump_t)
+        share = ufl.conditional(ufl.gt(slip2, 0.0), along / (slip2 + 1e-300), 0.0)
+        return (0.4 - 0.3 * share) * pressure
+
+    def describe(self):
+        return "grooves"
+
+
+@pytest.mark.parametrize("normal", [(0, 0, 1), (0.01, 0, 1), (0, 0.01, 1), (0.3, 0.31, 1)])
+@pytest.mark.parametrize(("way", "expected"), [((1, 0, 0), 0.1), ((0, 1, 0), 0.4)])
+def test_a_bound_by_direction_follows_no_axes_of_the_solver(normal, way, expected):
+    """The components of the slip have axes that turn with the normal."""
+    n = np.array(normal) / np.linalg.norm(normal)
+    t = np.array(way) - (np.array(way) @ n) * n
+    t /= np.linalg.norm(t)
+    mesh = box((1, 1, 1), (0.3, 0.3, 0.1))
+    frame = np.column_stack([t, np.cross(n, t), n])
+    mesh.mesh.geometry.x[:] = mesh.mesh.geometry.x @ frame.T
+    held = ["turning about x", "turning about y", "turning about z"]
+    body = RigidSolid(mesh, mass=1.0, gravity=tuple(-G * n), velocity=tuple(t), held=held)
+    floor = HalfSpace((0.0, 0.0, 0.0), tuple(n))
+    Scene([body], [Contact(body, "base", floor, friction=Grooved())]).run(0.1, 1e-3, progress=False)
+    assert (1 - body.velocity[:3] @ t) / (0.1 * G) == pytest.approx(expected, rel=0.03)

@@ -198,3 +198,28 @@ else:
 def test_derivatives_by_moduli_of_shared_solids_are_refused(tmp_path):
     """numpy stopped first, at the cells of other processes."""
     output_of(mpirun(code(SHARED, tmp_path), 2))
+
+
+OVERLAP = """
+mesh = scenes.rectangle((9, 3), (0.8, 0.3))
+upper = scenes.rectangle((4, 4), (0.2, 0.2))
+upper.mesh.geometry.x[:, 1] += 0.302
+from fenicsx_contact import Contact, ElasticSolid, RigidSolid, Scene
+rigid = RigidSolid(upper, mass=20.0, gravity=(0, -9.81), rotation=0.05, name="r")
+stiff = {{"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1e3}}
+lower = ElasticSolid(mesh, fixed=["base"], name="lower", **stiff)
+contact = Contact(lower, "top", (rigid, "base"), friction=0.3, name="c")
+try:
+    Scene([lower, rigid], [contact])
+except InputError as error:
+    assert "inside its master" in str(error), error
+    world.barrier()
+    print("refused", world.rank, flush=True)
+"""
+
+
+@pytest.mark.parametrize("n", [1, 3])
+def test_an_overlap_is_refused_by_all_processes(n, tmp_path):
+    """Each asked what it saw itself: some refused, for another reason, and the rest waited."""
+    output = output_of(mpirun(code(OVERLAP, tmp_path), n))
+    assert output.count("refused") == n

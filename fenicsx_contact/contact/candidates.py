@@ -153,6 +153,8 @@ class Candidates:
     def _violate(self, jump: np.ndarray, step: Step, noise: float = 0.0) -> np.ndarray:
         """Points whose jump (n, d) is more than the law allows less ``noise``, (n,) of bool."""
         e, limit = self._equations, self.limit(step)
+        if limit is None and not getattr(self._formulation, "pushes", False):
+            return np.ones(len(jump), dtype=bool)  # it may pull from anywhere
         approach = dot(jump, e.normal.reshape(jump.shape)) + noise
         if limit is None:  # springs know no limit, but what they do not touch
             limit = -e.gap / step.gap_rate if step.gap_rate else np.inf * approach

@@ -54,7 +54,8 @@ def inside_each_other(
     last = len(pair.slave.nodes)
     seen = np.zeros(pair.total, dtype=bool)
     seen[: pair.n] = ~pair.alone
-    seen[last:] = (abs(pair.means[:, last:]) > 0).sum(axis=0) > 0
+    here = np.asarray((abs(pair.means[:, last:]) > 0).sum(axis=0)).ravel()
+    seen[last:] = pair.shared.sum(here) > 0  # each process has the rows of its nodes
     for side, first in ((pair.slave, 0), (pair.master, last)):  # middles as their corners
         faces = seen[first + side.corners].any(axis=1)
         seen[first + side.cells[faces, side.corners.shape[1] :]] = True

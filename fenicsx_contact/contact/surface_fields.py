@@ -146,7 +146,8 @@ class SurfaceFields(LawFields):
 
     @property
     def jump_t(self) -> Any:
-        """The tangential components of w, a vector of d - 1."""
+        """The tangential components of w, a vector of d - 1; in space along axes that turn with the
+        normal: along a direction e it is dot(jump_t, tangential(e))."""
         return self.tangential(self.velocity_jump)
 
     @property

@@ -306,6 +306,7 @@ def test_scenes_that_have_none_are_refused():
 @pytest.mark.parametrize(
     "change, said",
     [
+        ({"W": -np.eye(6)}, r"W = -1 at \(0, 0\): must be >= 0"),
         ({"mu": [0.3, -0.1]}, r"mu = -0\.1 at 1: must be 2 finite numbers >= 0"),
         ({"mu": [0.3]}, r"mu = an array of shape \(1,\): must be 2 finite numbers >= 0"),
         ({"mu": [0.3, np.nan]}, r"mu = nan at \(1,\): must be 2 finite"),

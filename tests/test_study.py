@@ -218,6 +218,11 @@ def test_maps_are_resumed(tmp_path):
     assert [v.kind for v in again["slope"]] == kinds
     assert len(file.read_text().splitlines()) == 4
     assert summary(first["slope"])["cells"] == 4
+    # what a limit of time ended says of the machine, not of the cell
+    late = json.loads(lines[2]) | {"kind": "stopped", "reason": "time limit of 1 s passed"}
+    file.write_text("\n".join([*lines[:2], json.dumps(late), lines[3]]) + "\n")
+    again = run_maps([chart], file, limit=60, processes=1, progress=False)
+    assert [v.kind for v in again["slope"]] == kinds
 
 
 def test_what_is_no_map_and_no_file_of_maps_is_refused(tmp_path):
@@ -225,6 +230,8 @@ def test_what_is_no_map_and_no_file_of_maps_is_refused(tmp_path):
     file = tmp_path / "cells.jsonl"
     with pytest.raises(InputError, match="maps = "):
         run_maps(chart, file)
+    with pytest.raises(InputError, match="limit = -1"):
+        run_maps([chart], file, limit=-1)
     file.write_text('{"other": 1}\n')
     with pytest.raises(InputError, match="is none of maps"):
         run_maps([chart], file)

@@ -62,7 +62,8 @@ class FrictionalProblem:
 
     Raises:
         InputError: shapes that do not fit, numbers that are not finite or above 1e60, mu < 0, what
-            is below 1e-60 on the diagonal of W without being 0: in other units they are not.
+            is below 1e-60 on the diagonal of W without being 0: in other units they are not; what
+            is negative there.
     """
 
     W: np.ndarray
@@ -84,7 +85,10 @@ class FrictionalProblem:
         if W.shape != (n, n) or not n or n % self.dim:
             raise checks.InputError(f"W = an array of shape {W.shape}: must be {wanted}")
         self._keep("W", W, (n, n), wanted)
-        diagonal = np.abs(self.W.diagonal())  # by which velocities are divided
+        diagonal = self.W.diagonal()  # by which velocities are divided
+        if (diagonal < 0).any():
+            at = int(diagonal.argmin())
+            raise checks.InputError(f"W = {diagonal[at]:g} at ({at}, {at}): must be >= 0 there")
         if diagonal.any():
             checks.number("the least size on the diagonal of W", diagonal[diagonal > 0].min())
         self._keep("q", self.q, (n,), f"{n} finite numbers, as many as W has rows")

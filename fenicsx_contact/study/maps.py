@@ -98,13 +98,14 @@ def run_maps(
 ) -> dict[str, list[Verdict]]:
     """Judge all cells of some maps that a file does not hold yet.
 
-    A process that passes its time limit is ended, and its cell counts as stopped for this reason;
-    one that dies counts as nonsense.
+    A process that passes its time limit is ended, and its cell counts as stopped for this reason,
+    until the file is taken up again: then it is judged again. One that dies counts as nonsense.
+    Processes import the calling script: what it runs stands below ``if __name__ == "__main__":``.
 
     Args:
         maps: the maps.
         file: of JSON lines, appended to.
-        limit: of a cell, s.
+        limit: of a cell, s; the first of a process has a minute more, for it imports the package.
         processes: how many at a time; default: one for each core.
         progress: show a bar; default: if a person watches.
 
@@ -112,12 +113,15 @@ def run_maps(
         For each map its verdicts in the order of its cells.
 
     Raises:
-        InputError: no maps; two of one name; a file of something else, which stays as it is.
+        InputError: no maps; two of one name; a limit that is not > 0; a file of something else,
+            which stays as it is.
     """
+    checks.number("limit", limit, above=0)
     maps, file = checks.sequence("maps", maps, Map, "Maps"), checks.path("file", file)
     if twice := [name for name, n in Counter(m.name for m in maps).items() if n > 1]:
         raise checks.InputError(f"maps: two are called {twice[0]!r}; each needs a name of its own")
-    known = dict(records(file, START, _record, "maps"))  # what was cut short is done again
+    found = records(file, START, _record, "maps")
+    known = {key: verdict for key, verdict in found if not _cut(verdict.reason)}
     todo = [(m, cell) for m in maps for cell in m.cells() if m.key(cell) not in known]
     file.parent.mkdir(parents=True, exist_ok=True)
     with file.open("a") as out:
@@ -133,7 +137,12 @@ def run_maps(
 
 
 def _failed(reason: Any) -> Verdict:
-    return Verdict("stopped" if "time limit" in str(reason) else "nonsense", reason=str(reason))
+    return Verdict("stopped" if _cut(str(reason)) else "nonsense", reason=str(reason))
+
+
+def _cut(reason: str) -> bool:
+    """Whether a cell was ended by its time limit, which tells of the machine."""
+    return reason.startswith("time limit")
 
 
 def _record(row: Any) -> tuple[str, Verdict]:

@@ -24,7 +24,6 @@
 # the node's *mass*. Mass redistribution (Khenous, Laborde & Renard 2008) moves it inwards.
 
 # %%
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +38,7 @@ from fenicsx_contact import (
     ThetaScheme,
     mesh_from_gmsh,
 )
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 from fenicsx_contact.references.bars import ReleasedBar, ThrownBar
 
 RESULTS = Path("results") / "bar_impact"
@@ -217,7 +216,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -22,7 +22,6 @@
 # the first one falls.
 
 # %%
-import sys
 from pathlib import Path
 from statistics import median
 from time import perf_counter
@@ -41,7 +40,7 @@ from fenicsx_contact import (
     mesh_from_gmsh,
     neo_hookean,
 )
-from fenicsx_contact.output.report import whence, write_summary, write_table
+from fenicsx_contact.output.report import quick_asked, whence, write_summary, write_table
 
 RESULTS = Path("results") / "benchmark_contact_step"
 E, NU, DENSITY, G, FRICTION = 1e6, 0.3, 1000.0, 9.81, 0.3  # Pa, -, kg/m³, m/s², -
@@ -261,7 +260,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -27,7 +27,7 @@ from typing import Any
 from ironing import MATERIALS, iron
 
 import fenicsx_contact
-from fenicsx_contact.output.report import whence, write_summary, write_table
+from fenicsx_contact.output.report import quick_asked, whence, write_summary, write_table
 
 RESULTS = Path("results") / "benchmark_ironing"
 PEER = Path(fenicsx_contact.__file__).resolve().parents[1] / "demos" / "peers" / "ironing_getfem.py"
@@ -88,7 +88,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -60,7 +60,7 @@ from mpi4py import MPI
 
 import fenicsx_contact
 from fenicsx_contact import Contact, ElasticSolid, QuasiStatic, Scene, mesh_from_gmsh
-from fenicsx_contact.output.report import whence, write_summary, write_table
+from fenicsx_contact.output.report import quick_asked, whence, write_summary, write_table
 from fenicsx_contact.references.hertz import PointContact, effective_modulus
 
 DEMOS = Path(fenicsx_contact.__file__).resolve().parents[1] / "demos"
@@ -359,7 +359,7 @@ if __name__ == "__main__":
         if MPI.COMM_WORLD.rank == 0:
             print(json.dumps(one), flush=True)
     else:
-        main(quick="--quick" in sys.argv[1:])
+        main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

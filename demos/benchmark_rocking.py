@@ -25,7 +25,7 @@ from problems.rocking import BLOCK
 from problems.studies import STUDIES
 
 import fenicsx_contact
-from fenicsx_contact.output.report import whence, write_summary, write_table
+from fenicsx_contact.output.report import quick_asked, whence, write_summary, write_table
 from fenicsx_contact.references.housner import rocking
 from fenicsx_contact.references.swings import swings
 from fenicsx_contact.study import Study, ladder, measure
@@ -126,7 +126,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -33,7 +33,6 @@
 # the ring sideways; its displacements are quadratic, and corners and middles of its facets bear.
 
 # %%
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -60,7 +59,7 @@ from fenicsx_contact import (
     neo_hookean,
     torques,
 )
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 from fenicsx_contact.references.hertz import LineContact, effective_modulus
 
 RESULTS = Path("results") / "canon"
@@ -318,7 +317,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -26,7 +26,6 @@
 # is light, $a$ is about $0.02 R$, so that both bodies are nearly half-planes.
 
 # %%
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +40,7 @@ from fenicsx_contact import (
     Velocity,
     mesh_from_gmsh,
 )
-from fenicsx_contact.output.report import write_summary, write_table
+from fenicsx_contact.output.report import quick_asked, write_summary, write_table
 from fenicsx_contact.references.hertz import LineContact, ShearedLine, effective_modulus
 
 RESULTS = Path("results") / "cattaneo_mindlin"
@@ -200,7 +199,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -38,7 +38,6 @@
 # Jacobian, and least squares need no other.
 
 # %%
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -50,7 +49,7 @@ from scipy.optimize import least_squares
 
 from fenicsx_contact import Contact, ElasticSolid, LevelSet, QuasiStatic, Scene, mesh_from_gmsh
 from fenicsx_contact.gradients import Pressure, Shape, tangents
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 from fenicsx_contact.references.hertz import LineContact, effective_modulus
 
 RESULTS = Path("results") / "design"
@@ -339,7 +338,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -19,7 +19,6 @@
 #   two jumps.
 
 # %%
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +26,7 @@ import numpy as np
 from rod_drop import DASHPOT, SCHEME, VELOCITY, Assumed, guide, rod
 
 from fenicsx_contact import Scene, gradients
-from fenicsx_contact.output.report import write_summary, write_table
+from fenicsx_contact.output.report import quick_asked, write_summary, write_table
 from fenicsx_contact.rods import GuideContact, settle
 from fenicsx_contact.study import batch
 
@@ -167,7 +166,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    main("--quick" in sys.argv)
+    main(quick_asked())
 
 # %% [markdown]
 # **What to try next**

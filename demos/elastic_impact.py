@@ -37,7 +37,6 @@
 # $\nu = 0.49$.
 
 # %%
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -45,7 +44,7 @@ from typing import Any
 import numpy as np
 
 from fenicsx_contact import Contact, ElasticSolid, HalfSpace, History, Scene, mesh_from_gmsh
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 from fenicsx_contact.references.hertz import effective_modulus, effective_radius
 from fenicsx_contact.references.impact import HertzImpact, ObliqueImpact
 from fenicsx_contact.solids.moments import moments
@@ -288,7 +287,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

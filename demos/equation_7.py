@@ -42,7 +42,6 @@
 # length, where a step would start too fast: $M(v^+ - v^-) = J'P$, the same form without forces.
 
 # %%
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -54,7 +53,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fenicsx_contact.base import assembly, compat
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 from fenicsx_contact.theory.laws import (
     augmented_multiplier,
     augmented_semi_multiplier,
@@ -480,7 +479,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # *energy.png*: impacts of single nodes and friction take energy, theta = 1 takes more all the time.

@@ -33,7 +33,7 @@ from typing import Any
 
 from problems.studies import STUDIES
 
-from fenicsx_contact.output.report import whence, write_summary, write_table
+from fenicsx_contact.output.report import quick_asked, whence, write_summary, write_table
 from fenicsx_contact.study import Sample, Study, measure, pareto, rate, table
 
 RESULTS = Path("results") / "error_against_run_time"
@@ -118,7 +118,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -45,7 +45,7 @@ from fenicsx_contact import (
     mesh_from_gmsh,
 )
 from fenicsx_contact.base import compat
-from fenicsx_contact.output.report import whence, write_summary, write_table
+from fenicsx_contact.output.report import quick_asked, whence, write_summary, write_table
 from fenicsx_contact.references.hertz import LineContact, effective_modulus
 
 PEERS = Path(fenicsx_contact.__file__).resolve().parents[1] / "demos" / "peers"
@@ -275,7 +275,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # **Figure** `fe_truth.png`: errors against run times; each point is a mesh, the same for all.

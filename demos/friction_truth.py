@@ -48,7 +48,7 @@ from problems.rigid_bodies import box, cube, disc, run
 
 import fenicsx_contact
 from fenicsx_contact import Contact, HalfSpace, RigidSolid, Scene
-from fenicsx_contact.output.report import whence, write_summary, write_table
+from fenicsx_contact.output.report import quick_asked, whence, write_summary, write_table
 
 RESULTS = Path("results") / "friction_truth"
 PEERS = Path(fenicsx_contact.__file__).resolve().parents[1] / "demos" / "peers"
@@ -323,7 +323,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # **Figure** `friction_truth.png`: the worst of the figures of each scene, by code. What stands at

@@ -60,7 +60,7 @@ from problems.frictional import collection, comparable
 
 import fenicsx_contact
 from fenicsx_contact import FrictionalProblem, Newton, read_fclib, write_fclib
-from fenicsx_contact.output.report import whence, write_summary, write_table
+from fenicsx_contact.output.report import quick_asked, whence, write_summary, write_table
 
 RESULTS = Path("results") / "frictional_problems"
 PEER = Path(fenicsx_contact.__file__).resolve().parents[1] / "demos" / "peers"
@@ -259,7 +259,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # **Figure** `frictional_problems.png`: left, what share of the problems has an error below this;

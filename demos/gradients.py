@@ -36,7 +36,6 @@
 # no derivative, and the run says where.
 
 # %%
-import sys
 from math import atan, cos, sin
 from pathlib import Path
 from time import perf_counter
@@ -55,7 +54,7 @@ from fenicsx_contact.gradients import (
     adjoints,
     tangents,
 )
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 
 RESULTS = Path("results") / "gradients"
 G = 9.81  # m/s²
@@ -307,7 +306,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -23,7 +23,6 @@
 # slip of a step, which may turn round within it: many points that do are hard to settle.
 
 # %%
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +33,7 @@ from mpi4py import MPI
 
 from fenicsx_contact import Heap, History, RigidSolid, Scene, ThetaScheme, name_facets
 from fenicsx_contact.output import plots
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 
 RESULTS = Path("results") / "heap"
 G, SIDE, PITCH = 9.81, 0.1, 0.17  # m/s², m
@@ -201,7 +200,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

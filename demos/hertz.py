@@ -28,7 +28,6 @@
 # `tests/test_patch.py`. Newton's method moves solids, multipliers and geometry together.
 
 # %%
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +44,7 @@ from fenicsx_contact import (
     mesh_from_gmsh,
     neo_hookean,
 )
-from fenicsx_contact.output.report import write_summary, write_table
+from fenicsx_contact.output.report import quick_asked, write_summary, write_table
 from fenicsx_contact.references.hertz import LineContact, PointContact, effective_modulus
 
 RESULTS = Path("results") / "hertz"
@@ -389,7 +388,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -22,7 +22,6 @@
 # 0.05 mm).
 
 # %%
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -33,7 +32,7 @@ from scipy.optimize import least_squares
 
 from fenicsx_contact import Contact, ElasticSolid, HalfSpace, Scene, mesh_from_gmsh
 from fenicsx_contact.gradients import At, Bend, Law, Modulus, Start, Travel, tangents
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 from fenicsx_contact.rods import GuideContact, Sine
 
 RESULTS = Path("results") / "identify"
@@ -253,7 +252,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -31,7 +31,6 @@
 # the mean of the velocities at its ends, and so are of second order.
 
 # %%
-import sys
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
@@ -59,7 +58,7 @@ from fenicsx_contact import (
     Stribeck,
     mesh_from_gmsh,
 )
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 
 RESULTS = Path("results") / "interface_laws"
 G = 9.81  # m/s²
@@ -338,7 +337,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

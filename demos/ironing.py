@@ -32,7 +32,6 @@
 # argument away.
 
 # %%
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +47,7 @@ from fenicsx_contact import (
     ciarlet,
     mesh_from_gmsh,
 )
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 
 RESULTS = Path("results") / "ironing"
 DEPTH, WAY, PRESS_STEPS = 0.15, 1.5, 5
@@ -238,7 +237,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -42,7 +42,7 @@ from fenicsx_contact import (
     ThetaScheme,
     mesh_from_gmsh,
 )
-from fenicsx_contact.output.report import whence, write_summary
+from fenicsx_contact.output.report import quick_asked, whence, write_summary
 
 RESULTS = Path("results") / "leave_out"
 G = 9.81  # m/s²
@@ -226,7 +226,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

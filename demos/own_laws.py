@@ -40,7 +40,6 @@
 # books, resuming and `mpirun` take it as they take the package's own.
 
 # %%
-import sys
 from dataclasses import dataclass
 from math import exp, pi, sqrt
 from pathlib import Path
@@ -50,7 +49,7 @@ import numpy as np
 import ufl
 
 from fenicsx_contact import Contact, HalfSpace, History, RigidSolid, Scene, mesh_from_gmsh
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 
 RESULTS = Path("results") / "own_laws"
 G, MASS, AREA, THROWN = 9.81, 10.0, 1.0, 1.0  # m/s², kg, m², m/s
@@ -193,7 +192,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # Which formulation, law, scheme and solver to take when: `site/reference/which.md`.

@@ -54,7 +54,7 @@ from fenicsx_contact import (
     neo_hookean,
     read_history,
 )
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 
 RESULTS = Path("results") / "reliability"
 FLOOR = HalfSpace(point=(0, 0), normal=(0, 1))
@@ -414,7 +414,7 @@ if __name__ == "__main__":
     if "--child" in sys.argv:
         run(directory=sys.argv[sys.argv.index("--child") + 1])
     else:
-        main(quick="--quick" in sys.argv[1:])
+        main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

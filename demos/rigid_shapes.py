@@ -25,7 +25,6 @@
 # solids of 3 unknowns each, in contact with one another, by $\theta = 1$.
 
 # %%
-import sys
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -55,7 +54,7 @@ from fenicsx_contact import (
     Triangulated,
     name_facets,
 )
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 from fenicsx_contact.references.arch import collapse_tilt, corners
 from fenicsx_contact.references.hertz import LineContact, PointContact, effective_modulus
 
@@ -279,7 +278,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -35,7 +35,6 @@
 # a step of no length before it. The block itself has three unknowns.
 
 # %%
-import sys
 from dataclasses import dataclass
 from math import radians
 from pathlib import Path
@@ -57,7 +56,7 @@ from fenicsx_contact import (
     ThetaScheme,
     mesh_from_gmsh,
 )
-from fenicsx_contact.output.report import write_summary, write_table
+from fenicsx_contact.output.report import quick_asked, write_summary, write_table
 from fenicsx_contact.references.housner import Block, rocking
 from fenicsx_contact.references.swings import swings
 
@@ -348,7 +347,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

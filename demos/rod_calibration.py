@@ -20,7 +20,6 @@
 # T5 grows with the amplitude, so a root finder that brackets it needs some ten drops.
 
 # %%
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -28,7 +27,7 @@ from typing import Any
 from rod_drop import DASHPOT, Assumed, draw_forces, drop, figures
 from scipy.optimize import brentq
 
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 from fenicsx_contact.rods import ForceMap, Passage
 
 RESULTS = Path("results") / "rod_calibration"
@@ -108,7 +107,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -27,7 +27,6 @@
 # with theta = 0.6 damps the rattling that theta = 1/2 would show, and nothing else.
 
 # %%
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -47,7 +46,7 @@ from fenicsx_contact import (
     Velocity,
     axis_mesh,
 )
-from fenicsx_contact.output.report import write_summary, write_table
+from fenicsx_contact.output.report import quick_asked, write_summary, write_table
 from fenicsx_contact.references.rod import one_dof_drop
 from fenicsx_contact.rods import (
     Card,
@@ -389,7 +388,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -17,14 +17,13 @@
 # line in `drops.jsonl`: a map that was stopped goes on where it was.
 
 # %%
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from rod_drop import BOTTOM, DASHPOT, Assumed, drop
 
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 from fenicsx_contact.study import batch
 
 RESULTS = Path("results") / "rod_drop_map"
@@ -118,7 +117,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -20,13 +20,12 @@
 # drive rod would sway, and the forces be wrong by up to a factor of two.
 
 # %%
-import sys
 from pathlib import Path
 from typing import Any
 
 from rod_drop import BOTTOM, Assumed, package
 
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 from fenicsx_contact.rods import Passage
 
 RESULTS = Path("results") / "rod_insertion"
@@ -113,7 +112,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

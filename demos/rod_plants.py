@@ -22,7 +22,6 @@
 # numbers: the reduced weight $g_r = g (M - m_w)/(M + m_a)$, near $g$, and $c = C/(M + m_a)$.
 
 # %%
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,7 +32,7 @@ from rod_drop import BOTTOM, DASHPOT, SCHEME, VELOCITY, Assumed, guide, rod
 from scipy.optimize import brentq
 
 from fenicsx_contact import BeamSolid, GuideTubeWater, Scene, Section, axis_mesh
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 from fenicsx_contact.references.rod import one_dof_drop
 from fenicsx_contact.rods import GuideContact, settle
 from fenicsx_contact.rods.drive import AxialForce
@@ -223,7 +222,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # **Figure** `flow.png`: times against the flow; the last one is predicted.

@@ -36,7 +36,6 @@
 # between the two is lost. Not on every mesh is it found: such a run stops there, with its reason.
 
 # %%
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +56,7 @@ from fenicsx_contact import (
     neo_hookean,
 )
 from fenicsx_contact.base import compat
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 
 RESULTS = Path("results") / "spheres"
 INSIDE, BETWEEN, OUTSIDE = 0.007, 0.0085, 0.02  # m
@@ -222,7 +221,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -29,14 +29,13 @@
 # stated where the problem is: in `problems`, beside this file.
 
 # %%
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from problems.maps import MAPS
 
-from fenicsx_contact.output.report import whence, write_summary, write_table
+from fenicsx_contact.output.report import quick_asked, whence, write_summary, write_table
 from fenicsx_contact.study import CLASSES, Map, Verdict, run_maps, summary
 
 RESULTS = Path("results") / "stability_map"
@@ -131,7 +130,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -26,7 +26,6 @@
 # `rocking_block.py`.
 
 # %%
-import sys
 from math import atan, cos, pi, sin
 from pathlib import Path
 from typing import Any
@@ -44,7 +43,7 @@ from fenicsx_contact import (
     ThetaScheme,
     mesh_from_gmsh,
 )
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 
 RESULTS = Path("results") / "stick_slip"
 G = 9.81  # m/s²
@@ -260,7 +259,7 @@ def main(quick: bool = False) -> dict[str, Any]:
 
 # %%
 if __name__ == "__main__":
-    main(quick="--quick" in sys.argv[1:])
+    main(quick=quick_asked())
 
 # %% [markdown]
 # ## What to try next

@@ -4,6 +4,7 @@
 import importlib.util
 import json
 import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -662,3 +663,13 @@ def test_design(tmp_path, monkeypatch, capsys):
     assert (demo.RESULTS / "design.png").stat().st_size > 5000
     assert json.loads((demo.RESULTS / "summary.json").read_text())["cells"] == [10]
     assert capsys.readouterr().out.startswith("Hertz's ellipse: radius off by 0.4")
+
+
+def test_a_demo_refuses_arguments_that_it_does_not_know():
+    """``--quik`` and ``--help`` began hours of computing without a word."""
+    there = {**os.environ, "PYTHONPATH": str(DEMOS.parent)}
+    for argument, code, said in (("--quik", 2, "--quik"), ("--help", 0, "--quick")):
+        command = [sys.executable, str(DEMOS / "hertz.py"), argument]
+        done = subprocess.run(command, check=False, capture_output=True, text=True, env=there)
+        assert done.returncode == code, done.stderr
+        assert said in done.stdout + done.stderr

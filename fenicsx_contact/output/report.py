@@ -7,12 +7,22 @@ import json
 import math
 import os
 import platform
+from argparse import ArgumentParser
 from datetime import datetime, timezone
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+
+def quick_asked() -> bool:
+    """Whether a demo, called as a script, is to run its small settings. It takes ``--quick`` and
+    ``--help`` and refuses the rest, before it computes anything."""
+    about = "Runs the lesson that stands in this file; its figures go to results/."
+    parser = ArgumentParser(description=about)
+    parser.add_argument("--quick", action="store_true", help="small settings: a minute or two")
+    return bool(parser.parse_args().quick)
 
 
 def environment() -> dict[str, str]:

@@ -2,8 +2,10 @@
 """The ways to install name the same packages: run, pyproject.toml, Dockerfile, environment.yml."""
 
 import json
+import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -112,3 +114,20 @@ def test_the_hosted_notebook_runs(tmp_path):
 @pytest.mark.parametrize("file", [DOCKERFILE, ENVIRONMENT], ids=lambda f: f.name)
 def test_no_address_is_written_down(file):
     assert "://" not in file.read_text()
+
+
+@pytest.mark.skipif(not shutil.which("apt-get"), reason="without apt it takes another Python")
+def test_a_link_to_another_copy_is_not_taken_over(tmp_path):
+    """A copy whose .venv led to that of another one marked it as unfinished, to be emptied."""
+    theirs, copy = tmp_path / "theirs", tmp_path / "copy"
+    for directory in (theirs, copy):
+        directory.mkdir()
+    (theirs / "made-by-run").write_text("theirs\n")
+    (copy / ".venv").symlink_to(theirs)
+    shutil.copy(TOP / "run", copy)
+    without = {name: value for name, value in os.environ.items() if name != "PYTHON"}
+    command = [str(copy / "run"), "-c", "pass"]
+    done = subprocess.run(command, capture_output=True, text=True, env=without, check=False)
+    assert done.returncode == 0 or "is a link" in done.stderr  # 0: python3 has a dolfinx itself
+    assert (theirs / "made-by-run").read_text() == "theirs\n"
+    assert [x.name for x in theirs.iterdir()] == ["made-by-run"]

@@ -3,9 +3,11 @@
 
 import numpy as np
 import pytest
+from mpi4py import MPI
 from scenes import skinned
 
-from fenicsx_contact import Contact, HalfSpace, Scene
+from fenicsx_contact import Contact, HalfSpace, Restitution, RigidSolid, Scene, name_facets
+from fenicsx_contact.base import compat
 from fenicsx_contact.steps.neighbours import Neighbours
 
 SIZE = 0.08
@@ -105,3 +107,27 @@ def test_columns_of_boxes_come_to_rest(solver):
     weight = sum(box.mass for box in boxes) * 9.81
     assert sum(contact.force[:, 1].sum() for contact in ground) == pytest.approx(weight, rel=1e-9)
     assert max(contact.depth() for contact in scene.contacts) < 1e-3 * SIZE
+
+
+@pytest.mark.parametrize("gap", [1e-4, 5e-4, 9.5e-4, 5e-3])
+def test_a_pair_that_a_blow_wakes_is_struck(gap):
+    """Three discs tip to tip, e = 1: the next pair woke up when the blow before it was known, and
+    was not asked: it lost half of the energy, without a word."""
+    angles = 2 * np.pi * np.arange(24) / 24
+    ring = 0.05 * np.column_stack([np.cos(angles), np.sin(angles)])
+    fan = np.array([[0, 1 + i, 1 + (i + 1) % 24] for i in range(24)])
+    discs = []
+    for k in range(3):
+        points = np.vstack([np.zeros(2), ring]) + np.array([k * (0.1 + gap), 0.0])
+        mesh = compat.create_mesh(MPI.COMM_SELF, fan, points, "triangle")
+        skin = name_facets(mesh, {"skin": lambda x: np.full(x.shape[1], True)})
+        start = {"velocity": (1.0 if k == 0 else 0.0, 0.0), "held": ("y", "turning")}
+        discs.append(RigidSolid(skin, mass=1.0, name=f"disc {k}", **start))
+    contacts = [
+        Contact(a, "skin", (b, "skin"), Restitution(1.0), name=f"before {b.name}")
+        for a, b in zip(discs, discs[1:])
+    ]
+    history = Scene(discs, contacts).run(0.04, 1e-3, progress=False)
+    assert history.finished, history.reason
+    np.testing.assert_allclose([disc.velocity[0] for disc in discs], [0, 0, 1], atol=1e-9)
+    assert history["kinetic"][-1] == pytest.approx(0.5, rel=1e-9)

@@ -79,10 +79,11 @@ def stance(slave, master, rng):
 
 
 def some_held(slave, master):
-    """Components of nodes that supports hold: of some of the slave's, on whole facets and not."""
+    """Components of nodes that supports hold: of some of the slave's, on whole facets, beside each
+    other and alone, and not."""
     held = np.zeros((len(slave.nodes) + len(master.nodes), slave.dim), dtype=bool)
     n = slave.corners.max() + 1
-    held[: n // 3] = held[n // 2] = True
+    held[: n // 3] = held[n // 2] = held[slave.corners[-1]] = True
     return held
 
 
@@ -122,6 +123,41 @@ def test_derivatives_of_the_pairing(cell, degree, over, stands, holds):
         J = pair.operator
         forces = J.T @ f.ravel(), J.T @ (pair.area[:, None] * f).ravel()
         return [pair.gap.copy(), looks * pair.normal.ravel(), J @ v.ravel(), *forces]
+
+    h = 1e-6
+    for exact, a, b in zip(computed, values(places + h * way), values(places - h * way)):
+        assert np.abs((a - b) / (2 * h) - exact).max() < 1e-8 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("front", ["left", "right"])
+def test_derivatives_of_the_pairing_before_a_step(front, degree):
+    """What is in front ends within a facet of the slave, before what is behind: where it ends
+    moves, and the depth jumps there. (Of toothed wheels the tangent was half of what it is.)"""
+    rng, crooked = np.random.default_rng(0), degree == 1  # what is cut are chords
+    slave = line(3, 0.3, 0.0, 1.0, 0.02 * crooked, True, degree)
+    lines = [line(2, 0.0, -0.2, 0.53, 0.02 * crooked, False, 1),
+             line(2, -0.2, 0.4, 1.3, 0.02 * crooked, False, 1)]  # fmt: skip
+    lines[0].nodes[:, 1] -= 0.4 * (front == "right")
+    points = np.concatenate([each.nodes for each in lines])
+    cells = np.concatenate([lines[0].cells, lines[1].cells + len(lines[0].nodes)])
+    middle = np.array([points[cell[:2]].mean(axis=0) for cell in cells])
+    master = Side(points, cells, "interval", np.stack([middle, middle - [0, 1]], axis=1), degree)
+    pair = Pairing(slave, master)
+    places = np.concatenate([slave.nodes, master.nodes])
+    places += 1e-3 * crooked * rng.standard_normal(places.shape)
+    v, way = rng.standard_normal(places.shape), rng.standard_normal(places.shape)
+    f = rng.standard_normal((pair.n, 2))
+    pair.update(places, 0.5)
+    assert pair.paired.all() and pair.area.sum() == pytest.approx(pair.full_area.sum())
+    rates = Rates(pair)
+    area = pair.area[:, None].copy()
+    computed = [m @ way.ravel() for m in (rates.gap, rates.jump(v), rates.spread(area * f, True))]
+
+    def values(x):
+        pair.update(x, 0.5)
+        forces = pair.operator.T @ (pair.area[:, None] * f).ravel()
+        return [pair.gap.copy(), pair.operator @ v.ravel(), forces]
 
     h = 1e-6
     for exact, a, b in zip(computed, values(places + h * way), values(places - h * way)):

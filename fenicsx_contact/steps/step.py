@@ -168,11 +168,11 @@ class Stepper:
         """Whether a velocity law is violated at the start of a step to be crossed from the present
         state: a percussion is due. Only points that touch are asked if ``touching``; the others
         are watched otherwise."""
-        percussive = [contact for contact in self.contacts if contact.formulation.percussive]
-        if not (percussive and step.scheme.inertia):
+        if not (step.scheme.inertia and any(c.formulation.percussive for c in self._every)):
             return False
         # what touches is asked as a percussion would stop it: where it is, not where it slides to
         self._begin(replace(step, dt=0.0, ahead=step.horizon) if touching else step)
+        percussive = [c for c in self.contacts if c.formulation.percussive]  # some woke up
         asked = [(contact, *approaching(contact, step, touching)) for contact in percussive]
         asked = [(c, comes, points) for c, comes, points in asked if points.any()]
         if not asked:

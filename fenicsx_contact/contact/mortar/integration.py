@@ -78,25 +78,41 @@ class Lines:
         self, cut: Cut, covered: np.ndarray, hits: Hits, part: Parts, places: Places,
         stance: Stance,
     ) -> Brink | None:  # fmt: skip
+        def met(piece: np.ndarray, end: np.ndarray | int) -> np.ndarray:  # beside that end
+            return hits.facet[np.searchsorted(hits.ray, (piece + end) * cut.each) - end]
+
         piece, end = cut.free(covered)
+        # steps: neighbours that meet facets of no common corner
+        left, corners = cut.inside(covered), self._sides[1].corners
+        sides = corners[met(left, 1)], corners[met(left + 1, 0)]
+        left = left[(sides[0][:, :, None] != sides[1][:, None]).all(axis=(1, 2))]
+        free, steps = len(piece), len(left)
+        piece = np.concatenate([piece, left, left + 1])
+        end = np.concatenate([end, np.ones(steps, dtype=int), np.zeros(steps, dtype=int)])
         if not len(piece):
             return None
         facet, xi, outwards = cut.facet[piece], cut.ends[piece, end], 2.0 * end - 1
-        # what the point beside it meets ends there
-        last = np.searchsorted(hits.ray, (piece + end) * cut.each) - end
-        points, other = Points(facet, xi[:, None], np.ones(len(xi))), hits.facet[last]
+        points, other = Points(facet, xi[:, None], np.ones(len(xi))), met(piece, end)
 
-        def at(sides: Sides) -> Pieces:
+        def at(sides: Sides, other: np.ndarray) -> tuple[Pieces, np.ndarray]:
             view = _look(points, sides, places, stance)
             meets = intersect(view.x, view.unit, sides[1], places[1], other)[:3]
-            return _pieces(view, sides, Hits(np.arange(len(xi)), other, *meets), part)
+            return _pieces(view, sides, Hits(np.arange(len(xi)), other, *meets), part), meets[0]
 
-        guide = there = at(self._flat)  # chords are cut
+        guide, at_theirs = at(self._flat, other)  # chords are cut
+        there, ends_there = guide, other
+        if steps:  # where what is in front ends, what is behind begins
+            inside = np.abs(at_theirs[free:, 0] - 0.5).reshape(2, steps)
+            front = free + np.arange(steps) + steps * (inside[1] > inside[0])
+            ends_there = other.copy()
+            ends_there[free:] = np.tile(other[front], 2)
+            guide = at(self._flat, ends_there)[0]
         if self._flat is not self._sides:
-            there = at(self._sides)
+            there = at(self._sides, other)[0]
+            seen = at(self._sides, ends_there)[0] if steps else there
             guide = replace(
-                guide, values=there.values, their_values=there.their_values,
-                their_slopes=there.their_slopes,
+                guide, values=seen.values, their_values=seen.their_values,
+                their_slopes=seen.their_slopes,
             )  # fmt: skip
         tangent = guide.side.tangents(places[0], facet, guide.slopes)[0]
         pace = outwards * (guide.inverse[:, 0, 0] * tangent).sum(axis=1)  # of their coordinate
@@ -182,6 +198,11 @@ class Cut(NamedTuple):
             found.append(np.stack([inside[~goes_on], np.full((~goes_on).sum(), end)]))
         piece, end = np.hstack(found)
         return piece, end
+
+    def inside(self, covered: np.ndarray) -> np.ndarray:
+        """Covered pieces beside whose end 1 their facet goes on and is covered, too."""
+        on = covered[:-1] & covered[1:] & (self.facet[:-1] == self.facet[1:])
+        return np.flatnonzero(on)
 
 
 class Cuts:

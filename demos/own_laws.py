@@ -113,7 +113,7 @@ class Penalty:
 
     def form(self, k: Any) -> tuple[Any, Any]:
         """Contact terms of (7), without friction, and the status."""
-        start, end = (ufl.max_value(d, 0.0) for d in (k.gap, k.gap + k.gap_rate * k.jump_n))
+        start, end = (ufl.max_value(d, 0.0) for d in (k.start_gap, k.gap + k.gap_rate * k.jump_n))
         pressure = self.stiffness * (start + end) / 2
         return k.integral(pressure * k.test_jump_n), ufl.conditional(ufl.gt(pressure, 0), 1.0, 0.0)
 

@@ -159,9 +159,8 @@ def test_own_laws(tmp_path, monkeypatch, capsys):
     demo = load("own_laws")
     summary = demo.main(quick=True)
     coarse, fine = (np.array(list(summary[which].values())) for which in ("coarse", "fine"))
-    assert (np.abs(fine) < [1e-12, 1e-4, 2e-3, 1e-2]).all()
-    assert coarse[1] / fine[1] == pytest.approx(4, rel=0.05)  # of second order
-    assert coarse[3] / fine[3] == pytest.approx(2, rel=0.1)
+    assert (np.abs(fine) < [1e-12, 1e-4, 1e-4, 1e-4]).all()
+    assert coarse[1:3] / fine[1:3] == pytest.approx(4, rel=0.05)  # of second order
     assert (demo.RESULTS / "own_laws.png").stat().st_size > 5000
     assert capsys.readouterr().out.strip().startswith("Tresca: distance")
 

@@ -35,6 +35,7 @@ class ContactFields(Protocol):
             resolved; ``limit_rate``: (1 - theta)/theta.
         closed: Su of a law that is decided before the step, 0 or 1.
         rho_n, rho_t: augmentation, Pa s/m, coefficients.
+        start_gap: d_n at the start of the step [m], of a law without multipliers only.
         gap_rate: derivative of the end position by the end velocity, s; ``dt``: the step, s;
             ``horizon``: over which a law of velocities looks ahead, s.
         friction: the law of friction, None if there is none.
@@ -61,6 +62,7 @@ class ContactFields(Protocol):
     test_traction: Any
     normal: Any
     gap: Any
+    start_gap: Any
     start_jump_n: Any
     limit_rate: Any
     closed: Any

@@ -34,9 +34,14 @@ QUICK = (
     "test_traps",
 )
 
-#: Files of the second tier: demos whole, and runs on several processes. (Single tests that take
-#: five seconds are marked where they stand.)
+#: Files of the second tier: demos whole, and runs on several processes.
 SECOND = ("test_demos", "test_parallel", "test_parallel_errors", "test_parallel_resume")
+#: Single tests of it: file and function.
+SLOW = {
+    tuple(line.split("::"))
+    for line in Path(__file__).with_name("slow.txt").read_text().splitlines()
+    if not line.startswith("#")
+}
 
 #: Generated tests: one of so many is in the default suite, spread evenly; the rest are long.
 SAMPLED = {
@@ -59,7 +64,8 @@ def pytest_collection_modifyitems(items):
                 item.add_marker(pytest.mark.long)
         if item.path.stem in QUICK and not marked:
             item.add_marker(pytest.mark.quick)
-        if item.path.stem in SECOND and not marked:
+        slow = (item.path.name, item.name.split("[")[0]) in SLOW
+        if (slow or item.path.stem in SECOND) and not marked:
             item.add_marker(pytest.mark.second)
 
 

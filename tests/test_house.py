@@ -130,3 +130,12 @@ def test_signatures_hide_nothing(name):
     told = inspect.getdoc(thing).partition("Args:\n")[2].partition("\n\n")[0]
     entries = re.findall(r"^    (\w[\w, ]*):", told, re.M)
     assert {p.name for p in given} == {each for entry in entries for each in entry.split(", ")}
+
+
+def test_the_list_of_long_tests_is_of_tests_that_there_are():
+    here = Path(__file__).parent
+    listed = [line for line in (here / "slow.txt").read_text().splitlines() if line[0] != "#"]
+    assert listed == sorted(set(listed))
+    for line in listed:
+        name, function = line.split("::")
+        assert f"\ndef {function}(" in (here / name).read_text(), line

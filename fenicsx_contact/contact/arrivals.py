@@ -30,13 +30,16 @@ class Arrival(NamedTuple):
 def arrival(contact: Contact) -> Arrival:
     """Of the points of a contact."""
     free = contact.chosen & ~contact.candidates.allowed
+    came = dot(contact.jump, contact.coupling.start_normals())
+    rate = dot(contact.trial_jump, contact.normal)
+    # What is there already and leaves all the way is not struck: no blow turns round what only the
+    # mean over a part does that turns below a corner.
+    free &= (contact.gap < -contact.tolerance) | (np.maximum(came, rate) > 0)
     if not free.any():
         return Arrival()
     gap = np.where(free, contact.coupling.gaps(), -np.inf)
     at = int(gap.argmax())
-    came = float(contact.jump[at] @ contact.coupling.start_normals()[at])
-    rate = float(contact.trial_jump[at] @ contact.normal[at])
-    return Arrival(float(gap[at]), float(contact.gap[at]), came, rate)
+    return Arrival(float(gap[at]), float(contact.gap[at]), float(came[at]), float(rate[at]))
 
 
 def arrives(contact: Contact) -> bool:

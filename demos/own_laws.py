@@ -107,6 +107,7 @@ class Penalty:
     stiffness: float  # Pa/m
     name = "penalty"
     multipliers = percussive = at_points = False
+    pushes = True  # and only inside: open points need not be asked
     points = None
     gap_share = 1.0
     pushes = True  # and never pulls

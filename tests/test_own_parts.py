@@ -64,6 +64,7 @@ class Penalty:
 
     name = "penalty"
     multipliers = percussive = at_points = False
+    pushes = True
     points = None
     gap_share = 1.0  # the gap of the form is that of the end of the step
 

@@ -3,7 +3,8 @@
 
 First all that the formulation allows and that are near what they may meet; then, so that systems
 stay small, of those only what bore, or would do without contact what the law forbids. What the
-contact itself drives to that is added when it shows.
+contact itself drives to that is added when it shows. A law without multipliers that does not say
+that it only pushes may act anywhere: all its points are asked.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 from ..base.checks import StepFailed
 from ..base.constants import ROUND_OFF
 from ..base.vectors import dot, largest
-from ..theory.formulations import Formulation
+from ..theory.formulations import Formulation, only_pushes
 from ..theory.scheme import Step
 from ..theory.step_data import StepData
 from .equations import SurfaceEquations
@@ -29,6 +30,7 @@ class Candidates:
         equations, coupling, formulation: of the contact.
 
     Attributes:
+        anywhere: whether the law may act at points that are open.
         allowed: points that may bear in the step, if they are asked to, (n,) of bool.
         earlier: candidates to which others were added in the step, and the unknowns of all points
             that had been found with them.
@@ -38,6 +40,7 @@ class Candidates:
         self, equations: SurfaceEquations, coupling: Coupling, formulation: Formulation
     ) -> None:
         self._equations, self._coupling, self._formulation = equations, coupling, formulation
+        self.anywhere = not (formulation.multipliers or only_pushes(formulation))
         self.allowed = self._asked = np.ones(len(equations.weight), dtype=bool)
         self._limit: np.ndarray | None = None
         self.renew()
@@ -153,8 +156,8 @@ class Candidates:
     def _violate(self, jump: np.ndarray, step: Step, noise: float = 0.0) -> np.ndarray:
         """Points whose jump (n, d) is more than the law allows less ``noise``, (n,) of bool."""
         e, limit = self._equations, self.limit(step)
-        if limit is None and not getattr(self._formulation, "pushes", False):
-            return np.ones(len(jump), dtype=bool)  # it may pull from anywhere
+        if self.anywhere:
+            return np.ones(len(jump), dtype=bool)
         approach = dot(jump, e.normal.reshape(jump.shape)) + noise
         if limit is None:  # springs know no limit, but what they do not touch
             limit = -e.gap / step.gap_rate if step.gap_rate else np.inf * approach

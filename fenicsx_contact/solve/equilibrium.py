@@ -14,6 +14,7 @@ from ..base.constants import ROUND_OFF
 from ..base.vectors import across, cross, largest, slices
 from ..contact.contact import Contact
 from ..solids.motions import FREE, Motions
+from ..theory.formulations import only_pushes
 from ..theory.scheme import Step
 
 #: Cost: sides of the pyramid that holds a cone of friction in space: what it cannot bear, no cone
@@ -99,7 +100,7 @@ def _cone(contact: Contact) -> np.ndarray:
     """Directions of forces on the slave at each point, whose sums with weights >= 0 are at least
     all that it may bear, (n, directions, d)."""
     normal, d = contact.normal, contact.solid.dim
-    law, pushes = contact.friction_law, getattr(contact.formulation, "pushes", False)
+    law, pushes = contact.friction_law, only_pushes(contact.formulation)
     push = -normal[:, None, :]
     if d == 2:
         along = push[:, :, ::-1] * np.array([1.0, -1.0])

@@ -83,7 +83,9 @@ class Stepper:
         self._begun: Step | None = None
         # the largest force at a point so far, N, and what rounds the works, J, see Books
         self._pushed, self._rounding = 0.0, (0.0, 0.0)
-        self._overlaps = any(min(c.depth(), c.gap.max()) > c.tolerance for c in self.contacts)
+        # contacts may have stored energy before the start, of which the books do not know
+        inside = any(min(c.depth(), c.gap.max()) > c.tolerance for c in self.contacts)
+        self._charged = inside or any(c.candidates.anywhere for c in self.contacts)
 
     def _arrange(self) -> None:
         """Let steps be about the contacts that are awake."""
@@ -159,7 +161,7 @@ class Stepper:
 
     def _certify(self, step: Step) -> Certificate:
         takes = all(contact.gives_nothing for contact in self.contacts)
-        asked = takes and step.scheme.inertia and not self._overlaps
+        asked = takes and step.scheme.inertia and not self._charged
         energy = self._frames.energy(self.energies) + abs(self.work[2]) if asked else inf
         books = Books(self.work[:2].sum() + min(self.work[4], 0.0), energy, *self._rounding)
         return certify(self._assembly, step, books, self._pushed)

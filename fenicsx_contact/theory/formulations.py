@@ -36,8 +36,9 @@ class Formulation(Protocol):
         points: coordinates (k, d) of the points that it acts on, None for all nodes.
         gap_share: which gap the form reads: 0 that of the start of the step, 1 that of its end as
             it depends on w.
-        pushes: of one that has it, and True: its normal forces only push, beside what it does to
-            points that are open (which touched, and are glued).
+        pushes: of one that has it, and True: its normal forces only push, and what has no lam does
+            so only inside, beside what it does to points that touched (and are glued). Of others
+            without lam all points are asked, however open. See :func:`only_pushes`.
         rebounds: of a percussive one that has it, and True: what it strikes leaves again.
         reads_areas: of a class that says False itself: forces are the same for any areas.
 
@@ -60,7 +61,8 @@ class Formulation(Protocol):
     def gap_share(self) -> float: ...
 
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
-        """Contact terms of (7), and the status of each point: 0 open, 1 stick, 2 slip. If there is
+        """Contact terms of (7), and the status of each point: 0 open, 1 stick, 2 slip. What is not
+        open bears, whether it is pushed or pulled, and is asked again in the next step. If there is
         a law of friction, ``k.friction``, it must ask for its bound, or the law is refused."""
 
     def limit(self, data: StepData) -> np.ndarray | None:
@@ -140,6 +142,7 @@ class Printed(Velocity):
 
     name: ClassVar[str] = "printed"
     reads_areas: ClassVar[bool] = False
+    pushes: ClassVar[bool] = True
     percussive: ClassVar[bool] = False
 
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
@@ -242,6 +245,15 @@ _NAMED: dict[str, Formulation] = {
     "lagrange": LAGRANGE,
     "printed": PRINTED,
 }
+
+
+def only_pushes(law: Formulation) -> bool:
+    """Whether a formulation says that it ``pushes`` only, and no class derived from the one that
+    says so has written another form."""
+    for place in (law, *type(law).__mro__):
+        if says := {"pushes", "form"} & getattr(place, "__dict__", {}).keys():
+            return "pushes" in says and bool(law.pushes)  # type: ignore[attr-defined]
+    return False
 
 
 def formulation(value: Formulation | str) -> Formulation:

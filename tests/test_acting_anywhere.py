@@ -17,6 +17,7 @@ from fenicsx_contact import (
     QuasiStatic,
     RigidSolid,
     Scene,
+    ThetaScheme,
 )
 from fenicsx_contact.theory.formulations import only_pushes
 
@@ -121,6 +122,26 @@ def test_a_cohesive_law_dissipates_what_it_should(pressed):
     work = np.diff(way) @ (force[1:] + force[:-1]) / 2
     gc = law.stiffness * law.start * law.end / 2
     assert -work == pytest.approx(gc, rel=2 / steps)
+
+
+@pytest.mark.parametrize("dt", [0.02, 0.1])
+def test_two_solids_are_not_let_go_in_silence(dt):
+    """A bed between two squares that are drawn apart pulls as springs in a row do, or the run
+    stops: partners are sought over some facets only."""
+    modulus, facet, speed = 1e6, 0.25, 2.0
+    material = {"youngs_modulus": modulus, "poisson_ratio": 0.0, "density": 1.0}
+    lower = ElasticSolid(rectangle((4, 4), (1, 1)), prescribed={"base": (0.0, 0.0)}, **material)
+    mesh = rectangle((4, 4), (1, 1))
+    mesh.mesh.geometry.x[:, 1] += 1.0
+    led = {"top": lambda t: (0.0, speed * t)}
+    upper = ElasticSolid(mesh, prescribed=led, name="upper", **material)
+    contact = Contact(upper, "base", (lower, "top"), Bed(1.0), name="c")
+    scene = Scene([lower, upper], [contact], ThetaScheme(1.0))
+    history = scene.run(1.0, dt, progress=False)
+    assert "'c' pulls from farther than its partners are sought" in history.reason
+    assert history.advice.startswith("pulls from afar")
+    assert speed * history.time[-1] > 1.5 * facet
+    assert (history["c.force_y"][1:] < 0).all()
 
 
 class Pushing(Bed):

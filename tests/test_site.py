@@ -24,7 +24,7 @@ from test_lessons import LESSONS, learn
 import fenicsx_contact
 from fenicsx_contact import gradients, rods, study
 from fenicsx_contact.contact.wall import Obstacle
-from fenicsx_contact.output import stops
+from fenicsx_contact.output import stop, stops
 from fenicsx_contact.rods.drive import AxialLaw
 from fenicsx_contact.solids.damping import Damping
 from fenicsx_contact.theory.formulations import Formulation
@@ -41,7 +41,7 @@ WIDTHS = (400, 1400)
 def test_every_reason_to_stop_is_on_its_page():
     page = (SITE / "reference" / "stops.md").read_text()
     assert all(f"generated/stops_{section}.md" in page for section in stops.STOPS)
-    page += "".join(map(stops.table, stops.STOPS))
+    page += "".join(map(stop.table, stops.STOPS.values()))
     found = runpy.run_path(str(SITE / "reasons.py"))["reasons"]()
     assert len(found) >= 20
     assert not [each for each in found if f"`{each[1]}`" not in page]

@@ -8,7 +8,8 @@ from pathlib import Path
 import scenes
 import sketches
 
-from fenicsx_contact.output import stops
+from fenicsx_contact.output import stop
+from fenicsx_contact.output.stops import STOPS
 from fenicsx_contact.output.thresholds import table
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -28,8 +29,8 @@ def make(target: Path) -> set[Path]:
     """Write all; returns the files."""
     texts = {f"code/{Path(name).name}": (ROOT / name).read_text() for name in CODE}
     texts["generated/tolerances.md"] = table() + "\n"
-    for section in stops.STOPS:
-        texts[f"generated/stops_{section}.md"] = stops.table(section) + "\n"
+    for section, listed in STOPS.items():
+        texts[f"generated/stops_{section}.md"] = stop.table(listed) + "\n"
     made = set()
     for name, text in texts.items():
         path = target / name

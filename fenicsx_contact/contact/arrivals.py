@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base.vectors import dot
+from ..theory.scheme import Step
 from .contact import Contact
 
 
@@ -48,7 +49,7 @@ def arrives(contact: Contact) -> bool:
     return arrival(contact).gap > contact.tolerance
 
 
-def missed(contact: Contact, closing: bool) -> str:
+def missed(contact: Contact, step: Step, closing: bool) -> str:
     """Why a step is too long for the contact to see what its points meet, in the trial state of it,
     or nothing: a point that arrives goes through and out again, or in by another side than the one
     that it is before at the end; or one is farther within than the surface is large; if none may
@@ -56,6 +57,8 @@ def missed(contact: Contact, closing: bool) -> str:
     the start, goes round what is round: only the chord of its way dips into that."""
     if (why := contact.coupling.blocked) or contact.coupling.encloses:
         return why
+    if contact.candidates.anywhere and lets_go(contact, step):
+        return f"contact {contact.name!r} pulls from farther than its partners are sought"
     gaps, touches = contact.coupling.gaps(), contact.touching()
     free, may = contact.trial_status == 0, closing | contact.candidates.allowed
     approach = dot(contact.jump, contact.coupling.start_normals())
@@ -75,6 +78,13 @@ def missed(contact: Contact, closing: bool) -> str:
     if (gaps > np.maximum(contact.gap, contact.surface.extent))[contact.chosen & may].any():
         return f"contact {contact.name!r} goes deeper than its surface is large"
     return ""
+
+
+def lets_go(contact: Contact, step: Step) -> bool:
+    """Whether a point that a force acted on in the last step still faces something in the trial
+    state, but too far away for a law to act."""
+    gone = (contact.coupling.area > 0) & ~contact.coupling.near()
+    return contact.push(contact.force[gone], step) > contact.resolution
 
 
 def starts_inside(contact: Contact) -> str:

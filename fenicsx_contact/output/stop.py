@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import NamedTuple
 
 
@@ -32,3 +33,9 @@ class Stop(NamedTuple):
         """Whether a reason says so."""
         words = re.escape(self.says.strip(".")).replace(re.escape("..."), ".*?")
         return re.search(words, reason, re.DOTALL) is not None
+
+
+def table(section: Sequence[Stop]) -> str:
+    """A section as a table in Markdown, each row with the anchor of its name."""
+    rows = ["| see | what it says | cause | remedy |", "|---|---|---|---|"]
+    return "\n".join([*rows, *(stop.row for stop in section)])

@@ -160,6 +160,12 @@ STOPS = {
             "smaller steps",
         ),
         Stop(
+            "pulls from afar",
+            "contact ... pulls from farther than its partners are sought",
+            "a law without multipliers acts between two solids over one and a half facets",
+            "larger facets of the slave, or a law that ends before that",
+        ),
+        Stop(
             "too deep",
             "contact ... goes deeper than its surface is large",
             "a body is lost in another",
@@ -292,9 +298,3 @@ def hint(reason: str) -> str:
 def advice(reason: str) -> str:
     """Cause and remedy of all that a reason says, a line each."""
     return "\n".join(f"{s.name}: {s.cause}. Remedy: {s.remedy}." for s in explained(reason))
-
-
-def table(section: str) -> str:
-    """A section as a table in Markdown, each row with the anchor of its name."""
-    rows = ["| see | what it says | cause | remedy |", "|---|---|---|---|"]
-    return "\n".join([*rows, *(stop.row for stop in STOPS[section])])

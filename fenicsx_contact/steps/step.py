@@ -155,7 +155,7 @@ class Stepper:
             if reason := solid.unsound(step):
                 raise StepFailed(reason)
         for contact in self.contacts:
-            if reason := missed(contact, closing):
+            if reason := missed(contact, step, closing):
                 raise StepFailed(reason)
         return Trial(step, *solution, self._certify(step)), moved
 

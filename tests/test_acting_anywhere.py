@@ -11,6 +11,7 @@ import ufl
 from scenes import FLOOR, rectangle
 
 from fenicsx_contact import (
+    Adhesive,
     Contact,
     Discrete,
     ElasticSolid,
@@ -160,4 +161,5 @@ class Derived(Discrete):
 def test_who_is_believed_to_push_only():
     """Only who says so, and wrote the form of which that is said, or took it as it is."""
     assert only_pushes(Pushing(0.0)) and only_pushes(Discrete(1.0))
+    assert only_pushes(Adhesive(1.0, "gap"))  # beside its glue, which it tells apart
     assert not only_pushes(Bed(0.0)) and not only_pushes(Derived(1.0))

@@ -10,7 +10,7 @@ import ufl
 
 from ...base import checks
 from ...base.quoted import quoted
-from ..formulations import Formulation, formulation
+from ..formulations import Formulation, formulation, only_pushes
 from ..parameter import Parameter, keep_parameter, told
 from ..weak_form import ContactFields
 
@@ -55,6 +55,11 @@ class Adhesive:
     def name(self) -> str:
         """For messages."""
         return f"{self._law.name}, adhesive up to {told(self.stress)}"
+
+    @property
+    def pushes(self) -> bool:
+        """As the law does, beside the traction of what touches."""
+        return only_pushes(self._law)
 
     def __getattr__(self, name: str) -> Any:
         """All else as the law has it."""

@@ -31,7 +31,6 @@ class ContactFields(Protocol):
             without multipliers does not ask for it.
         normal, gap: n and d_n [m, positive: penetration], coefficients; ``x``: reference
             coordinates, m.
-        start_gap: d_n at the start of the step [m], of a law without multipliers only.
         start_jump_n, start_jump_t: w_n and w_t at the start of the step, m/s, 0 where they were not
             resolved; ``limit_rate``: (1 - theta)/theta.
         closed: Su of a law that is decided before the step, 0 or 1.

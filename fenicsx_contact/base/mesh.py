@@ -225,6 +225,9 @@ def name_facets(mesh: Any, where: Mapping[str, Callable[[np.ndarray], np.ndarray
     Args:
         mesh: the mesh.
         where: for each name a function of ``x`` (3, n) that is true on the facets meant.
+
+    Raises:
+        InputError: two names of the same facet, no truth values.
     """
     _check_mesh(mesh)
     fdim = mesh.topology.dim - 1
@@ -236,7 +239,7 @@ def name_facets(mesh: Any, where: Mapping[str, Callable[[np.ndarray], np.ndarray
     ]
     facets = np.concatenate([*found, np.empty(0, dtype=np.int32)]).astype(np.int32)
     values = np.repeat(np.arange(1, len(found) + 1), [len(f) for f in found]).astype(np.int32)
-    if len(np.unique(facets)) != len(facets):
+    if mesh.comm.allreduce(len(facets) - len(np.unique(facets))):
         raise checks.InputError(f"where = {list(where)}: two of the names claim the same facet")
     order = np.argsort(facets)
     tags = dolfinx.mesh.meshtags(mesh, fdim, facets[order], values[order])

@@ -97,6 +97,19 @@ def test_what_is_inside_is_told_once():
     assert not scene.run(until=0.2, dt=0.1).remarks
 
 
+@pytest.mark.parametrize("law", ["gap", "lagrange"])
+def test_what_a_law_of_positions_throws_out_is_told(law):
+    """A block left at twice its depth by the step, 19.8 m/s, "finished", without a word."""
+    depth, dt = 9.9e-4, 1e-4
+    block = RigidSolid(rectangle((1, 1), (1.0, 0.1)), mass=1.0)
+    scene = Scene([block], [Contact(block, "base", HalfSpace((0, depth), (0, 1)), law, name="c")])
+    history = scene.run(until=5 * dt, dt=dt)
+    assert block.velocity[1] == pytest.approx(2 * depth / dt)
+    assert history["impact"][-1] == pytest.approx(block.velocity[1] ** 2 / 2)
+    [(time, remark)] = history.remarks
+    assert time == 0 and f"'c' starts {depth:g} m inside, and {law!r} takes it back" in remark
+
+
 def test_what_means_do_not_see_is_not_said_to_start_inside():
     """After statics by "gap" a law of velocities said that "gap" would take back what is deep
     between the nodes of both meshes, where gaps, which are means, are none."""

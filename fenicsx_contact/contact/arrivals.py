@@ -87,17 +87,23 @@ def lets_go(contact: Contact, step: Step) -> bool:
     return contact.push(contact.force[gone], step) > contact.resolution
 
 
-def starts_inside(contact: Contact) -> str:
-    """What a reader should know of a contact that overlaps, whose law leaves it so, or nothing."""
+def starts_inside(contact: Contact, inertia: bool) -> str:
+    """What a reader should know of a contact that overlaps, whose law leaves it so, or of things
+    with ``inertia`` takes it back at once; or nothing."""
     law, means = contact.formulation, float(contact.gap.max())
     deep = min(contact.depth(), means)  # what means do not see no law takes back
     if means > contact.tolerance >= contact.coupling.inside():
         return f"contact {_inside_by_means(contact, means)}"
-    if _takes_back(contact) or deep <= contact.tolerance:
+    if deep <= contact.tolerance:
+        return ""
+    starts = f"contact {contact.name!r} starts {deep:.3g} m inside, and {law.name!r}"
+    if not _takes_back(contact):
+        return f"{starts} keeps it there: 'gap' takes it back, and so does a drift_correction"
+    if not (inertia and law.multipliers and law.gap_share):
         return ""
     return (
-        f"contact {contact.name!r} starts {deep:.3g} m inside, and {law.name!r} keeps "
-        "it there: 'gap' takes it back, and so does a drift_correction"
+        f"{starts} takes it back in one step: the shorter that is, the faster it is thrown out; "
+        "what energy it is given stands in the column 'impact'"
     )
 
 

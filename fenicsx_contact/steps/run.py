@@ -142,7 +142,8 @@ class _Course:
         self.history.append([*stepper.row(), *measured(self.scene.comm, self.probes)])
         if self.scene.time == 0:  # others have told what is so
             told = [getattr(solid, "remark", "") for solid in self.scene.solids]
-            told += map(starts_inside, self.scene.contacts)
+            inertia = self.scene.scheme.inertia
+            told += [starts_inside(contact, inertia) for contact in self.scene.contacts]
             self.history.remarks += [(self.scene.time, remark) for remark in told if remark]
         if self.files:
             try:

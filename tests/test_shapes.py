@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import re
+
 import meshio
 import numpy as np
 import pytest
@@ -614,3 +616,28 @@ def folded(n):
     upper = np.stack([k, (k + 1) % n, 0 * k + n + 1], axis=1)
     lower = np.stack([(k + 1) % n, k, 0 * k + n], axis=1)
     return mesh_of(np.vstack([upper, lower]), x)
+
+
+@pytest.mark.parametrize(
+    "points, lines",
+    [
+        ([(-1, 0), (-1, 0.2), (1, 0), (1, 0.2), (-1, 0)], (1, 3)),
+        ([(-1, 0), (0.3, 0), (0.3, 0.15), (-0.3, 0.15), (-0.3, -0.2), (1, -0.2)], (0, 3)),
+        ([(-1, 0), (1, 0), (0.5, 0)], (0, 1)),
+        ([(-1, 0), (1, 0), (1, 1), (0, 0)], (0, 2)),  # an end on a line
+        ([(0, 0), (1, 0), (1, 1), (2, 1), (2, 0), (0.5, 0)], (0, 4)),  # along each other
+    ],
+)
+@pytest.mark.parametrize("smooth", [False, True])
+def test_curves_that_cross_themselves_are_refused(points, lines, smooth):
+    """They were accepted, and a block lay 27 mm inside one."""
+    (a, b) = lines
+    match = re.escape(f"points[{a}:{a + 2}], points[{b}:{b + 2}]") + ".*must not meet"
+    with pytest.raises(InputError, match=match):
+        Curve(points, smooth)
+
+
+def test_curves_whose_lines_only_follow_each_other_are_not():
+    around_twice = [(0, 0), (1, 0), (1, 1), (-1, 1), (-1, -1), (2, -1), (2, 2)]
+    for points in (around_twice, [(0, 0), (0, 1), (1, 1), (1, 0), (0, 0)], around(500)):
+        Curve(points)

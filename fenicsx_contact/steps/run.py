@@ -142,7 +142,7 @@ class _Course:
         self.history.append([*stepper.row(), *measured(self.scene.comm, self.probes)])
         if self.scene.time == 0:  # others have told what is so
             told = [getattr(solid, "remark", "") for solid in self.scene.solids]
-            inertia = self.scene.scheme.inertia
+            inertia = bool(self.scene.scheme.inertia)
             told += [starts_inside(contact, inertia) for contact in self.scene.contacts]
             self.history.remarks += [(self.scene.time, remark) for remark in told if remark]
         if self.files:

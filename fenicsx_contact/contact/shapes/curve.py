@@ -26,11 +26,12 @@ class Curve:
     Newton's method from the nearest line. It must then be near the curve, against its radii.
 
     Args:
-        points: two at least (n, 2), m, no two neighbours the same; it must not cross itself.
+        points: two at least (n, 2), m, no two neighbours the same; the lines through them must not
+            meet but at their ends.
         smooth: a spline through the points instead of straight lines.
 
     Raises:
-        InputError: no such points.
+        InputError: no such points; lines that cross each other, or run back along themselves.
     """
 
     flat = False
@@ -55,10 +56,39 @@ class Curve:
             self.closed, x[-1] = True, x[0]
         self._x, self._ways = x, np.concatenate([[0.0], np.cumsum(lengths)])
         self._along = np.diff(x, axis=0) / lengths[:, None]
+        if lines := self._crossing():
+            raise checks.InputError(
+                f"points[{lines[0]}:{lines[0] + 2}], points[{lines[1]}:{lines[1] + 2}] = "
+                f"{x[lines[0] : lines[0] + 2].tolist()}, {x[lines[1] : lines[1] + 2].tolist()}: "
+                "these lines must not meet"
+            )
         self._spline = None
         if self.smooth:
             ends = "periodic" if self.closed else "natural"
             self._spline = CubicSpline(self._ways, x, bc_type=ends)
+
+    def _crossing(self) -> tuple[int, int] | None:
+        """Two lines that meet elsewhere than where one follows the other, if any."""
+        x, along, lengths = self._x[:-1], self._along, np.diff(self._ways)
+        n = len(lengths)
+        back = np.flatnonzero((along[:-1] * along[1:]).sum(axis=1) < SAME - 1)
+        if len(back):
+            return int(back[0]), int(back[0]) + 1
+        for i in range(n - 2):
+            others = np.arange(i + 2, n - (self.closed and i == 0))
+            off, way, length = x[others] - x[i], along[others], lengths[others]
+            det, aside = _cross(along[i], way), _cross(along[i], off)
+            apart = det != 0
+            mine, theirs = np.array([_cross(off, way), -aside]) / np.where(apart, det, 1.0)
+            meet = apart & (mine >= 0) & (mine <= lengths[i])
+            meet &= (theirs >= 0) & (theirs <= length)
+            begin = off @ along[i]  # of those along the same line
+            end = begin + (way @ along[i]) * length
+            same = ~apart & (aside == 0) & (np.maximum(begin, end) >= 0)
+            meet |= same & (np.minimum(begin, end) <= lengths[i])
+            if meet.any():
+                return i, int(others[meet.argmax()])
+        return None
 
     def _on_lines(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The nearest line of each point, and how far along it."""
@@ -143,3 +173,8 @@ class Curve:
 def _left(tangent: np.ndarray) -> np.ndarray:
     """Turned by a right angle to the left."""
     return np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a x b in the plane."""
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])

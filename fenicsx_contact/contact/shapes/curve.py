@@ -70,7 +70,7 @@ class Curve:
     def _crossing(self) -> tuple[int, int] | None:
         """Two lines that meet elsewhere than where one follows the other, if any."""
         x, along, lengths = self._x[:-1], self._along, np.diff(self._ways)
-        n = len(lengths)
+        n, near = len(lengths), SAME * lengths.max()
         back = np.flatnonzero((along[:-1] * along[1:]).sum(axis=1) < SAME - 1)
         if len(back):
             return int(back[0]), int(back[0]) + 1
@@ -80,8 +80,8 @@ class Curve:
             det, aside = _cross(along[i], way), _cross(along[i], off)
             apart = det != 0
             mine, theirs = np.array([_cross(off, way), -aside]) / np.where(apart, det, 1.0)
-            meet = apart & (mine >= 0) & (mine <= lengths[i])
-            meet &= (theirs >= 0) & (theirs <= length)
+            meet = apart & (mine >= -near) & (mine <= lengths[i] + near)
+            meet &= (theirs >= -near) & (theirs <= length + near)
             begin = off @ along[i]  # of those along the same line
             end = begin + (way @ along[i]) * length
             same = ~apart & (aside == 0) & (np.maximum(begin, end) >= 0)

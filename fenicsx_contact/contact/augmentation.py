@@ -9,9 +9,17 @@ other side: what slips together then goes to and fro. With
 
 tau + rho_t w_t is orthogonal to tau, and along a line the middle of the ball: the point sticks.
 (Not points of a rigid body, whose forces would push against each other.)
+
+Of these the natural rho_t, what stops one point alone, is too small where one bears for many, and
+a correction leaps over the piece in which the solution is, from one of its neighbours to the other.
+What the others leave a point is a line, Dtau = -Dw_t/W; with rho_t = 1/W it is told the piece
+through which that goes, whatever it was in. W is told by the last correction.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -47,20 +55,46 @@ class Augmentation:
         return True
 
     def turn(
-        self, traction: np.ndarray, slip: np.ndarray, before: np.ndarray, careful: bool
+        self,
+        tractions: Sequence[np.ndarray],
+        slips: Sequence[np.ndarray],
+        careful: bool,
+        shared: bool,
     ) -> bool:
-        """Let slips that turned, from one iteration to the next, against tractions, all (d - 1, n),
-        stick before they go the other way, but for what hardly resists them; none if not
-        ``careful``. Whether that changes rho."""
-        rho, usual = self.rho[1], self._usual()[1]
-        against, size = -(traction * slip).sum(axis=0), (traction**2).sum(axis=0)
-        turned = careful & ((slip * before).sum(axis=0) < 0) & (usual * against > 2 * size)
-        turned &= size > RIGHT * usual * against
-        new = np.where(turned, size / np.where(turned, against, 1.0), usual)
-        if np.array_equal(new, rho):
+        """Choose rho_t by what the last correction did, both now and before, (d - 1, n); if not
+        ``careful`` the usual ones. Whether that changes rho.
+
+        Args:
+            tractions, slips: of all points.
+            careful: whether it gained nothing.
+            shared: whether one point may bear for others.
+        """
+        usual, tell = self._usual()[1], self._stiffness if shared else self._opposite
+        new = tell(usual, *tractions, *slips) if careful else usual
+        if np.array_equal(new, self.rho[1]):
             return False
         self.rho = np.stack([self.rho[0], new])
         return True
+
+    @staticmethod
+    def _opposite(
+        usual: np.ndarray, traction: np.ndarray, _: Any, slip: np.ndarray, before: np.ndarray
+    ) -> np.ndarray:
+        """That of slips that turned, against tractions, but for what hardly resists them."""
+        against, size = -(traction * slip).sum(axis=0), (traction**2).sum(axis=0)
+        turned = ((slip * before).sum(axis=0) < 0) & (usual * against > 2 * size)
+        turned &= size > RIGHT * usual * against
+        return np.where(turned, size / np.where(turned, against, 1.0), usual)
+
+    @staticmethod
+    def _stiffness(
+        usual: np.ndarray, traction: np.ndarray, last: np.ndarray, slip: np.ndarray, before: Any
+    ) -> np.ndarray:
+        """What changes of tractions and slips tell of 1/W, at least the usual one."""
+        change = slip - before
+        against, size = -((traction - last) * change).sum(axis=0), (change**2).sum(axis=0)
+        told = (against > 0) & (size > 0)
+        return np.maximum(usual, np.where(told, against, 0.0) / np.where(told, size, 1.0))
 
     def shares(self) -> np.ndarray | None:
         """Of the natural ones, (2, n), or None: all are 1, or bounds are known."""

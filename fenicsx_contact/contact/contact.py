@@ -108,8 +108,7 @@ class Contact(Scaled, SurfaceResults):
         self.borne, self.arriving = self.force, np.full(self.surface.size, np.inf)
         self.candidates = Candidates(self.equations, self.coupling, self.formulation)
         self._springs = TangentialSprings(self.equations, self.formulation)
-        self.blows = Blows(self.surface.size)
-        self.scales = Scales(self.coupling, self.surface.size)
+        self.blows, self.scales = Blows(self.surface.size), Scales(coupling, self.surface.size)
         self.resolution, self.moved = ROUND_OFF * largest(coupling.velocities("velocity")), 1.0
         self._told: Step | None = None  # of whose start the equations know
         self.force_of = 1.0  # how long the step took of which the forces are, s
@@ -146,6 +145,8 @@ class Contact(Scaled, SurfaceResults):
         self.coupling.begin(step)
         if self.coupling.stand(self.status > 0, step):
             self.locate()
+        if self._paired:
+            self.scales.renew()
 
     def predict(self, step: Step, closing: bool = True) -> None:
         """Follow the solids' prediction of the begun step; what may be its candidates: points that
@@ -293,8 +294,7 @@ class Contact(Scaled, SurfaceResults):
         self._springs.stretch = np.array(state["stretch"])
         self.resolution, self.moved = map(float, state["last"])
         self.force_of = self.moved
-        self.memory.restore(state)
-        self.scales.restore(state)
-        self.coupling.restore(state)
+        for each in self.memory, self.scales, self.coupling:
+            each.restore(state)
         self.locate()
         self.equations.fields.set_tangent(np.array(state["tangent"]))

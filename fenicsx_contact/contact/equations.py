@@ -134,15 +134,15 @@ class SurfaceEquations(SurfaceUnknowns):
         self.fields.rho_n.x.array[:], self.fields.rho_t.x.array[:] = self.augmentation.rho
         self.revision += 1
 
-    def turn(self, careful: bool) -> bool:
-        """If ``careful`` let slips that a correction turned stick first; whether rows change."""
+    def turn(self, careful: bool, shared: bool = False) -> bool:
+        """Augment friction by what a correction did, see Augmentation.turn; whether rows change."""
         both, self._last = (self.values, self._last), self.values
         if not (self._turned or careful) or not self.size > self.tractions > self.jumps:
             return False
         (n, d), tangents, self._turned = self._surface.points.shape, self.fields.frame()[1], careful
-        slip, before = ((tangents * v[: self.jumps].reshape(n, d)).sum(axis=2) for v in both)
-        traction = both[0][self.tractions :].reshape(d - 1, n)
-        if changed := self.augmentation.turn(traction, slip, before, careful):
+        slips = tuple((tangents * v[: self.jumps].reshape(n, d)).sum(axis=2) for v in both)
+        tractions = tuple(v[self.tractions :].reshape(d - 1, n) for v in both)
+        if changed := self.augmentation.turn(tractions, slips, careful, shared):
             self._set_rho()
         return changed
 

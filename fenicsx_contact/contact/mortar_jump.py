@@ -60,8 +60,7 @@ class MortarJump(Coupling):
         kind: type[Pairing] = Pairing,
     ) -> None:
         self.solids, self.equations = list(solids), equations
-        self._facets, self._moves = facets, moves
-        self._comm = communicator(solids)
+        self._facets, self._moves, self._comm = facets, moves, communicator(solids)
         self.traces = [side.trace(solid) for solid, side in zip(solids, sides)]
         self._made = partial(kind, *sides, self._comm, self.held_components)
         self.pairing = self._ending = self._made()
@@ -280,7 +279,8 @@ class MortarJump(Coupling):
     def mobility(self) -> np.ndarray:
         each = np.concatenate([trace.mobility().ravel() for trace in self.traces])
         mobility = self.pairing.shared.sum(square(self.pairing.operator) @ each)
-        return mobility.reshape(self._n, -1)
+        met = np.repeat(self.pairing.paired, mobility.size // self._n)
+        return np.where(met, mobility, each[: mobility.size]).reshape(self._n, -1)
 
     def describe(self) -> str:
         many = len(self.pairing.master.cells)

@@ -3,15 +3,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import frexp
 
 import numpy as np
 
 from ..base.constants import SAME
 from ..base.vectors import largest
+from ..solids import Solid
 from ..theory.scheme import Step
 from .equations import SurfaceEquations
 from .jump import Coupling
+from .surface import Surface
 
 #: Weight of gaps and jumps between two solids beside the multipliers in what decides who bears and
 #: who slips: those of a point that bears and sticks are not quite zero before the last iteration.
@@ -37,7 +40,8 @@ class Scales:
 
     def units(self, normal: np.ndarray, weight: np.ndarray, step: Step) -> np.ndarray:
         """The pressures that stop 1 m/s of each point alone within the step, along its normal and
-        its tangents, (2, n); kept while the length of the step does not change by much."""
+        its tangents, (2, n); kept while the length of the step does not change by much, until they
+        are renewed."""
         if step.span == self._span:
             return self._units
         octave, self._span = float(frexp(step.span)[1]), step.span
@@ -53,7 +57,7 @@ class Scales:
         return self._units
 
     def renew(self) -> None:
-        """The points weigh otherwise than before."""
+        """The points weigh otherwise than before, or meet something else."""
         self._span, self._octave = 0.0, -np.inf
 
     def state(self) -> dict[str, np.ndarray]:
@@ -75,6 +79,8 @@ class Scaled:
     """
 
     scales: Scales
+    solids: Sequence[Solid]
+    surface: Surface
     force_of: float
     normal: np.ndarray
     force: np.ndarray
@@ -82,7 +88,10 @@ class Scaled:
 
     def units(self, step: Step) -> np.ndarray:
         """The pressures that stop 1 m/s of each point alone within the step, (2, n)."""
-        return self.scales.units(self.normal, self.equations.weight, step)
+        weight = self.equations.weight
+        if len(self.solids) > 1:  # what meets nothing yet may before the step ends
+            weight = np.where(weight > 0, weight, self.surface.nodal_area)
+        return self.scales.units(self.normal, weight, step)
 
     def push(self, force: np.ndarray, step: Step) -> float:
         """The speed that forces on the points (N) would give to one alone, m/s."""

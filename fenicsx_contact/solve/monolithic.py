@@ -24,7 +24,7 @@ from .frozen import FrozenContact
 from .numbering import Numbering, numbered_traces
 from .problem import Assembly
 from .solid_rows import SolidRows
-from .yielding import COMPLIANCE, Yielding
+from .yielding import COMPLIANCE, FIRM, Yielding
 
 
 class Monolithic(ABC):
@@ -62,7 +62,7 @@ class Monolithic(ABC):
 
     def restart(self) -> None:
         """A step begins: nothing is softened, nothing frozen."""
-        self._softness, self.held = COMPLIANCE, False
+        self._softness, self.held = COMPLIANCE if self.hyperstatic else FIRM, False
         self._yielding.restart()
         self.frozen = False
 

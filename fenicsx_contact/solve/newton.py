@@ -133,7 +133,7 @@ class Newton:
             # what was turned ends with the usual rows, of which all digits are known
             if not np.isfinite(error) or (error <= self.tolerance and not system.turn(False)):
                 return iteration, self.tolerance
-            if not system.hyperstatic and system.turn(iteration > 1 and error >= before):
+            if system.turn(iteration > 1 and error >= before):
                 error = system.error()
             stalls = stalls + 1 if before <= 2 * error else 0
             if stalls >= STALLS and error <= rough:

@@ -19,9 +19,11 @@ class Statuses(ABC):
 
     Attributes:
         rounded: whether an error that falls no more counts as round-off.
+        hyperstatic: whether there may be more forces than the motion determines.
     """
 
     rounded: bool = False
+    hyperstatic: bool
 
     def __init__(self, parts: Sequence[Part], names: Sequence[str]) -> None:
         self.parts, self.names = list(parts), list(names)
@@ -36,9 +38,9 @@ class Statuses(ABC):
         return np.concatenate([np.empty(0, dtype=int), *(part.statuses() for part in self.parts)])
 
     def turn(self, careful: bool) -> bool:
-        """After a correction: let slips that it turned round stick first (augmentation.py); none if
-        not ``careful``. Whether that changes the rows, which are then taken up anew."""
-        changed = any([part.equations.turn(careful) for part in self.parts])
+        """After a correction, if ``careful``: augment friction by what it did (augmentation.py).
+        Whether that changes the rows, which are then taken up anew."""
+        changed = any([part.equations.turn(careful, self.hyperstatic) for part in self.parts])
         if changed:
             self.update()
         return changed

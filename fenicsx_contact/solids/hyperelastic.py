@@ -32,6 +32,7 @@ from .energies import Energy, deformation, tangent
 from .factor import Factorisation
 from .planes import PLANES
 from .strain_way import StrainWay
+from .turning import Turning
 from .viscous import ViscousStress
 
 #: Cost: the share of the error that each correction by an old tangent may leave.
@@ -80,10 +81,10 @@ class HyperelasticSolid(DeformableSolid):
         swelling = self.vectors.places.ravel()  # energies are differences of what it would store
         self._noise = ROUND_OFF * abs(self._sum(swelling @ self.multiply(self._tangent, swelling)))
         self.grain = mesh.grain
-        if self.damping.beta:
-            beta = self.damping.beta
+        if beta := self.damping.beta:
             self.dampers.append(ViscousStress(self, self._energy, beta, self.volume))
             self.dampers += [StiffnessDamper(beta, f.matrix, f.times) for f in self.foundations]
+        self._turning = Turning(self, self._energy, self.volume)
         self._factor: Factorisation | None = None
         self._made = False  # a tangent in this step
         self._free_load: np.ndarray | None = None
@@ -114,19 +115,15 @@ class HyperelasticSolid(DeformableSolid):
             force += foundation.times(displacement)
         return force
 
-    def _at(self, share: float) -> np.ndarray:
-        """The displacement at a share of the way of the step."""
-        return share * self.trial_displacement + (1 - share) * self.displacement
-
     def _internal_forces(self, step: Step) -> np.ndarray:
-        if self._last[0] is not self.trial_displacement:
+        start, end = self.displacement, self.trial_displacement
+        if self._last[0] is not end:
             if step.along_strain:
-                force = self._strain_way.force(step, self.displacement, self.trial_displacement)
-                middle = step.linear_mean(self.displacement, self.trial_displacement)
-                force += sum(foundation.times(middle) for foundation in self.foundations)
+                force = self._strain_way.force(step, start, end)
+                force += sum(f.times(step.linear_mean(start, end)) for f in self.foundations)
             else:
-                force = step.mean_force(lambda share: self.internal_force(self._at(share)))
-            self._last = self.trial_displacement, force
+                force = step.mean_force(lambda s: self.internal_force(s * end + (1 - s) * start))
+            self._last = end, force
         return self._last[1]
 
     @cached_property
@@ -278,7 +275,7 @@ class HyperelasticSolid(DeformableSolid):
 
     def unsound(self, step: Step) -> str:
         """The forces of a step are those of a few points of its way: no more may be stored than
-        they give and the scheme takes."""
+        they give and the scheme takes, but for what they give too little where it turns."""
         if not step.loaded or not step.scheme.bounds_work:
             return ""
         end = self.trial_displacement
@@ -287,7 +284,10 @@ class HyperelasticSolid(DeformableSolid):
         made = self._stored[1] - self._strain - work - self.taken(step)
         moving = self._sum(self.trial_velocity @ self._trial_momentum) / 2
         size = max(moving, self.energies()[0]) + max(self._strain, self._stored[1])
-        if made <= MADE * size + self._noise:
+        allowed, ahead = MADE * size + self._noise, step.force_share - 0.5
+        if made > allowed and ahead > 0:
+            made += min(self._turning.work(ahead, self.displacement, end), 0.0)
+        if made <= allowed:
             return ""
         return f"solid {self.name!r} strains too much in a step: it would make {made:.3g} J"
 

@@ -9,8 +9,9 @@ P = F S and the strain E = (F' F - 1)/2 this is::
 The first is of the material: no rotation changes it, and where the stored energy is convex in E, S
 at the end works no less than is stored. The second is of the straight way, which leaves the arc of
 a rotation: by an angle a under Cauchy's stress sigma it is (s - 1/2) a² tr sigma per volume,
-negative in what is compressed, however little that is strained in the step. Where forces are a mean
-over the way, which works what is stored, the rest lies at the end: s is its mean.
+negative in what is compressed, however little that is strained in the step. Of forces that are
+partly a mean over the way, which works what is stored, and for the rest taken at the end, s is the
+mean of the shares.
 """
 
 from __future__ import annotations

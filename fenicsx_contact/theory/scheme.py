@@ -77,8 +77,8 @@ class Scheme(Protocol):
     @property
     def bounds_work(self) -> bool:
         """Whether the internal forces of a step work at least as much as the stored energy rises,
-        but for the quadrature over the way and, past its middle, for turning under pressure: a step
-        with which it rises by more than these, they and the scheme give is refused."""
+        but for the quadrature over the way and for turning under pressure: a step with which it
+        rises by more than they and the scheme take, turning apart, is refused."""
 
     @property
     def error_constant(self) -> float | None:

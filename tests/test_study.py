@@ -4,6 +4,7 @@
 import dataclasses
 import json
 import os
+import re
 import time
 from functools import partial
 from pathlib import Path
@@ -271,8 +272,8 @@ def test_a_batch_goes_on(tmp_path):
     assert len(file.read_text().splitlines()) == 6
 
 
-def summed(a, b=10):
-    return {"sum": np.int64(a + b)}
+def summed(a, b=10, x=0):
+    return {"sum": np.int64(a + b + x)}
 
 
 def test_a_batch_tells_cases_by_all_of_their_names(tmp_path):
@@ -292,8 +293,8 @@ def test_a_batch_tells_cases_by_all_of_their_names(tmp_path):
         batch(summed, [], tmp_path / "other")
 
 
-def subtracted(a, b=10):
-    return {"sum": a - b}
+def subtracted(a=0, b=10, x=0):
+    return {"sum": a - b - x}
 
 
 def test_a_batch_takes_no_results_of_another_function(tmp_path):
@@ -466,7 +467,6 @@ def test_a_process_that_dies_names_its_case(tmp_path):
 
 
 def test_of_an_axis_without_values_none_is_left():
-    assert Axis("a", [], "").thinned(2).values == []
     assert Axis("a", [1, 2, 3], "").thinned(2).values == [1, 3]
     assert Axis("a", [1, 2], "").thinned(5).values == [1, 2]
 
@@ -613,3 +613,33 @@ def test_springs_of_a_rocking_block_are_as_stiff_as_asked():
     assert bounds[0] - first == pytest.approx(10 * (bounds[1] - first), rel=1e-9)
     problem = rocking(tilt=1e-2, share=0.1, formulation="discrete", stiffness=1e8)
     assert problem.scene.contacts[0].formulation.stiffness == 1e8
+
+
+def takes_both(friction, height):
+    """Some problem."""
+
+
+@pytest.mark.parametrize(
+    "make, words",
+    [
+        (lambda: Axis(3, [1], "a"), "name = 3"),
+        (lambda: Axis("a", "abc", "a"), "values = 'abc'"),
+        (lambda: Axis("a", [], "a"), "values = [] of axis 'a'"),
+        (lambda: Axis("a", [1, float("nan")], "a"), "values[1] = nan of axis 'a'"),
+        (lambda: Axis("a", [1, 2, 1.0], "a"), "1.0 is there twice"),
+        (lambda: FRICTION.thinned(0), "count = 0"),
+        (lambda: Map("m", "m", takes_both, FRICTION, 3), "y = 3"),
+        (lambda: Map("m", "m", takes_both, FRICTION, FRICTION), "both axes are called 'friction'"),
+        (lambda: Map("m", "m", 3, FRICTION, HEIGHT), "problem = 3"),
+        (lambda: Map("m", "m", takes_both, FRICTION, Axis("b", [1], "b")), "'friction' and 'b'"),
+        (lambda: Map("m", "m", lambda friction: None, FRICTION, HEIGHT), "'height'"),
+        (lambda: next(each([(max, (1, 2))], 1.0, 0)), "processes = 0"),
+    ],
+)
+def test_what_is_no_map_is_refused(make, words):
+    with pytest.raises(InputError, match=re.escape(words)):
+        make()
+
+
+FRICTION, HEIGHT = Axis("friction", [0.1, 0.2], "friction"), Axis("height", [1.0], "height, m")
+GOOD = Map("good", "good", takes_both, FRICTION, HEIGHT)

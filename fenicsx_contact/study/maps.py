@@ -7,6 +7,7 @@ Results are appended, one JSON line a cell, to a file; a later call does what is
 from __future__ import annotations
 
 import hashlib
+import inspect
 import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
@@ -36,14 +37,29 @@ class Axis:
         name: of the argument.
         values: numbers or names.
         label: for the figure; with the unit.
+
+    Raises:
+        InputError: no name, no values, one of them twice, NaN.
     """
 
     name: str
     values: Sequence[Any]
     label: str
 
+    def __post_init__(self) -> None:
+        checks.label("name", self.name)
+        allowed = "numbers or names, one at least"
+        if not (values := checks.listed("values", self.values, allowed)):
+            raise checks.InputError(f"values = [] of axis {self.name!r}: must be {allowed}")
+        for i, value in enumerate(values):
+            if value != value:  # noqa: PLR0124 - NaN
+                raise checks.InputError(f"values[{i}] = {value} of axis {self.name!r}: is none")
+            if value in values[:i]:
+                raise checks.InputError(f"values of axis {self.name!r}: {value!r} is there twice")
+
     def thinned(self, count: int) -> Axis:
-        """At most ``count`` of the values, the first and the last among them."""
+        """At most ``count`` >= 1 of the values, the first and the last among them."""
+        checks.whole_number("count", count, at_least=1)
         last = len(self.values) - 1
         picked = np.unique(np.linspace(0, last, min(count, last + 1)).round().astype(int))
         return Axis(self.name, [self.values[i] for i in picked], self.label)
@@ -59,6 +75,9 @@ class Map:
         problem: a function at the top of a module (it is sent to other processes), or a
             ``partial`` of one; its docstring states reference, error and bound.
         x, y: the axes.
+
+    Raises:
+        InputError: no axes, or of one name; no function of arguments called like them.
     """
 
     name: str
@@ -66,6 +85,20 @@ class Map:
     problem: Callable[..., Problem]
     x: Axis
     y: Axis
+
+    def __post_init__(self) -> None:
+        for name in "xy":
+            checks.instance(name, getattr(self, name), Axis, "an Axis")
+        names = self.x.name, self.y.name
+        if names[0] == names[1]:
+            raise checks.InputError(f"x, y: both axes are called {names[0]!r}")
+        if not checks.is_function(self.problem):
+            raise checks.InputError(f"problem = {self.problem!r}: must be a function")
+        try:
+            inspect.signature(self.problem).bind(**dict.fromkeys(names))
+        except TypeError as failure:
+            asked = " and ".join(map(repr, names))
+            raise checks.InputError(f"problem: is to take {asked} alone: {failure}") from None
 
     def cells(self) -> list[dict[str, Any]]:
         """The settings of all cells, row by row."""

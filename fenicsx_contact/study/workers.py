@@ -11,6 +11,8 @@ from multiprocessing.connection import Connection, wait
 from time import monotonic
 from typing import Any
 
+from ..base import checks
+
 #: A process imports the package anew, so that nothing of MPI or PETSc is shared.
 _SPAWN = multiprocessing.get_context("spawn")
 
@@ -70,6 +72,8 @@ def each(
     """
     from tqdm import tqdm
 
+    if processes is not None:
+        checks.whole_number("processes", processes, at_least=1)
     count = min(processes or os.cpu_count() or 1, len(calls))
     queue = iter(enumerate(calls))
     workers: list[_Worker] = []

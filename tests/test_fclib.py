@@ -111,7 +111,7 @@ def test_by_chance_in_any_units(contacts, dim, scale):
     assert (np.linalg.norm(r[:, 1:], axis=1) <= other.mu * r[:, 0] + tiny).all()
 
 
-@pytest.mark.parametrize("dim, seed", [(2, 2), (2, 5), (2, 19), (2, 48), (3, 45)])
+@pytest.mark.parametrize("dim, seed", [(2, 2), (2, 5), (2, 27), (2, 48), (3, 45)])
 def test_points_that_jam(dim, seed, monkeypatch):
     """Much friction at more points than freedoms: bounds of friction that follow the pressures at
     once turn round and round. Damped steps solve some of them, the method of multipliers all."""

@@ -27,6 +27,7 @@ from fenicsx_contact.rods import (
     Tube,
     settle,
 )
+from fenicsx_contact.theory.scheme import Step
 
 
 def bent(dim, clearance, curve, friction, law=None):
@@ -91,14 +92,15 @@ def test_normals_turn_as_newtons_method_is_told():
 
 def test_a_rod_that_is_deep_in_its_wall_is_cut_or_told():
     """Rigid walls let none through; springs give way as they are told to."""
+    step = Step(1e-3, ThetaScheme())
     for law, tells in (("velocity", True), (Discrete(1e5, 20.0), False)):
         guide = Guide([Tube(-3, 3, 5e-4)])
         rod = bent(2, 5e-4, Sine(0.0, 2.0), 0.0)._rod()
         contact = GuideContact(rod, "rod", guide, law, name="c")
-        assert missed(contact, True) == "" and not went_inside(contact, 2e-5, 1e-3)
+        assert missed(contact, step, True) == "" and not went_inside(contact, 2e-5, 1e-3)
         rod.trial_displacement = rod.displacement + 2e-3
         contact.follow()
-        told = missed(contact, True), went_inside(contact, 5e-5, 1e-3)
+        told = missed(contact, step, True), went_inside(contact, 5e-5, 1e-3)
         if not tells:
             assert told == ("", "")
             continue

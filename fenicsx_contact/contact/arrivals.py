@@ -88,8 +88,8 @@ def lets_go(contact: Contact, step: Step) -> bool:
 
 
 def starts_inside(contact: Contact, inertia: bool) -> str:
-    """What a reader should know of a contact that overlaps, whose law leaves it so, or of things
-    with ``inertia`` takes it back at once; or nothing."""
+    """What a reader should know of a contact that overlaps, whose law leaves it so, or takes it
+    back at once, of bodies with ``inertia`` that do not deform; or nothing."""
     law, means = contact.formulation, float(contact.gap.max())
     deep = min(contact.depth(), means)  # what means do not see no law takes back
     if means > contact.tolerance >= contact.coupling.inside():
@@ -99,7 +99,8 @@ def starts_inside(contact: Contact, inertia: bool) -> str:
     starts = f"contact {contact.name!r} starts {deep:.3g} m inside, and {law.name!r}"
     if not _takes_back(contact):
         return f"{starts} keeps it there: 'gap' takes it back, and so does a drift_correction"
-    if not (inertia and law.multipliers and law.gap_share):
+    rigid = all(solid.shiftable for solid in contact.solids)
+    if not (rigid and inertia and law.multipliers and law.gap_share):
         return ""
     return (
         f"{starts} takes it back in one step: the shorter that is, the faster it is thrown out; "

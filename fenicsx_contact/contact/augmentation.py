@@ -90,8 +90,8 @@ class Augmentation:
     def _stiffness(
         usual: np.ndarray, traction: np.ndarray, last: np.ndarray, slip: np.ndarray, before: Any
     ) -> np.ndarray:
-        """What changes of tractions and slips tell of 1/W, at least the usual one; slips that hardly
-        changed tell nothing."""
+        """What changes of tractions and slips tell of 1/W, at least the usual one; slips that
+        hardly changed tell nothing."""
         change = slip - before
         against, size = -((traction - last) * change).sum(axis=0), (change**2).sum(axis=0)
         told = (against > 0) & (usual * size > RIGHT * against)

@@ -53,7 +53,8 @@ class Axis:
             raise checks.InputError(f"values = [] of axis {self.name!r}: must be {allowed}")
         for i, value in enumerate(values):
             if value != value:  # noqa: PLR0124 - NaN
-                raise checks.InputError(f"values[{i}] = {value} of axis {self.name!r}: is none")
+                at = f"values[{i}] = {value} of axis {self.name!r}"
+                raise checks.InputError(f"{at}: must be a number or a name")
             if value in values[:i]:
                 raise checks.InputError(f"values of axis {self.name!r}: {value!r} is there twice")
 

@@ -55,6 +55,11 @@ class Coupling(ABC):
     recess: np.ndarray | float = 0.0
 
     @property
+    def remark(self) -> str:
+        """What a reader of a run should know of the other side, or nothing."""
+        return ""
+
+    @property
     def blocked(self) -> str:
         return ""
 

@@ -248,5 +248,9 @@ class NodalJump(Coupling):
     def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:
         return [self.traces[0].rows(rows)]
 
+    @property
+    def remark(self) -> str:
+        return str(getattr(self.obstacle, "remark", ""))
+
     def describe(self) -> str:
         return self.wall.describe()

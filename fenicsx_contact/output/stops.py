@@ -62,7 +62,7 @@ STOPS = {
             "fixed point stalls",
             "the geometric fixed point stalls at a relative error of ... after ... linearisations",
             "the paper's loop goes round: geometry and contact answer each other",
-            '`geometry="newton"`; smaller steps',
+            '`geometry="newton"`; smaller steps; of a `Curve` a contact with each of its `faces()`',
         ),
         Stop(
             "momentum stalls",

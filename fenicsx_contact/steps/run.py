@@ -143,7 +143,8 @@ class _Course:
         if self.scene.time == 0:  # others have told what is so
             told = [getattr(solid, "remark", "") for solid in self.scene.solids]
             inertia = bool(self.scene.scheme.inertia)
-            told += [starts_inside(contact, inertia) for contact in self.scene.contacts]
+            for contact in self.scene.contacts:
+                told += starts_inside(contact, inertia), contact.coupling.remark
             self.history.remarks += [(self.scene.time, remark) for remark in told if remark]
         if self.files:
             try:

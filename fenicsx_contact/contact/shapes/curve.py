@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ...base import checks
-from ...base.constants import SAME
+from ...base.constants import SAME, SHARP
 from ...base.shown import marked
 from ...base.vectors import largest
 
@@ -89,6 +89,76 @@ class Curve:
             if meet.any():
                 return i, int(others[meet.argmax()])
         return None
+
+    @property
+    def remark(self) -> str:
+        """What a reader of a run should know of it, or nothing."""
+        if not len(corners := self.hollow()):
+            return ""
+        return (
+            f"{self!r} has hollow corners, at {self._x[corners].tolist()}: of one obstacle a point "
+            "meets the nearest face alone. Where something lies in one, or slides into it, let "
+            "each of its faces() have a contact"
+        )
+
+    def hollow(self) -> np.ndarray:
+        """Which of the points are sharp corners that the body does not fill, those of grooves and
+        steps, by number; none of a spline."""
+        if self.smooth:
+            return np.zeros(0, dtype=np.int64)
+        before, after = np.roll(self._along, 1, axis=0), self._along
+        sharp = (_cross(before, after) > 0) & ((before * after).sum(axis=1) < SHARP)
+        if not self.closed:
+            sharp[0] = False
+        return np.flatnonzero(sharp)
+
+    def faces(self) -> list[Curve]:
+        """The curves between hollow corners, each of which goes straight on behind these into the
+        body, which is what lies behind any of them. What lies in a corner, or slides along one face
+        of it into the other, meets both by two contacts, while of one obstacle a point meets the
+        nearest face alone.
+
+        Raises:
+            InputError: straight on behind a hollow corner the body ends, or a closed curve has one
+                alone.
+        """
+        corners = self.hollow()
+        for at in corners:
+            for back, way in ((0, self._along[at - 1]), (1, -self._along[at])):
+                if (line := self._behind(at, way)) is not None:
+                    raise checks.InputError(
+                        f"points[{at}] = {self._x[at].tolist()}: is a hollow corner, of which the "
+                        f"face {'after' if back else 'before'} it does not go straight on within "
+                        f"the body, but meets points[{line}:{line + 2}]: give parts of it as "
+                        "obstacles of their own, which may overlap"
+                    )
+        if not len(corners):
+            return [self]
+        x, ends = self._x, [0, *corners, len(self._x) - 1]
+        if self.closed:
+            if len(corners) == 1:
+                raise checks.InputError(
+                    f"points[{corners[0]}] = {x[corners[0]].tolist()}: is the only hollow corner of"
+                    " a closed curve, which has one face: give parts of it as curves of their own"
+                )
+            x, ends = np.roll(x[:-1], -corners[0], axis=0), [*(corners - corners[0]), len(x) - 1]
+            x = np.concatenate([x, x[:1]])
+        return [Curve(x[low : high + 1]) for low, high in zip(ends, ends[1:])]
+
+    def _behind(self, corner: int, way: np.ndarray) -> int | None:
+        """The line that one meets who goes this way from a corner, if any."""
+        x, lengths = self._x[:-1], np.diff(self._ways)
+        low, high = np.zeros_like(lengths), lengths.copy()
+        if not self.closed:
+            low[0], high[-1] = -np.inf, np.inf
+        off, det = x - self._x[corner], _cross(way, self._along)
+        apart = np.abs(det) > SAME
+        apart[[corner - 1, corner]] = False
+        mine, theirs = np.array([_cross(off, self._along), _cross(off, way)]) / np.where(
+            apart, det, 1.0
+        )
+        meet = apart & (mine > 0) & (theirs >= low) & (theirs <= high)
+        return int(np.where(meet, mine, np.inf).argmin()) if meet.any() else None
 
     def _on_lines(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The nearest line of each point, and how far along it."""

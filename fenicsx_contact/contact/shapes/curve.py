@@ -228,6 +228,8 @@ class Curve:
         """Outward unit normals, (n, 2)."""
         return self._beside(points)[1]
 
+    slopes = normals
+
     def curvature(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Derivatives of the normals, (n, 2, 2); zero beside lines and their corners."""
         _, n, bend = self._beside(points)

@@ -103,6 +103,8 @@ class Polyhedron:
         """Outward unit normals, (n, d)."""
         return self._nearest(points)[1]
 
+    slopes = normals
+
     def curvature(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Derivatives of the normals, (n, d, d): zero before faces, and before a sharp edge, at
         which normals jump."""

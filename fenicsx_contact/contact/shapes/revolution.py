@@ -47,6 +47,8 @@ class Revolution:
         self.axis = checks.direction("axis", axis, 3)
         self.moving = self._wall.moving
         self._across = np.eye(3) - np.outer(self.axis, self.axis)
+        if self._wall.smooth:
+            self.slopes = self._slopes
 
     def _plane(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Places in the section's plane, (n, 2), and its axes in space, (n, 2, 3); on the axis any
@@ -67,6 +69,10 @@ class Revolution:
         """Outward unit normals, (n, 3)."""
         places, axes = self._plane(points)
         return np.einsum("na,nai->ni", self._wall.normals(places, time), axes)
+
+    def _slopes(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+        places, axes = self._plane(points)
+        return np.einsum("na,nai->ni", self._wall.slopes(places, time), axes)
 
     def curvature(self, points: np.ndarray, time: float = 0.0) -> np.ndarray | None:
         """Derivatives of the normals, (n, 3, 3): the section's, and n_r/r around the axis; None if

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Derivatives of runs before shapes that have no numbers in UFL, by what moves and by a shift of
+the shape, and how far central differences of the same are off."""
+
+import numpy as np
+import pytest
+from scenes import G, box, rectangle
+
+from fenicsx_contact import (
+    Box,
+    Circle,
+    Contact,
+    Curve,
+    ElasticSolid,
+    QuasiStatic,
+    Revolution,
+    RigidSolid,
+    Scene,
+    ThetaScheme,
+    Wedge,
+)
+from fenicsx_contact.gradients import Centre, Force, ObstacleShift, Start, tangents
+
+ALONG = np.linspace(-1.0, 1.0, 15)
+BOWL = np.column_stack([ALONG, 0.5 * ALONG**2])
+LINES = np.array([(-1, 0.02), (-0.13, 0), (1, 0.1)])
+TOP = np.column_stack([-0.5 * ALONG**2, ALONG])[::-1]  # along z, and away from it
+ASIDE = np.array([0.6, 0.3, -0.2])
+#: Of shifts (x, y) and (x, y, z).
+PLANE = {
+    "spline": lambda s: Curve(BOWL + s, smooth=True),
+    "lines": lambda s: Curve(LINES + s),
+    "rounded box": lambda s: Box(np.add(s, (0, -0.5)), (2, 1), rounding=0.4),
+    "rounded wedge": lambda s: Wedge(np.add(s, (0, 0.02)), (0, 1), 2.6, rounding=0.1),
+}
+SPACE = {
+    "spline": lambda s: Revolution(Curve(TOP[:8], smooth=True), s, (0, 0, 1)),
+    "circle": lambda s: Revolution(Circle((-1, 0.2), 1.0), s, (0, 0, 1)),
+    "rounded box": lambda s: Box(np.add(s, (0, 0, -0.5)), (0.5, 0.5, 1), rounding=0.2),
+    "rounded edge": lambda s: Wedge(s, (0, 0.1, 1), 2.6, (0, 1, 0), rounding=0.1),
+}
+
+
+def worst(build, by, measure, until, dt):
+    """How far the best central differences by each parameter are off, over the largest derivative
+    by it. ``build`` makes a scene of changes of them, ``measure`` quantities by name of a scene;
+    ``by``: a size of each, and what makes it of a scene."""
+    scene = build()
+    asked = {name: parameter(scene) for name, (_, parameter) in by.items()}
+    result = tangents(scene, until, dt, asked, measure(scene))
+    assert result.history.finished and not result.kinks, (result.history.reason, result.kinks)
+    exact = np.array([result[name][-1] for name in measure(scene)])
+
+    def ends(name, change):
+        scene = build(**{name: change})
+        assert scene.run(until, dt, progress=False).finished
+        return np.array([quantity.value() for quantity in measure(scene).values()])
+
+    found = 0.0
+    for i, (name, (size, _)) in enumerate(by.items()):
+        slopes = [
+            (ends(name, h) - ends(name, -h)) / (2 * h) for h in np.multiply((1e-4, 1e-5), size)
+        ]
+        assert exact[:, i].any()
+        off = [np.abs(slope - exact[:, i]).max() for slope in slopes]
+        found = max(found, min(off) / np.abs(exact[:, i]).max())
+    return found
+
+
+@pytest.mark.second
+@pytest.mark.parametrize(
+    ("formulation", "theta", "located"),
+    [("velocity", 0.5, False), ("velocity", 0.5, True), ("gap", 1.0, False)],
+)
+@pytest.mark.parametrize("shape", PLANE)
+def test_a_rigid_block_slides_on_a_shape(shape, formulation, theta, located):
+    def build(speed=0.0, shift=0.0):
+        block = RigidSolid(
+            rectangle(size=(0.2, 0.1)),
+            mass=2.0,
+            gravity=(0, -G),
+            velocity=(0.6 + speed, 0),
+            spin=0.3,
+        )
+        block.restore({**block.state(), "place": np.add(block.place, (0, 0.05))})
+        contact = Contact(
+            block, "base", PLANE[shape](shift * ASIDE[:2]), formulation, friction=0.2, name="c"
+        )
+        settings = {"deepest": 1.0, "locate_impacts": located, "geometry": "newton"}
+        return Scene([block], [contact], ThetaScheme(theta), **settings)
+
+    def measure(scene):
+        solid = scene.solids[0]
+        return {"x": Centre(solid, (1, 0)), "y": Centre(solid, (0, 1))}
+
+    by = {
+        "speed": (0.6, lambda s: Start(s.solids[0], velocity=(1, 0))),
+        "shift": (0.1, lambda s: ObstacleShift(s.contacts[0], ASIDE[:2])),
+    }
+    assert worst(build, by, measure, 0.15, 5e-3) < 1e-6
+
+
+@pytest.mark.second
+@pytest.mark.parametrize("shape", SPACE)
+def test_a_block_is_pressed_on_a_shape_in_space(shape):
+    def build(shift=0.0):
+        block = ElasticSolid(
+            box((3, 3, 2), (0.4, 0.4, 0.2)),
+            youngs_modulus=1e6,
+            poisson_ratio=0.3,
+            density=1000.0,
+            prescribed={"top": lambda t: (1e-3 * t, 5e-4 * t, -2e-2 * t)},
+        )
+        contact = Contact(block, "base", SPACE[shape](shift * ASIDE), "gap", 0.3, name="die")
+        return Scene([block], [contact], QuasiStatic(), geometry="newton", deepest=1.0)
+
+    def measure(scene):
+        return {c: Force(scene.contacts[0], way) for c, way in zip("xyz", np.eye(3))}
+
+    by = {"shift": (0.1, lambda s: ObstacleShift(s.contacts[0], ASIDE))}
+    assert worst(build, by, measure, 1.0, 1.0) < 1e-6

@@ -155,18 +155,23 @@ class FrozenContact(Statuses):
         system.assemble()
 
     def error(self) -> float:
-        """The largest error of any row; of the momentum balances relative to their terms, of a
-        rigid body at rest to what stops it at the typical speed."""
+        """The largest error of any row; of the momentum balances relative to their terms and those
+        of what they meet, of a rigid body at rest to what stops it at the typical speed."""
         system = self._system
         rows = [largest(r) for r in system.rows]
+        own = np.array([self._size(solid) for solid in system.solids])
+        sizes = dict(zip(map(id, system.solids), np.max(system.comm.allgather(own), axis=0)))
         momentum = [0.0]
         for solid in system.solids:
-            left, size = solid.linear_residual(), solid.load_size()
-            if solid.shiftable:
-                size = max(size, system.assembly.stopping_force(solid))
-            momentum.append(largest(left) / (size or 1.0))
+            size = max(sizes[id(other)] for other in system.assembly.partners(solid))
+            momentum.append(largest(solid.linear_residual()) / (size or 1.0))
         self.worst = worst([*system.comm.allgather(worst(momentum)), *rows])
         return self.worst if np.isfinite(self.worst) else np.inf
+
+    def _size(self, solid: MonolithicSolid) -> float:
+        """Of what acts on a solid, N."""
+        size = solid.load_size()
+        return max(size, self._system.assembly.stopping_force(solid)) if solid.shiftable else size
 
     def soften(self, compliance: float) -> None:
         """Hold the multipliers, so that the jump rows see springs, so compliant, on top of them;

@@ -47,6 +47,10 @@ class Assembly:
         self._made: _Made = np.empty(0), [], np.empty((0, 0))
         self.slices = slices(trace.jump(s.velocity).size for s, trace in self.sides)
 
+    def partners(self, solid: Solid) -> list[Solid]:
+        """The solid and what it may meet."""
+        return [solid, *(other for contact in self._of[id(solid)] for other in contact.solids)]
+
     @cached_property
     def hyperstatic(self) -> bool:
         """Whether there may be forces that the motion does not determine: points of a contact

@@ -229,7 +229,7 @@ class Contact(Scaled, SurfaceResults):
         self.equations.fields.set_normal(self.normal)
 
     def start(self, free: np.ndarray) -> None:
-        """Starting values of a step, from velocities of the points without contact, flat."""
+        """Starting values of a step, from velocities of the points that did not bear, flat."""
         self.equations.start(self.jump, self.coupling.to_jump(free), self.status > 0)
 
     def follow(self) -> None:

@@ -48,10 +48,10 @@ class SurfaceUnknowns:
             self.values = kept
 
     def start(self, jump: np.ndarray, free: np.ndarray, bore: np.ndarray) -> None:
-        """Starting values of a step: what bore goes on, the others start from the free jump.
+        """Starting values of a step: what bore goes on, the others start from another jump.
 
         Args:
-            jump, free: of the last step and without contact, (n, d), m/s.
+            jump, free: of the last step, and of what did not bear, (n, d), m/s.
             bore: points that did, not only by round-off, (n,) of bool.
         """
         self.release()

@@ -161,8 +161,10 @@ class StepSolver:
         speed = max(self._all.fastest(free, noise), SLOW * self._pushed) or self._speeds.known()
         inside = max((body.load_speed() for body in self._speeds.bodies), default=0.0)
         speed = self._scale(step, max(speed, SLOW * inside))
+        # without inertia, and without what bore, all that is loaded would go far inside
+        rests = not step.scheme.inertia and any((c.status > 0).any() for c in contacts)
         for contact, velocities in new:
-            contact.start(velocities)
+            contact.start(np.zeros_like(velocities) if rests else velocities)
         return speed
 
     def _scale(self, step: Step, speed: float) -> float:

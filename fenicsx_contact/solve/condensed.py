@@ -49,7 +49,7 @@ class Condensed:
         self._free = self._all.free()
         return self._free
 
-    def freeze(self, step: Step) -> SurfaceSystem:
+    def freeze(self, step: Step, first: bool) -> SurfaceSystem:
         """The contact problem with solids and geometry linearised as they are, after `free`."""
         self.surfaces.restart()
         self._take_up()

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import sqrt
 from typing import Protocol
 
@@ -65,17 +66,19 @@ class FrozenContact(Statuses):
         self._convex = True
         self.update()
 
-    def glue(self) -> None:
-        """Begin with the solids as if all that may touch were glued: what is then pulled opens,
-        and what is dragged by more than friction bears slips. Where nothing else holds them that is
-        the only start that knows of all contacts at once, those between solids that would fall
-        alike among them. Springs have no multipliers to say so; they bear where they are."""
+    def glue(self, points: Sequence[np.ndarray]) -> None:
+        """Begin with the solids as if these points, (n,) of bool for each contact, were glued: what
+        is then pulled opens, and what is dragged by more than friction bears slips. Where nothing
+        else holds them only such a start knows of all contacts at once, those between solids that
+        would fall alike among them. Springs have no multipliers to say so; they bear where they
+        are."""
         added = [np.empty(0)]
-        for part in self.parts:
+        for part, glued in zip(self.parts, points):
             e, n = part.equations, len(part.active_places)
             m = len(e.candidates) * (e.tractions > e.jumps)
-            scales, values = part.scales()[0][n:], np.zeros(part.multipliers)
-            values[:m] = -scales[:m] / sqrt(np.finfo(float).eps)  # whatever gaps say
+            scales, values = part.scales()[0][n:], part.active_values()[n:].copy()
+            mine = glued[e.candidates[:m]]
+            values[:m][mine] = -scales[:m][mine] / sqrt(np.finfo(float).eps)  # whatever gaps say
             change = values - part.active_values()[n:]
             part.move(np.concatenate([np.zeros(n), change]))
             added.append(change / scales)

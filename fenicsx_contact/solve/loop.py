@@ -24,7 +24,6 @@ from ..solids import DeformableSolid
 from ..theory.scheme import Step
 from .condensed import Condensed
 from .equilibrium import unbearable
-from .frozen import FrozenContact
 from .krylov import Krylov
 from .monolithic import Monolithic
 from .multipliers import ROUGH
@@ -77,7 +76,6 @@ class StepSolver:
     ) -> None:
         self._all, self._newton = problem, newton
         self._settles = geometry == "fixed point"
-        self._floating = floating
         self._speeds = Speeds(problem.solids, problem.contacts, floating, newton.tolerance)
         self.errors: list[float] = []
         self.reached = self.speed = self._pushed = 0.0
@@ -86,6 +84,7 @@ class StepSolver:
         self._foresees = isinstance(self.system, Condensed) or not self._speeds.bodies
         # sweeps follow slowly what slides along a narrow hole, or not at all
         self._turns = self._foresees and any(map(in_round_hole, problem.contacts))
+        self._floating = floating
         if floating:
             self.system.hold(floating)
         self.patient = self._settles or self.system.patient
@@ -175,12 +174,10 @@ class StepSolver:
         return scale
 
     def _settle(self, step: Step, first: bool, rounded: bool = True) -> Solution:
-        frozen, known = self.system.freeze(step), {}
+        frozen, known = self.system.freeze(step, first), {}
         frozen.rounded = rounded
         if self._floating:
             known["hopeless"] = partial(unbearable, self._floating, self._all.contacts, step)
-        if first and self._floating and isinstance(frozen, FrozenContact):
-            frozen.glue()
         try:
             return self._newton.solve(frozen, **known)
         except NotConverged as failure:

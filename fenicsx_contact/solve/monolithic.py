@@ -24,6 +24,7 @@ from .frozen import FrozenContact
 from .numbering import Numbering, numbered_traces
 from .problem import Assembly
 from .solid_rows import SolidRows
+from .statics import Grip
 from .yielding import COMPLIANCE, FIRM, Yielding
 
 
@@ -55,6 +56,7 @@ class Monolithic(ABC):
         self._traces = [numbered_traces(c, self.solids) for c in assembly.contacts]
         self._solid_rows = SolidRows(self.solids, self.places, self.comm)
         self._weakly = np.zeros(len(self.solids), dtype=bool)  # held by weak springs
+        self._grip: Grip | None = None
         self.hyperstatic, self.crowded = assembly.hyperstatic, assembly.crowded
         self._yielding = Yielding()
         self.added: np.ndarray | None = None
@@ -124,11 +126,16 @@ class Monolithic(ABC):
     def hold(self, floating: Sequence[MonolithicSolid]) -> None:
         """Let weak springs hold these solids, in the matrix, not in the residual: so it is regular
         while nothing else holds them."""
+        self._grip = Grip(self.solids, self.assembly.contacts)
         self._weakly = np.array([any(s is each for each in floating) for s in self.solids])
 
-    def freeze(self, step: Step) -> FrozenContact:
-        """The contact problem with solids and geometry linearised as they are."""
-        return FrozenContact(self, step)
+    def freeze(self, step: Step, first: bool) -> FrozenContact:
+        """The contact problem with solids and geometry linearised as they are. What only contact
+        holds, and what bore does not, is glued ``first``, in a step."""
+        frozen = FrozenContact(self, step)
+        if first and self._grip and (points := self._grip.earliest()):
+            frozen.glue(points)
+        return frozen
 
     def carry(self, step: Step, force: np.ndarray) -> None:
         """The solids have moved with the contact, under these forces."""

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from bisect import bisect_left
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,9 @@ from ..solids import DeformableSolid, RigidSolid
 from ..solids.motions import FREE, Motions
 from ..solids.trace import DeformableTrace
 from ..theory.scheme import Step
+
+#: Of a contact the point that each row is of, and the rows.
+_Rows = tuple[np.ndarray, sp.csr_matrix]
 
 
 def refuse_free(solids: Sequence[Any], contacts: Sequence[Contact]) -> None:
@@ -38,33 +42,97 @@ def refuse_free(solids: Sequence[Any], contacts: Sequence[Contact]) -> None:
                 f"solids: {solid.name!r} is a {type(solid).__name__}, which no quasi-static scene "
                 "takes; long steps of ThetaScheme(1.0) bring it to rest"
             )
-    motions = {id(solid): Motions(solid) for solid in solids}
-    ends = np.cumsum([0, *(len(each.names) for each in motions.values())])
-    starts, gram = dict(zip(motions, ends)), np.zeros((ends[-1], ends[-1]))
-    for key, each in motions.items():
-        place = slice(starts[key], starts[key] + len(each.names))
-        gram[place, place] += each.held()
-    for contact in contacts:
-        points, pieces = _glued(contact, motions)
-        rows = sp.csr_matrix((len(points) * contact.solid.dim, len(gram)))
-        for solid, those, sign in zip(contact.solids, pieces, (1.0, -1.0)):
-            own = motions[id(solid)].rows(contact.coupling.positions()[points], those)
-            places = own.indices + starts[id(solid)]
-            rows = rows + sp.csr_matrix((sign * own.data, places, own.indptr), rows.shape)
-        if not contact.friction_law:
-            rows = sp.block_diag(list(contact.normal[points][:, None]), format="csr") @ rows
-        gram += (rows.T @ rows).toarray()
-    values, vectors = np.linalg.eigh(gram)
+    grip = Grip(solids, contacts)
+    every = [np.ones(contact.surface.size, dtype=bool) for contact in contacts]
+    values, vectors = np.linalg.eigh(grip.gram(list(grip.rows()), every))
     if values[0] <= FREE * values[-1]:
-        largest = int(np.abs(vectors[:, 0]).argmax())
-        which = int(np.searchsorted(ends, largest, side="right")) - 1
-        solid, own = solids[which], motions[id(solids[which])]
-        motion = own.name(vectors[ends[which] : ends[which + 1], 0])
-        apart = f"; {solid.name!r} is in {own.pieces.told}" if own.pieces.told else ""
         raise InputError(
-            f"solids: nothing holds {solid.name!r} against {motion}, and "
-            f"a quasi-static scene has no inertia: fix or prescribe some of its facets{apart}"
+            f"solids: nothing holds {grip.name(vectors[:, 0])}, and a quasi-static scene has no "
+            f"inertia: fix or prescribe some of its facets{grip.pieces(vectors[:, 0])}"
         )
+
+
+class Grip:
+    """What holds the solids of a scene without inertia: their supports, and points of contacts as
+    if they were glued, by their normals, with friction by their tangents, too.
+
+    Args:
+        solids, contacts: of the scene.
+    """
+
+    def __init__(self, solids: Sequence[Any], contacts: Sequence[Contact]) -> None:
+        self._contacts = contacts
+        self._motions = {id(solid): Motions(solid) for solid in solids}
+        self._solids = list(solids)
+        ends = np.cumsum([0, *(len(each.names) for each in self._motions.values())])
+        self._parts = {key: slice(*span) for key, span in zip(self._motions, zip(ends, ends[1:]))}
+        self._supports = np.zeros((ends[-1], ends[-1]))
+        for key, each in self._motions.items():
+            self._supports[self._parts[key], self._parts[key]] += each.held()
+
+    def gram(self, rows: Sequence[_Rows], points: Sequence[np.ndarray]) -> np.ndarray:
+        """How the supports and these points, (n,) of bool for each contact, resist each motion."""
+        result = self._supports.copy()
+        for (of, jumps), mine in zip(rows, points):
+            own = jumps[mine[of]]
+            result += (own.T @ own).toarray()
+        return result
+
+    def rows(self) -> Iterator[_Rows]:
+        """Of each contact the point that each row is of, and the jumps there by all motions."""
+        for contact in self._contacts:
+            points, pieces = _glued(contact, self._motions)
+            d = contact.solid.dim
+            rows = sp.csr_matrix((len(points) * d, len(self._supports)))
+            for solid, those, sign in zip(contact.solids, pieces, (1.0, -1.0)):
+                at = contact.coupling.positions()[points]
+                own = self._motions[id(solid)].rows(at, those)
+                places = own.indices + self._parts[id(solid)].start
+                rows = rows + sp.csr_matrix((sign * own.data, places, own.indptr), rows.shape)
+            if contact.friction_law:
+                yield np.repeat(points, d), rows
+            else:
+                yield points, sp.block_diag(list(contact.normal[points][:, None]), "csr") @ rows
+
+    def earliest(self) -> list[np.ndarray] | None:
+        """The points, (n,) of bool for each contact, that it takes to hold all solids beside those
+        that bear: the nearest to what they may meet. None where what bears holds them."""
+        every = list(self.rows())
+        bear = [contact.chosen & (contact.status > 0) for contact in self._contacts]
+        gaps = [
+            np.where(contact.chosen & contact.coupling.near(), contact.gap, -np.inf)
+            for contact in self._contacts
+        ]
+
+        def nearer(level: float) -> list[np.ndarray]:
+            return [gap >= level - c.tolerance for gap, c in zip(gaps, self._contacts)]
+
+        def hold(points: Sequence[np.ndarray]) -> bool:
+            both = [mine | theirs for mine, theirs in zip(bear, points)]
+            values = np.linalg.eigvalsh(self.gram(every, both))
+            return bool(values[0] > FREE * values[-1])
+
+        if hold(bear):
+            return None
+        levels = -np.unique(-np.concatenate(gaps))
+        at = bisect_left(levels, True, key=lambda level: hold(nearer(level)))
+        return nearer(levels[min(at, len(levels) - 1)])
+
+    def name(self, way: np.ndarray) -> str:
+        """The solid that moves most by some amounts of all motions, and how."""
+        which = self._most(way)
+        solid, part = self._solids[which], list(self._parts.values())[which]
+        return f"{solid.name!r} against {self._motions[id(solid)].name(way[part])}"
+
+    def pieces(self, way: np.ndarray) -> str:
+        """The pieces of that solid, if it is in several, as the end of a sentence."""
+        solid = self._solids[self._most(way)]
+        told = self._motions[id(solid)].pieces.told
+        return f"; {solid.name!r} is in {told}" if told else ""
+
+    def _most(self, way: np.ndarray) -> int:
+        ends = [part.stop for part in self._parts.values()]
+        return int(np.searchsorted(ends, int(np.abs(way).argmax()), side="right"))
 
 
 def _glued(contact: Contact, motions: dict[int, Motions]) -> tuple[np.ndarray, list[np.ndarray]]:

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""From where Newton's method starts a step in equilibrium: what bears goes on, the rest is at rest,
+and what only contact holds is glued where that takes it, and nowhere else."""
+
+import numpy as np
+import pytest
+from scenes import FLOOR, rectangle
+
+from fenicsx_contact import (
+    Archard,
+    Contact,
+    ElasticSolid,
+    HalfSpace,
+    HyperelasticSolid,
+    Moved,
+    QuasiStatic,
+    Scene,
+    name_facets,
+    neo_hookean,
+)
+from fenicsx_contact.solve.statics import Grip
+
+E, LENGTH, THICKNESS, GAP = 1e6, 1.0, 0.02, 0.005
+
+
+@pytest.mark.parametrize("law", ["gap", "velocity"])
+@pytest.mark.parametrize("steps", [1, 10])
+def test_a_cantilever_comes_to_lie_on_a_stop(law, steps):
+    """Without what bore its whole underside would be inside: corrections peeled off two points each,
+    and it stopped. R = 3 E I (w - g)/L^3, of the deflection w without the stop, as no shear of so
+    thin a beam counts."""
+    stiffness = E * THICKNESS**3 / 12
+    load = 0.01 * 8 * stiffness / LENGTH**4
+    mesh = rectangle((80, 2), (LENGTH, THICKNESS))
+    strip = ElasticSolid(
+        mesh,
+        youngs_modulus=E,
+        poisson_ratio=0.0,
+        density=1.0,
+        degree=2,
+        fixed=["left"],
+        tractions={"top": lambda t: (0.0, -load * t)},
+    )
+    stop = Contact(strip, "base", HalfSpace((0.0, -GAP), (0.0, 1.0)), law, name="stop")
+    history = Scene([strip], [stop], QuasiStatic()).run(1.0, 1.0 / steps)
+    assert history.finished, history.reason
+    exact = 3 * stiffness * (0.01 - GAP) / LENGTH**3
+    assert history["stop.force_y"][-1] == pytest.approx(exact, rel=1e-3)
+    assert history["newton"].max() <= 3
+
+
+def disc(n=10):
+    """Of radius 1, of a square of n by n cells."""
+    mesh = rectangle((n, n), (2.0, 2.0)).mesh
+    X = mesh.geometry.x
+    x, y = X[:, 0].copy(), X[:, 1] - 1.0
+    X[:, 0], X[:, 1] = x * np.sqrt(1 - y**2 / 2), y * np.sqrt(1 - x**2 / 2)
+    return name_facets(mesh, {"skin": lambda x: np.isclose(x[0] ** 2 + x[1] ** 2, 1.0)})
+
+
+@pytest.mark.parametrize("geometry", [None, "fixed point"])
+def test_a_wall_that_is_never_met_changes_nothing(geometry):
+    """A disc that plates squeeze, a wall four radii away: it was glued to that, too, and took up to
+    673 iterations back."""
+
+    def squeezed(walls):
+        solid = HyperelasticSolid(disc(), energy=neo_hookean(1.0, 0.3), density=1.0)
+        lid = Moved(HalfSpace((0, 1), (0, -1)), lambda t: (0.0, -0.3 * t))
+        planes = [lid, HalfSpace((0, -1), (0, 1)), HalfSpace((5, 0), (-1, 0))][: 2 + walls]
+        contacts = [
+            Contact(solid, "skin", plane, "gap", friction=0.2, name=f"plane {i}")
+            for i, plane in enumerate(planes)
+        ]
+        scene = Scene([solid], contacts, QuasiStatic(), geometry=geometry)
+        return scene.run(0.3, 0.1)
+
+    alone, beside = squeezed(0), squeezed(1)
+    assert alone.finished and beside.finished and not beside.remarks
+    np.testing.assert_allclose(beside["plane 0.force_y"], alone["plane 0.force_y"], rtol=1e-9)
+    assert beside["newton"].max() <= alone["newton"].max() <= 6
+
+
+def test_a_pin_that_only_its_load_holds_is_worn():
+    """Glue pressed it 7e7 times too much, in a row of wear that is of pressure times slip: 400
+    iterations a step."""
+    pressure, slide, hardness = 1e3, 0.5, 1e3
+    pin = ElasticSolid(
+        rectangle((2, 2), (0.1, 0.1)),
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1.0,
+        prescribed={"top": (0.0, None)},
+        tractions={"top": lambda t: (0.0, -pressure * min(t, 1.0))},
+    )
+    belt = Moved(FLOOR, lambda t: (slide * max(0.0, t - 1), 0.0))
+    law = Archard(friction=0.2, coefficient=1e-5, hardness=hardness)
+    contact = Contact(pin, "base", belt, "gap", friction=law, name="c")
+    history = Scene([pin], [contact], QuasiStatic()).run(1.3, 0.1)
+    assert history.finished
+    depth = contact.coupling.recess
+    area = contact.surface.area
+    # V = K F s / H, of what is left of the way by the pin that is sheared
+    exact = 1e-5 * pressure * 0.1 * slide * 0.3 / hardness
+    assert 0.998 * exact < depth @ area < exact
+    assert history["newton"].max() <= 12 and history["newton"][-2:].max() <= 4
+
+
+@pytest.mark.parametrize("steps", [10, 40])
+def test_what_bears_nothing_any_more_is_as_good_as_at_rest(steps):
+    """A block lifted off another: what was left on that, 1e-44 N in the end, had to be balanced to
+    1e-10 of itself, by one more iteration in each step."""
+    kind = {"youngs_modulus": 1e6, "poisson_ratio": 0.0, "density": 1.0}
+    low = ElasticSolid(rectangle((1, 1), (1.0, 1.0)), fixed=["base"], name="low", **kind)
+    mesh = rectangle((1, 1), (1.0, 1.0))
+    mesh.mesh.geometry.x[:, 1] += 1.0
+    up = ElasticSolid(
+        mesh,
+        prescribed={"left": (0.0, None)},
+        body_force=lambda t: (0.0, 1e4 * t),
+        name="up",
+        **kind,
+    )
+    contacts = [
+        Contact(up, "base", (low, "top"), "gap", name="joint"),
+        Contact(up, "top", HalfSpace((0, 2), (0, -1)), "gap", name="head"),
+    ]
+    history = Scene([low, up], contacts, QuasiStatic()).run(1.0, 1.0 / steps)
+    assert history.finished
+    assert history["head.force_y"][-1] == pytest.approx(-1e4, rel=1e-9)
+    assert history["newton"].max() <= 3
+
+
+def test_what_takes_the_least_way_holds_first():
+    """Of a block 1 mm above a floor and 0.1 m beside a wall: with friction the floor alone."""
+    mesh = rectangle((2, 2), (0.2, 0.2))
+    mesh.mesh.geometry.x[:, 1] += 1e-3
+    for friction, walls in ((0.3, 0), (0.0, 3)):
+        block = ElasticSolid(mesh, youngs_modulus=1e6, poisson_ratio=0.3, density=1.0)
+        contacts = [
+            Contact(block, "base", FLOOR, "gap", friction=friction, name="floor"),
+            Contact(block, "right", HalfSpace((0.2, 0), (-1, 0)), "gap", name="wall"),
+        ]
+        floor, wall = Grip([block], contacts).earliest()
+        assert floor.all() and wall.sum() == walls

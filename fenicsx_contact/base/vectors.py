@@ -76,3 +76,11 @@ def orthogonal(normal: np.ndarray, vectors: np.ndarray) -> np.ndarray:
 def beside(normal: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """Unit vectors (n, 3) orthogonal to these normals, as near as can be to some others."""
     return normalised(orthogonal(normal, vectors))
+
+
+def turned_with(vectors: np.ndarray, old: np.ndarray, new: np.ndarray) -> np.ndarray:
+    """Vectors (n, d) orthogonal to old normals, turned by the least rotations that take these to
+    new ones: mirrored at the planes across the sums of both. With opposite ones they stay."""
+    both = old + new
+    size = np.maximum(dot(both, both), np.finfo(float).tiny)
+    return np.asarray(vectors - (2 * dot(vectors, both) / size)[:, None] * both)

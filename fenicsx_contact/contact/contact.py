@@ -221,7 +221,7 @@ class Contact(Scaled, SurfaceResults):
         still = (np.abs(start) <= self.resolution) | (self.blows.settled & (not step.dt))
         self.start_jump_n = np.where(still, 0.0, start)  # what is put to rest does not rebound
         e.gap[:], e.start_jump_n[:] = self._start_gap, self.start_jump_n
-        e.fields.set_start_slip(self.jump, self.normal, self.status == 1, self.resolution)
+        e.fields.set_start_slip(self.jump, self.status == 1, self.resolution)
         self.candidates.renew()
 
     def _set_normal(self, normal: np.ndarray) -> None:

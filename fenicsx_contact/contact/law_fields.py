@@ -40,8 +40,7 @@ class LawFields(FedFields):
     multiplier: Any
     _weight: Any
     jump_t: Any
-    start_slip: Any
-    tangential: Callable[[Any], Any]
+    start_jump_t: Any
 
     def __init__(self, surface: Any) -> None:
         super().__init__(surface)
@@ -51,11 +50,6 @@ class LawFields(FedFields):
         self.worn: Any = None
 
     # -- slip, touch ------------------------------------------------------------------------------
-
-    @property
-    def start_jump_t(self) -> Any:
-        """w_t at the start of the step, m/s; exactly 0 where it sticks."""
-        return self.tangential(self.start_slip)
 
     @property
     def slip_speed(self) -> Any:

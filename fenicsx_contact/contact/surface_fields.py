@@ -11,7 +11,7 @@ from dolfinx import fem
 
 from ..base import checks, compat
 from ..base.quoted import quoted
-from ..base.vectors import across, beside, cross, dot, normalised, orthogonal
+from ..base.vectors import across, beside, cross, dot, normalised, orthogonal, turned_with
 from ..theory.formulations import Formulation
 from ..theory.friction import Asked, FrictionBound
 from .law_fields import LawFields
@@ -156,6 +156,15 @@ class SurfaceFields(LawFields):
         return self._components(self.test_jump, self.force_normal)
 
     @property
+    def start_jump_t(self) -> Any:
+        """Those of w at the start of the step, m/s; exactly 0 where it sticks."""
+        normal = self.normal
+        if self.start_normal is not None:
+            turns = ufl.lt(self.end_share, 1)
+            normal = ufl.conditional(turns, self.start_normal, normal)
+        return self._components(self.start_slip, normal)
+
+    @property
     def force_normal(self) -> Any:
         """Along which normal forces act, and friction across: by theta = 1/2 half-way."""
         if self.start_normal is None:
@@ -168,13 +177,18 @@ class SurfaceFields(LawFields):
         return self._components(v, self.normal)
 
     def _components(self, v: Any, n: Any) -> Any:
-        """Components of v along the tangents to a normal n."""
+        """Components of v along the tangents, turned to a normal n by the least rotation, as
+        :meth:`frame` does: which tangents these are then does not matter."""
         if self.surface.dim == 2:
             tangents = [ufl.as_vector((-n[1], n[0]))]
         else:
-            # orthogonal to n also where n is varied
-            first = self._tangent - ufl.dot(self._tangent, n) * n
+            # orthogonal to the normal also where that is varied
+            own = self.normal
+            first = self._tangent - ufl.dot(self._tangent, own) * own
             first /= ufl.sqrt(ufl.dot(first, first))
+            if n is not own:
+                both = own + n
+                first -= 2 * ufl.dot(first, both) / ufl.dot(both, both) * both
             tangents = [first, ufl.cross(n, first)]
         return ufl.as_vector([ufl.dot(v, t) for t in tangents])
 
@@ -183,25 +197,24 @@ class SurfaceFields(LawFields):
         assert self._weight is not None, "made for weights that are the areas"
         self._weight.x.array[:] = weight
 
-    def set_start_slip(
-        self, jump: np.ndarray, normal: np.ndarray, sticks: np.ndarray, resolved: float
-    ) -> None:
+    def set_start_slip(self, jump: np.ndarray, sticks: np.ndarray, resolved: float) -> None:
         """Tell friction the jumps (n, d) [m/s] before the step: none where points stuck, (n,) of
         bool, which on springs stretches them, and no slips below what is resolved."""
         if self.friction is not None:
-            slip = orthogonal(normal, jump)
+            slip = orthogonal(self.old_normal(), jump)
             slips = ~sticks & (dot(slip, slip) > resolved**2)
             self.start_slip.x.array[:] = np.where(slips[:, None], jump, 0.0).ravel()
 
     @property
     def back(self) -> np.ndarray:
         """-a of (3'), to which slips of the start may turn round, (n, d) in m/s, along the surface
-        as the slips are; springs do not ask."""
+        at its end; springs do not ask."""
         d = self.surface.dim
         slips = self.start_slip.x.array.reshape(-1, d)
         if self.multiplier is None or not self.limit_rate.value or not slips.any():
             return np.zeros_like(slips)
-        return -float(self.limit_rate.value) * orthogonal(self.normal.x.array.reshape(-1, d), slips)
+        old, new = self.old_normal(), self.normal.x.array.reshape(-1, d)
+        return -float(self.limit_rate.value) * turned_with(orthogonal(old, slips), old, new)
 
     def set_normal(self, normal: np.ndarray) -> None:
         """Set the normals (n, d); a first tangent, where friction needs one, stays as it was."""
@@ -214,6 +227,14 @@ class SurfaceFields(LawFields):
         mean, (n,)."""
         self.start_normal.x.array[:] = normal.ravel()
         self.end_share.x.array[:] = end_share
+
+    def old_normal(self) -> np.ndarray:
+        """Along which the step starts, (n, d): those at its end, where forces act along these."""
+        d, normal = self.surface.dim, self.normal.x.array
+        if self.start_normal is None:
+            return normal.reshape(-1, d).copy()
+        turns = np.repeat(self.end_share.x.array < 1, d)
+        return np.where(turns, self.start_normal.x.array, normal).reshape(-1, d)
 
     def mean_normal(self) -> np.ndarray:
         """Along which normal forces act, (n, d)."""
@@ -239,12 +260,7 @@ class SurfaceFields(LawFields):
     def keep_frame(self) -> None:
         """The frames as they are now are those from which the next step starts."""
         if self._tangent is not None:
-            self.set_tangent(self._first(self.normal.x.array.reshape(-1, 3)))
-
-    def _first(self, normal: np.ndarray) -> np.ndarray:
-        """The first tangents (n, 3) at these normals."""
-        assert self._tangent is not None
-        return beside(normal, self._tangent.x.array.reshape(-1, 3))
+            self.set_tangent(self.frame()[1][0])
 
     @property
     def tangent(self) -> np.ndarray:
@@ -253,14 +269,16 @@ class SurfaceFields(LawFields):
         return values.reshape(-1, 3).copy()
 
     def frame(self, normal: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Normals (n, d), those of the surface or these, and their tangents (d - 1, n, d); no
-        tangents where nothing needs them."""
+        """Normals (n, d), those of the surface or these, and their tangents (d - 1, n, d), those
+        of the surface or turned from there by the least rotation; none where nothing needs them."""
         d = self.surface.dim
-        if normal is None:
-            normal = self.normal.x.array.reshape(-1, d)
+        own = self.normal.x.array.reshape(-1, d)
+        turns, normal = normal is not None, own if normal is None else normal
         if d == 2:
             return normal, np.stack([-normal[:, 1], normal[:, 0]], axis=1)[None]
         if self._tangent is None:
             return normal, np.zeros((0, *normal.shape))
-        first = self._first(normal)
+        first = beside(own, self._tangent.x.array.reshape(-1, 3))
+        if turns:
+            first = turned_with(first, own, normal)
         return normal, np.stack([first, cross(normal, first)])

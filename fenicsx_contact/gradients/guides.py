@@ -64,17 +64,9 @@ class GuideRows(ContactRows):
         self._velocity = solid.trial_velocity
         self.start_jump, self.jump = contact.jump, contact.trial_jump
         self.normal, self.turns = contact.normal, self._turns()
-        self.old_normal = self._told_normal()
+        self.old_normal = contact.equations.fields.old_normal()
         self._ahead = solid.displacement + self.motion.horizon * solid.velocity
         self._sights: dict[bytes, tuple[Sight, Sight]] = {}
-
-    def _told_normal(self) -> np.ndarray:
-        """Along which jumps at the start count, (n, d)."""
-        start = self.contact.equations.fields.start_normal
-        if start is None:
-            return self.normal
-        told = start.x.array.reshape(self.normal.shape)
-        return np.where(self.turns[:, None], told, self.normal)
 
     def _seen(self) -> tuple[Sight, Sight]:
         """What the points see at the start of the step, and what its normals belong to."""

@@ -186,10 +186,10 @@ class SurfaceFields(LawFields):
             own = self.normal
             first = self._tangent - ufl.dot(self._tangent, own) * own
             first /= ufl.sqrt(ufl.dot(first, first))
-            if n is not own:
+            tangents = [first, ufl.cross(own, first)]
+            if n is not own:  # tangents and vectors are mirrored alike
                 both = own + n
-                first -= 2 * ufl.dot(first, both) / ufl.dot(both, both) * both
-            tangents = [first, ufl.cross(n, first)]
+                v -= 2 * ufl.dot(v, both) / ufl.dot(both, both) * both
         return ufl.as_vector([ufl.dot(v, t) for t in tangents])
 
     def set_weight(self, weight: np.ndarray) -> None:

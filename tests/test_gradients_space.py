@@ -300,6 +300,30 @@ def test_a_block_that_slides_in_a_round_bowl(formulation, theta):
     check(build, asked, 0.1, 5e-3, everything)
 
 
+@pytest.mark.second
+@pytest.mark.parametrize("formulation", ["velocity", "gap"])
+@pytest.mark.parametrize("theta", [0.5, 0.75])
+def test_a_mass_that_slides_in_a_bowl(formulation, theta):
+    """By theta < 1 a ten-thousandth of the derivatives was missing: tangents were held still."""
+    way, tip = np.array([0.1, 1.0, 0.075]), np.array([0.6, 0.0, -0.8])
+    above = np.array([[0.3, 0, 1], [-0.15, 0.26, 1], [-0.15, -0.26, 1]])
+
+    def build(speed, mu):
+        mass = RigidSolid(
+            filled(tip + 0.05 * np.vstack([np.zeros(3), above])),
+            mass=1.0,
+            gravity=(0, 0, -G),
+            held=[f"turning about {axis}" for axis in "xyz"],
+            velocity=speed * way,
+        )
+        bowl = Sphere((0, 0, 0), 1.0, inside=True)
+        contact = Contact(mass, "skin", bowl, formulation, friction=mu, name="c")
+        return Scene([mass], [contact], ThetaScheme(theta), geometry="newton")
+
+    asked = {"speed": (1.5, lambda s: Start(solid_of(s), velocity=way)), "mu": (0.1, friction)}
+    check(build, asked, 0.4, 1e-2, everything)
+
+
 def test_a_hinged_block_on_a_spring():
     """Held about two axes, far from contacts; the spring pulls where its point has turned to."""
 

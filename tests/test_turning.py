@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 
 from fenicsx_contact import (
     Circle,
+    Compliance,
     Contact,
     Curve,
     HalfSpace,
@@ -26,6 +27,9 @@ from fenicsx_contact import (
     mesh_from_file,
     name_facets,
 )
+from fenicsx_contact.base.compat import PointExpression
+from fenicsx_contact.contact.memory import at_points
+from fenicsx_contact.solids.rotations import rotation_matrix
 
 TIP = np.array([[0.0, 0.0], [0.02, 0.05], [-0.02, 0.05]])  # m
 SPIN = 3.0  # 1/s
@@ -259,27 +263,86 @@ def test_a_free_pair_keeps_its_momenta(law, heap, tmp_path):
     assert abs(fine[2]) < abs(coarse[2]) / 3.8 and abs(fine[3]) < abs(coarse[3]) / 3.8
 
 
+NEEDLE = np.array([[0, 0, 0], [0.02, 0, 0.05], [-0.01, 0.02, 0.05], [-0.01, -0.02, 0.05]])  # m
+
+
+def needle(path, place, velocity, turn=None):
+    """A mass in space that touches with one corner only, and does not turn; in a scene turned."""
+    R = np.eye(3) if turn is None else turn
+    mesh = named(path / "tip.vtu", (place + NEEDLE) @ R.T, "tetra", [[0, 1, 2, 3]])
+    held = [f"turning about {axis}" for axis in "xyz"]
+    given = {"gravity": R @ [0, 0, -G], "velocity": R @ velocity}
+    return RigidSolid(mesh, mass=1.0, held=held, name="tip", **given)
+
+
 def test_a_mass_goes_round_in_a_bowl(tmp_path):
     """At constant height, by v² = g R sin² a / cos a: in space."""
     angle = 0.7
     radius, speed = np.sin(angle), np.sqrt(G * np.sin(angle) ** 2 / np.cos(angle))
     until, errors = 0.5, []
-    shape = np.array([[0, 0, 0], [0.02, 0, 0.05], [-0.01, 0.02, 0.05], [-0.01, -0.02, 0.05]])
     for dt in (1e-2, 5e-3, 2.5e-3):
-        points = np.array([radius, 0, -np.cos(angle)]) + shape
-        mesh = named(tmp_path / "tip.vtu", points, "tetra", [[0, 1, 2, 3]])
-        held = [f"turning about {axis}" for axis in "xyz"]
-        mass = RigidSolid(mesh, mass=1.0, gravity=(0, 0, -G), held=held, velocity=(0, speed, 0))
+        mass = needle(tmp_path, [radius, 0, -np.cos(angle)], (0, speed, 0))
         contact = Contact(mass, "skin", Sphere((0, 0, 0), 1.0, inside=True))
         history = Scene([mass], [contact]).run(until=until, dt=dt)
         assert history.finished and not history.remarks
-        x = mass.place - shape.mean(axis=0)
+        x = mass.place - NEEDLE.mean(axis=0)
         turned = speed / radius * until
         exact = radius * np.array([np.cos(turned), np.sin(turned)])
         errors.append(np.linalg.norm(x[:2] - exact))
         assert abs(x[2] + np.cos(angle)) < 2 * dt**2
     assert errors[-1] < 3e-4
     assert (orders(errors) > 1.9).all()
+
+
+@pytest.mark.parametrize("theta", [0.5, 0.75, 1.0])
+@pytest.mark.parametrize("law", ["velocity", "gap", Compliance(1e6, 1.0, 1e6)])
+def test_friction_in_a_bowl_does_not_ask_how_the_scene_lies(law, theta, tmp_path):
+    """By theta < 1 places differed by up to 3e-5 m, speeds by 7e-5 m/s: between the normal at the
+    end and the mean one friction turned by axes and history. A mass that lands, too, and one that
+    turns round."""
+    bowl = Sphere((0, 0, 0), 1.0, inside=True)
+    for place, velocity in (
+        ((0.6, 0, -0.8), (0, 1.5, 0)),
+        ((0.55, 0, -0.8), (0.2, 1.0, 0)),
+        ((0.6, 0, -0.8), (0.8, 0.1, 0.6)),
+    ):
+        ends = []
+        for axis in ((0, 0, 0), (0, 0, 0.7), (0.6, 0.6, 0.6)):
+            R = rotation_matrix(np.array(axis))
+            mass = needle(tmp_path, place, velocity, R)
+            contact = Contact(mass, "skin", bowl, law, friction=0.2)
+            scene = Scene([mass], [contact], ThetaScheme(theta), geometry="newton")
+            history = scene.run(0.4, 2e-2)
+            assert history.finished and history["friction"][-1] < -0.1
+            ends.append(np.concatenate([R.T @ mass.place, R.T @ mass.velocity[:3]]))
+        np.testing.assert_allclose(ends[1:], [ends[0]] * 2, rtol=0, atol=1e-9)
+
+
+def test_tangents_turn_with_the_normals(tmp_path):
+    """By the least rotation, in which what is across both normals stays: in UFL as in numpy."""
+    mass = needle(tmp_path, [0.6, 0, -0.8], (0, 1.5, 0))
+    contact = Contact(mass, "skin", Sphere((0, 0, 0), 1.0, inside=True), friction=0.2)
+    scene = Scene([mass], [contact])
+    for _ in range(3):
+        list(scene.step(2e-2))
+    e, k, at = contact.equations, contact.equations.fields, contact.status.argmax()
+    normals = k.old_normal(), k.mean_normal(), k.normal.x.array.reshape(-1, 3)
+    frames = [np.stack([n, *k.frame(n)[1]], axis=1)[at] for n in normals]
+    axis = np.cross(normals[0], normals[2])[at]
+    assert np.linalg.norm(axis) > 0.02
+    for frame in frames:
+        np.testing.assert_allclose(frame @ frame.T, np.eye(3), atol=1e-14)
+        np.testing.assert_allclose(frame @ axis, frames[-1] @ axis, atol=1e-15)
+    for told, vectors, frame in (
+        (k.start_jump_t, k.start_slip.x.array, frames[0]),
+        (k.jump_t, e.values[: e.jumps], frames[2]),
+    ):
+        values = [
+            at_points(contact.surface, PointExpression(t, contact.surface.scalars))[at]
+            for t in told
+        ]
+        expected = frame[1:] @ vectors.reshape(-1, 3)[at]
+        np.testing.assert_allclose(values, expected, rtol=1e-14)
 
 
 def test_by_theta_1_forces_act_along_the_normal_of_the_end(tmp_path):

@@ -7,6 +7,10 @@ they act along the mean of n- and n+, weighed as the scheme weighs velocities: b
 points slide, ``(n- + n+) . (v+ + v-) = -(n+ - n-) . (v+ - v-)``, to which the contact itself adds
 nothing. Its work is of third order in the step, and a step taken backwards undoes one forwards.
 In guides, along which a rod moves far in a step, n- is n+ mirrored at the normal to the way.
+
+Friction acts across the mean normal, and slips of the start are across n-: of all frames at the
+three, which lie in one plane, those that turn into each other by the least rotation keep what no
+choice of tangents changes. Components of friction and of slips along them belong together.
 """
 
 from __future__ import annotations

@@ -32,7 +32,7 @@ class ContactFields(Protocol):
         normal, gap: n and d_n [m, positive: penetration], coefficients; ``x``: reference
             coordinates, m.
         start_jump_n, start_jump_t: w_n and w_t at the start of the step, m/s, 0 where they were not
-            resolved; ``limit_rate``: (1 - theta)/theta.
+            resolved, along tangents that turn with the normals; ``limit_rate``: (1 - theta)/theta.
         closed: Su of a law that is decided before the step, 0 or 1.
         rho_n, rho_t: augmentation, Pa s/m, coefficients.
         start_gap: d_n at the start of the step [m], of a law without multipliers only.

@@ -26,9 +26,9 @@ E, LENGTH, THICKNESS, GAP = 1e6, 1.0, 0.02, 0.005
 @pytest.mark.parametrize("law", ["gap", "velocity"])
 @pytest.mark.parametrize("steps", [1, 10])
 def test_a_cantilever_comes_to_lie_on_a_stop(law, steps):
-    """Without what bore its whole underside would be inside: corrections peeled off two points each,
-    and it stopped. R = 3 E I (w - g)/L^3, of the deflection w without the stop, as no shear of so
-    thin a beam counts."""
+    """Without what bore its whole underside would be inside: corrections peeled off two points
+    each, and it stopped. R = 3 E I (w - g)/L^3, of the deflection w without the stop, as no shear
+    of so thin a beam counts."""
     stiffness = E * THICKNESS**3 / 12
     load = 0.01 * 8 * stiffness / LENGTH**4
     mesh = rectangle((80, 2), (LENGTH, THICKNESS))

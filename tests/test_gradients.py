@@ -721,10 +721,14 @@ class Bench:
 
 def test_what_is_not_supported_is_refused_by_name():
     belt = LevelSet(lambda x, t: x[1], dim=2, velocity=lambda x, t: (0.1, 0.0))
-    still = Moved(FLOOR, lambda t: (0.0, 0.0))
+    still = Moved(Bench(), lambda t: (0.0, 0.0))
+    table = on_floor(
+        {"friction": 0.2}, {"locate_impacts": True}, None, Moved(FLOOR, lambda t: (t, 0))
+    )
     refused(on_floor(obstacle=Bench()), match="'c' has a Bench, .* slopes and curvature")
     refused(on_floor(obstacle=belt), match="contact 'c' has an obstacle that moves")
     refused(on_floor(obstacle=still), match="contact 'c' has an obstacle that moves")
+    refused(table, match="contact 'c' has an obstacle that moves, in a scene with located impacts")
     refused(on_floor({"formulation": Discrete(1e5)}), match="'discrete'; 'velocity' and 'gap' are")
     refused(on_floor({"friction": Stribeck(0.3, 0.2, 0.1)}), match="law Stribeck; Coulomb and")
     refused(on_floor({"friction": lambda x: 0.1 + 0 * x[0]}), match="law of place or time")

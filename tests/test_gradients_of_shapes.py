@@ -12,6 +12,8 @@ from fenicsx_contact import (
     Contact,
     Curve,
     ElasticSolid,
+    HalfSpace,
+    Moved,
     QuasiStatic,
     Revolution,
     RigidSolid,
@@ -19,7 +21,7 @@ from fenicsx_contact import (
     ThetaScheme,
     Wedge,
 )
-from fenicsx_contact.gradients import Centre, Force, ObstacleShift, Start, tangents
+from fenicsx_contact.gradients import Centre, Force, Law, ObstacleShift, Start, tangents
 
 ALONG = np.linspace(-1.0, 1.0, 15)
 BOWL = np.column_stack([ALONG, 0.5 * ALONG**2])
@@ -119,3 +121,58 @@ def test_a_block_is_pressed_on_a_shape_in_space(shape):
 
     by = {"shift": (0.1, lambda s: ObstacleShift(s.contacts[0], ASIDE))}
     assert worst(build, by, measure, 1.0, 1.0) < 1e-6
+
+
+def plate(height, way):
+    """A plane that moves as it is told."""
+    return Moved(HalfSpace((0.0, height), (0.0, 1.0)), way)
+
+
+@pytest.mark.parametrize(("formulation", "theta"), [("velocity", 0.5), ("gap", 1.0), ("gap", 0.75)])
+def test_a_block_on_a_table_that_shakes(formulation, theta):
+    """It is thrown up, lands and slides; by friction, the start and the place of the table."""
+
+    def build(friction=0.0, speed=0.0, shift=0.0):
+        block = RigidSolid(
+            rectangle(size=(0.2, 0.1)), mass=2.0, gravity=(0, -G), velocity=(0.4 + speed, 0.0)
+        )
+        table = plate(-0.01 + shift, lambda t: (0.02 * np.sin(9 * t), 0.01 * np.sin(31 * t)))
+        contact = Contact(block, "base", table, formulation, friction=0.2 + friction, name="c")
+        return Scene([block], [contact], ThetaScheme(theta), deepest=1.0, geometry="newton")
+
+    def measure(scene):
+        solid = scene.solids[0]
+        each = {"x": Centre(solid, (1, 0)), "y": Centre(solid, (0, 1))}
+        return each | {"v": Centre(solid, (1, 0), "velocity")}
+
+    by = {
+        "friction": (0.2, lambda s: Law(s.contacts[0], "friction")),
+        "speed": (0.4, lambda s: Start(s.solids[0], velocity=(1, 0))),
+        "shift": (0.1, lambda s: ObstacleShift(s.contacts[0], (0, 1))),
+    }
+    assert worst(build, by, measure, 0.36, 4e-3) < 1e-6
+
+
+@pytest.mark.parametrize("inertia", [False, True])
+def test_a_plate_presses_a_block_and_draws_it(inertia):
+    def build(friction=0.0, shift=0.0):
+        block = ElasticSolid(
+            rectangle((3, 2), (0.2, 0.1)),
+            youngs_modulus=1e6,
+            poisson_ratio=0.3,
+            density=1000.0,
+            fixed=["base"],
+        )
+        lid = Moved(HalfSpace((0.0, 0.1 + shift), (0.0, -1.0)), lambda t: (1e-3 * t * t, -2e-3 * t))
+        contact = Contact(block, "top", lid, "gap", friction=0.3 + friction, name="c")
+        scheme = ThetaScheme(1.0) if inertia else QuasiStatic()
+        return Scene([block], [contact], scheme, deepest=1.0)
+
+    def measure(scene):
+        return {c: Force(scene.contacts[0], way) for c, way in zip("xy", np.eye(2))}
+
+    by = {
+        "friction": (0.3, lambda s: Law(s.contacts[0], "friction")),
+        "shift": (1e-3, lambda s: ObstacleShift(s.contacts[0], (0, 1))),
+    }
+    assert worst(build, by, measure, 1.0, 0.1) < 1e-6

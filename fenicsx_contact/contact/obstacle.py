@@ -158,6 +158,8 @@ class Moved:
         checks.function("motion", motion, " of the time")
         self._wall, self._motion = Wall(obstacle), motion
         self.dim, self.flat = self._wall.dim, self._wall.flat
+        #: Whether its velocity and normal are the same everywhere: derivatives see a floor at rest.
+        self.uniform = self.flat and not self._wall.moving
         self.displacement(0.0)
 
     def displacement(self, time: float) -> np.ndarray:

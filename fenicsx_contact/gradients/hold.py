@@ -175,7 +175,7 @@ class ObstacleBearing:
         turned = C @ J
         wall = contact.coupling.wall  # type: ignore[attr-defined]
         place = rows.places[points]
-        gap = -wall.distance(place, 0.0)
+        gap = -wall.distance(place, rows.step.end)
         self.off = gap - contact.gap[points] - rate * dot(w, n) - rest * start
         self.q = np.einsum("pi,pij->pj", slope, J) - rate * (
             np.einsum("pi,pij->pj", n, H) + np.einsum("pi,pij->pj", w, turned)

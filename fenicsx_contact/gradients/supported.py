@@ -106,6 +106,11 @@ def rows_of(
             f"gradients: contact {contact.name!r} is one of a beam, but not of a BeamSolid with a "
             "guide"
         )
+    if moving_time and contact.coupling.driven:
+        raise checks.InputError(
+            f"gradients: contact {contact.name!r} has an obstacle that moves, in a scene with "
+            "located impacts"
+        )
     _refuse_hinged(contact, motions)
     return ContactRows(contact, motion)
 

@@ -86,8 +86,8 @@ class ContactRows:
         name, coupling = f"gradients: contact {contact.name!r}", contact.coupling
         if type(contact) is not Contact or type(coupling) is not NodalJump:
             raise checks.InputError(f"{name} is not one of points with an obstacle")
-        if coupling.driven:
-            raise checks.InputError(f"{name} has an obstacle that moves")
+        if coupling.driven and not getattr(coupling.obstacle, "uniform", False):
+            raise checks.InputError(f"{name} has an obstacle that moves, and is not a Moved plane")
         if not coupling.wall.smooth:
             raise checks.InputError(
                 f"{name} has a {type(coupling.obstacle).__name__}, whose distances are not "
@@ -121,6 +121,8 @@ class ContactRows:
         at = self.at = points_of(self.motion, trace, self.step)
         self.old, self.new, self.places = at.old, at.new, at.places
         self.start_jump, self.jump = at.old_velocities, at.velocities
+        if self.contact.coupling.driven:
+            self.start_jump, self.jump = self.contact.jump, self.contact.trial_jump
         self._normals(at.old_places)
 
     def _linearise(self) -> None:

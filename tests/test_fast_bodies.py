@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from corpus_meshes import moved
 from problems import stacked
-from scenes import rectangle
+from scenes import G, rectangle
 
 from fenicsx_contact import (
     Box,
@@ -20,6 +20,7 @@ from fenicsx_contact import (
     LevelSet,
     Moved,
     QuasiStatic,
+    Restitution,
     RigidSolid,
     Scene,
     ThetaScheme,
@@ -275,3 +276,38 @@ def test_what_grazes_a_drum_does_not_go_round_it(chord):
     dt = (chord + 2e-3) / speed
     history = Scene([body], [contact]).run(dt, dt)
     assert history.finished and history.remarks and history["c.bearing"].max() > 0
+
+
+@pytest.mark.parametrize("way", [lambda t: 0.02 * np.sin(12 * t), lambda t: -G / 4 * t**2])
+@pytest.mark.parametrize("shape", ["disc", "box"])
+def test_bounces_on_what_accelerates_are_those_on_a_plane(shape, way):
+    """Chords of hops dip into what moves on a curve, by as much of their length as they are short:
+    no step was short enough."""
+
+    def bounces(wall):
+        tip = RigidSolid(
+            moved(rectangle((1, 1), (1e-3, 1e-3)), 0.0, 0.01),
+            mass=0.5, gravity=(0, -G), held=("x", "turning"),
+        )  # fmt: skip
+        contact = Contact(tip, "base", Moved(wall, lambda t: (0, way(t))), Restitution(0.5))
+        history = Scene([tip], [contact], locate_impacts=True).run(0.25, 4e-3)
+        assert history.finished and not [told for _, told in history.remarks if "through" in told]
+        return tip.place[1], tip.velocity[1]
+
+    walls = {"disc": Circle((0, -1.0), 1.0), "box": Box((0, -0.5), (2, 1))}
+    # the corners of what is round are lower
+    exact, near = (bounces(wall) for wall in (HalfSpace((0, 0), (0, 1)), walls[shape]))
+    np.testing.assert_allclose(near, exact, atol=1e-5 if shape == "disc" else 1e-9)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: getattr(law, "name", law))
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+@pytest.mark.parametrize("thick", [1e-3, 0.05])
+def test_nothing_passes_through_what_accelerates(thick, theta, law):
+    """A bar that is driven up against a block that turns: what is through by its chord and its
+    parabola is caught, thin or thick."""
+    bar = Moved(Box((0, -thick / 2), (0.5, thick)), lambda t: (0.0, 0.5e5 * t**2))
+    block = thrown("rigid", 1e2)
+    block.restore({**block.state(), "velocity": np.array([0.0, -1e2, 50.0])})
+    contact = Contact(block, "base", bar, law, name="c")
+    check(Scene([block], [contact], ThetaScheme(theta)).run(STEPS * DT, DT))

@@ -157,3 +157,26 @@ def test_what_turns_no_table():
     ):
         with pytest.raises(InputError, match=message):
             made()
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+@pytest.mark.parametrize("clearance", [0.0, 1e-6])
+def test_a_block_slides_out_of_a_slot_that_turns(clearance, theta, law):
+    """r = r0 cosh(spin t), in whole steps: chords of what Coriolis turns aside dip deeper into both
+    faces than those of what goes round with them."""
+    spin, half, start, dt = 3.0, 5e-3, 0.8, 0.01
+    place, speed = 0.1 * np.cosh(spin * start), 0.1 * spin * np.sinh(spin * start)
+    block = RigidSolid(
+        moved(rectangle((1, 1), (0.04, 2 * half)), place, -half),
+        mass=1.0, velocity=(speed, spin * place), spin=spin,
+    )  # fmt: skip
+    faces = {"base": ((0, -half), (0, 1)), "top": ((0, half + clearance), (0, -1))}
+    contacts = [
+        Contact(block, side, Turned(HalfSpace(*face), (0, 0), lambda t: spin * t), law)
+        for side, face in faces.items()
+    ]
+    history = Scene([block], contacts, ThetaScheme(theta)).run(3 * dt, dt)
+    assert history.finished and not [told for _, told in history.remarks if "through" in told]
+    exact = 0.1 * np.cosh(spin * (start + 3 * dt))
+    np.testing.assert_allclose(np.hypot(*block.place), exact, rtol=2e-5 if theta < 1 else 3e-4)

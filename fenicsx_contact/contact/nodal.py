@@ -189,12 +189,16 @@ class NodalJump(Coupling):
         # as seen from a wall that moves; what moves less than it was and is away meets nothing
         seen = way - step.dt * self.carried(step) if step else way
         asked = asked & (np.linalg.norm(seen, axis=1) > -np.minimum(start, end))
-        ways = self._ways()
-        share = ways.deepest(asked)
-        before = (share < 1).nonzero()[0]
-        deep = end.copy()
-        deep[before] = ways.depth(before, share[before])
-        return deep
+        deep = self._ways().depths(asked, end)
+        if not step:
+            return deep
+        # What accelerates beside a wall that does goes by no chord: what comes back to the same
+        # side goes through only if it does by the parabola of the velocities at both ends, too.
+        ends = "velocity", "trial_velocity"
+        first, last = (self.velocities(which).reshape(way.shape) for which in ends)
+        back = asked & (deep > end) & (dot(self.start_normals(), self.normals()) > SHARP)
+        arcs = self._ways(0.5 * step.dt * (first - last)).depths(back, end)
+        return np.where(back, np.minimum(deep, arcs), deep)
 
     def dips(self) -> np.ndarray | float:
         if self.fixed_normal or self._start_normals is None:
@@ -215,11 +219,11 @@ class NodalJump(Coupling):
             other[points] = dot(enters, self.normals()[points]) < SHARP
         return other
 
-    def _ways(self) -> Ways:
+    def _ways(self, bend: np.ndarray | None = None) -> Ways:
         ends, step = self.positions(), self._step
         span = (step.start, step.end) if step else (self.time,) * 2
         off = self.bulge + self.recess + np.zeros(len(ends))
-        return Ways(self.wall, ends, ends - self._start_positions, span, off)
+        return Ways(self.wall, ends, ends - self._start_positions, span, off, bend)
 
     def swallowed(self, most: float) -> str:
         return "" if self.encloses else swallowed(self.solids[0], self.wall, most)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The straight ways of points past a wall in a step: how near they come, and where they get in."""
+"""The ways of points past a wall in a step: how near they come, and where they get in."""
 
 from __future__ import annotations
 
@@ -21,9 +21,10 @@ class Ways:
 
     Args:
         wall: that they may go through.
-        ends, way: where they get, and how they get there, straight, (n, d) in m.
+        ends, way: where they get, and the chord by which they get there, (n, d) in m.
         span: when they start and end, s.
         off: how far outside of the points the surface lies, (n,) in m.
+        bend: of parabolas above the chords, four times their height, (n, d) in m; None: none.
     """
 
     def __init__(
@@ -33,8 +34,10 @@ class Ways:
         way: np.ndarray,
         span: tuple[float, float],
         off: np.ndarray,
+        bend: np.ndarray | None = None,
     ) -> None:
         self._wall, self._ends, self._way, self._off = wall, ends, way, off
+        self._bend = np.zeros_like(way) if bend is None else bend
         self._start, self._length = span[0], span[1] - span[0]
 
     def depth(self, points: np.ndarray, share: np.ndarray) -> np.ndarray:
@@ -50,6 +53,14 @@ class Ways:
         for now, time in self._times(share):
             normals[now] = self._wall.normals(self._places(points, share)[now], time)
         return normals
+
+    def depths(self, asked: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """How deep points that are asked, (n,) of bool, are where they are deepest, and others at
+        the end of their ways, where all are so deep: ``end``, (n,) in m."""
+        deep, share = end.copy(), self.deepest(asked)
+        before = (share < 1).nonzero()[0]
+        deep[before] = self.depth(before, share[before])
+        return deep
 
     def deepest(self, asked: np.ndarray) -> np.ndarray:
         """After which shares of their ways points that are asked, (n,) of bool, are deepest: 1, but
@@ -70,11 +81,14 @@ class Ways:
         return [(times == time, float(time)) for time in np.unique(times)]
 
     def _places(self, points: np.ndarray, share: np.ndarray) -> np.ndarray:
-        return np.asarray(self._ends[points] - (1 - share)[:, None] * self._way[points])
+        gone = share[:, None]
+        left = (1 - gone) * (self._way[points] - gone * self._bend[points])
+        return np.asarray(self._ends[points] - left)
 
     def _leaves(self, points: np.ndarray, share: np.ndarray) -> np.ndarray:
         if not self._wall.moving:
-            return dot(self.normals(points, share), self._way[points]) > 0
+            goes = self._way[points] + (1 - 2 * share)[:, None] * self._bend[points]
+            return dot(self.normals(points, share), goes) > 0
         first = np.maximum(share - BRIEF, 0.0)
         return np.asarray(self.depth(points, first + BRIEF) < self.depth(points, first))
 

@@ -23,9 +23,10 @@ class Ride:
     """Velocities of an obstacle's material beside points, (n, d) in m/s.
 
     It ends a step with a velocity that suits the scheme: by theta = 1 with its mean velocity in the
-    step, with which a point that sticks goes exactly the obstacle's way; by theta = 1/2 with that
-    of the very end. A step starts with the velocity with which the last one ended; where the motion
-    has a corner there, a percussion sees the new one.
+    step, with which a point that sticks goes exactly the obstacle's way (of one that turns it is
+    that beside the place at the end, which leads inwards); by theta = 1/2 with that of the very
+    end. A step starts with the velocity with which the last one ended; where the motion has a
+    corner there, a percussion sees the new one.
 
     Args:
         wall: that moves.

@@ -24,6 +24,7 @@ from fenicsx_contact.study import (
     CLASSES,
     Axis,
     Map,
+    Problem,
     Sample,
     Study,
     batch,
@@ -615,6 +616,12 @@ def test_springs_of_a_rocking_block_are_as_stiff_as_asked():
     assert problem.scene.contacts[0].formulation.stiffness == 1e8
 
 
+def posed(**others):
+    """A problem, but for what is given otherwise."""
+    problem = rocking(tilt=0.1, share=0.1)
+    return Problem(problem.scene, 0.1, 0.01, **{"error": lambda history: 0.0, **others})
+
+
 def takes_both(friction, height):
     """Some problem."""
 
@@ -634,9 +641,19 @@ def takes_both(friction, height):
         (lambda: Map("m", "m", takes_both, FRICTION, Axis("b", [1], "b")), "'friction' and 'b'"),
         (lambda: Map("m", "m", lambda friction: None, FRICTION, HEIGHT), "'height'"),
         (lambda: next(each([(max, (1, 2))], 1.0, 0)), "processes = 0"),
+        (lambda: Problem(1, 2, 3, 4), "scene = 1"),
+        (lambda: posed(error=4), "error = 4"),
+        (lambda: posed(bound=np.nan), "bound = nan"),
+        (lambda: posed(supplied=-1.0), "supplied = -1.0"),
+        (lambda: Study("s", "s", "q", 3, {"a": [{}]}), "build = 3"),
+        (lambda: Study("s", "s", "q", takes_both, {}), "methods = {}"),
+        (lambda: Study("s", "s", "q", takes_both, [1]), "methods = [1]"),
+        (lambda: Study("s", "s", "q", takes_both, {"a": []}), "methods['a'] = []"),
+        (lambda: Study("s", "s", "q", takes_both, {"a": [1]}), "methods['a'] = [1]"),
+        (lambda: Study("s", "s", "q", takes_both, {"a": [{"h": 1}]}, "n"), "over = 'n'"),
     ],
 )
-def test_what_is_no_map_is_refused(make, words):
+def test_what_is_no_map_or_study_is_refused(make, words):
     with pytest.raises(InputError, match=re.escape(words)):
         make()
 

@@ -36,6 +36,9 @@ class Study:
         build: makes a fresh :class:`Problem` from a setting.
         methods: for each method the settings of its ladder, from coarse to fine.
         over: name of the setting against which rates are fitted; default: the number of steps.
+
+    Raises:
+        InputError: no such names, function, or settings; none that ``over`` names.
     """
 
     name: str
@@ -44,6 +47,20 @@ class Study:
     build: Callable[..., Problem]
     methods: Mapping[str, Sequence[Setting]]
     over: str = "steps"
+
+    def __post_init__(self) -> None:
+        checks.label("name", self.name)
+        checks.function("build", self.build, " of a setting")
+        every = checks.mapping("methods", self.methods, "from names of methods to their settings")
+        if not every:
+            raise InputError("methods = {}: must name one method at least")
+        for method, settings in every.items():
+            what = f"methods[{method!r}]"
+            allowed = "settings, dicts of arguments of build"
+            if not checks.sequence(what, settings, Mapping, allowed):
+                raise InputError(f"{what} = []: must be a list of {allowed}")
+            if self.over != "steps" and not any(self.over in setting for setting in settings):
+                raise InputError(f"over = {self.over!r}: must be 'steps' or a setting of {what}")
 
     def shortened(self) -> Study:
         """The same with the two coarsest settings of each ladder."""

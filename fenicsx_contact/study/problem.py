@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..base import checks
 from ..output.history import History
 from ..scene import Scene
 
@@ -31,6 +32,10 @@ class Problem:
         deepest: the deepest penetration that makes sense, m.
         step_error: see :meth:`~fenicsx_contact.scene.Scene.run`.
         stop_when: ends the run before ``until``; see :meth:`~fenicsx_contact.scene.Scene.run`.
+
+    Raises:
+        InputError: no scene, no function for the error, a bound or size that is none. What is of
+            the run, that says.
     """
 
     scene: Scene
@@ -45,6 +50,15 @@ class Problem:
     deepest: float = np.inf
     step_error: float | None = None
     stop_when: Callable[[], bool] | None = None
+
+    def __post_init__(self) -> None:
+        checks.instance("scene", self.scene, Scene, "a Scene")
+        checks.function("error", self.error, " of the history")
+        for name in ("bound", "deepest"):
+            if getattr(self, name) != np.inf:
+                checks.keep(self, name, at_least=0)
+        for name in ("energy_size", "supplied", "round_off"):
+            checks.keep(self, name, at_least=0)
 
     def run(self) -> History:
         """Run the scene, which is then at its end."""

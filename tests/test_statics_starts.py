@@ -130,15 +130,74 @@ def test_what_bears_nothing_any_more_is_as_good_as_at_rest(steps):
     assert history["newton"].max() <= 3
 
 
-def test_what_takes_the_least_way_holds_first():
-    """Of a block 1 mm above a floor and 0.1 m beside a wall: with friction the floor alone."""
+def test_what_takes_the_least_way_holds_first(monkeypatch):
+    """Of a block 1 mm above a floor and 0.1 m beside a wall: with friction the floor alone, if
+    that is enough for its load."""
     mesh = rectangle((2, 2), (0.2, 0.2))
     mesh.mesh.geometry.x[:, 1] += 1e-3
-    for friction, walls in ((0.3, 0), (0.0, 3)):
-        block = ElasticSolid(mesh, youngs_modulus=1e6, poisson_ratio=0.3, density=1.0)
+    glued, earliest = [], Grip.earliest
+    monkeypatch.setattr(Grip, "earliest", lambda *a: glued.append(earliest(*a)) or glued[-1])
+    for friction, leans, walls in ((0.3, 0.2, 0), (0.3, 0.4, 3), (0.0, 0.2, 3)):
+        solid = ElasticSolid(
+            mesh, youngs_modulus=1e6, poisson_ratio=0.3, density=1.0, gravity=(9.81 * leans, -9.81)
+        )
         contacts = [
-            Contact(block, "base", FLOOR, "gap", friction=friction, name="floor"),
-            Contact(block, "right", HalfSpace((0.2, 0), (-1, 0)), "gap", name="wall"),
+            Contact(solid, "base", FLOOR, "gap", friction=friction, name="floor"),
+            Contact(solid, "right", HalfSpace((0.2, 0), (-1, 0)), "gap", name="wall"),
         ]
-        floor, wall = Grip([block], contacts).earliest()
+        scene = Scene([solid], contacts, QuasiStatic())
+        scene.run(1.0, 1.0)
+        floor, wall = glued.pop(0)
+        glued.clear()
         assert floor.all() and wall.sum() == walls
+
+
+def block(hyperelastic=False, **others):
+    mesh = rectangle((3, 3), (1.0, 1.0))
+    if hyperelastic:
+        return HyperelasticSolid(mesh, energy=neo_hookean(1e6, 0.3), density=1000.0, **others)
+    others |= {"youngs_modulus": 1e6, "poisson_ratio": 0.3}
+    return ElasticSolid(mesh, density=1000.0, **others)
+
+
+@pytest.mark.parametrize("law", ["gap", "velocity"])
+@pytest.mark.parametrize("hyperelastic", [False, True])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_a_block_is_lifted_to_the_ceiling_and_falls(friction, hyperelastic, law):
+    """Its load turns round, and one step ends without any, where every place between is one of
+    equilibrium: what bore stays where it was. It stopped there."""
+    held = {} if friction else {"prescribed": {(-0.5, 0.0): (0.0, None)}}
+    solid = block(
+        hyperelastic, tractions={"top": lambda t: (0.0, -3e3 * np.cos(2 * np.pi * t))}, **held
+    )
+    contacts = [
+        Contact(solid, "base", FLOOR, law, friction=friction, name="floor"),
+        Contact(solid, "top", HalfSpace((0, 1.05), (0, -1)), law, friction=friction, name="lid"),
+    ]
+    history = Scene([solid], contacts, QuasiStatic()).run(1.0, 0.05)
+    assert history.finished and not history.remarks
+    load = 3e3 * np.cos(2 * np.pi * history["time"][1:])
+    borne = (history["floor.force_y"] + history["lid.force_y"])[1:]
+    np.testing.assert_allclose(borne, load, atol=1e-5)
+    assert (history["floor.force_y"] >= 0).all() and (history["lid.force_y"] <= 0).all()
+    assert history["newton"].max() <= 10
+
+
+@pytest.mark.parametrize(("friction", "gap"), [(0.0, 0.0), (0.0, 0.01), (0.3, 0.01), (0.8, 0.01)])
+def test_a_block_is_pushed_to_and_fro_between_walls(friction, gap):
+    """To one wall, across the gap to the other, and on: as symmetric as the load."""
+    solid = block(tractions={"top": lambda t: (2e3 * np.sin(2 * np.pi * t), -3e3)})
+    contacts = [
+        Contact(solid, "base", FLOOR, "gap", friction=friction, name="floor"),
+        Contact(solid, "left", HalfSpace((-0.5 - gap, 0), (1, 0)), friction=friction, name="left"),
+        Contact(
+            solid, "right", HalfSpace((0.5 + gap, 0), (-1, 0)), friction=friction, name="right"
+        ),
+    ]
+    history = Scene([solid], contacts, QuasiStatic()).run(1.0, 0.05)
+    assert history.finished and not history.remarks
+    across = sum(history[f"{name}.force_x"] for name in ("floor", "left", "right"))[1:]
+    np.testing.assert_allclose(across, -2e3 * np.sin(2 * np.pi * history["time"][1:]), atol=1e-5)
+    to, fro = -history["right.force_x"].min(), history["left.force_x"].max()
+    assert to == pytest.approx(fro, rel=1e-9 if not friction else 1e-2)
+    assert history["newton"].max() <= 10

@@ -22,41 +22,66 @@ from ..theory.scheme import Step
 SIDES = 64
 
 
-def unbearable(solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -> str:
-    """Why no forces of the contacts, whatever the deformation, balance the loads on these solids,
-    as they are linearised; nothing if some do.
+class Balance:
+    """The loads on solids that nothing else holds, as they are linearised, and the forces of the
+    contacts that may balance them, whatever the deformation.
 
     A force is in the cone of friction of its point, beside what acts there if it is open; where
     that is not known, in any direction along the surface, or in any at all. In equilibrium the sum
     of all works on no rigid motion that the supports allow; if it must, then what is left at least
     tells a motion that begins (Farkas).
+
+    Args:
+        solids: that only contact holds.
+        contacts: of the scene.
+        step: that is begun.
     """
-    shares = {id(solid): Motions(solid).free() for solid in solids}
-    found = [_loads(solid, shares[id(solid)], step) for solid in solids]
-    load, terms = np.concatenate([each for each, _ in found]), max(size for _, size in found)
-    columns = [np.empty((len(load), 0))]
-    for contact in contacts:
-        points, directions = contact.equations.candidates, _cone(contact)
-        each = [_rates(contact, solid, shares, step)[points] for solid in solids]
-        rates, drawn = np.concatenate(each, axis=2), _drawn(contact, step)[points]
-        works = np.einsum("ndk,njd->njk", rates, directions[points])
-        columns.append(works.reshape(-1, len(load)).T)
-        load = load + np.einsum("ndk,nd->k", rates, drawn)
-        terms += np.abs(drawn).sum()
-    size = np.abs(load).max(initial=0.0)
-    if size <= ROUND_OFF * terms or not np.isfinite(size):
-        return ""
-    forces = np.concatenate(columns, axis=1)
-    left = load / size
-    if forces.shape[1]:
-        left = left + forces @ nnls(forces, -left)[0]
-    if np.abs(left).max() <= FREE:
-        return ""
-    parts = slices(shares[id(solid)].shape[1] for solid in solids)
-    ways = [shares[id(solid)] @ left[part] for solid, part in zip(solids, parts)]
-    which = int(np.argmax([np.abs(way).max(initial=0.0) for way in ways]))
-    motion = Motions(solids[which]).name(ways[which])
-    return f"no equilibrium: contacts cannot hold {solids[which].name!r} against {motion}"
+
+    def __init__(self, solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -> None:
+        self._solids = solids
+        self._shares = shares = {id(solid): Motions(solid).free() for solid in solids}
+        found = [_loads(solid, shares[id(solid)], step) for solid in solids]
+        load, terms = np.concatenate([each for each, _ in found]), max(size for _, size in found)
+        self._points = [contact.equations.candidates for contact in contacts]
+        self._works = []
+        for contact, points in zip(contacts, self._points):
+            each = [_rates(contact, solid, shares, step)[points] for solid in solids]
+            rates, drawn = np.concatenate(each, axis=2), _drawn(contact, step)[points]
+            self._works.append(np.einsum("ndk,njd->njk", rates, _cone(contact)[points]))
+            load = load + np.einsum("ndk,nd->k", rates, drawn)
+            terms += np.abs(drawn).sum() + np.abs(contact.force).sum()
+        size = np.abs(load).max(initial=0.0)
+        none = size <= ROUND_OFF * terms or not np.isfinite(size)
+        self._load = np.zeros(len(load)) if none else load / size
+
+    def left(self, chosen: Sequence[np.ndarray] | None = None) -> np.ndarray | None:
+        """What forces at the points that are chosen, (n,) of bool for each contact, or at all,
+        leave of the loads at least, along the free motions, as shares; None: they balance them."""
+        works = list(self._works)
+        if chosen is not None:
+            works = [w[mine[at]] for w, mine, at in zip(works, chosen, self._points)]
+        n = len(self._load)
+        forces = np.concatenate([np.empty((0, n)), *(each.reshape(-1, n) for each in works)]).T
+        left = self._load
+        if left.any() and forces.shape[1]:
+            left = left + forces @ nnls(forces, -left)[0]
+        return left if np.abs(left).max(initial=0.0) > FREE else None
+
+    def why_not(self) -> str:
+        """Why no forces of the contacts balance the loads; nothing if some do."""
+        if (left := self.left()) is None:
+            return ""
+        parts = slices(share.shape[1] for share in self._shares.values())
+        ways = [self._shares[id(solid)] @ left[part] for solid, part in zip(self._solids, parts)]
+        which = int(np.argmax([np.abs(way).max(initial=0.0) for way in ways]))
+        solid = self._solids[which]
+        motion = Motions(solid).name(ways[which])
+        return f"no equilibrium: contacts cannot hold {solid.name!r} against {motion}"
+
+
+def unbearable(solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -> str:
+    """Why no forces of the contacts balance the loads on these solids; nothing if some do."""
+    return Balance(solids, contacts, step).why_not()
 
 
 def _loads(solid: Any, shares: np.ndarray, step: Step) -> tuple[np.ndarray, float]:

@@ -172,8 +172,8 @@ class FrozenContact(Statuses):
         return self.worst if np.isfinite(self.worst) else np.inf
 
     def _size(self, solid: MonolithicSolid) -> float:
-        """Of what acts on a solid, N."""
-        size = solid.load_size()
+        """Of what acts on a solid, or did as the step began, N: all may be taken away in it."""
+        size = max(solid.load_size(), self._system.assembly.borne(solid))
         return max(size, self._system.assembly.stopping_force(solid)) if solid.shiftable else size
 
     def soften(self, compliance: float) -> None:

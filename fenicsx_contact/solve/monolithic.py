@@ -20,6 +20,7 @@ from ..base.processes import any_of
 from ..base.vectors import largest
 from ..solids import DeformableSolid, MonolithicSolid
 from ..theory.scheme import Step
+from .equilibrium import Balance
 from .frozen import FrozenContact
 from .numbering import Numbering, numbered_traces
 from .problem import Assembly
@@ -126,14 +127,18 @@ class Monolithic(ABC):
     def hold(self, floating: Sequence[MonolithicSolid]) -> None:
         """Let weak springs hold these solids, in the matrix, not in the residual: so it is regular
         while nothing else holds them."""
+        self._floating = list(floating)
         self._grip = Grip(self.solids, self.assembly.contacts)
         self._weakly = np.array([any(s is each for each in floating) for s in self.solids])
 
     def freeze(self, step: Step, first: bool) -> FrozenContact:
         """The contact problem with solids and geometry linearised as they are. What only contact
         holds, and what bore does not, is glued ``first``, in a step."""
+        points = None
+        if first and self._grip:
+            points = self._grip.earliest(Balance(self._floating, self.assembly.contacts, step))
         frozen = FrozenContact(self, step)
-        if first and self._grip and (points := self._grip.earliest()):
+        if points:
             frozen.glue(points)
         return frozen
 

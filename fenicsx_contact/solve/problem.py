@@ -11,7 +11,7 @@ from time import perf_counter
 import numpy as np
 
 from ..base.checks import StepFailed
-from ..base.vectors import longest, slices, spread
+from ..base.vectors import largest, longest, slices, spread
 from ..contact.contact import Contact
 from ..solids import Solid, Trace
 from ..solids.trace import DeformableTrace
@@ -159,6 +159,10 @@ class Assembly:
         within the step."""
         contacts = self.contacts if solid is None else self._of[id(solid)]
         return max((c.equations.stopping_force for c in contacts), default=0.0)
+
+    def borne(self, solid: Solid) -> float:
+        """The largest component of a force [N] at a point of its contacts in the last step."""
+        return max((largest(c.force) for c in self._of[id(solid)] if c.force_of), default=0.0)
 
     def refuse_broken(self) -> None:
         """Raise StepFailed if a solid has no admissible trial state."""

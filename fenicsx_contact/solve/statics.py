@@ -17,6 +17,7 @@ from ..solids import DeformableSolid, RigidSolid
 from ..solids.motions import FREE, Motions
 from ..solids.trace import DeformableTrace
 from ..theory.scheme import Step
+from .equilibrium import Balance
 
 #: Of a contact the point that each row is of, and the rows.
 _Rows = tuple[np.ndarray, sp.csr_matrix]
@@ -94,9 +95,10 @@ class Grip:
             else:
                 yield points, sp.block_diag(list(contact.normal[points][:, None]), "csr") @ rows
 
-    def earliest(self) -> list[np.ndarray] | None:
-        """The points, (n,) of bool for each contact, that it takes to hold all solids beside those
-        that bear: the nearest to what they may meet. None where what bears holds them."""
+    def earliest(self, balance: Balance) -> list[np.ndarray] | None:
+        """The points, (n,) of bool for each contact, that it takes to hold all solids, and to
+        balance their loads, beside those that bear: the nearest to what they may meet. None where
+        what bears does so."""
         every = list(self.rows())
         bear = [contact.chosen & (contact.status > 0) for contact in self._contacts]
         gaps = [
@@ -110,7 +112,7 @@ class Grip:
         def hold(points: Sequence[np.ndarray]) -> bool:
             both = [mine | theirs for mine, theirs in zip(bear, points)]
             values = np.linalg.eigvalsh(self.gram(every, both))
-            return bool(values[0] > FREE * values[-1])
+            return bool(values[0] > FREE * values[-1]) and balance.left(both) is None
 
         if hold(bear):
             return None

@@ -61,8 +61,8 @@ class Balance:
         if chosen is not None:
             works = [w[mine[at]] for w, mine, at in zip(works, chosen, self._points)]
         n = len(self._load)
-        forces = np.concatenate([np.empty((0, n)), *(each.reshape(-1, n) for each in works)]).T
-        left = self._load
+        columns = [np.empty((0, n)), *(w.reshape(w.shape[0] * w.shape[1], n) for w in works)]
+        forces, left = np.concatenate(columns).T, self._load
         if left.any() and forces.shape[1]:
             left = left + forces @ nnls(forces, -left)[0]
         return left if np.abs(left).max(initial=0.0) > FREE else None

@@ -17,9 +17,10 @@ from ..solids.motions import FREE, Motions
 from ..theory.formulations import only_pushes
 from ..theory.scheme import Step
 
-#: Cost: sides of the pyramid that holds a cone of friction in space: what it cannot bear, no cone
-#: can; what lies between is found out the long way.
-SIDES = 64
+#: Cost: sides of the pyramid that holds a cone of friction in space, to tell that there is no
+#: equilibrium, and to choose where a step starts: what it cannot bear, no cone can; what lies
+#: between is found out the long way.
+SIDES, FEW = 64, 8
 
 
 class Balance:
@@ -35,9 +36,12 @@ class Balance:
         solids: that only contact holds.
         contacts: of the scene.
         step: that is begun.
+        sides: of the pyramids that hold cones of friction in space.
     """
 
-    def __init__(self, solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -> None:
+    def __init__(
+        self, solids: Sequence[Any], contacts: Sequence[Contact], step: Step, sides: int = FEW
+    ) -> None:
         self._solids = solids
         self._shares = shares = {id(solid): Motions(solid).free() for solid in solids}
         found = [_loads(solid, shares[id(solid)], step) for solid in solids]
@@ -47,7 +51,7 @@ class Balance:
         for contact, points in zip(contacts, self._points):
             each = [_rates(contact, solid, shares, step)[points] for solid in solids]
             rates, drawn = np.concatenate(each, axis=2), _drawn(contact, step)[points]
-            self._works.append(np.einsum("ndk,njd->njk", rates, _cone(contact)[points]))
+            self._works.append(np.einsum("ndk,njd->njk", rates, _cone(contact, sides)[points]))
             load = load + np.einsum("ndk,nd->k", rates, drawn)
             terms += np.abs(drawn).sum() + np.abs(contact.force).sum()
         size = np.abs(load).max(initial=0.0)
@@ -64,7 +68,10 @@ class Balance:
         columns = [np.empty((0, n)), *(w.reshape(w.shape[0] * w.shape[1], n) for w in works)]
         forces, left = np.concatenate(columns).T, self._load
         if left.any() and forces.shape[1]:
-            left = left + forces @ nnls(forces, -left)[0]
+            try:
+                left = left + forces @ nnls(forces, -left)[0]
+            except RuntimeError:  # too many iterations: nobody knows
+                return None
         return left if np.abs(left).max(initial=0.0) > FREE else None
 
     def why_not(self) -> str:
@@ -81,7 +88,7 @@ class Balance:
 
 def unbearable(solids: Sequence[Any], contacts: Sequence[Contact], step: Step) -> str:
     """Why no forces of the contacts balance the loads on these solids; nothing if some do."""
-    return Balance(solids, contacts, step).why_not()
+    return Balance(solids, contacts, step, SIDES).why_not()
 
 
 def _loads(solid: Any, shares: np.ndarray, step: Step) -> tuple[np.ndarray, float]:
@@ -121,9 +128,9 @@ def _drawn(contact: Contact, step: Step) -> np.ndarray:
         return np.asarray(-e.residual()[: e.jumps].reshape(contact.normal.shape))
 
 
-def _cone(contact: Contact) -> np.ndarray:
+def _cone(contact: Contact, sides: int) -> np.ndarray:
     """Directions of forces on the slave at each point, whose sums with weights >= 0 are at least
-    all that it may bear, (n, directions, d)."""
+    all that it may bear, (n, directions, d); in space so many and the normal."""
     normal, d = contact.normal, contact.solid.dim
     law, pushes = contact.friction_law, only_pushes(contact.formulation)
     push = -normal[:, None, :]
@@ -133,8 +140,8 @@ def _cone(contact: Contact) -> np.ndarray:
     else:
         first = across(normal)
         axes = np.stack([first, cross(normal, first)], axis=1)
-        angles = 2 * np.pi / SIDES * np.arange(SIDES)
-        turns = np.stack([np.cos(angles), np.sin(angles)], axis=1) / np.cos(np.pi / SIDES)
+        angles = 2 * np.pi / sides * np.arange(sides)
+        turns = np.stack([np.cos(angles), np.sin(angles)], axis=1) / np.cos(np.pi / sides)
         ring = np.einsum("ij,njd->nid", turns, axes)
     if not law:
         return push if pushes else np.concatenate([push, -push], axis=1)

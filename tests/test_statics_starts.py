@@ -18,7 +18,7 @@ from fenicsx_contact import (
     name_facets,
     neo_hookean,
 )
-from fenicsx_contact.solve.statics import Grip
+from fenicsx_contact.solve.grip import Grip
 
 E, LENGTH, THICKNESS, GAP = 1e6, 1.0, 0.02, 0.005
 

@@ -22,10 +22,10 @@ from ..solids import DeformableSolid, MonolithicSolid
 from ..theory.scheme import Step
 from .equilibrium import Balance
 from .frozen import FrozenContact
+from .grip import Grip
 from .numbering import Numbering, numbered_traces
 from .problem import Assembly
 from .solid_rows import SolidRows
-from .statics import Grip
 from .yielding import COMPLIANCE, FIRM, Yielding
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Why contacts cannot bear what loads a solid that nothing else holds: where a step without inertia
-has no solution, in words that its user can act on, and at once."""
+"""Whether contacts can bear what loads a solid that nothing else holds: who may be where a step
+without inertia starts, and why it has no solution, in words that its user can act on, and at once.
+"""
 
 from __future__ import annotations
 

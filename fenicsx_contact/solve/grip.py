@@ -19,6 +19,7 @@ from scipy.spatial import cKDTree
 from ..contact.contact import Contact
 from ..solids.motions import FREE, Motions
 from ..solids.trace import DeformableTrace
+from ..theory.scheme import Step
 from .equilibrium import Balance
 
 #: Of a contact the point that each row is of, and the rows.
@@ -31,10 +32,13 @@ class Grip:
 
     Args:
         solids, contacts: of the scene.
+        floating: solids that only contact holds.
     """
 
-    def __init__(self, solids: Sequence[Any], contacts: Sequence[Contact]) -> None:
-        self._contacts = contacts
+    def __init__(
+        self, solids: Sequence[Any], contacts: Sequence[Contact], floating: Sequence[Any] = ()
+    ) -> None:
+        self._contacts, self._floating = contacts, floating
         self._motions = {id(solid): Motions(solid) for solid in solids}
         self._solids = list(solids)
         ends = np.cumsum([0, *(len(each.names) for each in self._motions.values())])
@@ -67,11 +71,11 @@ class Grip:
             else:
                 yield points, sp.block_diag(list(contact.normal[points][:, None]), "csr") @ rows
 
-    def earliest(self, balance: Balance) -> list[np.ndarray] | None:
+    def earliest(self, step: Step) -> list[np.ndarray] | None:
         """The points, (n,) of bool for each contact, that it takes to hold all solids, and to
-        balance their loads, beside those that bear: the nearest to what they may meet. None where
-        what bears does so."""
-        every = list(self.rows())
+        balance the loads of a step on those that float, beside what bears: the nearest to what they
+        may meet. None where what bears does so."""
+        balance, every = Balance(self._floating, self._contacts, step), list(self.rows())
         bear = [contact.chosen & (contact.status > 0) for contact in self._contacts]
         gaps = [
             np.where(contact.chosen & contact.coupling.near(), contact.gap, -np.inf)

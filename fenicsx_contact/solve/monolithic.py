@@ -20,7 +20,6 @@ from ..base.processes import any_of
 from ..base.vectors import largest
 from ..solids import DeformableSolid, MonolithicSolid
 from ..theory.scheme import Step
-from .equilibrium import Balance
 from .frozen import FrozenContact
 from .grip import Grip
 from .numbering import Numbering, numbered_traces
@@ -127,16 +126,13 @@ class Monolithic(ABC):
     def hold(self, floating: Sequence[MonolithicSolid]) -> None:
         """Let weak springs hold these solids, in the matrix, not in the residual: so it is regular
         while nothing else holds them."""
-        self._floating = list(floating)
-        self._grip = Grip(self.solids, self.assembly.contacts)
+        self._grip = Grip(self.solids, self.assembly.contacts, floating)
         self._weakly = np.array([any(s is each for each in floating) for s in self.solids])
 
     def freeze(self, step: Step, first: bool) -> FrozenContact:
         """The contact problem with solids and geometry linearised as they are. What only contact
         holds, and what bore does not, is glued ``first``, in a step."""
-        points = None
-        if first and self._grip:
-            points = self._grip.earliest(Balance(self._floating, self.assembly.contacts, step))
+        points = self._grip.earliest(step) if first and self._grip else None
         frozen = FrozenContact(self, step)
         if points:
             frozen.glue(points)

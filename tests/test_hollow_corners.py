@@ -20,6 +20,7 @@ GROOVE = [(-2, 0), (-1, 0), (-1, -1), (1, -1), (1, 0), (2, 0)]
 ROOM = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2), (0, 0)]
 ROUND = np.radians(np.arange(-100, 101, 10))
 DROP = [(-3.0, 0.0), *np.column_stack([np.cos(ROUND), np.sin(ROUND)]), (-3.0, 0.0)]
+KEY = [(-9, 0.18), (-0.1, 0), (-1, 1), (1, 1), (0.1, 0), (9, 0.18)]  # undercut
 LEVEL, STEP = [(-1, 0), (0.05, 0)], [(0.05, 0), (0.05, 1)]
 
 
@@ -59,6 +60,7 @@ def test_what_lies_behind_any_face_is_the_body(points, corners, lines):
         ([(-1, 0), (0, 0), (0, 1), (2, 1), (2, -1), (3, -1)], ("points[1]", "points[3:5]")),
         ([(-1, 1), (-1, 0), (0, 0), (0, 1), (2, 1), (2, -1), (3, -1)], ("points[2]", "before")),
         (DROP, ("points[0]", "only")),
+        (KEY, ("[-0.1, 0.0]", "[0.1, 0.0]", "narrower")),
     ],
 )
 def test_faces_that_leave_the_body_are_refused(points, words):
@@ -66,6 +68,39 @@ def test_faces_that_leave_the_body_are_refused(points, words):
         Curve(points).faces()
     for word in words:
         assert word in str(refusal.value)
+
+
+def room_or_body(rng):
+    """A polygon with some corners, around the origin."""
+    angles = np.sort(rng.uniform(0, 2 * np.pi, rng.integers(3, 9)))
+    points = np.column_stack([np.cos(angles), np.sin(angles)])
+    points *= rng.uniform(0.3, 1.0, len(points))[:, None] * [rng.uniform(0.3, 3), 1]
+    return np.vstack([points, points[:1]])[:: rng.choice([-1, 1])]
+
+
+def ground(rng):
+    """With overhangs, between two ends that rise or fall a little."""
+    n = rng.integers(3, 9)
+    x, y = np.cumsum(rng.uniform(-0.3, 1.0, n)), rng.uniform(-1, 1, n)
+    first, last = y[[0, -1]] + rng.uniform(-0.3, 0.3, 2)
+    return [(x.min() - 1, first), *zip(x, y), (x.max() + 1, last)]
+
+
+@pytest.mark.parametrize("drawn", [room_or_body, ground])
+def test_faces_of_anything_are_its_body_or_refused(drawn):
+    """Near and far."""
+    rng, kept = np.random.default_rng(7), 0
+    for _ in range(400):
+        try:
+            curve = Curve(drawn(rng))
+            faces = curve.faces()
+        except InputError:
+            continue
+        kept += len(faces) > 1
+        x = rng.normal(size=(500, 2)) * rng.choice([0.5, 2, 10], (500, 1))
+        each, whole = np.array([face.distance(x) for face in faces]), curve.distance(x)
+        np.testing.assert_array_equal((each < 0).any(axis=0), whole < 0)
+    assert kept > 50
 
 
 def soft(**others):

@@ -119,8 +119,8 @@ class Curve:
         nearest face alone.
 
         Raises:
-            InputError: straight on behind a hollow corner the body ends, or a closed curve has one
-                alone.
+            InputError: straight on behind a hollow corner the body ends, or the face comes back to
+                itself; a closed curve has one such corner alone.
         """
         corners = self.hollow()
         for at in corners:
@@ -143,7 +143,7 @@ class Curve:
                 )
             x, ends = np.roll(x[:-1], -corners[0], axis=0), [*(corners - corners[0]), len(x) - 1]
             x = np.concatenate([x, x[:1]])
-        return [Curve(x[low : high + 1]) for low, high in zip(ends, ends[1:])]
+        return [_straight_on(x[low : high + 1]) for low, high in zip(ends, ends[1:])]
 
     def _behind(self, corner: int, way: np.ndarray) -> int | None:
         """The line that one meets who goes this way from a corner, if any."""
@@ -240,6 +240,20 @@ class Curve:
         kind = "closed" if self.closed else "open"
         points = marked(f"{len(self._x)} points", self._x)
         return f"Curve({points}, {kind}, smooth={self.smooth})"
+
+
+def _straight_on(points: np.ndarray) -> Curve:
+    """The curve through points that goes straight on at both ends, which must not meet."""
+    curve = Curve(points)
+    (back, ahead), off = (-curve._along[0], curve._along[-1]), points[-1] - points[0]
+    det = _cross(back, ahead)
+    if abs(det) > SAME and min(_cross(off, ahead) / det, _cross(off, back) / det) > 0:
+        raise checks.InputError(
+            f"points {points[0].tolist()}, {points[-1].tolist()}: are hollow corners, between which"
+            " the face is narrower within the body than outside, so that its ends would meet if it "
+            "went straight on: give parts of it as obstacles of their own, which may overlap"
+        )
+    return curve
 
 
 def _left(tangent: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ from fenicsx_contact import (
     Curve,
     ElasticSolid,
     HalfSpace,
+    InputError,
     Moved,
     QuasiStatic,
     Revolution,
@@ -176,3 +177,55 @@ def test_a_plate_presses_a_block_and_draws_it(inertia):
         "shift": (1e-3, lambda s: ObstacleShift(s.contacts[0], (0, 1))),
     }
     assert worst(build, by, measure, 1.0, 0.1) < 1e-6
+
+
+class Bowl:
+    """A round one of one's own, whose slopes and curvature are told so many times too large."""
+
+    dim = 2
+
+    def __init__(self, slope=1.0, bend=1.0):
+        self.slope, self.bend = slope, bend
+
+    def _out(self, points):
+        off = points - [0.0, 1.0]
+        size = np.linalg.norm(off, axis=1)
+        return off / size[:, None], size
+
+    def distance(self, points):
+        return 1.0 - self._out(points)[1]
+
+    def normals(self, points):
+        return -self._out(points)[0]
+
+    def slopes(self, points):
+        return -self.slope * self._out(points)[0]
+
+    def curvature(self, points):
+        out, size = self._out(points)
+        return -self.bend * (np.eye(2) - out[:, :, None] * out[:, None, :]) / size[:, None, None]
+
+
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ({}, ""),
+        ({"slope": 2.0}, "slopes"),
+        ({"bend": 0.0}, "curvature"),
+        ({"bend": 2}, "curvature"),
+    ],
+)
+def test_what_own_obstacles_say_of_themselves_is_not_believed(told, words):
+    """Derivatives were wrong by half of what they are, and said nothing; runs are not."""
+    mesh = rectangle(size=(0.2, 0.1))
+    mesh.mesh.geometry.x[:, 1] += 0.02
+    block = RigidSolid(mesh, mass=2.0, gravity=(0, -G), velocity=(0.6, 0.0))
+    contact = Contact(block, "base", Bowl(**told), friction=0.2, name="bowl")
+    scene = Scene([block], [contact], deepest=1.0)
+    by = {"v": Start(block, velocity=(1, 0))}
+    if not words:
+        assert tangents(scene, 0.05, 5e-3, by, {"x": Centre(block, (1, 0))}).history.finished
+        return
+    assert scene.run(0.05, 5e-3, progress=False).finished
+    with pytest.raises(InputError, match=f"'bowl': {words} of its obstacle along .* must be"):
+        tangents(scene, 0.05, 5e-3, by)

@@ -33,11 +33,12 @@ class Obstacle(Protocol):
     * ``velocity(points, start, end)``: mean velocity of the obstacle's material beside the points
       between two times, (n, d) in m/s, at the second of which it is there; asked for a thousandth
       of a step, too, of which differences of places are round-off. Or ``velocity(points, time)``,
-      which by theta = 1 is of first order where it turns. Without it an obstacle that moves does so
-      along its normals;
-    * ``flat``: whether the normal is the same everywhere and always; default: no;
+      of first order by theta = 1 where it turns. Without, what moves does so along its normals;
+    * ``flat``: whether the normal is the same everywhere and always; default: no; ``uniform``:
+      whether the velocity is, too, everywhere, so that derivatives see it as at rest;
     * ``moving``: whether anything depends on time; default: if there is a velocity, or if the
-      distance takes a time.
+      distance takes a time;
+    * ``remark``: what a reader of a run should know of it.
     """
 
     dim: int
@@ -63,13 +64,12 @@ class Wall:
     """
 
     def __init__(self, obstacle: Obstacle, what: str = "obstacle") -> None:
-        allowed = "an obstacle (dim, distance and normals at least)"
-        checks.instance(what, obstacle, Obstacle, allowed)
+        checks.instance(what, obstacle, Obstacle, "an obstacle (dim, distance, normals at least)")
         self.obstacle, self.dim = obstacle, obstacle.dim
         self.flat = checks.truth(f"{what}.flat", getattr(obstacle, "flat", False))
         self._distance, asks = _timed(obstacle.distance, self.flat)
         self._normals, _ = _timed(obstacle.normals, self.flat)
-        self._ours = _ours(obstacle.normals)  # of which a test knows that they are of unit length
+        self.ours = _ours(obstacle.normals)  # of which a test knows that they are of unit length
         self._slopes, _ = _timed(getattr(obstacle, "slopes", obstacle.normals))
         curvature = getattr(obstacle, "curvature", None)
         self._curvature = _timed(curvature)[0] if curvature and not self.flat else None
@@ -79,6 +79,7 @@ class Wall:
         self.smooth = self.flat or bool(curvature and hasattr(obstacle, "slopes"))
         moving = getattr(obstacle, "moving", velocity is not None or asks)
         self.moving = checks.truth(f"{what}.moving", moving)
+        self.uniform = self.flat and bool(getattr(obstacle, "uniform", False))
 
     def distance(self, points: np.ndarray, time: float) -> np.ndarray:
         """Signed distance of the points (n, d) at a time, positive outside, (n,) in m.
@@ -95,7 +96,7 @@ class Wall:
         with _asked():
             answer = self._normals(points, time)
         normals = _finite("normals", answer, points)
-        if not self._ours:
+        if not self.ours:
             length = dot(normals, normals) ** 0.5
             if not largest(length - 1) <= RIGHT:
                 at = int(np.abs(length - 1).argmax())
@@ -208,8 +209,7 @@ class Wall:
 
     def describe(self) -> str:
         """The obstacle, without an address in memory."""
-        plain = type(self.obstacle).__repr__ is object.__repr__
-        if not plain:
+        if type(self.obstacle).__repr__ is not object.__repr__:
             return repr(self.obstacle)
         return marked(type(self.obstacle).__name__, self.obstacle.distance)
 

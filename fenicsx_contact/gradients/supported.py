@@ -12,6 +12,7 @@ from ..rods import GuideContact
 from ..rods.beam import BeamSolid
 from ..solids import ElasticSolid, HyperelasticSolid, RigidSolid, Solid
 from .beams import BeamMotion
+from .believed import check_derivatives
 from .guides import GuideRows
 from .hyperelastic import HyperelasticMotion
 from .motion import DeformableMotion, Motion
@@ -112,7 +113,10 @@ def rows_of(
             "located impacts"
         )
     _refuse_hinged(contact, motions)
-    return ContactRows(contact, motion)
+    rows = ContactRows(contact, motion)
+    wall = contact.coupling.wall  # type: ignore[attr-defined]
+    check_derivatives(contact.name, wall, contact.coupling.positions())
+    return rows
 
 
 def _refuse_hinged(contact: Contact, motions: Sequence[Motion]) -> None:

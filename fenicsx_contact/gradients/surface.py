@@ -86,7 +86,7 @@ class ContactRows:
         name, coupling = f"gradients: contact {contact.name!r}", contact.coupling
         if type(contact) is not Contact or type(coupling) is not NodalJump:
             raise checks.InputError(f"{name} is not one of points with an obstacle")
-        if coupling.driven and not getattr(coupling.obstacle, "uniform", False):
+        if coupling.driven and not coupling.wall.uniform:
             raise checks.InputError(f"{name} has an obstacle that moves, and is not a Moved plane")
         if not coupling.wall.smooth:
             raise checks.InputError(

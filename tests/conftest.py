@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Settings for the whole suite, made before numpy is imported."""
 
+import fcntl
 import json
 import os
 import tempfile
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
@@ -67,6 +69,29 @@ def pytest_collection_modifyitems(items):
         slow = (item.path.name, item.name.split("[")[0]) in SLOW
         if (slow or item.path.stem in SECOND) and not marked:
             item.add_marker(pytest.mark.second)
+
+
+@contextmanager
+def _locked(name, kind):
+    with open(Path(__file__).with_name(name)) as file:
+        fcntl.flock(file, kind)
+        yield
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_protocol(item):
+    """Several processes run alone: beside a worker that computes, those that wait for each other
+    hand each turn of a core to it, and a minute becomes ten."""
+    with ExitStack() as held:
+        if "PYTEST_XDIST_WORKER" in os.environ:
+            from processes import needs_mpirun
+
+            alone = needs_mpirun.mark in item.iter_markers("skipif")
+            # who waits to be alone is waited for: no other test begins before
+            with _locked("conftest.py", fcntl.LOCK_EX):
+                kind = fcntl.LOCK_EX if alone else fcntl.LOCK_SH
+                held.enter_context(_locked("processes.py", kind))
+        yield
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -31,7 +31,7 @@ def mpirun(code: str, processes: int) -> subprocess.Popen:
         "OMP_NUM_THREADS": "1",
         "OMPI_ALLOW_RUN_AS_ROOT": "1",
         "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "OMPI_MCA_mpi_yield_when_idle": "1",  # tests run beside each other
+        "OMPI_MCA_mpi_yield_when_idle": str(int(processes > (os.cpu_count() or 1))),
         "OMPI_MCA_rmaps_base_oversubscribe": "1",
         "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
     }

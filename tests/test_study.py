@@ -5,6 +5,8 @@ import dataclasses
 import json
 import os
 import re
+import subprocess
+import sys
 import time
 from functools import partial
 from pathlib import Path
@@ -225,6 +227,31 @@ def test_maps_are_resumed(tmp_path):
     file.write_text("\n".join([*lines[:2], json.dumps(late), lines[3]]) + "\n")
     again = run_maps([chart], file, limit=60, processes=1, progress=False)
     assert [v.kind for v in again["slope"]] == kinds
+
+
+UNGUARDED = """
+import sys
+from fenicsx_contact.study import Axis, Map, run_maps
+
+def problem(x, y):
+    raise ValueError
+
+axes = [Axis(name, [1.0], name) for name in "xy"]
+{guard}run_maps([Map("m", "M", problem, *axes)], sys.argv[1], processes=1)
+"""
+AWAY = 'if __name__ == "__main__": __import__("__main__").__file__ = None; '  # as in a console
+
+
+@pytest.mark.parametrize(
+    ("guard", "said"), [("", "ended as it began"), (AWAY, "cannot read its call")]
+)
+def test_a_process_that_cannot_begin_judges_nothing(guard, said, tmp_path):
+    """It "died", and its cells were nonsense for ever."""
+    script, file = tmp_path / "script.py", tmp_path / "cells.jsonl"
+    script.write_text(UNGUARDED.format(guard=guard))
+    done = subprocess.run([sys.executable, script, file], capture_output=True, text=True)
+    assert done.returncode == 1 and said in done.stderr.splitlines()[-1]
+    assert not file.read_text()
 
 
 def test_what_is_no_map_and_no_file_of_maps_is_refused(tmp_path):

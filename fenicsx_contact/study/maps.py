@@ -139,7 +139,7 @@ def run_maps(
     Args:
         maps: the maps.
         file: of JSON lines, appended to.
-        limit: of a cell, s; the first of a process has a minute more, for it imports the package.
+        limit: of a cell, s, once its process has imported the problem, for which it has a minute.
         processes: how many at a time; default: one for each core.
         progress: show a bar; default: if a person watches.
 
@@ -149,6 +149,7 @@ def run_maps(
     Raises:
         InputError: no maps; two of one name; a limit that is not > 0; a file of something else,
             which stays as it is.
+        RuntimeError: a process ends as it begins, or does not find the problem.
     """
     checks.number("limit", limit, above=0)
     maps, file = checks.sequence("maps", maps, Map, "Maps"), checks.path("file", file)

@@ -7,6 +7,7 @@ import multiprocessing
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from time import monotonic
 from typing import Any
@@ -19,12 +20,22 @@ _SPAWN = multiprocessing.get_context("spawn")
 Call = tuple[Callable[..., Any], tuple[Any, ...]]
 
 
+@dataclass(frozen=True)
+class _Word:
+    """What a process says of itself: that it has read a call, or why it cannot."""
+
+    fault: str = ""
+
+
 def _serve(pipe: Connection) -> None:
     while True:
         try:
             function, arguments = pipe.recv()
         except EOFError:
             return
+        except Exception as failure:
+            return pipe.send(_Word(f"a process cannot read its call: {failure}"))
+        pipe.send(_Word())
         try:
             pipe.send(function(*arguments))
         except Exception as failure:
@@ -39,11 +50,40 @@ class _Worker:
         self.process = _SPAWN.Process(target=_serve, args=(theirs,), daemon=True)
         self.process.start()
         theirs.close()
-        self.index = -1
+        self.begun = False
 
     def start(self, index: int, call: Call, limit: float) -> None:
-        self.index, self.until = index, monotonic() + limit
+        self.index = index
+        self.has(limit)
         self.pipe.send(call)
+
+    def has(self, limit: float) -> None:
+        self.limit, self.until = limit, monotonic() + limit
+
+    def heard(self, limit: float) -> Any:
+        """What came through the pipe: a value, or a word of the process about itself, after which
+        its call has its time.
+
+        Raises:
+            EOFError, ConnectionError: it died.
+            RuntimeError: it cannot begin, or cannot read its call.
+        """
+        try:
+            result = self.pipe.recv()
+        except (EOFError, ConnectionError):
+            self.process.join()
+            if not self.begun:
+                raise RuntimeError(
+                    f"a process ended as it began, code {self.process.exitcode}: it imports the "
+                    'calling script, of which what runs must stand below if __name__ == "__main__":'
+                ) from None
+            raise
+        if isinstance(result, _Word):
+            if result.fault:
+                raise RuntimeError(result.fault)
+            self.begun = True
+            self.has(limit)
+        return result
 
     def end(self) -> None:
         self.pipe.close()
@@ -65,10 +105,13 @@ def each(
         limit: of each call, s.
         processes: how many at a time; default: one for each core.
         progress: show a bar; default: if a person watches.
-        start_up: what the first call of a process has more, s, for it imports the package.
+        start_up: until a process has read a call, s, for which it imports what the call names.
 
     Yields:
         The index of a call, and its value; a text if it raised, passed its limit or died.
+
+    Raises:
+        RuntimeError: a process cannot begin, or read its call.
     """
     from tqdm import tqdm
 
@@ -82,7 +125,7 @@ def each(
     try:
         for _ in range(count):
             workers.append(_Worker())
-            workers[-1].start(*next(queue), limit + start_up)
+            workers[-1].start(*next(queue), start_up)
         while workers:
             left = max(0.0, min(w.until for w in workers) - monotonic())
             ready = wait([w.pipe for w in workers], timeout=left)
@@ -91,12 +134,13 @@ def each(
                 alive = True
                 if worker.pipe in ready:
                     try:
-                        result = worker.pipe.recv()
+                        result = worker.heard(limit)
                     except (EOFError, ConnectionError):
-                        worker.process.join()
                         result, alive = f"process died, code {worker.process.exitcode}", False
+                    if isinstance(result, _Word):
+                        continue
                 elif monotonic() >= worker.until:
-                    result, alive = f"time limit of {limit:g} s passed", False
+                    result, alive = f"time limit of {worker.limit:g} s passed", False
                 else:
                     continue
                 yield worker.index, result
@@ -107,7 +151,7 @@ def each(
                 if not alive:
                     worker.end()
                     worker = workers[i] = _Worker()
-                worker.start(*call, limit if alive else limit + start_up)
+                worker.start(*call, start_up)
     finally:
         bar.close()
         for worker in workers:

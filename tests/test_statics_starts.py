@@ -135,9 +135,9 @@ def test_what_takes_the_least_way_holds_first(monkeypatch):
     that is enough for its load."""
     mesh = rectangle((2, 2), (0.2, 0.2))
     mesh.mesh.geometry.x[:, 1] += 1e-3
-    glued, earliest = [], Grip.earliest
-    monkeypatch.setattr(Grip, "earliest", lambda *a: glued.append(earliest(*a)) or glued[-1])
-    for friction, leans, walls in ((0.3, 0.2, 0), (0.3, 0.4, 3), (0.0, 0.2, 3)):
+    glued, taken = [], Grip.taken
+    monkeypatch.setattr(Grip, "taken", lambda *a: glued.append(taken(*a)) or glued[-1])
+    for friction, leans, walls in ((0.3, 0.2, False), (0.3, 0.4, True), (0.0, 0.2, True)):
         solid = ElasticSolid(
             mesh, youngs_modulus=1e6, poisson_ratio=0.3, density=1.0, gravity=(9.81 * leans, -9.81)
         )
@@ -149,11 +149,12 @@ def test_what_takes_the_least_way_holds_first(monkeypatch):
         scene.run(1.0, 1.0)
         floor, wall = glued.pop(0)
         glued.clear()
-        assert floor.all() and wall.sum() == walls
+        assert (floor > 0).any() and (wall > 0).any() == walls
 
 
-def block(hyperelastic=False, **others):
+def block(hyperelastic=False, height=0.0, **others):
     mesh = rectangle((3, 3), (1.0, 1.0))
+    mesh.mesh.geometry.x[:, 1] += height
     if hyperelastic:
         return HyperelasticSolid(mesh, energy=neo_hookean(1e6, 0.3), density=1000.0, **others)
     others |= {"youngs_modulus": 1e6, "poisson_ratio": 0.3}
@@ -201,3 +202,33 @@ def test_a_block_is_pushed_to_and_fro_between_walls(friction, gap):
     to, fro = -history["right.force_x"].min(), history["left.force_x"].max()
     assert to == pytest.approx(fro, rel=1e-9 if not friction else 1e-2)
     assert history["newton"].max() <= 10
+
+
+@pytest.mark.parametrize("law", ["gap", "velocity"])
+@pytest.mark.parametrize("hyperelastic", [False, True])
+@pytest.mark.parametrize("below", ["lifted", "heavy"])
+def test_two_blocks_are_lifted_off_what_bore_them_in_one_step(below, hyperelastic, law):
+    """The upper one strikes the ceiling 1 cm above; the lower is lifted with it, or stays by its
+    weight. All that may bear was glued, and blocks hung between floor and ceiling: 44 to 123
+    iterations in that step, and steps of a thousandth."""
+    up = {"low": (0.0, 2e3) if below == "lifted" else (0.0, 0.0), "high": (150.0, 5e3)}
+
+    def load(name, before):
+        return lambda t: before if t <= 0.5 else up[name]
+
+    weight = 1.0 if below == "heavy" else 0.0
+    low = block(
+        hyperelastic, tractions={"base": load("low", (0, 0))}, gravity=(0, -weight), name="low"
+    )
+    high = block(hyperelastic, 1.0, tractions={"top": load("high", (150.0, -3e3))}, name="high")
+    lid = HalfSpace((0, 2.01), (0, -1))
+    contacts = [
+        Contact(low, "base", FLOOR, law, friction=0.3, name="floor"),
+        Contact(high, "base", (low, "top"), law, friction=0.3, name="joint"),
+        Contact(high, "top", lid, law, friction=0.3, name="lid"),
+    ]
+    history = Scene([low, high], contacts, QuasiStatic()).run(1.0, 0.1)
+    assert history.finished and history["newton"].max() <= 8
+    lifted = 2e3 if below == "lifted" else 0.0
+    for name, force in {"floor": 1e3 * weight, "joint": lifted, "lid": -5e3 - lifted}.items():
+        assert history[f"{name}.force_y"][-1] == pytest.approx(force, rel=1e-6, abs=1e-4)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.optimize import nnls
+from scipy.optimize import minimize, nnls
 
 from ..base.constants import ROUND_OFF
 from ..base.vectors import across, cross, largest, slices
@@ -43,7 +43,7 @@ class Balance:
     def __init__(
         self, solids: Sequence[Any], contacts: Sequence[Contact], step: Step, sides: int = FEW
     ) -> None:
-        self._solids = solids
+        self._solids, self._contacts, self._step = solids, contacts, step
         self._shares = shares = {id(solid): Motions(solid).free() for solid in solids}
         found = [_loads(solid, shares[id(solid)], step) for solid in solids]
         load, terms = np.concatenate([each for each, _ in found]), max(size for _, size in found)
@@ -57,23 +57,71 @@ class Balance:
             terms += np.abs(drawn).sum() + np.abs(contact.force).sum()
         size = np.abs(load).max(initial=0.0)
         none = size <= ROUND_OFF * terms or not np.isfinite(size)
+        self._size = size or 1.0
         self._load = np.zeros(len(load)) if none else load / size
 
     def left(self, chosen: Sequence[np.ndarray] | None = None) -> np.ndarray | None:
         """What forces at the points that are chosen, (n,) of bool for each contact, or at all,
         leave of the loads at least, along the free motions, as shares; None: they balance them."""
-        works = list(self._works)
-        if chosen is not None:
-            works = [w[mine[at]] for w, mine, at in zip(works, chosen, self._points)]
-        n = len(self._load)
-        columns = [np.empty((0, n)), *(w.reshape(w.shape[0] * w.shape[1], n) for w in works)]
-        forces, left = np.concatenate(columns).T, self._load
+        left = self._load
+        forces = np.concatenate([np.empty((0, len(left))), *self._rows(chosen)]).T
         if left.any() and forces.shape[1]:
             try:
                 left = left + forces @ nnls(forces, -left)[0]
             except RuntimeError:  # too many iterations: nobody knows
                 return None
         return left if np.abs(left).max(initial=0.0) > FREE else None
+
+    def spread(self, chosen: Sequence[np.ndarray]) -> list[np.ndarray] | None:
+        """Which of the points that are chosen bear where the solids are rigid, and each direction
+        of a cone a spring behind the gap, as stiff as the point alone, (n,) of bool for each
+        contact; None: nothing does, or nothing that is found."""
+        if not self._load.any() or self.left(chosen) is not None:  # no least work
+            return None
+        rows, each = self._rows(chosen), []
+        for contact, mine, at, of in zip(self._contacts, chosen, self._points, self._works):
+            points, e = at[mine[at]], contact.equations
+            limit = contact.candidates.limit(self._step)
+            room = -contact.gap / self._step.gap_rate if limit is None else limit
+            both = np.stack([np.maximum(room, 0.0), e.force_scale / e.speed])[:, points]
+            each.append(np.repeat(both, of.shape[1], axis=1))
+        room, springs = np.concatenate([np.empty((2, 0)), *each], axis=1)
+        rows.insert(0, np.empty((0, len(self._load))))
+        all_rows, stiffest = np.concatenate(rows), springs.max(initial=0.0)
+        if not (0 < stiffest < np.inf and np.isfinite(room).all()):
+            return None
+        springs, room = springs / stiffest, room * stiffest / self._size
+
+        def work(way: np.ndarray) -> tuple[float, np.ndarray]:
+            over = np.maximum(all_rows @ way - room, 0.0)
+            borne = springs * over
+            return 0.5 * over @ borne + self._load @ way, borne @ all_rows + self._load
+
+        def stiffness(way: np.ndarray) -> np.ndarray:
+            acts = all_rows @ way > room
+            return np.asarray((all_rows[acts].T * springs[acts]) @ all_rows[acts])
+
+        far = {"initial_trust_radius": max(1.0, room.max()), "max_trust_radius": np.inf}
+        way = -self._load
+        found = minimize(work, way, jac=True, hess=stiffness, method="trust-exact", options=far)
+        if not found.success:
+            return None
+        force = springs * np.maximum(all_rows @ found.x - room, 0.0)
+        pushes, result = force > FREE * force.max(), []
+        ends = np.cumsum([len(own) for own in rows])
+        for mine, at, of, begin, end in zip(chosen, self._points, self._works, ends, ends[1:]):
+            bears, points = np.zeros(len(mine), dtype=bool), at[mine[at]]
+            bears[points] = pushes[begin:end].reshape(len(points), of.shape[1]).any(axis=1)
+            result.append(bears)
+        return result
+
+    def _rows(self, chosen: Sequence[np.ndarray] | None) -> list[np.ndarray]:
+        """What the directions of the cones of the points that are chosen, or of all, do along the
+        free motions, (directions, free ones) for each contact."""
+        works = self._works
+        if chosen is not None:
+            works = [w[mine[at]] for w, mine, at in zip(works, chosen, self._points)]
+        return [w.reshape(w.shape[0] * w.shape[1], w.shape[2]) for w in works]
 
     def why_not(self) -> str:
         """Why no forces of the contacts balance the loads; nothing if some do."""

@@ -67,18 +67,19 @@ class FrozenContact(Statuses):
         self.update()
 
     def glue(self, points: Sequence[np.ndarray]) -> None:
-        """Begin with the solids as if these points, (n,) of bool for each contact, were glued: what
-        is then pulled opens, and what is dragged by more than friction bears slips. Where nothing
-        else holds them only such a start knows of all contacts at once, those between solids that
-        would fall alike among them. Springs have no multipliers to say so; they bear where they
-        are."""
+        """Begin with the solids as if of these points, (n,) for each contact, those of 1 were
+        glued, and those of -1 open: what is then pulled opens, and what is dragged by more than
+        friction bears slips. Where nothing else holds them only such a start knows of all contacts
+        at once, those between solids that would fall alike among them. Springs have no multipliers
+        to say so; they bear where they are."""
         added = [np.empty(0)]
         for part, glued in zip(self.parts, points):
             e, n = part.equations, len(part.active_places)
             m = len(e.candidates) * (e.tractions > e.jumps)
             scales, values = part.scales()[0][n:], part.active_values()[n:].copy()
-            mine = glued[e.candidates[:m]]
-            values[:m][mine] = -scales[:m][mine] / sqrt(np.finfo(float).eps)  # whatever gaps say
+            told = glued[e.candidates[:m]]
+            far = -told * scales[:m] / sqrt(np.finfo(float).eps)  # whatever gaps say
+            values[:m] = np.where(told, far, values[:m])
             change = values - part.active_values()[n:]
             part.move(np.concatenate([np.zeros(n), change]))
             added.append(change / scales)

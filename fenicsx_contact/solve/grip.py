@@ -2,13 +2,13 @@
 """What holds solids without inertia: which points of their contacts, beside their supports.
 
 A step starts from what bears, where that holds all solids and can balance their loads. Else it
-takes more: from a start in which a solid may go anywhere Newton's method leaps to the weak springs
-that hold it in the matrix, and back.
+starts from what would bear if they were rigid, and the points springs. From a start in which a
+solid may go anywhere Newton's method leaps to the weak springs that hold it in the matrix, and
+back.
 """
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -71,30 +71,18 @@ class Grip:
             else:
                 yield points, sp.block_diag(list(contact.normal[points][:, None]), "csr") @ rows
 
-    def earliest(self, step: Step) -> list[np.ndarray] | None:
-        """The points, (n,) of bool for each contact, that it takes to hold all solids, and to
-        balance the loads of a step on those that float, beside what bears: the nearest to what they
-        may meet. None where what bears does so."""
-        balance, every = Balance(self._floating, self._contacts, step), list(self.rows())
-        bear = [contact.chosen & (contact.status > 0) for contact in self._contacts]
-        gaps = [
-            np.where(contact.chosen & contact.coupling.near(), contact.gap, -np.inf)
-            for contact in self._contacts
-        ]
-
-        def nearer(level: float) -> list[np.ndarray]:
-            return [gap >= level - c.tolerance for gap, c in zip(gaps, self._contacts)]
-
-        def hold(points: Sequence[np.ndarray]) -> bool:
-            both = [mine | theirs for mine, theirs in zip(bear, points)]
-            values = np.linalg.eigvalsh(self.gram(every, both))
-            return bool(values[0] > FREE * values[-1]) and balance.left(both) is None
-
-        if hold(bear):
+    def taken(self, step: Step) -> list[np.ndarray] | None:
+        """Of each contact the points that a step is to begin with as if they were glued, 1, and as
+        if they were open, -1, beside what is as it was, (n,). None where what bears holds all
+        solids, and can balance the loads on those that float."""
+        balance, contacts = Balance(self._floating, self._contacts, step), self._contacts
+        bear = [contact.chosen & (contact.status > 0) for contact in contacts]
+        values = np.linalg.eigvalsh(self.gram(list(self.rows()), bear))
+        if values[0] > FREE * values[-1] and balance.left(bear) is None:
             return None
-        levels = -np.unique(-np.concatenate(gaps))
-        at = bisect_left(levels, True, key=lambda level: hold(nearer(level)))
-        return nearer(levels[min(at, len(levels) - 1)])
+        may = [c.chosen & (mine | c.coupling.near()) for c, mine in zip(contacts, bear)]
+        spread = balance.spread(may)
+        return [1 * mine - (bears & ~mine) for mine, bears in zip(spread or may, bear)]
 
     def name(self, way: np.ndarray) -> str:
         """The solid that moves most by some amounts of all motions, and how."""

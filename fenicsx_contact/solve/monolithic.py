@@ -132,7 +132,8 @@ class Monolithic(ABC):
     def freeze(self, step: Step, first: bool) -> FrozenContact:
         """The contact problem with solids and geometry linearised as they are. What only contact
         holds, and what bore does not, is glued ``first``, in a step."""
-        points = self._grip.earliest(step) if first and self._grip else None
+        # round-off may differ between processes, what they begin with may not
+        points = self.comm.bcast(self._grip.taken(step)) if first and self._grip else None
         frozen = FrozenContact(self, step)
         if points:
             frozen.glue(points)

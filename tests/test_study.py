@@ -249,7 +249,8 @@ def test_a_process_that_cannot_begin_judges_nothing(guard, said, tmp_path):
     """It "died", and its cells were nonsense for ever."""
     script, file = tmp_path / "script.py", tmp_path / "cells.jsonl"
     script.write_text(UNGUARDED.format(guard=guard))
-    done = subprocess.run([sys.executable, script, file], capture_output=True, text=True)
+    command = [sys.executable, script, file]
+    done = subprocess.run(command, check=False, capture_output=True, text=True)
     assert done.returncode == 1 and said in done.stderr.splitlines()[-1]
     assert not file.read_text()
 

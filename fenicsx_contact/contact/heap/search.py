@@ -242,6 +242,10 @@ class Search:
         normal = s.units(x, face)
         height = dot(p - x[s.outline[face, 0]], normal)
         over = s.holds(p, face, x)
+        on = np.flatnonzero(~over & (s.hollow[face] >= 0).any(axis=1))
+        on = on[s.reaches(p[on], face[on], x)]  # and nothing is between
+        ways = p[on], s.roots(p[on], face[on], x)
+        over[on] = ~apart(s, x, ways, s.owner[face[on]])
         row, node = s.beside.of(corner[over])
         which = np.flatnonzero(over)[row]
         arm = normalised(x[node] - p[which])
@@ -258,7 +262,7 @@ class Search:
         """Whether places (k, d) lie over or below faces, or others in the planes of these."""
         s, result = self._shape, np.zeros(len(face), dtype=bool)
         row, facet = s.level.of(s.plane[face])
-        result[row[s.holds(p[row], facet, x)]] = True
+        result[row[s.reaches(p[row], facet, x)]] = True
         return result
 
     def _edges(self, pairs: np.ndarray, places: Places) -> Features:

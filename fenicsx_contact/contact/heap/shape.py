@@ -68,6 +68,8 @@ class Shape:
             farthest from it, (E, 2).
         sizes: the diameter of each body, and ``thin``, how thin it may be, at least, (B,) in m.
         convex: bodies that are, (B,) of bool.
+        hollow: for each end of a facet, in space edge, the end at which it meets another that
+            rises there, d times its facet and its number in this, (F, d); -1: none.
     """
 
     def __init__(self, sides: Sequence[Side]) -> None:
@@ -140,17 +142,43 @@ class Shape:
         """Those of facets (k,), of length 1."""
         return normalised(self.normals(x)[face])
 
-    def holds(self, p: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Whether places p (k, d) lie over or below faces (k,), (k,) of bool."""
+    def _inwards(self, p: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Whether places p (k, d) lie on the inner side of each end of faces (k,), (k, d)."""
         normal, around = self.units(x, face), x[self.outline[face]]
-        result, k = np.ones(len(face), dtype=bool), self.dim
+        result, k = np.empty((len(face), self.dim), dtype=bool), self.dim
         for i in range(k):
             a, b = around[:, i], around[:, (i + 1) % k]
             edge = b - a
             # in the plane from either end to the other
             inwards = edge if k == 2 else np.cross(normal, edge) * self.sign[face][:, None]
-            result &= dot(p - a, inwards) >= -SAME * dot(inwards, inwards)
+            result[:, i] = dot(p - a, inwards) >= -SAME * dot(inwards, inwards)
         return result
+
+    def holds(self, p: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Whether places p (k, d) lie over or below faces (k,), (k,) of bool."""
+        return np.asarray(self._inwards(p, face, x).all(axis=1))
+
+    def reaches(self, p: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """The same of faces that go on below their neighbours where these rise: what lies in a
+        hollow corner is over both, though it be over none, or over one alone."""
+        inwards = self._inwards(p, face, x)
+        of, side = np.nonzero(~inwards & (self.hollow[face] >= 0))
+        other, back = np.divmod(self.hollow[face[of], side], self.dim)
+        row, facet = self.level.of(self.plane[other])
+        goes_on = ~self._inwards(p[of], other, x)[np.arange(len(of)), back]
+        goes_on[row[self.holds(p[of[row]], facet, x)]] = True
+        inwards[of[goes_on], side[goes_on]] = True
+        return np.asarray(inwards.all(axis=1))
+
+    def roots(self, p: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """The places, (k, d), next to these at which faces meet those below which they go on."""
+        side = (~self._inwards(p, face, x) & (self.hollow[face] >= 0)).argmax(axis=1)
+        a = x[self.outline[face, side]]
+        if self.dim == 2:
+            return a
+        edge = x[self.outline[face, (side + 1) % 3]] - a
+        share = np.clip(dot(p - a, edge) / dot(edge, edge), 0, 1)
+        return a + share[:, None] * edge
 
     def _corners(self) -> np.ndarray:
         """Nodes at which the surface bends outwards, or where it ends; takes up the edges."""
@@ -161,7 +189,9 @@ class Shape:
         a, b = flanks.T
         across = middle[b] - middle[a]
         falls = -(across * unit[a]).sum(axis=1)
-        juts = (falls > SAME * np.linalg.norm(across, axis=1)) | (count == 1)
+        least = SAME * np.linalg.norm(across, axis=1)
+        self._hollow(ends[falls < -least], flanks[falls < -least])
+        juts = (falls > least) | (count == 1)
         if self.dim == 2:
             return ends[juts, 0]
         self.ends = ends[juts]
@@ -170,6 +200,15 @@ class Shape:
         self._join(bends, unit)
         self.wings = np.stack([self._wing(each, self.ends) for each in self.flanks.T], axis=1)
         return np.unique(self.ends)
+
+    def _hollow(self, ends: np.ndarray, flanks: np.ndarray) -> None:
+        """Take up the ends of facets, (r, d - 1), at which both that are beside them, (r, 2),
+        rise."""
+        d, self.hollow = self.dim, np.full(self.outline.shape, -1)
+        # of an edge in space the end at which it begins, going round the facet
+        here = (self.outline[flanks][..., None] == ends[:, None, None]).any(axis=3)
+        side = (here & np.roll(here, -1, axis=2) if d == 3 else here).argmax(axis=2)
+        self.hollow[flanks, side] = (d * flanks + side)[:, ::-1]
 
     def _join(self, bends: np.ndarray, unit: np.ndarray) -> None:
         """Let pieces of an edge be one, that go straight on at a node between the same two faces,

@@ -24,6 +24,7 @@ from .steps.checkpoint import state_of, take_up
 from .steps.impacts import LocatedImpacts, UniformImpacts
 from .steps.run import run
 from .steps.step import Stepper
+from .theory.consistent import consistent
 from .theory.scheme import Scheme
 from .theory.theta import ThetaScheme
 
@@ -81,12 +82,8 @@ class Scene:
         if not self.solids:
             raise checks.InputError("solids = []: a scene needs at least one solid")
         self.contacts = checks.sequence("contacts", contacts, Contact, "contacts")
-        self.scheme: Scheme = ThetaScheme() if scheme is None else scheme
+        self.scheme: Scheme = consistent(ThetaScheme() if scheme is None else scheme)
         self.newton = Newton() if newton is None else newton
-        if isinstance(self.scheme, type) or not isinstance(self.scheme, Scheme):
-            raise checks.InputError(
-                f"scheme = {quoted(scheme)}: must be a scheme, such as ThetaScheme()"
-            )
         checks.instance("newton", self.newton, Newton, "a Newton")
         self.locate_impacts = checks.truth("locate_impacts", locate_impacts)
         crossing = LocatedImpacts if locate_impacts else UniformImpacts

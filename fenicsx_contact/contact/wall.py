@@ -254,10 +254,9 @@ def _timed(
         with told():
             return answer(points, time)
 
-    if not asks or not parameters:
-        return asked, False
     # what is ours and has a default for the time does not depend on it without saying so
-    return asked, parameters[1].default is inspect.Parameter.empty or not _ours(function)
+    needed = asks and parameters and parameters[1].default is inspect.Parameter.empty
+    return asked, bool(needed) or (asks and not _ours(function))
 
 
 def _ours(function: Callable) -> bool:

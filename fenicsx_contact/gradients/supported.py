@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..base import checks
+from ..base.told import methods
 from ..contact.contact import Contact
 from ..contact.mortar.carried import Carried
 from ..rods import GuideContact
@@ -33,6 +34,9 @@ def motion(solid: Solid, inertia: bool, moving_time: bool) -> Motion:
         InputError: what is not supported, by name.
     """
     name = f"solid {solid.name!r}"
+    if own := methods(solid):
+        said = ", ".join(own)
+        raise checks.InputError(f"gradients: {name} is of a class of your own, which has {said}")
     if isinstance(solid, RigidSolid):
         if solid.applied and moving_time:
             raise checks.InputError(f"gradients: {name} has forces in time and located impacts")

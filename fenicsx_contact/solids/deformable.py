@@ -148,6 +148,8 @@ class DeformableSolid(SystemRows, Stressed):
 
         self.damping = Rayleigh() if damping is None else damping
         checks.offers("damping", self.damping, Damping, "KelvinVoigt(eta), Rayleigh(alpha, beta)")
+        for each in ("alpha", "beta"):
+            checks.number(f"damping.{each}", getattr(self.damping, each), at_least=0)
         self.dampers = []
         self.parameters += "".join(f", springs {f.told}" for f in self.foundations)
         self.parameters += f", {quoted(damping)}" if damping else ""

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""What own parts say of themselves is held against what they do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scenes import FLOOR, G, rectangle
+
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    EnergyMomentum,
+    GeneralisedAlpha,
+    HalfSpace,
+    InputError,
+    QuasiStatic,
+    RigidSolid,
+    Scene,
+    ThetaScheme,
+)
+from fenicsx_contact.gradients import Centre, Gravity, adjoints, tangents
+from fenicsx_contact.theory.consistent import consistent
+
+
+def rigid(kind=RigidSolid, **others):
+    mesh = rectangle((1, 1), (0.2, 0.2))
+    return kind(mesh, mass=2.0, gravity=(0, -G), name="block", **others)
+
+
+def changed(name, value):
+    """A theta-scheme of one's own of which a member is another."""
+    body = {name: value if callable(value) else property(lambda self: value)}
+    return dataclass(frozen=True)(type("Own", (ThetaScheme,), body))(0.5)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("linear_weights", (0.0, 0.5)),
+        ("linear_weights", (0.5, 1.0)),
+        ("force_points", [(0.5, 2.0)]),
+        ("force_points", [(1.0, 1.0)]),
+        ("load_points", [(0.5, 2.0)]),
+        ("position_rate", 1.0),
+        ("inertia", 0.5),
+        ("increment", lambda self, dt, old, new, memory: 2 * dt * (0.5 * old + 0.5 * new)),
+        ("increment", lambda self, dt, old, new, memory: dt * old * np.sign(old * new)),
+    ],
+)
+def test_a_scheme_whose_members_disagree_is_refused(name, value):
+    """Bodies fell at half the acceleration, or upwards, and the books were right."""
+    with pytest.raises(InputError, match=r"scheme = .*must be"):
+        Scene([rigid()], [], changed(name, value))
+
+
+@pytest.mark.parametrize(
+    "scheme",
+    [
+        *(ThetaScheme(theta) for theta in (0.5, 0.7, 1.0)),
+        *(GeneralisedAlpha(radius) for radius in (0.0, 0.8, 1.0)),
+        QuasiStatic(),
+        EnergyMomentum(),
+        changed("force_points", [(0.0, 0.5), (1.0, 0.5)]),
+    ],
+    ids=repr,
+)
+def test_schemes_agree_with_themselves(scheme):
+    assert consistent(scheme) is scheme
+
+
+@pytest.mark.parametrize(
+    ("alpha", "beta", "said"),
+    [(-20.0, 0.0, "alpha = -20"), (0.0, -1e-3, "beta"), ("1", 0.0, "alpha")],
+)
+def test_a_damping_of_ones_own_damps(alpha, beta, said):
+    """3e-4 J became 1e16 J."""
+
+    @dataclass(frozen=True)
+    class Own:
+        alpha: float
+        beta: float
+
+    with pytest.raises(InputError, match=rf"damping.{said}"):
+        ElasticSolid(
+            rectangle((1, 1), (0.2, 0.2)),
+            youngs_modulus=1e6,
+            poisson_ratio=0.3,
+            density=1e3,
+            damping=Own(alpha, beta),
+        )
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+def test_an_obstacle_whose_arguments_nobody_knows_may_move(law):
+    """A lift told by functions of ``*places`` stood still for the law, 0.1 m inside the block."""
+
+    class Lift:
+        dim, flat = 2, True
+
+        def distance(self, *places):
+            points, time = places
+            return points[:, 1] - 0.1 * time
+
+        def normals(self, points):
+            return np.tile([0.0, 1.0], (len(points), 1))
+
+    block = rigid(velocity=(0.0, 0.1))
+    history = Scene([block], [Contact(block, "base", Lift(), law, name="lift")]).run(1.0, 0.02)
+    assert history.finished
+    assert block.place[1] - 0.1 == pytest.approx(0.1, abs=1e-9)
+
+
+@pytest.mark.parametrize("way", [tangents, adjoints])
+def test_derivatives_of_a_solid_of_ones_own_are_refused(way):
+    """They were those of the class that it is made from: 0.3 for 0.23, without a word."""
+
+    class Dragged(RigidSolid):
+        def accept(self, step):
+            super().accept(step)
+
+    block = rigid(Dragged)
+    scene = Scene([block], [Contact(block, "base", FLOOR, friction=0.3)])
+    asked = {"g": Gravity(block, (1.0, 0.0))}, {"x": Centre(block, (1.0, 0.0))}
+    with pytest.raises(InputError, match=r"'block' is of a class of your own, which has .*accept"):
+        way(scene, 0.1, 0.05, *asked)
+
+
+def test_an_obstacle_that_asks_for_no_time_stands_still():
+    scene = Scene([block := rigid()], [Contact(block, "base", HalfSpace((0, 0), (0, 1)))])
+    assert not scene.contacts[0].coupling.driven

@@ -3,13 +3,16 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
 from scenes import FLOOR, G, rectangle
+from test_beam import axis_mesh
 
 from fenicsx_contact import (
+    BeamSolid,
     Contact,
     ElasticSolid,
     EnergyMomentum,
@@ -19,9 +22,11 @@ from fenicsx_contact import (
     QuasiStatic,
     RigidSolid,
     Scene,
+    Section,
     ThetaScheme,
 )
 from fenicsx_contact.gradients import Centre, Gravity, adjoints, tangents
+from fenicsx_contact.rods.drive import AxialForce
 from fenicsx_contact.theory.consistent import consistent
 
 
@@ -131,3 +136,32 @@ def test_derivatives_of_a_solid_of_ones_own_are_refused(way):
 def test_an_obstacle_that_asks_for_no_time_stands_still():
     scene = Scene([block := rigid()], [Contact(block, "base", HalfSpace((0, 0), (0, 1)))])
     assert not scene.contacts[0].coupling.driven
+
+
+@pytest.mark.parametrize(
+    ("kind", "reason"),
+    [("listed", "finished"), ("late", r"force 'brake'\(0.2.*acts at 0"), ("heavy", "added_mass")],
+)
+def test_what_drives_a_beam_is_asked_for_where_it_is_listed(kind, reason):
+    """A brake that was listed from 0.2 m on was never taken; negative masses fell, too."""
+
+    class Law:
+        prescribed = stop = None
+
+        def check(self, mass, gravity, held):
+            pass
+
+        def added_mass(self, travel):
+            return -5.0 if kind == "heavy" else 0.0
+
+        def forces(self, travel, speed, mass, gravity, dt):
+            yield AxialForce("spring", 100 * (1 - travel), 0.0, -100.0)
+            if kind != "late" or travel > 0.2:
+                yield AxialForce("brake", -300.0 if travel > 0.2 else 0.0, at=0.0)
+
+    mesh = axis_mesh((0, 0), (0, 1), all=(1.0, 4))
+    beam = BeamSolid(mesh, Section(mass=4.0, bending=70.0), law=Law())
+    history = Scene([beam], [], allow_free=True).run(0.2, 1e-3, progress=False)
+    assert re.search(reason, history.reason)
+    if kind == "listed":
+        assert beam.travel == pytest.approx(0.27264, abs=1e-4)

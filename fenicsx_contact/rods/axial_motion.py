@@ -8,7 +8,7 @@ takes the one at which it holds the beam away.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from math import isfinite
 
 import numpy as np
@@ -53,7 +53,7 @@ class AxialMotion:
         if law is not None:
             checks.instance("law", law, AxialLaw, "a Fall, a Driven, an AxialLaw or None")
             law.check(self.mass, self.gravity, self._held)
-            forces = law.forces(0.0, 0.0, self.mass, self.gravity, 1.0)
+            forces = list(law.forces(0.0, 0.0, self.mass, self.gravity, 1.0))
             at = getattr(law, "at", None)
             self._holding: Place = np.inf if at is None else at
             places = [MASS, self._holding, *(force.at for force in forces)]
@@ -83,8 +83,8 @@ class AxialMotion:
             z, speed = state = -float(share @ u), -float(share @ v)
             if state not in seen:  # of an axis that does not stretch there is but one
                 at = z + ahead * speed
-                seen[state] = self.law.forces(at, speed, self.mass, self.gravity, dt)
-                _check(seen[state], at)
+                seen[state] = list(self.law.forces(at, speed, self.mass, self.gravity, dt))
+                _check(seen[state], at, self._shares)
             found += [force for force in seen[state] if force.at == place]
         return found
 
@@ -97,7 +97,7 @@ class AxialMotion:
         if share < 1:
             last, half = force.mean(end, end)
             value, rate = share * value + (1 - share) * last, share * rate + (1 - share) * 2 * half
-        _check([AxialForce(force.name, value, by_travel=rate)], end)
+        _check([AxialForce(force.name, value, by_travel=rate)], end, [MASS])
         return value, rate
 
     def meets(self, u: Ends) -> bool:
@@ -146,7 +146,10 @@ class AxialMotion:
                 values.append(value)
                 changes.append(by)
             if place == MASS:
-                added = self.law.added_mass(-float(share @ u[0]) + ahead * speed)
+                travel = -float(share @ u[0]) + ahead * speed
+                with checks.asked_at(np.inf):  # of a step: it fails by it
+                    what, told = f"added_mass({travel:g})", self.law.added_mass(travel)
+                    added = checks.number(what, told, at_least=0)
             c = added / step.span - sum(changes)
             load -= share * (sum(values) + c * speed)
             y = inverse @ share  # Sherman-Morrison
@@ -242,9 +245,16 @@ class AxialMotion:
         self.taken = dict(zip(map(str, state["taken.names"]), map(float, state["taken"])))
 
 
-def _check(forces: Sequence[AxialForce], travel: float) -> None:
-    """Let a step fail by the forces of an own law that are no numbers."""
+def _check(forces: Sequence[AxialForce], travel: float, places: Collection[Place]) -> None:
+    """Let a step fail by the forces of an own law that are no numbers, or act where at first none
+    did."""
     for force in forces:
+        if force.at not in places:
+            with checks.asked_at(np.inf):
+                raise checks.InputError(
+                    f"force {force.name!r}({travel:g}): acts at {force.at}, where the law lists no "
+                    "force at travel 0; one of 0 N would do"
+                )
         given = force.value, force.by_speed, force.by_travel
         if not isfinite(sum(given)):
             with checks.asked_at(np.inf):  # of a step: it fails by them

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+import ufl
 from scenes import FLOOR, G, rectangle
 from test_beam import axis_mesh
 
@@ -28,6 +29,7 @@ from fenicsx_contact import (
 from fenicsx_contact.gradients import Centre, Gravity, adjoints, tangents
 from fenicsx_contact.rods.drive import AxialForce
 from fenicsx_contact.theory.consistent import consistent
+from fenicsx_contact.theory.weak_form import weak_form
 
 
 def rigid(kind=RigidSolid, **others):
@@ -165,3 +167,24 @@ def test_what_drives_a_beam_is_asked_for_where_it_is_listed(kind, reason):
     assert re.search(reason, history.reason)
     if kind == "listed":
         assert beam.travel == pytest.approx(0.27264, abs=1e-4)
+
+
+def test_a_law_of_velocities_of_ones_own_does_not_take_back_what_starts_inside():
+    """Unless it says so: it was believed to, and nothing was remarked."""
+
+    class Own:
+        name, multipliers, percussive, at_points = "own", True, True, False
+        points, gap_share = None, 0.0
+
+        def form(self, k):
+            return weak_form(k, k.jump_n - ufl.max_value(-k.gap, 0.0) / k.horizon)
+
+        def limit(self, data):
+            return np.maximum(-data.gap, 0.0) / data.horizon
+
+    block = rigid()
+    block.mesh.mesh.geometry.x[:, 1] -= 1e-4
+    block = RigidSolid(block.mesh, mass=2.0, gravity=(0, -G), name="block")
+    history = Scene([block], [Contact(block, "base", FLOOR, Own(), name="c")]).run(0.02, 0.01)
+    assert history.finished
+    assert any("starts 0.0001 m inside" in text for _, text in history.remarks)

@@ -123,7 +123,7 @@ def starts_too_deep(contact: Contact, share: float) -> str:
 def _takes_back(contact: Contact) -> bool:
     """Whether its law takes back what is inside."""
     law = contact.formulation
-    return bool(law.gap_share or getattr(law, "drift_correction", 1.0))
+    return bool(law.gap_share or getattr(law, "drift_correction", 0.0))
 
 
 def _inside_by_means(contact: Contact, deep: float, when: str = "starts") -> str:

@@ -792,6 +792,29 @@ def test_without_restitution_it_is_the_velocity_law(locate):
     np.testing.assert_array_equal(runs[0].rows(), runs[1].rows())
 
 
+@pytest.mark.parametrize(
+    ("gap", "speeds"), [(1e-6, [0, 0, 0, 0, 1]), (0.0, [-0.6, 0.4, 0.4, 0.4, 0.4])]
+)
+def test_a_row_of_bodies_is_struck(gap, speeds):
+    """One after the other where they are apart, together where they touch; energy is kept."""
+    bodies, places = [], [0.0, *(0.2 + 1e-3 + np.arange(4) * (0.2 + gap))]
+    for i, at in enumerate(places):
+        mesh = moved(rectangle((1, 1), (0.2, 0.2)), at, 0.0)
+        bodies.append(
+            RigidSolid(
+                mesh, mass=1.0, held=["y", "turning"], velocity=(float(i == 0), 0.0), name=f"b{i}"
+            )
+        )
+    contacts = [
+        Contact(one, "right", (two, "left"), Restitution(1.0), name=f"{one.name} {two.name}")
+        for one, two in zip(bodies, bodies[1:])
+    ]
+    history = Scene(bodies, contacts, locate_impacts=True).run(0.1, 1e-2)
+    assert history.finished
+    np.testing.assert_allclose([b.velocity[0] for b in bodies], speeds, rtol=0, atol=1e-9)
+    assert history["kinetic"][-1] == pytest.approx(0.5, rel=1e-9)
+
+
 @pytest.mark.parametrize("theta", [0.5, 0.75, 1.0])
 def test_an_oblique_impact_does_not_depend_on_theta(theta):
     """It takes no time: laws read the mean slip of before and after, by which its work goes; they

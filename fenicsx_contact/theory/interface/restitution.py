@@ -23,6 +23,9 @@ class Restitution(Velocity):
     arrive first; the jump before it is that with which the step starts. Between percussions the
     law is VELOCITY's, so what loads bring to rest stays there. By uniform steps what strikes turns
     round at the start of the step, by located impacts (``locate_impacts=True``) where it touches.
+    Bodies that touch when one of a row is struck are struck together, as Moreau's law has it: of
+    five equal ones that begin 1 um apart the last leaves with all of the speed, of five that touch
+    the first with -0.6 and the others with 0.4 of it; energy is kept both times.
 
     e is a property of rigid bodies; a deformable one rebounds by its own waves. With friction and
     e > 0 in oblique impacts of bodies that turn Newton's law can give energy (Kane's paradox);

@@ -57,7 +57,7 @@ class Balance:
             terms += np.abs(drawn).sum() + np.abs(contact.force).sum()
         size = np.abs(load).max(initial=0.0)
         none = size <= ROUND_OFF * terms or not np.isfinite(size)
-        self._size = size or 1.0
+        self._size = 0.0 if none else size
         self._load = np.zeros(len(load)) if none else load / size
 
     def left(self, chosen: Sequence[np.ndarray] | None = None) -> np.ndarray | None:
@@ -75,35 +75,42 @@ class Balance:
     def spread(self, chosen: Sequence[np.ndarray]) -> list[np.ndarray] | None:
         """Which of the points that are chosen bear where the solids are rigid, and each direction
         of a cone a spring behind the gap, as stiff as the point alone, (n,) of bool for each
-        contact; None: nothing does, or nothing that is found."""
-        if not self._load.any() or self.left(chosen) is not None:  # no least work
+        contact; None: nothing bears the loads, or nothing that is found."""
+        if not len(self._load) or self.left(chosen) is not None:  # then there is no least work
             return None
         rows, each = self._rows(chosen), []
         for contact, mine, at, of in zip(self._contacts, chosen, self._points, self._works):
             points, e = at[mine[at]], contact.equations
             limit = contact.candidates.limit(self._step)
             room = -contact.gap / self._step.gap_rate if limit is None else limit
-            both = np.stack([np.maximum(room, 0.0), e.force_scale / e.speed])[:, points]
+            both = np.stack([room, e.force_scale / e.speed])[:, points]
             each.append(np.repeat(both, of.shape[1], axis=1))
         room, springs = np.concatenate([np.empty((2, 0)), *each], axis=1)
         rows.insert(0, np.empty((0, len(self._load))))
         all_rows, stiffest = np.concatenate(rows), springs.max(initial=0.0)
+        # what acts: loads, and what comes in
+        unit = max(self._size, float((springs * -room).max(initial=0.0)))
+        if not unit:
+            return [np.zeros(len(mine), dtype=bool) for mine in chosen]
         if not (0 < stiffest < np.inf and np.isfinite(room).all()):
             return None
-        springs, room = springs / stiffest, room * stiffest / self._size
+        springs, room, load = (
+            springs / stiffest,
+            room * stiffest / unit,
+            self._load * self._size / unit,
+        )
 
         def work(way: np.ndarray) -> tuple[float, np.ndarray]:
             over = np.maximum(all_rows @ way - room, 0.0)
             borne = springs * over
-            return 0.5 * over @ borne + self._load @ way, borne @ all_rows + self._load
+            return 0.5 * over @ borne + load @ way, borne @ all_rows + load
 
         def stiffness(way: np.ndarray) -> np.ndarray:
             acts = all_rows @ way > room
             return np.asarray((all_rows[acts].T * springs[acts]) @ all_rows[acts])
 
         far = {"initial_trust_radius": max(1.0, room.max()), "max_trust_radius": np.inf}
-        way = -self._load
-        found = minimize(work, way, jac=True, hess=stiffness, method="trust-exact", options=far)
+        found = minimize(work, -load, jac=True, hess=stiffness, method="trust-exact", options=far)
         if not found.success:
             return None
         force = springs * np.maximum(all_rows @ found.x - room, 0.0)

@@ -73,16 +73,15 @@ class Grip:
 
     def taken(self, step: Step) -> list[np.ndarray] | None:
         """Of each contact the points that a step is to begin with as if they were glued, 1, and as
-        if they were open, -1, beside what is as it was, (n,). None where what bears holds all
-        solids, and can balance the loads on those that float."""
+        if they were open, -1, of all that may bear; (n,), 0: the others. None where what bears
+        holds all solids, and can balance the loads on those that float."""
         balance, contacts = Balance(self._floating, self._contacts, step), self._contacts
         bear = [contact.chosen & (contact.status > 0) for contact in contacts]
         values = np.linalg.eigvalsh(self.gram(list(self.rows()), bear))
         if values[0] > FREE * values[-1] and balance.left(bear) is None:
             return None
         may = [c.chosen & (mine | c.coupling.near()) for c, mine in zip(contacts, bear)]
-        spread = balance.spread(may)
-        return [1 * mine - (bears & ~mine) for mine, bears in zip(spread or may, bear)]
+        return [2 * bears - 1 * each for bears, each in zip(balance.spread(may) or may, may)]
 
     def name(self, way: np.ndarray) -> str:
         """The solid that moves most by some amounts of all motions, and how."""

@@ -130,8 +130,8 @@ class Monolithic(ABC):
         self._weakly = np.array([any(s is each for each in floating) for s in self.solids])
 
     def freeze(self, step: Step, first: bool) -> FrozenContact:
-        """The contact problem with solids and geometry linearised as they are. What only contact
-        holds, and what bore does not, is glued ``first``, in a step."""
+        """The contact problem with solids and geometry linearised as they are. Where what bore does
+        not hold what only contact holds, a step begins, ``first``, as its grip takes it."""
         # round-off may differ between processes, what they begin with may not
         points = self.comm.bcast(self._grip.taken(step)) if first and self._grip else None
         frozen = FrozenContact(self, step)

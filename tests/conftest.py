@@ -4,6 +4,7 @@
 import fcntl
 import json
 import os
+import signal
 import tempfile
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -25,6 +26,8 @@ for name in ("dolfinx_jit_parameters.json", "dolfinx_jit_options.json"):  # befo
     path.parent.mkdir(exist_ok=True)
     path.write_text(json.dumps({"timeout": PATIENCE, "cffi_extra_compile_args": COMPILER}))
 os.environ["XDG_CONFIG_HOME"] = _settings.name
+#: Of xdist's first process: its workers inherit it.
+TOGETHER = os.environ.setdefault("FENICSX_CONTACT_TESTS", _settings.name)
 
 #: Files of the first tier: the laws, the house, one test of each trap, exact impacts.
 QUICK = (
@@ -55,6 +58,12 @@ SAMPLED = {
 }
 
 
+def pytest_configure(config):
+    """A worker that died is not replaced: xdist gives its test to each new one."""
+    if getattr(config.option, "maxworkerrestart", 0) is None:
+        config.option.maxworkerrestart = "0"
+
+
 @pytest.hookimpl(tryfirst=True)  # before marks are selected by
 def pytest_collection_modifyitems(items):
     count = dict.fromkeys(SAMPLED, 0)
@@ -71,26 +80,41 @@ def pytest_collection_modifyitems(items):
             item.add_marker(pytest.mark.second)
 
 
+#: Seconds after which a test hangs, on any machine: its worker is killed, and the test named. Ten
+#: before, as pyproject.toml says, pytest tells where it is.
+HANGS = 1200
+
+
 @contextmanager
 def _locked(name, kind):
-    with open(Path(__file__).with_name(name)) as file:
-        fcntl.flock(file, kind)
+    """A lock among the workers; unlike that of flock, no process that is forked holds it, too."""
+    with open(Path(TOGETHER, name), "a+") as file:
+        fcntl.lockf(file, kind)
         yield
+
+
+@contextmanager
+def _ending():
+    signal.alarm(HANGS)
+    yield
+    signal.alarm(0)
 
 
 @pytest.hookimpl(hookwrapper=True)
 def pytest_runtest_protocol(item):
     """Several processes run alone: beside a worker that computes, those that wait for each other
-    hand each turn of a core to it, and a minute becomes ten."""
+    hand each turn of a core to it, and a minute becomes ten. What hangs is ended."""
     with ExitStack() as held:
         if "PYTEST_XDIST_WORKER" in os.environ:
             from processes import needs_mpirun
 
             alone = needs_mpirun.mark in item.iter_markers("skipif")
             # who waits to be alone is waited for: no other test begins before
-            with _locked("conftest.py", fcntl.LOCK_EX):
+            with _locked("next", fcntl.LOCK_EX):
                 kind = fcntl.LOCK_EX if alone else fcntl.LOCK_SH
-                held.enter_context(_locked("processes.py", kind))
+                held.enter_context(_locked("runs", kind))
+        if not any(item.get_closest_marker(mark) for mark in ("long", "open")):
+            held.enter_context(_ending())
         yield
 
 

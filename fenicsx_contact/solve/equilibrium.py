@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize, nnls
+from scipy.optimize import nnls
 
 from ..base.constants import ROUND_OFF
 from ..base.vectors import across, cross, largest, slices
@@ -17,6 +17,7 @@ from ..contact.contact import Contact
 from ..solids.motions import FREE, Motions
 from ..theory.formulations import only_pushes
 from ..theory.scheme import Step
+from .least_work import least_work
 
 #: Cost: sides of the pyramid that holds a cone of friction in space, to tell that there is no
 #: equilibrium, and to choose where a step starts: what it cannot bear, no cone can; what lies
@@ -94,26 +95,11 @@ class Balance:
             return [np.zeros(len(mine), dtype=bool) for mine in chosen]
         if not (0 < stiffest < np.inf and np.isfinite(room).all()):
             return None
-        springs, room, load = (
-            springs / stiffest,
-            room * stiffest / unit,
-            self._load * self._size / unit,
-        )
-
-        def work(way: np.ndarray) -> tuple[float, np.ndarray]:
-            over = np.maximum(all_rows @ way - room, 0.0)
-            borne = springs * over
-            return 0.5 * over @ borne + load @ way, borne @ all_rows + load
-
-        def stiffness(way: np.ndarray) -> np.ndarray:
-            acts = all_rows @ way > room
-            return np.asarray((all_rows[acts].T * springs[acts]) @ all_rows[acts])
-
-        far = {"initial_trust_radius": max(1.0, room.max()), "max_trust_radius": np.inf}
-        found = minimize(work, -load, jac=True, hess=stiffness, method="trust-exact", options=far)
-        if not found.success:
+        springs, room = springs / stiffest, room * stiffest / unit
+        motion = least_work(all_rows, springs, room, self._load * self._size / unit)
+        if motion is None:
             return None
-        force = springs * np.maximum(all_rows @ found.x - room, 0.0)
+        force = springs * np.maximum(all_rows @ motion - room, 0.0)
         pushes, result = force > FREE * force.max(), []
         ends = np.cumsum([len(own) for own in rows])
         for mine, at, of, begin, end in zip(chosen, self._points, self._works, ends, ends[1:]):

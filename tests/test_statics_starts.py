@@ -19,6 +19,7 @@ from fenicsx_contact import (
     neo_hookean,
 )
 from fenicsx_contact.solve.grip import Grip
+from fenicsx_contact.solve.least_work import least_work
 
 E, LENGTH, THICKNESS, GAP = 1e6, 1.0, 0.02, 0.005
 
@@ -232,3 +233,38 @@ def test_two_blocks_are_lifted_off_what_bore_them_in_one_step(below, hyperelasti
     lifted = 2e3 if below == "lifted" else 0.0
     for name, force in {"floor": 1e3 * weight, "joint": lifted, "lid": -5e3 - lifted}.items():
         assert history[f"{name}.force_y"][-1] == pytest.approx(force, rel=1e-6, abs=1e-4)
+
+
+@pytest.mark.parametrize("steps", [20, 40])
+def test_what_round_off_alone_lets_bear_begins_open(steps):
+    """A block that is pushed, lifted and set down: 40 steps took 32 iterations where 20 took 4."""
+    solid = block(
+        tractions={
+            "top": lambda t: (1e2 * np.cos(2 * np.pi * t), -3e3 * np.cos(2 * np.pi * t)),
+        }
+    )
+    contacts = [
+        Contact(solid, "base", FLOOR, "gap", friction=0.3, name="floor"),
+        Contact(solid, "top", HalfSpace((0, 1.05), (0, -1)), "gap", friction=0.3, name="lid"),
+    ]
+    history = Scene([solid], contacts, QuasiStatic()).run(1.0, 1.0 / steps)
+    assert history.finished and history["newton"].max() <= 8
+    borne = (history["floor.force_y"] + history["lid.force_y"])[1:]
+    np.testing.assert_allclose(borne, 3e3 * np.cos(2 * np.pi * history["time"][1:]), atol=1e-5)
+
+
+def test_springs_behind_gaps_find_their_least_work():
+    """Forces that push balance the load; springs that say the same, few springs, and stiffnesses
+    and gaps of three decades do not matter."""
+    rng = np.random.default_rng(1)
+    for _ in range(500):
+        n, m = rng.integers(1, 40), rng.integers(1, 13)
+        rows = np.repeat(rng.normal(size=(n, m)), rng.integers(1, 4), axis=0)
+        springs = 10.0 ** rng.uniform(-3, 0, len(rows))
+        room = rng.integers(2) * rng.normal(size=len(rows)).clip(0) * 10.0 ** rng.uniform(-3, 3)
+        load = -rows.T @ rng.uniform(-1, 1, len(rows)).clip(0)
+        load /= max(np.abs(load).max(), 1e-300)
+        motion = least_work(rows, springs / springs.max(), room, load)
+        force = springs / springs.max() * (rows @ motion - room).clip(0)
+        np.testing.assert_allclose(rows.T @ force, -load, atol=1e-8)
+    assert least_work(np.eye(2), np.ones(2), np.zeros(2), np.array([1.0, 0.0])) is None

@@ -11,6 +11,7 @@ import pytest
 import ufl
 from scenes import FLOOR, G, rectangle
 from test_beam import axis_mesh
+from test_own_parts import PointMass, PointMassTrace
 
 from fenicsx_contact import (
     BeamSolid,
@@ -188,3 +189,32 @@ def test_a_law_of_velocities_of_ones_own_does_not_take_back_what_starts_inside()
     history = Scene([block], [Contact(block, "base", FLOOR, Own(), name="c")]).run(0.02, 0.01)
     assert history.finished
     assert any("starts 0.0001 m inside" in text for _, text in history.remarks)
+
+
+class Twice(PointMassTrace):
+    def mean_jump(self, velocity):
+        return 2 * self.J @ velocity
+
+
+class Wrong(PointMass):
+    """It tells twice the work of what moves it, or a jump on which nothing works."""
+
+    def works(self, step):
+        momentum, acting, *others = super().works(step)
+        return momentum, acting * self.factor, *others
+
+    def trace(self, *surface):
+        seen = super().trace(*surface)
+        return Twice(self, seen.points) if self.doubled else seen
+
+
+@pytest.mark.parametrize(("factor", "doubled"), [(1.0, False), (2.0, False), (1.0, True)])
+def test_books_that_do_not_add_up_are_told(factor, doubled):
+    """The column "balance" alone had seen it, and nobody that."""
+    solid = Wrong(rectangle((2, 1)), 10.0, 5.0, (0, -G), (2.0, 0.0))
+    solid.factor, solid.doubled = factor, doubled
+    contact = Contact(solid, "base", FLOOR, friction=0.2, name="c")
+    history = Scene([solid], [contact]).run(0.05, 0.01)
+    assert history.finished
+    told = [text for _, text in history.remarks if text.startswith("the energy balance leaves")]
+    assert len(told) == (factor != 1 or doubled)

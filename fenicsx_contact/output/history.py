@@ -54,7 +54,7 @@ class History:
       the way really gone, of prescribed motions, and of obstacles that move;
     * ``damping``: work of the damping of solids on their mean velocities since the start, a loss;
     * ``scheme``: energy that the time scheme has made (positive) or damped since the start;
-    * ``balance``: what is left of the sum, as a check of the whole; a small residual;
+    * ``balance``: what is left of the sum, as a check of the whole: round-off, or a remark tells;
     * ``certificate``: the largest relative error of the accepted state, see
       :mod:`fenicsx_contact.steps.certificate`;
     * ``dt``, ``newton``, ``geometry``: length of the step, iterations, linearisations;

@@ -45,7 +45,7 @@ def least_work(
         if (size := np.abs(left).max()) <= SAME:
             return motion
         step = np.linalg.solve(borne @ rows[acts] + DAMPED * size * np.eye(len(left)), -left)
-        motion = motion + _length(rows @ step, -over, springs, load @ step) * step
+        motion = motion + _length(rows @ step, -over, springs, float(load @ step)) * step
     return None
 
 

@@ -82,7 +82,7 @@ class Stepper:
         self.rounds: list[Callable[[Trial], None]] = []
         self._begun: Step | None = None
         # the largest force at a point so far, N, and what rounds the works, J, see Books
-        self._pushed, self._rounding = 0.0, (0.0, 0.0)
+        self._pushed, self.rounding = 0.0, (0.0, 0.0)
         # contacts may have stored energy before the start, of which the books do not know
         inside = any(min(c.depth(), c.gap.max()) > c.tolerance for c in self.contacts)
         self._charged = inside or any(c.candidates.anywhere for c in self.contacts)
@@ -163,7 +163,7 @@ class Stepper:
         takes = all(contact.gives_nothing for contact in self.contacts)
         asked = takes and step.scheme.inertia and not self._charged
         energy = self._frames.energy(self.energies) + abs(self.work[2]) if asked else inf
-        books = Books(self.work[:2].sum() + min(self.work[4], 0.0), energy, *self._rounding)
+        books = Books(self.work[:2].sum() + min(self.work[4], 0.0), energy, *self.rounding)
         return certify(self._assembly, step, books, self._pushed)
 
     def struck(self, step: Step, touching: bool = False) -> bool:
@@ -212,7 +212,7 @@ class Stepper:
         """Make the trial state the state; returns the row of the history."""
         for watch in self.watchers:
             watch(trial)
-        clock, step, self._rounding = Clock(self.times), trial.step, trial.errors.rounding
+        clock, step, self.rounding = Clock(self.times), trial.step, trial.errors.rounding
         momentum, loads, supports, tractions = map(sum, zip(*(s.works(step) for s in self.solids)))
         damped = sum(solid.damped(step) for solid in self.solids)
         means = {id(solid): solid.mean_velocity(step) for solid in self.solids}
@@ -272,14 +272,14 @@ class Stepper:
         """What a run continues from, beside the solids and contacts."""
         numbers = {"time": self.time, "balance": self.balance, "most": self._frames.most}
         arrays = {name: np.array(each) for name, each in numbers.items()}
-        arrays["rounding"] = np.array(self._rounding)
+        arrays["rounding"] = np.array(self.rounding)
         return {"work": self.work, **arrays, **self._neighbours.state()}
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave; solids and contacts have been restored."""
         self.time, self.balance = float(state["time"]), float(state["balance"])
         self._frames.most, self.work = float(state["most"]), np.array(state["work"])
-        self._rounding = tuple(state["rounding"].tolist())
+        self.rounding = tuple(state["rounding"].tolist())
         if self._neighbours.restore(state):
             self._arrange()
         self._begun, self.energies = None, self.sum_energies()

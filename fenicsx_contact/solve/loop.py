@@ -12,6 +12,7 @@ correction knows nothing of what will. So do rounds after corrections that gain 
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from ..contact.trial import in_round_hole, nonlinearity
 from ..solids import DeformableSolid
 from ..theory.scheme import Step
 from .condensed import Condensed
+from .cones import begin_from_cones
 from .equilibrium import unbearable
 from .krylov import Krylov
 from .monolithic import Monolithic
@@ -32,7 +34,7 @@ from .problem import Assembly, Clock, scale_of
 from .sparse import Sparse
 from .speeds import Speeds
 from .statics import free_motion
-from .surface_problem import SLOW
+from .surface_problem import SLOW, SurfaceSystem
 from .turns import Turns
 
 #: The linear systems, by name.
@@ -43,8 +45,7 @@ SYSTEMS: dict[str, type[Condensed] | type[Monolithic]] = {
 }
 #: Relative error of the linearised operator, gaps and momentum at which the fixed point ends.
 GEOMETRY_TOLERANCE = 1e-8
-#: How often a correction that inverts an element, or goes beyond what its linearisation knows, is
-#: halved: it does if it makes the error so many times what it was, or than the terms.
+#: How often a correction is halved that inverts an element, or makes the error so many times worse.
 HALVINGS, WORSE = 5, 10.0
 
 
@@ -174,10 +175,12 @@ class StepSolver:
         return scale
 
     def _settle(self, step: Step, first: bool, rounded: bool = True) -> Solution:
-        frozen, known = self.system.freeze(step, first), {}
+        frozen, known = self.system.freeze(step, first), dict[str, Any]()
         frozen.rounded = rounded
         if self._floating:
             known["hopeless"] = partial(unbearable, self._floating, self._all.contacts, step)
+        if isinstance(frozen, SurfaceSystem) and frozen.hyperstatic and not frozen.crowded:
+            known["elsewhere"] = partial(begin_from_cones, frozen, self._all.contacts, step)
         try:
             return self._newton.solve(frozen, **known)
         except NotConverged as failure:

@@ -82,12 +82,18 @@ class Newton:
         checks.keep(self, "tolerance", above=0, at_most=1e-2)
         checks.whole_number("max_iterations", self.max_iterations, at_least=1)
 
-    def solve(self, system: ContactProblem, hopeless: Callable[[], str] | None = None) -> Solution:
+    def solve(
+        self,
+        system: ContactProblem,
+        hopeless: Callable[[], str] | None = None,
+        elsewhere: Callable[[], bool] | None = None,
+    ) -> Solution:
         """Solve the surface problem of a step; the surfaces then hold the solution.
 
         Args:
             system: the surface problem, begun.
             hopeless: why it has no solution, or nothing; asked where Newton's method finds none.
+            elsewhere: lets it begin from a place that it finds; whether there is one; likewise.
 
         Raises:
             NotConverged: with the reason.
@@ -98,12 +104,19 @@ class Newton:
         # where many bodies stick their points contradict each other by how they lie
         rough = ROUGH * self.tolerance if system.crowded else self.tolerance
         stalled = ROUGH * self.tolerance if system.rounded else rough
-        iterations, enough = self._iterate(system, stalled)
+        iterations, enough = self._iterate(system, stalled, elsewhere is None)
         if system.worst <= enough:
             return Solution(system.force(), iterations, system.worst, system.worst <= rough)
         if hopeless and (reason := hopeless()):
             raise NotConverged(reason)
         flips, notes = system.flips(), ""
+        if elsewhere and elsewhere():
+            start, enough = system.state(), self.tolerance
+            if system.error() > enough:
+                more, enough = self._iterate(system, stalled)
+                iterations += more
+            if system.worst <= enough:
+                return Solution(system.force(), iterations, system.worst, system.worst <= rough)
         # of forces that the motion does not determine the method of multipliers finds such as are
         # near; damped steps may leave points at their bounds that push against each other
         damped_first = system.crowded or not system.hyperstatic
@@ -120,9 +133,12 @@ class Newton:
         last = Solution(system.force(), iterations, system.worst, False, [flips + notes], False)
         raise NotConverged(f"{system.stall()}; {flips}{notes}", last)
 
-    def _iterate(self, system: ContactProblem, rough: float) -> tuple[int, float]:
-        """Newton steps until converged, or until the statuses cycle; how many, and the error to be
-        accepted: where it falls no more and is not above ``rough``, that."""
+    def _iterate(
+        self, system: ContactProblem, rough: float, patient: bool = True
+    ) -> tuple[int, float]:
+        """Newton steps until converged, or until the statuses cycle, or, if not ``patient``, until
+        the error falls no more; how many, and the error to be accepted: where it falls no more and
+        is not above ``rough``, that."""
         seen: dict[bytes, float] = {}
         last, error, stalls, returns = b"", system.error(), 0, 0
         for iteration in range(1, self.max_iterations + 1):
@@ -146,8 +162,9 @@ class Newton:
                 if returns == STALLS or not system.crowded:
                     # points that contradict each other may go round for ever by what rounds them
                     return iteration, rough if system.hyperstatic else self.tolerance
-            if stalls > STALLS and key == last and not (system.crowded or system.hyperstatic):
-                # pieces of which statuses know nothing, leapt over back and forth
+            # pieces of which statuses know nothing, leapt over back and forth
+            leaps = key == last and not (system.crowded or system.hyperstatic)
+            if stalls > STALLS and (leaps or not patient):
                 return iteration, self.tolerance
             seen[key] = error
             last = key

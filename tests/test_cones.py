@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""From where Newton's method begins anew if the statuses of many points of a rigid solid go round:
+forces in cones of friction, by least distance."""
+
+import numpy as np
+import pytest
+
+from fenicsx_contact import Circle, Contact, RigidSolid, Scene, ThetaScheme, mesh_from_gmsh
+from fenicsx_contact.solve import loop
+from fenicsx_contact.solve.cones import _least
+
+#: A plate with a round hole at the origin, in n facets.
+ARM = """
+SetFactory("OpenCASCADE");
+DefineConstant[ r = {0.0302}, n = {48} ];
+Rectangle(1) = {-0.05, -0.3, 0, 0.1, 0.35};
+Disk(2) = {0, 0, 0, r, r};
+BooleanDifference(3) = { Surface{1}; Delete; }{ Surface{2}; Delete; };
+hole() = Curve In BoundingBox {-r - 1e-3, -r - 1e-3, -1e-3, r + 1e-3, r + 1e-3, 1e-3};
+Physical Curve("hole") = hole();
+Physical Surface("arm") = {3};
+Mesh.MeshSizeMax = 0.05;
+Mesh.MeshSizeFromCurvature = n;
+"""
+
+
+def swings(tmp_path, law, friction, play=1.7e-4):
+    """An arm about a pin in its hole, half a second in steps of 5 ms: in one it may fall through
+    the play."""
+    script = tmp_path / "arm.geo"
+    script.write_text(ARM)
+    arm = RigidSolid(
+        mesh_from_gmsh(script, r=0.03 + play), mass=2.0, gravity=(8.25, -5.3), name="arm"
+    )
+    contact = Contact(arm, "hole", Circle((0, 0), 0.03), law, friction=friction, name="pin")
+    return Scene([arm], [contact], ThetaScheme(0.5)).run(0.5, 5e-3)
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+def test_an_arm_swings_on_a_pin_with_play(law, friction, tmp_path):
+    """48 points, three velocities: 12 to 39 iterations a step, and a remark in every other one that
+    the method of multipliers took over."""
+    history = swings(tmp_path, law, friction)
+    assert history.finished
+    took_over = [text for _, text in history.remarks if "took over" in text]
+    assert len(took_over) <= 0.05 * history.steps
+    assert history["newton"].mean() < 20
+    total = history["kinetic"] + history["potential"]
+    took = sum(history[name][-1] for name in ("impact", "friction", "scheme"))
+    assert total[-1] - total[0] == pytest.approx(took, rel=1e-6)
+
+
+def test_what_begins_anew_is_all_but_solved(tmp_path, monkeypatch):
+    errors = []
+
+    def begun(system, contacts, step, begin=loop.begin_from_cones):
+        assert begin(system, contacts, step)
+        errors.append(system.error())
+        return True
+
+    monkeypatch.setattr(loop, "begin_from_cones", begun)
+    swings(tmp_path, "velocity", 0.2)
+    assert len(errors) > 10 and np.median(errors) < 1e-5
+
+
+def test_least_distances():
+    """Of what is beyond by no weights: complementary, whatever says the same twice; None where the
+    directions contradict each other."""
+    rng = np.random.default_rng(2)
+    for _ in range(200):
+        m, n = rng.integers(1, 7), rng.integers(1, 40)
+        seen = np.repeat(rng.normal(size=(n, m)), rng.integers(1, 3), axis=0)
+        beyond = seen @ rng.normal(size=m) - rng.uniform(size=len(seen))
+        weights = _least(seen, beyond)
+        left = beyond - seen @ (weights @ seen)
+        assert weights.min() >= 0 and left.max() < 1e-9
+        assert np.abs(weights * left).max() < 1e-9 * max(1.0, weights.max())
+    assert _least(np.array([[1.0], [-1.0]]), np.array([1.0, 1.0])) is None

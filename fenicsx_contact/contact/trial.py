@@ -108,10 +108,15 @@ def rounded_drive(contact: Contact, step: Step, force: np.ndarray) -> float:
     return -0.5 * late * step.span * float(dot(pushes, normal) @ off)
 
 
-def astray(contact: Contact, step: Step) -> np.ndarray:
-    """How much deeper each point is in the trial state than its velocities say, (n,) in m."""
-    way = step.gap_rate * dot(contact.trial_jump, contact.normal)
-    way += (step.dt - step.gap_rate) * contact.start_jump_n
+def astray(contact: Contact, step: Step, resolution: float) -> np.ndarray:
+    """How much deeper each point is in the trial state than its velocities say, (n,) in m. What
+    approaches as its law allows up to the ``resolution``, m/s, approaches so: left in the gaps what
+    it is off would add up, until the law reads it as gaps, which those of a rigid solid cannot all
+    have at once."""
+    speed, most = dot(contact.trial_jump, contact.normal), contact.candidates.limit(step)
+    if most is not None:
+        speed = np.where(np.abs(speed - most) <= resolution, most, speed)
+    way = step.gap_rate * speed + (step.dt - step.gap_rate) * contact.start_jump_n
     return np.asarray(contact.coupling.gaps() - contact.gap - way)
 
 

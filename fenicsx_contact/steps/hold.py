@@ -7,6 +7,7 @@ rigid solid that turns, the point goes elsewhere, by a small length of second or
 beside it land before the far corner does, each on its own. So the solids are put back by that much,
 as little as their mass allows: a translation and a turn without velocity. Where that changes what
 two solids see of each other (a corner on a face that turns, too) the step is solved again about it.
+What errors of the loop moved is put back with it.
 """
 
 from __future__ import annotations
@@ -22,16 +23,19 @@ from ..contact.trial import astray, farthest, normal_rows
 from ..theory.scheme import Step
 
 
-def hold_gaps(contacts: Sequence[Contact], step: Step) -> bool:
+def hold_gaps(contacts: Sequence[Contact], step: Step, resolution: float) -> bool:
     """Put rigid solids in their trial states where the bearing points of velocity laws belong;
-    whether they were not there."""
+    whether they were not there. Speeds below the ``resolution``, m/s, are errors. In a percussion
+    nothing moves."""
+    if not step.dt:
+        return False
     held = []
     for contact in contacts:
         if not contact.formulation.percussive or not all(s.shiftable for s in contact.solids):
             continue
         bearing = contact.trial_status.nonzero()[0]
         if len(bearing):
-            off = astray(contact, step)[bearing]
+            off = astray(contact, step, resolution)[bearing]
             off[np.abs(off) <= 2 * ulp(farthest(contact))] = 0.0
             held.append((contact, bearing, off))
     if not held:

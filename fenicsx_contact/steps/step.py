@@ -150,7 +150,7 @@ class Stepper:
         solution = self._method.solve(step, clock)
         for contact in self.contacts:
             contact.trial_status = statuses(contact)
-        moved = bool(step.dt) and not self._linear and hold_gaps(self.contacts, step)
+        moved = not self._linear and hold_gaps(self.contacts, step, self.resolution)
         for solid in self.solids:
             if reason := solid.unsound(step):
                 raise StepFailed(reason)

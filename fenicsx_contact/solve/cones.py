@@ -18,7 +18,7 @@ import numpy as np
 from scipy.linalg import lapack
 from scipy.optimize import nnls
 
-from ..base.constants import ROUND_OFF, SAME
+from ..base.constants import RIGHT, ROUND_OFF, SAME
 from ..base.vectors import slices
 from ..contact.contact import Contact
 from ..contact.part import Part
@@ -27,6 +27,8 @@ from .surface_problem import SurfaceSystem
 
 #: Cost: rounds in which the speed of slip is to settle, and sides of a pyramid in space.
 ROUNDS, SIDES = 300, 8
+#: Cost: of more velocities the search takes longer than what follows without it.
+FEW = 60
 
 
 class _Points:
@@ -55,7 +57,7 @@ class _Points:
         )
         self._normal, self._ways = self._directions(e.fields.frame())
         along = self._directions(e.fields.frame(e.fields.mean_normal()))[1]
-        self.forces = np.einsum("nkd,ndv->nkv", along, S).reshape(-1, len(place))
+        self.forces = np.einsum("nkd,ndv->nkv", along, S).reshape(n * len(self.shares), len(place))
         self._see = J.reshape(n * d, len(place))
         # jumps are affine in the velocities that are unknown
         jump = e.values[: e.jumps].reshape(-1, d)[self._at].ravel()
@@ -83,7 +85,7 @@ class _Points:
         change[: len(self.place)] = velocities[self.place]
         change[: len(self.place)] -= part.active_values()[: len(self.place)]
         part.move(change)
-        borne = weights.reshape(len(self._at), -1) / e.weight[self._at, None]
+        borne = weights.reshape(len(self._at), len(self.shares)) / e.weight[self._at, None]
         values = e.values
         values[e.jumps :] = 0.0
         values[e.jumps + self._at] = -borne.sum(axis=1)
@@ -120,7 +122,7 @@ def begin_from_cones(system: SurfaceSystem, contacts: Sequence[Contact], step: S
     root = np.empty((len(factor), rank))
     root[order - 1] = np.tril(factor)[:, :rank]
     seen = forces @ root  # what the directions do to the solids
-    now, weights = system.free, np.zeros(len(forces))
+    now, weights, change = system.free, np.zeros(len(forces)), np.inf
     for _ in range(ROUNDS):
         beyond = np.concatenate([each.beyond(now) for each in points])
         # what forces along mean normals do is not quite what is asked along those at the end
@@ -128,10 +130,12 @@ def begin_from_cones(system: SurfaceSystem, contacts: Sequence[Contact], step: S
         if new is None:
             return False
         now = system.free - system.W @ (new @ forces)
-        settled = np.abs(new - weights).max(initial=0.0) <= SAME * new.max(initial=0.0)
-        weights = new
-        if settled:
+        before, weights = weights, new
+        # of forces that do the same one may follow the other for ever
+        last, change = change, np.abs((weights - before) @ seen).max(initial=0.0)
+        if last <= change <= SAME * np.abs(weights @ seen).max(initial=0.0):  # round-off
             break
+    weights = _spread(seen, weights, beyond - seen @ ((weights - before) @ seen))
     for each, at in zip(points, places):
         each.take(now, weights[at])
     system.restart()
@@ -154,3 +158,19 @@ def _least(seen: np.ndarray, beyond: np.ndarray) -> np.ndarray | None:
         return None
     left = 1.0 - rows[-1] @ found
     return None if left <= ROUND_OFF else found / left * size / stiff**2
+
+
+def _spread(seen: np.ndarray, weights: np.ndarray, left: np.ndarray) -> np.ndarray:
+    """Weights >= 0 that do the same, of which few are not zero, on all directions in which nothing
+    is ``left``, (k,), as evenly as that goes."""
+    stiff = np.sqrt(np.einsum("kr,kr->k", seen, seen).max(initial=0.0))
+    taken = seen @ (weights @ seen)  # of what came nearer
+    tight = np.flatnonzero(left >= -RIGHT * np.abs(taken).max(initial=0.0))
+    small = np.sqrt(np.finfo(float).eps) * np.eye(len(tight))
+    target = np.concatenate([weights @ seen / (stiff or 1.0), np.zeros(len(tight))])
+    even = np.zeros(len(weights))
+    try:
+        even[tight] = nnls(np.concatenate([seen[tight].T / (stiff or 1.0), small]), target)[0]
+    except RuntimeError:  # too many iterations
+        return weights
+    return even

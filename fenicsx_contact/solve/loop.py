@@ -24,7 +24,7 @@ from ..contact.trial import in_round_hole, nonlinearity
 from ..solids import DeformableSolid
 from ..theory.scheme import Step
 from .condensed import Condensed
-from .cones import begin_from_cones
+from .cones import FEW, begin_from_cones
 from .equilibrium import unbearable
 from .krylov import Krylov
 from .monolithic import Monolithic
@@ -85,6 +85,7 @@ class StepSolver:
         self._foresees = isinstance(self.system, Condensed) or not self._speeds.bodies
         # sweeps follow slowly what slides along a narrow hole, or not at all
         self._turns = self._foresees and any(map(in_round_hole, problem.contacts))
+        self._few = sum(len(solid.velocity) for solid in problem.solids) <= FEW
         self._floating = floating
         if floating:
             self.system.hold(floating)
@@ -141,10 +142,8 @@ class StepSolver:
                 if not any([contact.grow(step) for contact in self._all.contacts]):
                     return force, iterations, sweep, remarks
             last = error
-        raise StepFailed(
-            f"the geometric fixed point stalls at a relative error of {error:.3g} after "
-            f"{sweep} linearisations"
-        )
+        why = f"the geometric fixed point stalls at a relative error of {error:.3g}"
+        raise StepFailed(f"{why} after {sweep} linearisations")
 
     def _linearise(self, step: Step, first: bool) -> float:
         """Geometry, candidates and scales; returns a typical speed."""
@@ -179,7 +178,7 @@ class StepSolver:
         frozen.rounded = rounded
         if self._floating:
             known["hopeless"] = partial(unbearable, self._floating, self._all.contacts, step)
-        if isinstance(frozen, SurfaceSystem) and frozen.hyperstatic and not frozen.crowded:
+        if isinstance(frozen, SurfaceSystem) and self._few and frozen.hyperstatic:
             known["elsewhere"] = partial(begin_from_cones, frozen, self._all.contacts, step)
         try:
             return self._newton.solve(frozen, **known)

@@ -450,3 +450,16 @@ def test_what_is_led_along_with_its_floor_is_in_balance(led, law, height):
     assert history.reason == "finished"
     assert np.abs(history["c.force_y"]).max() < 1e-6 * (1 + abs(height))
     assert block.mean(block.displacement)[1] == pytest.approx(0.01, rel=1e-9)
+
+
+@pytest.mark.parametrize("speed", [1.0, 2.0])
+@pytest.mark.parametrize("dt", [1e-4, 2e-4])
+def test_what_a_wall_drives_on_goes_with_it(dt, speed):
+    """Once both are as fast nothing but round-off of their speed is left between them: rows that
+    were scaled by that of the difference alone stalled."""
+    body = moved(rectangle(size=(0.2, 0.1), cell="triangle"), 0.1, -0.05)
+    body = RigidSolid(body, mass=2.0)
+    wall = Moved(HalfSpace((0, 0), (1, 0)), lambda t: (speed * max(0.0, t - 10.3 * dt), 0.0))
+    history = Scene([body], [Contact(body, "left", wall)]).run(until=40 * dt, dt=dt)
+    assert history.finished, history.reason
+    assert body.velocity[0] == pytest.approx(speed, rel=1e-9)

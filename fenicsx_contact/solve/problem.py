@@ -172,12 +172,15 @@ class Assembly:
 
 
 def _largest(contact: Contact, velocities: np.ndarray, noise: float) -> float:
-    if contact.coupling.driven:
-        velocities = contact.coupling.to_jump(velocities).ravel()
     places, d = contact.part.active_places, contact.surface.dim
-    active = velocities.reshape(-1, d)[np.unique(places // d)]
-    fastest = longest(active)
-    return fastest if len(contact.solids) == 1 else max(noise * fastest, spread(active))
+    points = np.unique(places // d)
+    active = velocities.reshape(-1, d)[points]
+    if len(contact.solids) > 1:
+        return max(noise * longest(active), spread(active))
+    if contact.coupling.driven:  # what goes with the other side differs from it by round-off
+        jump = contact.coupling.to_jump(velocities)[points]
+        return max(noise * longest(active), longest(jump))
+    return longest(active)
 
 
 def scale_of(speed: float) -> float:

@@ -10,6 +10,7 @@ from threading import Thread
 import numpy as np
 import pytest
 import ufl
+from corpus_meshes import moved
 from dolfinx import fem
 from scenes import FLOOR, G, box, energy_size, rectangle, total_energy
 
@@ -25,6 +26,7 @@ from fenicsx_contact import (
     Moved,
     Obstacle,
     QuasiStatic,
+    Restitution,
     RigidSolid,
     Scene,
     Sphere,
@@ -460,6 +462,51 @@ def test_a_sudden_start_is_a_blow():
     assert np.count_nonzero(history["dt"] == 0) == 2  # the first row, and the blow
     np.testing.assert_allclose(history["drive"][-1], 10.0, rtol=1e-9)
     np.testing.assert_allclose(history["impact"][-1], -5.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.0, 1e-7, 0.01, 1 / 3, 0.5, 0.999, 1 - 1e-7])
+@pytest.mark.parametrize("located", [False, True])
+@pytest.mark.parametrize("ahead", [0.0, 1e-9])
+@pytest.mark.parametrize("restitution", [0.5, 1.0])
+def test_a_sudden_start_throws_what_rebounds(share, located, ahead, restitution):
+    """In the midst of a step as at its start, what touches or is just ahead; steps saw the wall at
+    rest where they start, and took the body along: 1 m/s, whatever the step."""
+    dt = 1e-3
+    block = RigidSolid(moved(rectangle(), 0.0, ahead), mass=10.0)
+    floor = Moved(FLOOR, lambda t: (0.0, max(0.0, t - (5 + share) * dt)))
+    contact = Contact(block, "base", floor, Restitution(restitution), name="c")
+    history = Scene([block], [contact], locate_impacts=located).run(20 * dt, dt)
+    assert history.finished and not history.remarks
+    # beside an end of a step its speed there is a difference over a time in which it starts
+    accuracy = 1e-3 if abs(share - round(share)) == pytest.approx(1e-7) else 1e-8
+    assert block.velocity[1] == pytest.approx(1 + restitution, rel=accuracy)
+    np.testing.assert_allclose(history["drive"][-1], 10 * (1 + restitution), rtol=accuracy)
+
+
+@pytest.mark.parametrize("theta", [0.75, 1.0])
+def test_a_sudden_start_that_takes_along_is_remarked(theta):
+    block = RigidSolid(rectangle(), mass=10.0)
+    floor = Moved(FLOOR, lambda t: (0.0, max(0.0, t - 0.0055)))
+    contact = Contact(block, "base", floor, Restitution(1.0))
+    history = Scene([block], [contact], ThetaScheme(theta)).run(0.02, 1e-3)
+    assert history.finished
+    assert [time for time, _ in history.remarks] == pytest.approx([0.006])
+    assert "does not rebound" in history.remarks[0][1]
+
+
+def test_what_is_no_sudden_start():
+    """Speeds that change smoothly, or away from what is there, cut no step."""
+    for way in (
+        lambda t: 3 * t * t,
+        lambda t: 1e-3 * np.sin(300 * t),
+        lambda t: min(0, 0.0105 - t),
+    ):
+        block = RigidSolid(rectangle(), mass=10.0, gravity=(0, -G))
+        floor = Moved(FLOOR, lambda t, way=way: (0.0, way(t)))
+        history = Scene([block], [Contact(block, "base", floor, Restitution(0.5))]).run(0.02, 1e-3)
+        assert history.finished
+        dt = history["dt"][history["dt"] > 0]
+        np.testing.assert_allclose(dt, 1e-3, rtol=1e-9)
 
 
 @pytest.mark.parametrize("law", ["velocity", "gap"])

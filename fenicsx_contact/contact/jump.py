@@ -10,6 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from functools import cached_property
+from math import inf
 
 import numpy as np
 
@@ -230,6 +231,11 @@ class Coupling(ABC):
     def started_along(self, vectors: np.ndarray) -> np.ndarray:
         """Velocities with which what moves as it is told starts the step, along vectors (n, d)."""
         return np.zeros(len(vectors))
+
+    def sudden(self, gap: np.ndarray, step: Step) -> float:
+        """After how long in a step what moves as it is told changes its velocity at once, so that
+        it reaches points with these gaps, (n,) in m, s; inf if it does not."""
+        return inf
 
     def turns(self, old: np.ndarray, new: np.ndarray, step: Step) -> np.ndarray:
         """Where normals at the start and at the end of a step, (n, d), are those of what turns on

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Whether what moves as it is told jumps: no velocity follows that."""
+"""Whether what moves as it is told jumps, no velocity follows that, or its velocity does."""
 
 from __future__ import annotations
 
@@ -60,6 +60,40 @@ def leap(
     # what begins to move at the very end goes on
     after = abs((place(last + (end - start)) - place(last))[at])
     return Leap(float(size), first) if size > max(noise, after) else None
+
+
+def kink(
+    speed: Callable[[float, float], np.ndarray], start: float, end: float, noise: float
+) -> tuple[float, np.ndarray, np.ndarray] | None:
+    """When within two times speeds jump by more than half of what they change by between them, s,
+    and the speeds at both, (n,) in m/s; or None.
+
+    The time is halved as by :func:`leap`. Seen from before and from behind speeds are known right
+    beside a time, so that no half has a part of the jump; beside the ends they are not, and a jump
+    there is none.
+
+    Args:
+        speed: the mean one between two times, (n,) in m/s.
+        start, end: times, s.
+        noise: what is shorter is round-off, m.
+    """
+    brief = brief_time(end, BRIEF * (end - start))
+    first, last = bounds = start + brief, end - brief
+    before, after = speed(start, first), speed(last, end)
+    at = int(np.abs(after - before).argmax())
+    low, high = before[at], after[at]
+    if not (whole := abs(high - low)) > noise / brief:
+        return None
+    while first < (middle := 0.5 * (first + last)) < last:
+        ahead, behind = speed(middle, middle + brief)[at], speed(middle - brief, middle)[at]
+        left, right = abs(ahead - low), abs(high - behind)
+        if max(left, right) <= 0.5 * whole:
+            return None
+        first, last, low, high = (
+            (first, middle, low, ahead) if left > right else (middle, last, behind, high)
+        )
+    within = first > bounds[0] and last < bounds[1]
+    return (first, before, after) if within else None
 
 
 def no_velocity(what: str, size: float, time: float) -> StepFailed:

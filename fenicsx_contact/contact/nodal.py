@@ -4,17 +4,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import inf
 
 import numpy as np
 
-from ..base.constants import SHARP
-from ..base.vectors import dot, longest
+from ..base.constants import ROUND_OFF, SHARP
+from ..base.vectors import dot, largest, longest
 from ..solids import Solid, Trace
 from ..solids.trace import DeformableTrace
 from ..theory.scheme import Step
 from .equations import SurfaceEquations
 from .inside import swallowed
 from .jump import Coupling
+from .leaps import kink
 from .ride import Ride
 from .wall import Obstacle, Wall
 from .ways import Ways
@@ -139,6 +141,23 @@ class NodalJump(Coupling):
 
     def started_along(self, vectors: np.ndarray) -> np.ndarray:
         return dot(self._ride.start, vectors)
+
+    def sudden(self, gap: np.ndarray, step: Step) -> float:
+        if not self.driven:
+            return inf
+        x, wall = self._start_positions, self.wall
+        normals = -wall.normals(x, step.start)
+        found = kink(
+            lambda *times: dot(wall.velocity(x, *times), normals),
+            *(step.start, step.end),
+            ROUND_OFF * largest(x),
+        )
+        if found is None:
+            return inf
+        time, before, after = found
+        own = dot(self.velocities("velocity").reshape(self._shape), normals)
+        way = (time - step.start) * (own - before) + (step.end - time) * (own - after)
+        return time - step.start if (gap + way > 0).any() else inf
 
     def carried(self, step: Step) -> np.ndarray | float:
         if not self.driven:

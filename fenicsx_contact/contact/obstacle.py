@@ -145,8 +145,9 @@ class Moved:
     Args:
         obstacle: any obstacle.
         motion: its displacement as a function of the time [s], d numbers in m. Velocities are
-            differences of it over the times that a scheme asks for, so that tables and sudden
-            starts will do; jumps only by theta = 1, in uniform steps.
+            differences of it over the times that a scheme asks for, so that tables will do; jumps
+            only by theta = 1, in uniform steps. A sudden start is a blow, of which what rebounds
+            does so by theta = 1/2 only: others take it along.
 
     Raises:
         InputError: no obstacle, a motion that is none.

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import inf
 
 import numpy as np
@@ -67,6 +67,15 @@ def first_arrival(contacts: Iterable[Contact], step: Step) -> float:
             gap = np.minimum(contact.gap, 0.0)[points]
             first = min(first, (-gap / comes[points]).min(initial=inf))
     return first
+
+
+def until_sudden(contacts: Sequence[Contact], step: Step) -> float:
+    """After how long in a step, s, an obstacle's velocity jumps, which is a blow to what it reaches
+    then and, if anything rebounds, is to be struck there; or the length of the step."""
+    if not (step.scheme.inertia and rebounding(contacts)):
+        return step.dt
+    each = (c.coupling.sudden(c.gap, step) for c in contacts if c.formulation.percussive)
+    return min(step.dt, *each)
 
 
 def _least(contact: Contact, step: Step) -> float:

@@ -14,12 +14,16 @@ before it arrives does not rebound.
 Located impacts are of second order: cross the step as if no open point could close; if one arrives,
 find when, step exactly there, and let it be struck.
 
+An obstacle whose velocity jumps within a step strikes what it touches, too: where anything
+rebounds, a step is crossed in parts that end where that is.
+
 However many impacts there are in a step, each has its own; only those points that come to rest by
 impacts without end within it are put to rest, see :mod:`~..contact.blows`.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
@@ -29,7 +33,7 @@ import numpy as np
 
 from ..contact.arrivals import Arrival, arrival
 from ..contact.leaps import no_velocity
-from ..contact.percussion import first_arrival, rebounding
+from ..contact.percussion import first_arrival, rebounding, until_sudden
 from ..theory.scheme import Scheme, Step
 from .certificate import ACCEPTED
 from .taker import StepTaker
@@ -38,12 +42,18 @@ from .trial import Trial
 #: Flights until an arrival is found, at most: the bracket may be halved to round-off.
 MAX_FLIGHTS = 50
 
+#: What a reader should know of a wall that starts suddenly, by a scheme whose ends are means.
+TAKEN_ALONG = (
+    "an obstacle's velocity jumps: what it reaches is taken along and does not rebound, for which "
+    "take theta = 1/2"
+)
+
 #: A flight: its trial state, and the deepest point there.
 Flight = tuple[Trial, Arrival]
 
 
-class UniformImpacts:
-    """Crosses steps with impacts at their start.
+class Impacts(ABC):
+    """Crosses steps with their impacts.
 
     Args:
         scheme: of the scene.
@@ -53,20 +63,41 @@ class UniformImpacts:
         self._scheme = scheme
 
     def cross(self, stepper: StepTaker, dt: float, remarks: list[str]) -> Iterator[list[float]]:
-        """Cross ``dt`` seconds; yields a row of the history after each impact and at the end.
+        """Cross ``dt`` seconds; yields a row of the history after each part and impact.
 
         Raises:
             StepFailed: the state is then that of the last good part.
         """
+        for contact in stepper.contacts:
+            contact.blows.forget()
+        left = dt
+        while left > 0:
+            step = Step(left, self._scheme, stepper.time)
+            part = until_sudden(stepper.contacts, step)
+            if part < left and step.implicitness:  # its velocities are means, in which none jumps
+                remarks.append(TAKEN_ALONG)
+            yield from self._cross(stepper, part, remarks)
+            left -= part
+
+    @abstractmethod
+    def _cross(self, stepper: StepTaker, dt: float, remarks: list[str]) -> Iterator[list[float]]:
+        """Cross a step in which no obstacle's velocity jumps."""
+
+
+class UniformImpacts(Impacts):
+    """With impacts at the start of each step."""
+
+    def _cross(self, stepper: StepTaker, dt: float, remarks: list[str]) -> Iterator[list[float]]:
         step = Step(dt, self._scheme, stepper.time)
-        _forget(stepper)
         order = True
         while order and stepper.struck(step):  # which wakes contacts
             order = rebounding(stepper.contacts)
             within = first_arrival(stepper.contacts, step) if order else inf
             strike = Step(0.0, self._scheme, stepper.time, dt, within)
             yield _strike(stepper, strike, 0.0, remarks)
-        yield _accept(stepper, step, remarks)
+        trial = stepper.attempt(step)
+        remarks.extend(trial.remarks)
+        yield stepper.accept(trial)
 
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically: none."""
@@ -74,17 +105,6 @@ class UniformImpacts:
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave."""
-
-
-def _accept(stepper: StepTaker, step: Step, remarks: list[str]) -> list[float]:
-    trial = stepper.attempt(step)
-    remarks.extend(trial.remarks)
-    return stepper.accept(trial)
-
-
-def _forget(stepper: StepTaker) -> None:
-    for contact in stepper.contacts:
-        contact.blows.forget()
 
 
 def _strike(
@@ -107,26 +127,16 @@ def _strike(
     return stepper.accept(trial)
 
 
-class LocatedImpacts:
-    """Crosses steps from impact to impact.
-
-    Args:
-        scheme: of the scene.
-    """
+class LocatedImpacts(Impacts):
+    """From impact to impact."""
 
     def __init__(self, scheme: Scheme) -> None:
-        self._scheme = scheme
+        super().__init__(scheme)
         self._rates: list[np.ndarray] | None = None  # accelerations in the last flight, m/s²
 
-    def cross(self, stepper: StepTaker, dt: float, remarks: list[str]) -> Iterator[list[float]]:
-        """Cross ``dt`` seconds; yields a row of the history after each part and impact.
-
-        Raises:
-            StepFailed: the state is then that of the last good part.
-        """
+    def _cross(self, stepper: StepTaker, dt: float, remarks: list[str]) -> Iterator[list[float]]:
         left = dt
         tolerance = min((contact.tolerance for contact in stepper.contacts), default=0.0)
-        _forget(stepper)
         while left > 1e-9 * dt:
             while stepper.struck(Step(left, self._scheme, stepper.time, dt), touching=True):
                 yield self._strike(stepper, dt, left, remarks)

@@ -4,10 +4,12 @@ forces in cones of friction, by least distance."""
 
 import numpy as np
 import pytest
+from scenes import FLOOR, rectangle
 
 from fenicsx_contact import Circle, Contact, RigidSolid, Scene, ThetaScheme, mesh_from_gmsh
 from fenicsx_contact.solve import loop
 from fenicsx_contact.solve.cones import _least
+from fenicsx_contact.solve.newton import Newton
 
 #: A plate with a round hole at the origin, in n facets.
 ARM = """
@@ -62,6 +64,38 @@ def test_what_begins_anew_is_all_but_solved(tmp_path, monkeypatch):
     monkeypatch.setattr(loop, "begin_from_cones", begun)
     swings(tmp_path, "velocity", 0.2)
     assert len(errors) > 10 and np.median(errors) < 1e-5
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap", "printed"])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+def test_cones_solve_what_newtons_method_solves(law, friction, theta, monkeypatch):
+    """A block of seven points lands on its edge and slides to rest: without any Newton iteration
+    but where a step is struck the same comes out, by another way altogether."""
+    iterate, begun = Newton._iterate, []
+
+    def gives_up(self, system, rough, patient=True):
+        if patient:
+            return iterate(self, system, rough)
+        begun.append(system.error())
+        system.worst = 1.0
+        return 0, self.tolerance
+
+    def landed():
+        mesh = rectangle((6, 2), (1.0, 0.3))
+        mesh.mesh.geometry.x[:, 1] += 0.05
+        block = RigidSolid(mesh, mass=3.0, gravity=(0, -9.81), velocity=(1.0, 0.0), rotation=0.05)
+        contact = Contact(block, "base", FLOOR, law, friction=friction, name="c")
+        history = Scene([block], [contact], ThetaScheme(theta)).run(0.3, 5e-3)
+        assert history.finished
+        return history, block
+
+    history, block = landed()
+    monkeypatch.setattr(Newton, "_iterate", gives_up)
+    other, same = landed()
+    assert len(begun) > 30 and other["newton"].sum() < history["newton"].sum()
+    np.testing.assert_allclose(same.place, block.place, atol=1e-8)
+    np.testing.assert_allclose(other["kinetic"], history["kinetic"], atol=1e-7)
 
 
 def test_least_distances():

@@ -44,7 +44,8 @@ class _Points:
 
     def __init__(self, contact: Contact, part: Part, place: np.ndarray, limit: np.ndarray) -> None:
         e, self._part, self.place = part.equations, part, place
-        bears = e.weight[e.candidates] > 0  # others face nothing
+        # others face nothing, or may come as near as they like
+        bears = (e.weight > 0)[e.candidates] & np.isfinite(limit[e.candidates])
         self._at = e.candidates[bears]
         n, d = shape = len(self._at), contact.normal.shape[1]
         law = contact.friction_law
@@ -109,10 +110,9 @@ def begin_from_cones(system: SurfaceSystem, contacts: Sequence[Contact], step: S
         return False
     points = []
     for contact, (part, place) in zip(contacts, system.placed):
-        if part.equations.tractions == part.equations.jumps:
-            return False
         limit = contact.candidates.limit(step)
-        assert limit is not None, "only springs have none"
+        if limit is None or part.equations.tractions == part.equations.jumps:
+            return False
         points.append(_Points(contact, part, place[: len(part.active_places)], limit))
     places = slices(len(each.forces) for each in points)
     forces = np.zeros((places[-1].stop, len(system.active)))

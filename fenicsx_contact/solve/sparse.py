@@ -18,7 +18,6 @@ from mpi4py import MPI
 from scipy.sparse.linalg import splu
 
 from ..solids.factor import Direct
-from ..theory.scheme import Step
 from .embedding import Added, Embedding
 from .monolithic import Monolithic
 from .problem import Assembly
@@ -29,18 +28,16 @@ from .statics import FREE
 class Sparse(Monolithic):
     """Solved by a direct factorisation, which is new in each iteration."""
 
+    _system: _System | None = None
+
     def __init__(self, assembly: Assembly) -> None:
         super().__init__(assembly)
         self._embedding = Embedding(self.parts, self._traces, self.places.number)
-        self._step: Step | None = None
-        self._system: _System | None = None
         self._adjacent: dict[int, sp.csr_matrix] = {}
 
-    def begin(self, step: Step) -> tuple[float, np.ndarray]:
-        if step is not self._step:
-            self._step = step
-            self._drop()
-        return super().begin(step)
+    def restart(self) -> None:
+        super().restart()
+        self._drop()
 
     def _drop(self) -> None:
         if self._system is not None:

@@ -3,10 +3,9 @@
 
 Each round linearises the solids and the geometry and then corrects the contact: once, which is
 Newton's method for everything ("newton"), or until it has settled on the frozen geometry, which is
-the paper's geometric fixed point ("fixed point"); in a guide in space, along which normals turn by
-as much as the hole is narrow, Newton's method ends what that does not. Where supports alone do not
-hold every solid the first round of a step settles too: from a start in which nothing touches, one
-correction knows nothing of what will. So do rounds after corrections that gain no more (turns.py).
+the paper's geometric fixed point ("fixed point"); in a narrow hole Newton's method ends it. Where
+supports alone do not hold every solid the first round of a step settles too: where nothing touches
+one correction knows nothing of what will. So do rounds after corrections that gain no more.
 """
 
 from __future__ import annotations
@@ -142,8 +141,10 @@ class StepSolver:
                 if not any([contact.grow(step) for contact in self._all.contacts]):
                     return force, iterations, sweep, remarks
             last = error
-        why = f"the geometric fixed point stalls at a relative error of {error:.3g}"
-        raise StepFailed(f"{why} after {sweep} linearisations")
+        raise StepFailed(
+            f"the geometric fixed point stalls at a relative error of {error:.3g} after "
+            f"{sweep} linearisations"
+        )
 
     def _linearise(self, step: Step, first: bool) -> float:
         """Geometry, candidates and scales; returns a typical speed."""

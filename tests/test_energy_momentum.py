@@ -3,7 +3,9 @@
 
 import numpy as np
 import pytest
+import ufl
 from corpus_meshes import moved, ring_mesh
+from dolfinx import fem
 from scenes import FLOOR, box, check_energies, rates, rectangle, total_energy
 
 from fenicsx_contact import (
@@ -244,3 +246,33 @@ def test_two_rings_collide():
         np.testing.assert_allclose(history["x"], start[0], rtol=1e-12)
         np.testing.assert_allclose(history["y"], 0, atol=1e-12 * start[0])
         np.testing.assert_allclose(history["z"], 0, atol=1e-10 * 5 * start[0])
+
+
+@pytest.mark.parametrize("scheme", [ThetaScheme(0.5), ThetaScheme(1.0), EnergyMomentum()])
+def test_a_bar_is_heated(scheme):
+    """A Constant in its energy grows between steps: what that stores at rest no step makes, and it
+    is of the scheme in the books. Every step was refused."""
+    mesh = rectangle((10, 2), (0.1, 0.02))
+    heat, rate = fem.Constant(mesh.mesh, 0.0), 20.0
+    first, second, alpha = 1e7 * 0.3 / (1.3 * 0.4), 1e7 / 2.6, 1e-3
+
+    def energy(F):
+        strain = (F.T * F - ufl.Identity(3)) / 2 - alpha * heat * ufl.Identity(3)
+        return first / 2 * ufl.tr(strain) ** 2 + second * ufl.inner(strain, strain)
+
+    held = {"left": (0.0, None), "base": (None, 0.0)}
+    bar = HyperelasticSolid(mesh, energy=energy, density=1000.0, prescribed=held)
+    scene = Scene([bar], [], scheme)
+
+    def warms():
+        heat.value = rate * scene.time
+        return 0.0
+
+    history = scene.run(0.05, 1e-3, probes={"warms": warms})
+    assert history.finished and not history.remarks
+    # nothing gives way out of the plane, and within there is no stress
+    out = -alpha * rate * 0.049
+    within = -first * out / (2 * (first + second))
+    stored = first / 2 * (2 * within + out) ** 2 + second * (2 * within**2 + out**2)
+    assert history["strain"][-1] == pytest.approx(0.1 * 0.02 * stored, rel=2e-3)
+    assert history["scheme"][-1] == pytest.approx(history["strain"][-1], rel=2e-3)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Hyperelastic solids: any stored energy in UFL, finite strain, same scene and contact.
 
-Each linearisation is a Newton step of the solid; the scene's outer loop repeats it together with
-the contact until the momentum balance holds. The scheme says at which points of a step's way the
-internal forces are taken: at theta = 1/2 their mean conserves the energy, and the angular momentum
-to second order (the midpoint has it the other way round); the energy-momentum scheme keeps both.
+Each linearisation is a Newton step of the solid; the scene's outer loop repeats it with the contact
+until momentum is balanced. The scheme says where on a step's way the internal forces are taken: at
+theta = 1/2 their mean conserves the energy, and the angular momentum to second order (the midpoint
+has it the other way round); the energy-momentum scheme keeps both.
 """
 
 from __future__ import annotations
@@ -75,8 +75,7 @@ class HyperelasticSolid(DeformableSolid):
         self._weight = fem.Constant(mesh.mesh, 1.0)
         self._tangent_form = compiled(self._weight * tangent(energy, residual, u, du))
         # force and energy are kept with the displacement that they belong to, that very array
-        self._last = np.empty(0), np.empty(0)
-        self._stored = np.empty(0), 0.0
+        self._last, self._stored = (np.empty(0), np.empty(0)), (np.empty(0), 0.0)
         self._tangent = assembly.assemble_petsc_matrix(self._tangent_form)
         swelling = self.vectors.places.ravel()  # energies are differences of what it would store
         self._noise = ROUND_OFF * abs(self._sum(swelling @ self.multiply(self._tangent, swelling)))
@@ -274,22 +273,23 @@ class HyperelasticSolid(DeformableSolid):
         return self._strain
 
     def unsound(self, step: Step) -> str:
-        """The forces of a step are those of a few points of its way: no more may be stored than
-        they give and the scheme takes, but for what they give too little where it turns."""
+        """No more may be stored than the forces at some points of the way give and the scheme takes,
+        but for what they give too little where it turns, and what changed coefficients store."""
         if not step.loaded or not step.scheme.bounds_work:
             return ""
         end = self.trial_displacement
         self._stored = end, self._stored_energy(end)
         work = self._sum(self._internal_forces(step) @ (end - self.displacement))
         made = self._stored[1] - self._strain - work - self.taken(step)
-        moving = self._sum(self.trial_velocity @ self._trial_momentum) / 2
-        size = max(moving, self.energies()[0]) + max(self._strain, self._stored[1])
+        moving = max(self._sum(self.trial_velocity @ self._trial_momentum) / 2, self.energies()[0])
+        size = moving + max(self._strain, self._stored[1])
         allowed, ahead = MADE * size + self._noise, step.force_share - 0.5
         if made > allowed and ahead > 0:
             made += min(self._turning.work(ahead, self.displacement, end), 0.0)
-        if made <= allowed:
-            return ""
-        return f"solid {self.name!r} strains too much in a step: it would make {made:.3g} J"
+        if made > allowed:
+            made += self._strain - self._stored_energy(self.displacement)
+        told = f"solid {self.name!r} strains too much in a step: it would make {made:.3g} J"
+        return told if made > allowed else ""
 
     def broken(self) -> str:
         self._set(self.trial_displacement)

@@ -8,7 +8,9 @@ from scenes import FLOOR, rectangle
 
 from fenicsx_contact import (
     Archard,
+    Circle,
     Contact,
+    Discrete,
     ElasticSolid,
     HalfSpace,
     HyperelasticSolid,
@@ -268,3 +270,23 @@ def test_springs_behind_gaps_find_their_least_work():
         force = springs / springs.max() * (rows @ motion - room).clip(0)
         np.testing.assert_allclose(rows.T @ force, -load, atol=1e-8)
     assert least_work(np.eye(2), np.ones(2), np.zeros(2), np.array([1.0, 0.0])) is None
+
+
+def test_stiff_springs_rub_on_a_drum():
+    """A block is pressed on it and sheared: by default all at once was solved, of which one spring
+    of 1e10 Pa/m that turned round made the first step that slides stop."""
+
+    def sheared(law):
+        mesh = rectangle((8, 12), (0.02, 0.03))
+        motion = {"top": lambda t: (0.004 * max(0.0, t - 0.2), -0.001 * min(1.0, 5 * t))}
+        solid = ElasticSolid(
+            mesh, youngs_modulus=1e6, poisson_ratio=0.4, density=1e3, prescribed=motion
+        )
+        contact = Contact(solid, "base", Circle((0, -0.05), 0.05), law, friction=0.3, name="c")
+        history = Scene([solid], [contact], QuasiStatic()).run(1.0, 0.1)
+        assert history.finished and not history.remarks and history["newton"].max() <= 25
+        return np.array([history["c.force_x"][-1], history["c.force_y"][-1]])
+
+    gap, soft, stiff = (sheared(law) for law in ("gap", Discrete(1e8), Discrete(1e10)))
+    np.testing.assert_allclose(stiff, gap, rtol=1e-4)
+    np.testing.assert_allclose(soft, gap, rtol=1e-2)

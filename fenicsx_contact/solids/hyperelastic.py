@@ -273,7 +273,7 @@ class HyperelasticSolid(DeformableSolid):
         return self._strain
 
     def unsound(self, step: Step) -> str:
-        """No more may be stored than the forces at some points of the way give and the scheme takes,
+        """No more may be stored than the forces at some points of the way give and the scheme takes
         but for what they give too little where it turns, and what changed coefficients store."""
         if not step.loaded or not step.scheme.bounds_work:
             return ""

@@ -41,9 +41,7 @@ def choose(
     places = sum(contact.part.places for contact in contacts)
     large = places > LARGE_SURFACE
     deformable = [solid for solid in solids if isinstance(solid, DeformableSolid)]
-    # of stiff springs with friction points alone turn round in a narrow window in which they stick
     springs = [contact for contact in contacts if not contact.formulation.multipliers]
-    rubs = not scheme.inertia and any(contact.friction_law for contact in springs)
     if geometry is None:
         # rigid solids are hyperstatic: there the fixed point has a solver to fall back on
         pairs = any(
@@ -54,13 +52,15 @@ def choose(
         # between solids full Newton begins with springs as deep as a step goes, along normals that
         # move: stiff ones are settled on normals at rest
         yields = any(len(contact.solids) > 1 for contact in springs)
-        whole = (large and deformable) or (not yields and (pairs or floats or rubs))
+        whole = (large and deformable) or (not yields and (pairs or floats))
         geometry = "newton" if whole else "fixed point"
     if solver is None:
         nonlinear = any(not solid.linear for solid in deformable)
         # what only contact holds in equilibrium has no compliance of its own, or, on weak springs,
         # one in which that of its points is lost
         floats = not scheme.inertia and not all(stands(s, springs=False) for s in solids)
+        # of stiff springs with friction points turn round in a narrow window in which they stick
+        rubs = not scheme.inertia and any(contact.friction_law for contact in springs)
         in_space = sum(solid.unknowns for solid in deformable if solid.dim == 3)
         # the tangent of a nonlinear solid in motion serves for many steps, and so does a compliance
         keeps = scheme.inertia and (geometry == "fixed point" or places <= SMALL_SURFACE)

@@ -4,10 +4,10 @@ forces in cones of friction, by least distance."""
 
 import numpy as np
 import pytest
-from scenes import FLOOR, rectangle
+from scenes import FLOOR, FLOOR_3D, box, rectangle
 
 from fenicsx_contact import Circle, Contact, RigidSolid, Scene, ThetaScheme, mesh_from_gmsh
-from fenicsx_contact.solve import loop
+from fenicsx_contact.solve import cones, loop
 from fenicsx_contact.solve.cones import _least
 from fenicsx_contact.solve.newton import Newton
 
@@ -96,6 +96,36 @@ def test_cones_solve_what_newtons_method_solves(law, friction, theta, monkeypatc
     assert len(begun) > 30 and other["newton"].sum() < history["newton"].sum()
     np.testing.assert_allclose(same.place, block.place, atol=1e-8)
     np.testing.assert_allclose(other["kinetic"], history["kinetic"], atol=1e-7)
+
+
+def test_pyramids_become_cones(monkeypatch):
+    """Of a box that slides and spins: what is left is the square of the angle between sides."""
+    errors = []
+
+    def gives_up(self, system, rough, patient=True, iterate=Newton._iterate):
+        if patient:
+            errors.append(system.error())
+            return iterate(self, system, rough)
+        system.error()
+        system.worst = 1.0
+        return 0, self.tolerance
+
+    monkeypatch.setattr(Newton, "_iterate", gives_up)
+    left = []
+    for sides in (8, 32):
+        monkeypatch.setattr(cones, "SIDES", sides)
+        solid = RigidSolid(
+            box((1, 1, 1), (1.0, 1.0, 0.3)),
+            mass=3.0,
+            gravity=(0, 0, -9.81),
+            velocity=(1.0, 0.3, 0.0),
+            spin=(0, 0, 0.5),
+        )
+        contact = Contact(solid, "base", FLOOR_3D, friction=0.3)
+        errors.clear()
+        assert Scene([solid], [contact], ThetaScheme(0.5)).run(0.01, 2e-3).finished
+        left.append(np.mean(errors))
+    assert left[1] < left[0] / 10 and left[0] < 0.05
 
 
 def test_least_distances():

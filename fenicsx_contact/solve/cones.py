@@ -146,7 +146,8 @@ def begin_from_cones(system: SurfaceSystem, contacts: Sequence[Contact], step: S
 def _least(seen: np.ndarray, beyond: np.ndarray) -> np.ndarray | None:
     """Weights >= 0, (k,), of the shortest x = -weights.seen with -seen x >= beyond, (k,), of which
     each is zero unless its row holds as an equation; None where there is no x."""
-    stiff, size = np.sqrt(np.einsum("kr,kr->k", seen, seen).max(initial=0.0)), beyond.max()
+    stiff = np.sqrt(np.einsum("kr,kr->k", seen, seen).max(initial=0.0))
+    size = beyond.max(initial=0.0)
     if not (size > 0 and stiff > 0):
         return np.zeros(len(beyond))
     rows = np.concatenate([-seen.T / stiff, beyond[None] / size])

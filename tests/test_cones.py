@@ -136,8 +136,8 @@ def test_least_distances():
         m, n = rng.integers(1, 7), rng.integers(1, 40)
         seen = np.repeat(rng.normal(size=(n, m)), rng.integers(1, 3), axis=0)
         beyond = seen @ rng.normal(size=m) - rng.uniform(size=len(seen))
-        weights = _least(seen, beyond)
+        weights = _least(seen, beyond, np.zeros(len(seen)))
         left = beyond - seen @ (weights @ seen)
         assert weights.min() >= 0 and left.max() < 1e-9
         assert np.abs(weights * left).max() < 1e-9 * max(1.0, weights.max())
-    assert _least(np.array([[1.0], [-1.0]]), np.array([1.0, 1.0])) is None
+    assert _least(np.array([[1.0], [-1.0]]), np.array([1.0, 1.0]), np.zeros(2)) is None

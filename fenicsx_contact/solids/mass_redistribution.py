@@ -16,10 +16,10 @@ from collections.abc import Callable
 
 import numpy as np
 from petsc4py import PETSc
-from scipy.optimize import nnls
 
 from ..base import checks
 from ..base.constants import ROUND_OFF
+from ..base.nonnegative import nonnegative
 from ..base.vectors import largest
 from .factor import Factorisation
 from .vector_space import VectorSpace
@@ -93,7 +93,10 @@ def move_mass_inwards(
     pairs = [(a, b) for a in range(d + 1) for b in range(a, d + 1)]
     off = [f[:, a] * f[:, b] - lost[a, b] / lost[0, 0] for a, b in pairs[1:]]
     rows = np.array([f[:, 0], *off])
-    gained = _smallest(rows, rows @ nnls(rows, np.eye(len(pairs))[0])[0])
+    gained = nonnegative(rows, np.eye(len(pairs))[0])
+    if gained is None:
+        raise checks.InputError("mass_redistribution: what the nodes lost cannot be spread behind")
+    gained = _smallest(rows, rows @ gained)
     gained *= lost[0, 0] / gained.sum()
     first = sum(comm.allgather(len(behind))[: comm.rank])
     added = np.zeros(vectors.owned)

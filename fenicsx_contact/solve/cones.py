@@ -16,9 +16,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from scipy.linalg import lapack
-from scipy.optimize import nnls
 
 from ..base.constants import RIGHT, ROUND_OFF, SAME
+from ..base.nonnegative import nonnegative
 from ..base.vectors import slices
 from ..contact.contact import Contact
 from ..contact.part import Part
@@ -126,7 +126,7 @@ def begin_from_cones(system: SurfaceSystem, contacts: Sequence[Contact], step: S
     for _ in range(ROUNDS):
         beyond = np.concatenate([each.beyond(now) for each in points])
         # what forces along mean normals do is not quite what is asked along those at the end
-        new = _least(seen, beyond + seen @ (weights @ seen))
+        new = _least(seen, beyond + seen @ (weights @ seen), weights)
         if new is None:
             return False
         now = system.free - system.W @ (new @ forces)
@@ -143,9 +143,10 @@ def begin_from_cones(system: SurfaceSystem, contacts: Sequence[Contact], step: S
     return True
 
 
-def _least(seen: np.ndarray, beyond: np.ndarray) -> np.ndarray | None:
+def _least(seen: np.ndarray, beyond: np.ndarray, before: np.ndarray) -> np.ndarray | None:
     """Weights >= 0, (k,), of the shortest x = -weights.seen with -seen x >= beyond, (k,), of which
-    each is zero unless its row holds as an equation; None where there is no x."""
+    each is zero unless its row holds as an equation, sought from those of a problem with the same
+    ``seen``; None where there is no x."""
     stiff = np.sqrt(np.einsum("kr,kr->k", seen, seen).max(initial=0.0))
     size = beyond.max(initial=0.0)
     if not (size > 0 and stiff > 0):
@@ -153,12 +154,11 @@ def _least(seen: np.ndarray, beyond: np.ndarray) -> np.ndarray | None:
     rows = np.concatenate([-seen.T / stiff, beyond[None] / size])
     target = np.zeros(len(rows))
     target[-1] = 1.0
-    try:
-        found = nnls(rows, target)[0]
-    except RuntimeError:  # too many iterations
+    # those of the problem before, as shares of these rows: any size does, of the same signs
+    found = nonnegative(rows, target, before * stiff**2 / size)
+    if found is None or (left := 1.0 - rows[-1] @ found) <= ROUND_OFF:
         return None
-    left = 1.0 - rows[-1] @ found
-    return None if left <= ROUND_OFF else found / left * size / stiff**2
+    return found / left * size / stiff**2
 
 
 def _spread(seen: np.ndarray, weights: np.ndarray, left: np.ndarray) -> np.ndarray:
@@ -169,9 +169,9 @@ def _spread(seen: np.ndarray, weights: np.ndarray, left: np.ndarray) -> np.ndarr
     tight = np.flatnonzero(left >= -RIGHT * np.abs(taken).max(initial=0.0))
     small = np.sqrt(np.finfo(float).eps) * np.eye(len(tight))
     target = np.concatenate([weights @ seen / (stiff or 1.0), np.zeros(len(tight))])
-    even = np.zeros(len(weights))
-    try:
-        even[tight] = nnls(np.concatenate([seen[tight].T / (stiff or 1.0), small]), target)[0]
-    except RuntimeError:  # too many iterations
+    found = nonnegative(np.concatenate([seen[tight].T / (stiff or 1.0), small]), target)
+    if found is None:
         return weights
+    even = np.zeros(len(weights))
+    even[tight] = found
     return even

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.optimize import nnls
 
 from ..base.constants import ROUND_OFF
+from ..base.nonnegative import nonnegative
 from ..base.vectors import across, cross, largest, slices
 from ..contact.contact import Contact
 from ..solids.motions import FREE, Motions
@@ -67,10 +67,9 @@ class Balance:
         left = self._load
         forces = np.concatenate([np.empty((0, len(left))), *self._rows(chosen)]).T
         if left.any() and forces.shape[1]:
-            try:
-                left = left + forces @ nnls(forces, -left)[0]
-            except RuntimeError:  # too many iterations: nobody knows
+            if (found := nonnegative(forces, -left)) is None:  # nobody knows
                 return None
+            left = left + forces @ found
         return left if np.abs(left).max(initial=0.0) > FREE else None
 
     def spread(self, chosen: Sequence[np.ndarray]) -> list[np.ndarray] | None:

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Least squares in numbers none of which is negative."""
+
+import numpy as np
+import pytest
+
+from fenicsx_contact.base.nonnegative import nonnegative
+
+
+def problem(rng, case):
+    """Of any shape and rank: columns that are the same, or multiples of each other, or zero."""
+    m, n = rng.integers(1, 12), rng.integers(1, 30)
+    rows = np.repeat(rng.normal(size=(m, n)), rng.integers(1, 3), axis=1)
+    if case % 3 == 1:
+        rows = np.round(rows)  # many depend on each other
+    if case % 3 == 2:
+        rows = rows * 10.0 ** rng.integers(-6, 7, size=rows.shape[1])
+    return rows, rng.normal(size=m)
+
+
+@pytest.mark.parametrize("case", range(3))
+def test_least_squares(case):
+    """Nothing that is left is gained by more of any, nor by less of what is not zero."""
+    rng = np.random.default_rng(case)
+    for _ in range(300):
+        rows, target = problem(rng, case)
+        x = nonnegative(rows, target)
+        assert x.min() >= 0 and (x > 0).sum() <= len(rows)
+        size = np.maximum(np.linalg.norm(rows, axis=0), 1e-300) * np.linalg.norm(target)
+        gain = rows.T @ (target - rows @ x) / size
+        assert gain.max() < 1e-12 and np.abs(gain[x > 0]).max(initial=0.0) < 1e-10
+        # from anywhere the same comes out
+        other = nonnegative(rows, target, np.where(x > 0, rng.uniform(size=len(x)), 0.0))
+        np.testing.assert_allclose(rows @ other, rows @ x, atol=1e-9)
+
+
+def test_nothing_to_find():
+    assert not nonnegative(np.zeros((2, 3)), np.ones(2)).any()
+    assert not nonnegative(-np.ones((2, 1)), np.ones(2)).any()
+    assert nonnegative(np.empty((2, 0)), np.ones(2)).shape == (0,)

@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 from mpi4py import MPI
 
+from ..base.processes import any_of
 from ..base.vectors import largest, worst
 from ..contact.equations import SurfaceEquations
 from ..contact.part import Part
@@ -88,6 +89,19 @@ class FrozenContact(Statuses):
         self.iterate()
         self._system.added = None
 
+    def turns_round(self) -> bool:
+        """Whether points slide, and a first step from there moves a solid against the way it went
+        in the step before: what drives it has turned, and slips of before lead far off. The state
+        stays."""
+        system, start = self._system, self.state()
+        if not any_of(system.comm, bool((self.now() > 1).any()))[0]:
+            return False
+        self.iterate()
+        solids = range(len(system.solids))
+        ways = [self._product(*each) for each in zip(solids, zip(start, self.state()))]
+        self.go_back(start)
+        return min(ways) < 0
+
     def iterate(self, enough: float = 0.0) -> bool:
         """One Newton step, with multipliers held as far as the function falls; False where the
         tangent is singular."""
@@ -142,11 +156,14 @@ class FrozenContact(Statuses):
         for solid, a, b in zip(system.solids, old, way):
             solid.go(a + share * b, self._step)
         self.update()
-        mine, total = system.places.mine, 0.0
-        for own, solid, b in zip(system.places.own, system.solids, way):
-            here = (own >= mine.start) & (own < mine.stop)  # of rigid ones every process has all
-            total += float((b * solid.linear_residual())[here].sum())
-        return float(system.comm.allreduce(total))
+        products = zip(way, [solid.linear_residual() for solid in system.solids])
+        return sum(self._product(k, each) for k, each in enumerate(products))
+
+    def _product(self, solid: int, both: tuple[np.ndarray, np.ndarray]) -> float:
+        """Of two fields of a solid, by its number."""
+        own, mine = self._system.places.own[solid], self._system.places.mine
+        here = (own >= mine.start) & (own < mine.stop)  # of rigid ones every process has all
+        return float(self._system.comm.allreduce(float(both[0][here] @ both[1][here])))
 
     def update(self) -> None:
         """Take up the velocities that the solids have now, by the operators as they are."""

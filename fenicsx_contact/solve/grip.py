@@ -76,12 +76,16 @@ class Grip:
         if they were open, -1, of all that may bear; (n,), 0: the others. None where what bears
         holds all solids, and can balance the loads on those that float."""
         balance, contacts = Balance(self._floating, self._contacts, step), self._contacts
-        bear = [contact.chosen & (contact.status > 0) for contact in contacts]
+        bear = self.bearing()
         values = np.linalg.eigvalsh(self.gram(list(self.rows()), bear))
         if values[0] > FREE * values[-1] and balance.left(bear) is None:
             return None
         may = [c.chosen & (mine | c.coupling.near()) for c, mine in zip(contacts, bear)]
         return [2 * bears - 1 * each for bears, each in zip(balance.spread(may) or may, may)]
+
+    def bearing(self) -> list[np.ndarray]:
+        """Of each contact the points that bear as a step begins, (n,) of bool."""
+        return [contact.chosen & (contact.status > 0) for contact in self._contacts]
 
     def name(self, way: np.ndarray) -> str:
         """The solid that moves most by some amounts of all motions, and how."""

@@ -131,10 +131,16 @@ class Monolithic(ABC):
 
     def freeze(self, step: Step, first: bool) -> FrozenContact:
         """The contact problem with solids and geometry linearised as they are. Where what bore does
-        not hold what only contact holds, a step begins, ``first``, as its grip takes it."""
-        # round-off may differ between processes, what they begin with may not
-        points = self.comm.bcast(self._grip.taken(step)) if first and self._grip else None
+        not hold what only contact holds, a step begins, ``first``, as its grip takes it; where what
+        slides turns round, as if what bore were glued."""
         frozen = FrozenContact(self, step)
+        if not (first and self._grip):
+            return frozen
+        # round-off may differ between processes, what they begin with may not
+        points = self.comm.bcast(self._grip.taken(step))
+        if points is None and frozen.turns_round():
+            points = [1 * bears for bears in self._grip.bearing()]
+            self._yielding.restart()
         if points:
             frozen.glue(points)
         return frozen

@@ -109,7 +109,9 @@ def begin_from_cones(system: SurfaceSystem, contacts: Sequence[Contact], step: S
     if not np.isfinite(system.residual).all():
         return False
     points = []
-    for contact, (part, place) in zip(contacts, system.placed):
+    of = {id(contact.part): contact for contact in contacts}
+    for part, place in system.placed:
+        contact = of[id(part)]
         limit = contact.candidates.limit(step)
         if limit is None or part.equations.tractions == part.equations.jumps:
             return False

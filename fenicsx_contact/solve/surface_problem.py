@@ -45,7 +45,7 @@ class SurfaceSystem(Statuses):
         crowded: whether these are many, that meet each other.
 
     Attributes:
-        parts, names: of the contacts.
+        parts, names: of the contacts; ``placed``: those that have unknowns, and where these stand.
         W, free: compliance of the active points and their velocities without contact.
         worst: the largest error of any row, after :meth:`error`.
         share: of the last step that was gone.
@@ -107,7 +107,8 @@ class SurfaceSystem(Statuses):
         for part in self.parts:
             count, extra = len(part.active_places), part.multipliers
             place = np.concatenate([np.arange(w, w + count), np.arange(m, m + extra)])
-            self.placed.append(Place(part, place))
+            if len(place):
+                self.placed.append(Place(part, place))
             w, m = w + count, m + extra
         self.size = m
         if m:
@@ -128,8 +129,8 @@ class SurfaceSystem(Statuses):
     def update(self) -> None:
         """Assemble the residual from the unknowns that the parts hold."""
         nw = len(self.active)
-        self.assembled = self._gather([p.active_residual() for p in self.parts])
-        w = self._gather([p.active_values() for p in self.parts])[:nw]
+        self.assembled = self._gather([part.active_residual() for part, _ in self.placed])
+        w = self._gather(self.state())[:nw]
         self.residual = self.assembled.copy()
         self.residual[:nw] = w - self.free + self._yields @ self.assembled[:nw]
         self.residual *= self._rows
@@ -139,7 +140,7 @@ class SurfaceSystem(Statuses):
     def _multipliers(self) -> np.ndarray:
         """The active multipliers, scaled."""
         nw = len(self.active)
-        return self._gather([p.active_values() for p in self.parts])[nw:] / self._columns[nw:]
+        return self._gather(self.state())[nw:] / self._columns[nw:]
 
     def soften(self, compliance: float) -> None:
         """Put springs in series with the contact, so compliant (scaled), that are without strain at
@@ -180,11 +181,11 @@ class SurfaceSystem(Statuses):
 
     def state(self) -> list[np.ndarray]:
         """The active unknowns of the contacts."""
-        return [part.active_values() for part in self.parts]
+        return [part.active_values() for part, _ in self.placed]
 
     def go_back(self, state: list[np.ndarray], share: float = 1.0) -> None:
         """Return to what :meth:`state` was, or only a share of the way."""
-        for part, old in zip(self.parts, state):
+        for (part, _), old in zip(self.placed, state):
             part.move(share * (old - part.active_values()))
         self.update()
 
@@ -194,14 +195,14 @@ class SurfaceSystem(Statuses):
 
     def _iterate_points(self) -> bool:
         """By the forces of the points alone."""
-        placed = [each for each in self.placed if len(each.place)]
-        found = self._by_points.step(self.W, placed, self.residual, (self._columns, self._rows))
+        scales = self._columns, self._rows
+        found = self._by_points.step(self.W, self.placed, self.residual, scales)
         if found is None:
             return False
         step, change = found
         self._linear_force = change - self.assembled[: len(self.active)]
         step *= self._columns
-        for part, place in placed:
+        for part, place in self.placed:
             part.move(step[place])
         self.update()
         return True

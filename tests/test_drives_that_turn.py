@@ -4,6 +4,7 @@ step before lead far off, and a step begins as if what bears were glued."""
 
 import numpy as np
 import pytest
+from scenes import FLOOR, rectangle
 
 from fenicsx_contact import (
     Contact,
@@ -13,6 +14,7 @@ from fenicsx_contact import (
     Moved,
     QuasiStatic,
     Scene,
+    ThetaScheme,
     mesh_from_gmsh,
     neo_hookean,
 )
@@ -73,3 +75,36 @@ def test_whatever_the_augmentation_it_ends_there():
     assert first.finished and second.finished
     np.testing.assert_allclose(second["lid.force_y"], first["lid.force_y"], rtol=1e-7)
     assert max(first["newton"].max(), second["newton"].max()) <= 60
+
+
+def drawn(scheme, period, youngs_modulus=1e10):
+    """A block pressed on a floor by 1 MPa, whose side is drawn to and fro by 0.1 mm: the force of
+    friction after each of 30 steps."""
+
+    def to_and_fro(t):
+        t = t / period % 4
+        return 1e-4 * (t if t < 1 else 2 - t if t < 3 else t - 4)
+
+    block = ElasticSolid(
+        rectangle((12, 3), (0.2, 0.04)),
+        youngs_modulus=youngs_modulus,
+        poisson_ratio=0.3,
+        density=1000.0,
+        prescribed={"right": lambda t: (to_and_fro(t), None)},
+        tractions={"top": (0, -1e6)},
+    )
+    contact = Contact(block, "base", FLOOR, "gap", friction=0.3, name="c")
+    history = Scene([block], [contact], scheme).run(3 * period, period / 10)
+    return history, history["c.force_x"]
+
+
+def test_long_steps_with_inertia_say_what_they_do_not_resolve():
+    """Its load would drive the block's mass by 2.6e5 m/s in a step of 100 s, and a slip of 1e-6 m/s
+    was silently anything."""
+    reference = drawn(QuasiStatic(), 1.0)[1]
+    for period, error, told in ((1.0, 1e-6, False), (1e3, 1.0, True)):
+        history, force = drawn(ThetaScheme(1.0), period)
+        assert history.finished and len(history) == 31
+        assert any("are not resolved" in text for _, text in history.remarks) == told
+        off = np.abs(force - reference).max() / 6e4
+        assert off < error if not told else off > 0.1

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Whether the energies and works of a run add up."""
+"""Whether the energies and works of a run add up, and what its steps do not resolve."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -30,4 +32,27 @@ def unexplained(history: History, moved: float) -> str:
         f"the energy balance leaves {off.max():.3g} J unexplained, {off.max() / (size or 1.0):.3g} "
         f"of what took part, from t = {first:.6g} s on: a part of one's own has forces that work "
         "otherwise than its works, or its jump, say"
+    )
+
+
+def unresolved(history: History, rubbing: Iterable[str], resolution: float) -> str:
+    """What to say of a run of solids that deform with friction in these contacts, whose last step
+    resolves no slower speeds than ``resolution``, m/s, if points may go farther by these in a step
+    than all that presses deforms; or nothing.
+
+    Residuals are judged by what inertia alone would do: in a long step a solid that contact holds
+    would fall as far as its load drives its mass, and a slip of friction is a small difference.
+    """
+    steps, names = history["dt"] > 0, tuple(f"{contact}.force_" for contact in rubbing)
+    forces = [history[name] for name in history.columns if name.startswith(names)]
+    pressing = np.sqrt(sum((each**2 for each in forces), np.zeros(len(history))))
+    bears = steps & (pressing > 0)
+    deformed = float((history["strain"][bears] / pressing[bears]).max(initial=0.0))
+    lost = resolution * float(history["dt"][steps][-1]) if steps.any() else 0.0
+    if not lost > deformed > 0:
+        return ""
+    return (
+        f"speeds below {resolution:.3g} m/s are not resolved, {lost:.3g} m in a step, and what "
+        f"presses deforms by about {deformed:.3g} m: friction may be anything that it allows. "
+        "Shorter steps resolve it, or QuasiStatic"
     )

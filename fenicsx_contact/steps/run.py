@@ -18,7 +18,7 @@ from ..base.overflow import diverging
 from ..base.processes import any_of, refuse_unlike
 from ..base.quoted import quoted
 from ..contact.arrivals import starts_inside, struck_apart, went_inside
-from ..output.books import unexplained
+from ..output.books import unexplained, unresolved
 from ..output.history import History
 from ..output.stops import hint
 from ..output.storage import NotWritten, RunDirectory
@@ -196,6 +196,8 @@ class _Course:
             depth = float(history[f"{contact.name}.penetration"].max())
             told += went_inside(contact, depth, scene.deepest), struck_apart(contact, scene.deepest)
         told.append(unexplained(history, scene.stepper.rounding[0]))
+        rubbing = [contact.name for contact in scene.contacts if contact.friction_law]
+        told.append(unresolved(history, rubbing, scene.stepper.resolution))
         history.remarks += [(scene.time, remark) for remark in told if remark]
         history.reason += hint(history.reason)
         history.times = dict(scene.stepper.times)

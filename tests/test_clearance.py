@@ -65,10 +65,12 @@ def test_interference_fit(interference):
         contact, history = fit(n, interference)
         assert not history.remarks
         pressure, area = contact.pressure, contact.surface.area
-        errors.append(abs(area @ pressure / area.sum() / lame(interference) - 1))
-        assert np.abs(pressure / lame(interference) - 1).max() < 0.3 / n
-    assert errors[0] < 4e-3 and errors[-1] < 2e-4, errors
-    assert (rates(errors) > 1.7).all(), rates(errors)
+        errors.append(area @ pressure / area.sum() / lame(interference) - 1)
+        assert np.abs(pressure / lame(interference) - 1).max() < 0.2 / n
+    assert errors[0] < 2e-3 and abs(errors[-1]) < 2e-4, errors
+    # Lame's is of no deformation: what is 5e-5 too large ends 2e-4 below it
+    order = rates(np.abs(np.diff(errors)))
+    assert (order > 1.7).all(), order
 
 
 def test_as_meshed_such_a_fit_is_loose():

@@ -32,6 +32,7 @@ from mpi4py import MPI
 
 from ...base.constants import ROUND_OFF
 from ...base.vectors import normalised
+from .idle import idle, without
 from .integration import Lines, whole
 from .lending import bearing, directions
 from .matrices import DENSE, Matrix, add_up, along, by_component, by_point, gather
@@ -67,6 +68,7 @@ class Pairing:
         dense: whether it and its derivatives are small enough for dense matrices.
         gap: weighted d_n, positive: penetration, (n,) in m; -reach where there is no partner.
         normal, length: n_i, outward at the slave's corners, (n, d), and |m_i|, (n,).
+        idle: components of the jumps that are none (idle.py), (n, d) of bool.
         area: paired share of the surface of each node, (n,).
         paired, alone: nodes that have a partner, and that would bear and have none, (n,) of bool.
         rows, lending: nodes that bear for the corners of each facet (lending.py), (m, corners), and
@@ -178,19 +180,27 @@ class Pairing:
         self.share = share = 1 / np.where(self.paired, area, np.inf)
         dual = self._dual(pieces) @ self.lending[pieces.facet] * pieces.weight[..., None]
         self.shares = dual * share[corners][:, None]
+        self._mean(len(xs))
         self._turn_normals(xs)
         gap = self._integral(self.shares * self.depths(pieces)[..., None])
         self.gap = np.where(self.paired, gap / self.length, -self.reach)
         self._operate()
 
+    def _mean(self, first: int) -> None:
+        rows, columns = self.rows[self.pieces.facet][:, :, None], self.nodes[:, None]
+        self._each = np.swapaxes(self.shares, 1, 2) @ self.pieces.both  # (p, corners, k)
+        own = gather(self._each, rows, columns, (self.n, self.total), self.dense)
+        self.means: Matrix = self.shared.rows(own)
+        self.idle = np.zeros((self.n, self.slave.dim), dtype=bool)
+        if self.held.any():
+            own = idle(self.held, self._along, self.means, self.places, self._sizes, first)
+            self.idle = self.shared.sum(own.astype(float)) > 0
+
     def _operate(self) -> None:
         pieces, d = self.pieces, self.slave.dim
         rows, columns = self.rows[pieces.facet][:, :, None], self.nodes[:, None]
-        means = np.swapaxes(self.shares, 1, 2) @ pieces.both  # (p, corners, k)
-        own = gather(means, rows, columns, (self.n, self.total), self.dense)
-        self.means: Matrix = self.shared.rows(own)
         own = gather(
-            means[..., None] * (pieces.unit / self.length[rows])[:, :, None],
+            self._each[..., None] * (pieces.unit / self.length[rows])[:, :, None],
             rows[..., None],
             columns[..., None] * d + np.arange(d),
             (self.n, self.total * d),
@@ -198,7 +208,8 @@ class Pairing:
         )
         self.rises: Matrix = self.shared.rows(own)
         each = by_component(self.means, d)
-        self.operator: Matrix = each + self.at_normals(self.rises - along(self.normal, each))
+        jump = each + self.at_normals(self.rises - along(self.normal, each))
+        self.operator: Matrix = without(jump, self.idle)
 
     def jumps(self, velocities: np.ndarray) -> np.ndarray:
         """J v of all nodes, flat."""
@@ -256,7 +267,7 @@ class Pairing:
 
     def _turn_normals(self, xs: np.ndarray) -> None:
         units = self.shares[..., None] * self.pieces.unit[:, :, None]
-        mean = self._integral(units)
+        mean = self._integral(units) * ~self.idle
         length = np.linalg.norm(mean, axis=1)
         self.paired &= length > 0
         alone = ~self.paired

@@ -19,6 +19,7 @@ import numpy as np
 
 from ...base.vectors import dot
 from .cover import Cover
+from .idle import without
 from .matrices import Matrix, along, by_component, by_point, gather
 from .mortar import Pairing
 from .motion import Motion
@@ -65,6 +66,7 @@ class Rates:
         self._stretch = along(n, mean)  # of |m_i|
         self.gap = self._per_length(gap, pair.gap)
         project = np.eye(pair.slave.dim) - n[:, :, None] * n[:, None]
+        project *= ~pair.idle[:, None]
         self.normal = by_point(project / pair.length[:, None, None], mean)
 
     @property
@@ -90,7 +92,8 @@ class Rates:
         means, rises = self._seen(velocity, mean, rise)
         more = (rise - dot(n, mean))[:, None, None] * np.eye(n.shape[1])
         more -= n[:, :, None] * mean[:, None]
-        return means + pair.at_normals(rises - along(n, means)) + by_point(more, self.normal)
+        jump = means + pair.at_normals(rises - along(n, means)) + by_point(more, self.normal)
+        return without(jump, pair.idle)
 
     def _seen(
         self, velocity: np.ndarray, mean: np.ndarray, rise: np.ndarray

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Two solids cut by a plane of symmetry: half of it, held on the plane, is half of the whole."""
+
+import numpy as np
+import pytest
+from scenes import box, rectangle
+
+from fenicsx_contact import Contact, ElasticSolid, InputError, QuasiStatic, Scene, ThetaScheme
+from fenicsx_contact.gradients import Law, tangents
+
+WIDTH, CELLS = 0.2, 6
+
+
+def pressed(half, law="gap", friction=0.05, theirs=CELLS, dim=2, scheme=None, springs=0.0):
+    """A soft block is pressed on a stiff one: the soft one slides outwards."""
+
+    def solid(name, modulus, y, height, cells, **given):
+        width = WIDTH if half else 2 * WIDTH
+        cells = cells if half else 2 * cells
+        if dim == 2:
+            mesh = rectangle((cells, 2), (width, height))
+        else:
+            mesh = box((cells, 1, 2), (width, 0.05, height))
+        x = mesh.mesh.geometry.x
+        x[:, 0] -= x[:, 0].min() if half else 0.5 * (x[:, 0].min() + x[:, 0].max())
+        x[:, dim - 1] += y - x[:, dim - 1].min()
+        hold = {"left": (0.0,) + (None,) * (dim - 1)} if half else {}
+        return ElasticSolid(
+            mesh,
+            youngs_modulus=modulus,
+            poisson_ratio=0.3,
+            density=1e3,
+            name=name,
+            prescribed={**hold, **given.pop("prescribed", {})},
+            **given,
+        )
+
+    base = (None,) + (0.0,) * (dim - 1)
+    middle = {} if half else {(0.0,) * (dim - 1) + (-0.1,): (0.0,) + (None,) * (dim - 1)}
+    below = solid("below", 1e10, -0.1, 0.1, theirs, prescribed={"base": base, **middle})
+    load = (0.0,) * (dim - 1) + (-1e6,)
+    soft = {"springs": {"top": springs}} if springs else {}
+    above = solid("above", 1e9, 0.0, 0.05, CELLS, tractions={"top": load}, **soft)
+    contact = Contact(above, "base", (below, "top"), law, friction=friction, name="c")
+    return Scene([below, above], [contact], scheme or QuasiStatic()), contact
+
+
+@pytest.mark.parametrize("law", ["gap", "velocity"])
+@pytest.mark.parametrize("scheme", [QuasiStatic(), ThetaScheme(1.0)])
+def test_half_is_half_of_the_whole(law, scheme):
+    """The node on the plane had all the friction that it may have, the wrong way: 9 % of force."""
+    (mine, half), (all_, whole) = (pressed(h, law, scheme=scheme) for h in (True, False))
+    assert mine.run(1.0, 1e-3 if scheme.inertia else 1.0, stop_when=lambda: mine.time > 2e-3)
+    assert all_.run(1.0, 1e-3 if scheme.inertia else 1.0, stop_when=lambda: all_.time > 2e-3)
+    x, their = half.start_positions[:, 0], whole.start_positions[:, 0]
+    order, right = np.argsort(x), np.argsort(their)[len(their) // 2 :]
+    np.testing.assert_allclose(their[right], x[order], atol=1e-12)
+    tau, p = half.friction_traction[order, 0], half.pressure[order]
+    assert abs(tau[0]) < 1e-9 * p[0] and half.status[order][0] == 1
+    np.testing.assert_allclose(p, whole.pressure[right], rtol=1e-7)
+    np.testing.assert_allclose(tau[1:], whole.friction_traction[right[1:], 0], rtol=1e-7)
+
+
+@pytest.mark.parametrize("theirs", [5, 6, 12, 18])
+def test_whatever_the_master_is_cut_into(theirs):
+    scene, _ = pressed(True, theirs=theirs)
+    history = scene.run(1.0, 1.0)
+    assert history.finished and history["newton"].max() <= 9
+    assert history["c.force_x"][-1] == pytest.approx(-9185.1, rel=2e-4)
+
+
+def test_in_space():
+    """Friction on the edge that lies in the plane is that of a slip within it alone."""
+    scene, contact = pressed(True, dim=3)
+    assert scene.run(1.0, 1.0).finished
+    on = np.abs(contact.start_positions[:, 0]) < 1e-9
+    assert on.sum() == 2
+    across, pressing = contact.force[:, 0], contact.force[:, 2]
+    assert np.abs(across[on]).max() < 1e-9 * pressing[on].max()
+    assert np.abs(across[~on] / pressing[~on]).min() > 0.02
+
+
+@pytest.mark.parametrize(("scheme", "end"), [(QuasiStatic(), 1.0), (ThetaScheme(1.0), 1e-2)])
+def test_forces_have_derivatives_by_friction(scheme, end):
+    """They had none: the node that had nothing to slip by slipped, on the edge of sticking."""
+
+    def scene(friction):
+        return pressed(True, friction=friction, scheme=scheme, springs=1e3)
+
+    first, contact = scene(0.05)
+    found = tangents(first, end, end, {"mu": Law(contact)}, {})["c.force_x"][-1]
+    ends = [scene(0.05 + d)[0].run(end, end)["c.force_x"][-1] for d in (-1e-6, 1e-6)]
+    assert found == pytest.approx((ends[1] - ends[0]) / 2e-6, rel=1e-6)
+
+
+def test_what_contact_holds_without_inertia_has_no_derivatives():
+    """Supports along the plane alone: they were of a singular matrix, 1e-3 off, or NaN."""
+    scene, contact = pressed(True)
+    with pytest.raises(InputError, match="'above' is held by contact, not by supports alone"):
+        tangents(scene, 1.0, 1.0, {"mu": Law(contact)}, {})

@@ -164,16 +164,16 @@ def went_inside(contact: Contact, depth: float, most: float) -> str:
             f"{went} between its nodes, unseen by its gaps, means over facets, of which none was "
             f"more than {gap:.3g} m: give it smaller facets, or the other solid as slave"
         )
-    if not contact.coupling.by_means:  # corners and faces, exactly
-        return (
-            f"{went}: {law.name!r} holds velocities alone, and what is met within a step goes "
-            "on in it: impacts that are located, shorter steps, 'gap', or a drift_correction help"
-        )
-    return (
-        f"{went}: {law.name!r} holds "
+    why = (
         "velocities along the normals of facets, which are not those of the gap where surfaces are "
         "round, or edges of both meet: finer facets, 'gap', or a drift_correction help"
     )
+    if not contact.coupling.by_means:  # corners and faces, exactly
+        why = (
+            "velocities alone, and what is met within a step goes on in it: impacts that are "
+            "located, shorter steps, 'gap', or a drift_correction help"
+        )
+    return f"{went}: {law.name!r} holds {why}"
 
 
 def struck_apart(contact: Contact, most: float) -> str:

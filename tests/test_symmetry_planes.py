@@ -21,9 +21,8 @@ def pressed(half, law="gap", friction=0.05, theirs=CELLS, dim=2, scheme=None, sp
             mesh = rectangle((cells, 2), (width, height))
         else:
             mesh = box((cells, 1, 2), (width, 0.05, height))
-        x = mesh.mesh.geometry.x
-        x[:, 0] -= x[:, 0].min() if half else 0.5 * (x[:, 0].min() + x[:, 0].max())
-        x[:, dim - 1] += y - x[:, dim - 1].min()
+        mesh.mesh.geometry.x[:, 0] += 0.5 * width if half else 0.0
+        mesh.mesh.geometry.x[:, dim - 1] += y
         hold = {"left": (0.0,) + (None,) * (dim - 1)} if half else {}
         return ElasticSolid(
             mesh,

@@ -53,7 +53,9 @@ class History:
     * ``drive``: work since the start of what is applied (force, torque, tractions, body force) on
       the way really gone, of prescribed motions, and of obstacles that move;
     * ``damping``: work of the damping of solids on their mean velocities since the start, a loss;
-    * ``scheme``: energy that the time scheme has made (positive) or damped since the start;
+    * ``scheme``: energy that the time scheme has made (positive) or damped since the start; with
+      forces of the ends of steps, as in statics, ``drive`` is a sum of rectangles, and the work
+      along a closed way ``drive`` + ``scheme``;
     * ``balance``: what is left of the sum, as a check of the whole: round-off, or a remark tells;
     * ``certificate``: the largest relative error of the accepted state, see
       :mod:`fenicsx_contact.steps.certificate`;

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from fenicsx_contact.base.nonnegative import nonnegative
+from fenicsx_contact.base.nonnegative import nonnegative, smallest
 
 
 def problem(rng, case):
@@ -38,3 +38,18 @@ def test_nothing_to_find():
     assert not nonnegative(np.zeros((2, 3)), np.ones(2)).any()
     assert not nonnegative(-np.ones((2, 1)), np.ones(2)).any()
     assert nonnegative(np.empty((2, 0)), np.ones(2)).shape == (0,)
+
+
+def test_the_smallest_of_those_with_the_same_sums():
+    """Its numbers above 0 are linear in the rows, the others would have to be less than 0."""
+    rng = np.random.default_rng(4)
+    for _ in range(100):
+        m, n = rng.integers(1, 7), rng.integers(1, 40)
+        rows = np.repeat(rng.normal(size=(m, n)), rng.integers(1, 3), axis=1)
+        some = np.where(rng.uniform(size=rows.shape[1]) < 0.3, rng.uniform(size=rows.shape[1]), 0.0)
+        sums = rows @ some
+        found = smallest(rows, sums, sums)
+        np.testing.assert_allclose(rows @ found, sums, atol=1e-9 * max(1.0, np.abs(sums).max()))
+        assert found.min() >= 0 and found @ found <= some @ some * (1 + 1e-9)
+        y = np.linalg.lstsq(rows[:, found > 0].T, found[found > 0], rcond=None)[0]
+        np.testing.assert_allclose(rows[:, found > 0].T @ y, found[found > 0], atol=1e-8)

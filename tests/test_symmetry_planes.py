@@ -97,3 +97,30 @@ def test_what_contact_holds_without_inertia_has_no_derivatives():
     scene, contact = pressed(True)
     with pytest.raises(InputError, match="'above' is held by contact, not by supports alone"):
         tangents(scene, 1.0, 1.0, {"mu": Law(contact)}, {})
+
+
+def test_what_is_drawn_past_a_support_rubs_there():
+    """Sides of both blocks lie in one plane whenever the upper one is drawn back to where it was:
+    no plane of symmetry, and its last node rubs as the others do."""
+
+    def drawn(shift):
+        low, up = rectangle((6, 2), (0.2, 0.1)), rectangle((6, 2), (0.2, 0.05))
+        low.mesh.geometry.x[:, 1] -= 0.1
+        up.mesh.geometry.x[:, 0] += shift
+        given = {"youngs_modulus": 1e10, "poisson_ratio": 0.3, "density": 1e3}
+        hold = {"base": (None, 0.0), "left": (0.0, None)}
+        below = ElasticSolid(low, name="below", prescribed=hold, **given)
+        above = ElasticSolid(
+            up,
+            name="above",
+            prescribed={"left": lambda t: (1e-3 * (t - 1.0), None)},
+            tractions={"top": (0.0, -1e5)},
+            **given,
+        )
+        contact = Contact(above, "base", (below, "top"), "gap", friction=0.3, name="c")
+        assert Scene([below, above], [contact], QuasiStatic()).run(1.0, 0.5).finished
+        rubs = np.abs(contact.friction_traction[:, 0]) / contact.pressure
+        return rubs[np.argsort(contact.start_positions[:, 0])[0]]
+
+    assert drawn(1e-3) == pytest.approx(0.3)
+    assert drawn(2e-3) == pytest.approx(0.3)

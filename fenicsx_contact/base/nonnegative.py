@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Least squares in numbers none of which is negative.
+"""Least squares in numbers none of which is negative, and the smallest of those.
 
 Not by ``scipy.optimize.nnls``: that of SciPy 1.15, which Debian 13 has, returns a wrong answer
 without a word where columns depend on each other, as those of points on a rigid face do; and none
@@ -64,3 +64,31 @@ def nonnegative(
         new = int(np.argmax(gain))
         taken[new] = True
     return None
+
+
+def smallest(rows: np.ndarray, sums: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """The smallest g >= 0 of those with these sums ``rows g``, of which there are some: g = max(0,
+    rows' y), where y is the minimum of g . g / 2 - sums . y, sought by Newton's method down to
+    round-off.
+
+    Args:
+        rows: (m, n).
+        sums: (m,).
+        start: y to begin with, (m,).
+    """
+
+    def at(y: np.ndarray) -> tuple[np.ndarray, float]:
+        g = np.maximum(y @ rows, 0.0)
+        return g, float(g @ g / 2 - sums @ y)
+
+    y, (g, value) = start, at(start)
+    while True:
+        bears = rows[:, g > 0]
+        way = np.linalg.lstsq(bears @ bears.T, sums - rows @ g, rcond=ROUND_OFF**0.5)[0]
+        falls, share = float(way @ (sums - rows @ g)), 1.0
+        while at(y + share * way)[1] > value - share * falls / 4 and share > ROUND_OFF:
+            share /= 2
+        new, lower = at(y + share * way)
+        if not lower < value:
+            return g
+        y, g, value = y + share * way, new, lower

@@ -17,7 +17,7 @@ from .clearance import Clearance, apart_at
 from .equations import SurfaceEquations
 from .inside import inside_each_other
 from .jump import Coupling
-from .mortar import Pairing, Side
+from .mortar import Pairing, Side, supported
 from .mortar.facing import faces_anywhere
 from .mortar.matrices import Matrix, dense, square
 from .mortar.passing import gone_through
@@ -62,7 +62,7 @@ class MortarJump(Coupling):
         self.solids, self.equations = list(solids), equations
         self._facets, self._moves, self._comm = facets, moves, communicator(solids)
         self.traces = [side.trace(solid) for solid, side in zip(solids, sides)]
-        self._made = partial(kind, *sides, self._comm, self.held_components)
+        self._made = partial(kind, *sides, self._comm, *supported(self.traces))
         self.pairing = self._ending = self._made()
         self._standing = Standing(*sides)
         self.part = self._part = PairedEquations(equations, self.pairing)

@@ -52,7 +52,8 @@ class PairRows(ContactRows):
         if any(getattr(solid, "degree", 1) > 1 for solid in contact.solids):
             raise checks.InputError(f"{name} is between two solids, and one is of second degree")
         pair = contact.coupling.pairing  # type: ignore[attr-defined]
-        self._now, self.then = (Pairing(pair.slave, pair.master, held=pair.held) for _ in range(2))
+        given = {"held": pair.held, "still": pair.still}
+        self._now, self.then = (Pairing(pair.slave, pair.master, **given) for _ in range(2))
         last = pair.slave.nodes.size
         self._sides = slice(0, last), slice(last, None)
 

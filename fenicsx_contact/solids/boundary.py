@@ -75,7 +75,7 @@ class Supports:
 
     Attributes:
         unknowns: the held unknowns among those that this process owns, sorted.
-        moving: whether any of them may move.
+        moving: whether any of them may move; ``still``: those that no support does.
         directions: whether the solid is held in each direction somewhere, (d,).
 
     Raises:
@@ -116,6 +116,12 @@ class Supports:
             (where, motion, held, np.searchsorted(self.unknowns, n))
             for (where, motion, _), held, n in zip(given, directions, every)
         ]
+        led = np.zeros(len(self.unknowns), dtype=bool)
+        for (_, motion, _), values, (*_, at) in zip(every_motion, at_start, self._motions):
+            varies = checks.is_function(motion) or is_field(motion)
+            if varies or any(v is not None and np.any(v) for v in values):
+                led[at] = True
+        self.still = self.unknowns[~led]
         there = [bool((self.unknowns % self._d == i).any()) for i in range(self._d)]
         self.directions = np.any(self._comm.allgather(there), axis=0)
         moves = any(checks.is_function(m) or is_field(m) for m in prescribed.values())

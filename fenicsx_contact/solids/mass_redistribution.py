@@ -19,7 +19,7 @@ from petsc4py import PETSc
 
 from ..base import checks
 from ..base.constants import ROUND_OFF
-from ..base.nonnegative import nonnegative
+from ..base.nonnegative import nonnegative, smallest
 from ..base.vectors import largest
 from .factor import Factorisation
 from .vector_space import VectorSpace
@@ -96,7 +96,7 @@ def move_mass_inwards(
     gained = nonnegative(rows, np.eye(len(pairs))[0])
     if gained is None:
         raise checks.InputError("mass_redistribution: what the nodes lost cannot be spread behind")
-    gained = _smallest(rows, rows @ gained)
+    gained = smallest(rows, rows @ gained, np.eye(len(rows))[0])  # from all alike
     gained *= lost[0, 0] / gained.sum()
     first = sum(comm.allgather(len(behind))[: comm.rank])
     added = np.zeros(vectors.owned)
@@ -106,29 +106,6 @@ def move_mass_inwards(
     diagonal.setArray(diagonal.array_r + added)
     mass.setDiagonal(diagonal)
     diagonal.destroy()
-
-
-def _smallest(rows: np.ndarray, sums: np.ndarray) -> np.ndarray:
-    """The smallest g >= 0 of those with these sums ``rows g``: g = max(0, rows' y), where y is the
-    minimum of g . g / 2 - sums . y, sought by Newton's method down to round-off."""
-
-    def at(y: np.ndarray) -> tuple[np.ndarray, float]:
-        g = np.maximum(y @ rows, 0.0)
-        return g, float(g @ g / 2 - sums @ y)
-
-    y = np.zeros(len(sums))
-    y[0] = 1.0  # all alike
-    g, value = at(y)
-    while True:
-        bears = rows[:, g > 0]
-        way = np.linalg.lstsq(bears @ bears.T, sums - rows @ g, rcond=ROUND_OFF**0.5)[0]
-        falls, share = float(way @ (sums - rows @ g)), 1.0
-        while at(y + share * way)[1] > value - share * falls / 4 and share > ROUND_OFF:
-            share /= 2
-        new, lower = at(y + share * way)
-        if not lower < value:
-            return g
-        y, g, value = y + share * way, new, lower
 
 
 def relax(

@@ -72,7 +72,8 @@ class DeformableTrace(MonolithicTrace):
     Attributes:
         reference: the places of the points, or their means, in the reference placement, (n, d).
         facets: the name of the facets, or "".
-        held: components that supports hold fast, or lead, whatever pushes them, (n d,) of bool.
+        held: components that supports hold fast, or lead, whatever pushes them, (n d,) of bool;
+            ``still``: those that they hold fast.
 
     Raises:
         InputError: points that are no nodes there; two nodes of the facets at one place.
@@ -116,6 +117,10 @@ class DeformableTrace(MonolithicTrace):
         self._spreading = seen(rows[free], columns[free], owned).T.tocsr()
         self._operator = seen(rows, columns, owned)
         self.held = self._sum(abs(self._spreading).T @ np.ones(owned)) == 0
+        supports = getattr(solid, "supports", None)  # one of one's own may have others
+        led = ~np.isin(columns, supports.still if supports else np.empty(0))
+        moved = abs(seen(rows[led], columns[led], owned))
+        self.still = self._sum(moved @ np.ones(owned)) == 0
         self._held = (self._operator - self._spreading.T).tocsr()
         # points that are nodes see components: where one process has them no product is needed
         self._picked = _picked(self._operator) if self._comm.size == 1 else None

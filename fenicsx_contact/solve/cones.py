@@ -18,7 +18,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from ..base.constants import RIGHT, ROUND_OFF, SAME
-from ..base.nonnegative import nonnegative
+from ..base.nonnegative import nonnegative, smallest
 from ..base.vectors import slices
 from ..contact.contact import Contact
 from ..contact.part import Part
@@ -167,14 +167,15 @@ def _least(seen: np.ndarray, beyond: np.ndarray, before: np.ndarray) -> np.ndarr
 def _spread(seen: np.ndarray, weights: np.ndarray, left: np.ndarray) -> np.ndarray:
     """Weights >= 0 that do the same, of which few are not zero, on all directions in which nothing
     is ``left``, (k,), as evenly as that goes."""
+    does = weights @ seen
+    tight = np.flatnonzero(left >= -RIGHT * np.abs(seen @ does).max(initial=0.0))  # of what came
+    size = np.abs(does).max(initial=0.0)
     stiff = np.sqrt(np.einsum("kr,kr->k", seen, seen).max(initial=0.0))
-    taken = seen @ (weights @ seen)  # of what came nearer
-    tight = np.flatnonzero(left >= -RIGHT * np.abs(taken).max(initial=0.0))
-    small = np.sqrt(np.finfo(float).eps) * np.eye(len(tight))
-    target = np.concatenate([weights @ seen / (stiff or 1.0), np.zeros(len(tight))])
-    found = nonnegative(np.concatenate([seen[tight].T / (stiff or 1.0), small]), target)
-    if found is None:
+    if not (size > 0 and stiff > 0):
         return weights
+    rows, sums = seen[tight].T / stiff, does / size
     even = np.zeros(len(weights))
-    even[tight] = found
-    return even
+    even[tight] = smallest(rows, sums, sums)
+    if np.abs(rows @ even[tight] - sums).max() > SAME:
+        return weights
+    return even * size / stiff

@@ -9,6 +9,9 @@ normal lies in the plane.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 import scipy.sparse as sp
 
@@ -17,7 +20,7 @@ from .matrices import Matrix
 
 
 def idle(
-    held: np.ndarray,
+    still: np.ndarray,
     along: np.ndarray,
     means: Matrix,
     places: np.ndarray,
@@ -27,21 +30,34 @@ def idle(
     """Components of the jumps at the n nodes of the slave that are none, (n, d) of bool.
 
     Args:
-        held: components of all nodes that supports hold, (N, d) of bool, the slave's first.
+        still: components of all nodes that supports hold at rest, (N, d) of bool, the slave's
+            first.
         along: components that the slave's normals have at rest, (n, d) of bool.
         means: the jumps of one component, (n, N): which nodes each sees.
         places: of the nodes, (N, d) in m.
         size: of the facets at the nodes, (n,) in m.
         first: number of the master's first node.
     """
-    result = held[: len(along)].copy()
-    for node in np.flatnonzero(result.any(axis=1)):
-        row = means[node] if isinstance(means, np.ndarray) else means[node].toarray()[0]
-        theirs = first + np.flatnonzero(row[first:])
-        there = np.abs(places[theirs] - places[node]) <= SAME * size[node]
-        result[node] &= (held[theirs] & there).any(axis=0)
+    nodes, theirs = means.nonzero()
+    seen = still[: len(along)].any(axis=1)[nodes] & (theirs >= first)
+    nodes, theirs = nodes[seen], theirs[seen]
+    there = np.abs(places[theirs] - places[nodes]) <= SAME * size[nodes, None]
+    result = np.zeros_like(along)
+    np.logical_or.at(result, nodes, still[nodes] & still[theirs] & there)
     whole = (result | ~along).all(axis=1)  # nothing is left of the normal
     return result & ~(whole[:, None] & along)
+
+
+def supported(traces: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Components of the traces' points that nothing but supports moves, flat, of bool, and those of
+    them that these hold at rest."""
+
+    def of_all(name: str) -> np.ndarray:
+        return np.concatenate(
+            [np.broadcast_to(getattr(t, name, False), t.positions().size) for t in traces]
+        )
+
+    return of_all("held"), of_all("still")
 
 
 def without(matrix: Matrix, rows: np.ndarray) -> Matrix:

@@ -59,7 +59,8 @@ class Pairing:
     Args:
         slave, master: the sides; the same one twice: a surface before itself.
         comm: the processes that share the work, each with all of both sides.
-        held: components of the nodes that nothing but supports moves, (N, d) of bool.
+        held: components of the nodes that nothing but supports moves, (N, d) of bool; ``still``:
+            that these hold at rest.
 
     Attributes:
         operator: J, (n d, N d), of which each process has the rows of its nodes.
@@ -95,11 +96,14 @@ class Pairing:
         master: Side,
         comm: MPI.Comm = MPI.COMM_SELF,
         held: np.ndarray | None = None,
+        still: np.ndarray | None = None,
     ) -> None:
         self.slave, self.master = slave, master
         self.n = int(slave.corners.max()) + 1
         self.total = len(slave.nodes) + len(master.nodes)
-        self.held = np.zeros((self.total, slave.dim), dtype=bool) if held is None else held
+        none = np.zeros((self.total, slave.dim), dtype=bool)
+        self.held = none if held is None else held.reshape(none.shape)
+        self.still = none if still is None else still.reshape(none.shape)
         self._along = directions(slave, self.n)  # what holds these holds the gap
         held = (self.held[: self.n] | ~self._along).all(axis=1)
         self.rows, self.lending = bearing(slave.corners, slave.cell, held)
@@ -192,8 +196,8 @@ class Pairing:
         own = gather(self._each, rows, columns, (self.n, self.total), self.dense)
         self.means: Matrix = self.shared.rows(own)
         self.idle = np.zeros((self.n, self.slave.dim), dtype=bool)
-        if self.held.any():
-            own = idle(self.held, self._along, self.means, self.places, self._sizes, first)
+        if self.still.any():
+            own = idle(self.still, self._along, self.means, self.places, self._sizes, first)
             self.idle = self.shared.sum(own.astype(float)) > 0
 
     def _operate(self) -> None:

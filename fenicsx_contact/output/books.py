@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..base.constants import MADE
+from ..base.constants import MADE, SAME
 from .history import History
 
 _WORKS = ("kinetic", "strain", "impact", "friction", "drive", "damping", "scheme")
@@ -35,10 +35,10 @@ def unexplained(history: History, moved: float) -> str:
     )
 
 
-def unresolved(history: History, rubbing: Iterable[str], resolution: float) -> str:
+def unresolved(history: History, rubbing: Iterable[str], resolution: float, size: float) -> str:
     """What to say of a run of solids that deform with friction in these contacts, whose last step
     resolves no slower speeds than ``resolution``, m/s, if points may go farther by these in a step
-    than all that presses deforms; or nothing.
+    than all that presses deforms, and than tells places of this ``size``, m, apart; or nothing.
 
     Residuals are judged by what inertia alone would do: in a long step a solid that contact holds
     would fall as far as its load drives its mass, and a slip of friction is a small difference.
@@ -49,7 +49,7 @@ def unresolved(history: History, rubbing: Iterable[str], resolution: float) -> s
     bears = steps & (pressing > 0)
     deformed = float((history["strain"][bears] / pressing[bears]).max(initial=0.0))
     lost = resolution * float(history["dt"][steps][-1]) if steps.any() else 0.0
-    if not lost > deformed > 0:
+    if not (lost > deformed > 0 and lost > SAME * size):
         return ""
     return (
         f"speeds below {resolution:.3g} m/s are not resolved, {lost:.3g} m in a step, and what "

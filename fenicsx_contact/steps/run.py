@@ -196,8 +196,10 @@ class _Course:
             depth = float(history[f"{contact.name}.penetration"].max())
             told += went_inside(contact, depth, scene.deepest), struck_apart(contact, scene.deepest)
         told.append(unexplained(history, scene.stepper.rounding[0]))
-        rubbing = [contact.name for contact in scene.contacts if contact.friction_law]
-        told.append(unresolved(history, rubbing, scene.stepper.resolution))
+        rubbing = [contact for contact in scene.contacts if contact.friction_law]
+        size = max((contact.surface.extent for contact in rubbing), default=0.0)
+        names = [contact.name for contact in rubbing]
+        told.append(unresolved(history, names, scene.stepper.resolution, size))
         history.remarks += [(scene.time, remark) for remark in told if remark]
         history.reason += hint(history.reason)
         history.times = dict(scene.stepper.times)

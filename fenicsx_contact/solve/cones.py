@@ -150,7 +150,7 @@ def _least(seen: np.ndarray, beyond: np.ndarray, before: np.ndarray) -> np.ndarr
     """Weights >= 0, (k,), of the shortest x = -weights.seen with -seen x >= beyond, (k,), of which
     each is zero unless its row holds as an equation, sought from those of a problem with the same
     ``seen``; None where there is no x."""
-    stiff = np.sqrt(np.einsum("kr,kr->k", seen, seen).max(initial=0.0))
+    stiff = _longest(seen)
     size = beyond.max(initial=0.0)
     if not (size > 0 and stiff > 0):
         return np.zeros(len(beyond))
@@ -170,7 +170,7 @@ def _spread(seen: np.ndarray, weights: np.ndarray, left: np.ndarray) -> np.ndarr
     does = weights @ seen
     tight = np.flatnonzero(left >= -RIGHT * np.abs(seen @ does).max(initial=0.0))  # of what came
     size = np.abs(does).max(initial=0.0)
-    stiff = np.sqrt(np.einsum("kr,kr->k", seen, seen).max(initial=0.0))
+    stiff = _longest(seen)
     if not (size > 0 and stiff > 0):
         return weights
     rows, sums = seen[tight].T / stiff, does / size
@@ -179,3 +179,7 @@ def _spread(seen: np.ndarray, weights: np.ndarray, left: np.ndarray) -> np.ndarr
     if np.abs(rows @ even[tight] - sums).max() > SAME:
         return weights
     return even * size / stiff
+
+
+def _longest(rows: np.ndarray) -> float:
+    return float(np.sqrt(np.einsum("kr,kr->k", rows, rows).max(initial=0.0)))

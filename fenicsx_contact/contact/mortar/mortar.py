@@ -184,20 +184,21 @@ class Pairing:
         self.share = share = 1 / np.where(self.paired, area, np.inf)
         dual = self._dual(pieces) @ self.lending[pieces.facet] * pieces.weight[..., None]
         self.shares = dual * share[corners][:, None]
-        self._mean(len(xs))
+        self._mean()
         self._turn_normals(xs)
         gap = self._integral(self.shares * self.depths(pieces)[..., None])
         self.gap = np.where(self.paired, gap / self.length, -self.reach)
         self._operate()
 
-    def _mean(self, first: int) -> None:
+    def _mean(self) -> None:
         rows, columns = self.rows[self.pieces.facet][:, :, None], self.nodes[:, None]
         self._each = np.swapaxes(self.shares, 1, 2) @ self.pieces.both  # (p, corners, k)
         own = gather(self._each, rows, columns, (self.n, self.total), self.dense)
         self.means: Matrix = self.shared.rows(own)
         self.idle = np.zeros((self.n, self.slave.dim), dtype=bool)
         if self.still.any():
-            own = idle(self.still, self._along, self.means, self.places, self._sizes, first)
+            seen = self.means, self.places, self._sizes, len(self.slave.nodes)
+            own = idle(self.still, self._along, *seen)
             self.idle = self.shared.sum(own.astype(float)) > 0
 
     def _operate(self) -> None:

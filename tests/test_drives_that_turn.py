@@ -23,9 +23,9 @@ E, NU, RADIUS, SEAT = 5e6, 0.45, 0.0025, 0.02
 SQUEEZE = 8e-4
 
 
-def ring(kind, friction, until=1.5, augmentation=1.0):
+def ring(kind, friction, until=1.5, augmentation=1.0, h=6e-4):
     """An O-ring in its gland: the lid comes down in ten steps, and is drawn back. (r, z)"""
-    mesh = mesh_from_gmsh("disc.geo", R=RADIUS, h=6e-4, coarse=9e-4)
+    mesh = mesh_from_gmsh("disc.geo", R=RADIUS, h=h, coarse=9e-4)
     mesh.mesh.geometry.x[:, 0] += SEAT
     given = dict(density=1200.0, plane="axisymmetric", name="ring")
     if kind == "linear":
@@ -68,12 +68,19 @@ def test_an_o_ring_is_pressed_and_let_go(kind):
     np.testing.assert_allclose(total - total[0], took, atol=1e-6 * total.max())
 
 
-def test_whatever_the_augmentation_it_ends_there():
+@pytest.mark.parametrize(
+    "friction, h",
+    [(0.05, 6e-4), *((0.1, h) for h in (4.7e-4, 5.2e-4, 6.7e-4, 7.5e-4))],
+)
+def test_whatever_the_augmentation_it_ends_there(friction, h):
     """With little friction it took 1117 iterations, or ended silently in another equilibrium, in
-    which the ring had rolled over."""
-    first, second = (ring("hyperelastic", 0.05, 1.3, augmentation) for augmentation in (0.1, 1.0))
+    which the ring had rolled over. Where contact gives way it buckles, and springs in its stead led
+    far off: 400 iterations in the mean of some meshes, up to 2000."""
+    first, second = (
+        ring("hyperelastic", friction, 1.3, augmentation, h) for augmentation in (0.1, 1.0)
+    )
     assert first.finished and second.finished
-    np.testing.assert_allclose(second["lid.force_y"], first["lid.force_y"], rtol=1e-7)
+    assert second["lid.force_y"][-1] == pytest.approx(first["lid.force_y"][-1], rel=1e-5)
     assert max(first["newton"].max(), second["newton"].max()) <= 60
 
 

@@ -64,7 +64,6 @@ class FrozenContact(Statuses):
         self.size, self.hyperstatic = system.size, system.hyperstatic
         self.crowded = system.crowded
         self._start: list[np.ndarray] | None = None
-        self._convex = True
         self.update()
 
     def glue(self, points: Sequence[np.ndarray]) -> None:
@@ -140,7 +139,7 @@ class FrozenContact(Statuses):
         way = [solid.trial_velocity - a for solid, a in zip(self._system.solids, old)]
         first, last = (self._slope(share, old, way) for share in (0.0, 1.0))
         if first > 0:  # a solid that buckles: nothing is least, and Newton's step stands
-            self._convex = False
+            self.buckles = True
             return
         low, high, share = 0.0, np.inf, 1.0
         for _ in range(np.finfo(float).nmant):  # doublings or halvings to round-off
@@ -209,9 +208,9 @@ class FrozenContact(Statuses):
 
     def begin_again(self) -> bool:
         """Go back to where the springs came, if there is a function that is least somewhere."""
-        if self._start and self._convex:
+        if self._start and not self.buckles:
             self.go_back(self._start)
-        return self._convex
+        return not self.buckles
 
     def stall(self) -> str:
         """What stalls."""

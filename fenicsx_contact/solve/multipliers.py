@@ -12,7 +12,8 @@ and what is solved is known to be convex, all is tried once more, with patience.
 settles and bounds turn round and round all the same (much friction at points that jam each other)
 the springs become softer, too: pressures, and bounds with them, then move less in a round. Where
 all settles and a bound follows the others but slowly (along a belt), Newton's method without
-springs ends what it came near.
+springs ends what it came near. A solid that buckles where contact gives way, or rolls over, goes
+the farther the softer the springs are: there the method ends as soon as it gains no more.
 (M.J.D. Powell 1969, M.R. Hestenes 1969; R.T. Rockafellar, SIAM J. Control Optim. 14, 877-898,
 1976.)
 """
@@ -42,9 +43,11 @@ class Softened(Protocol):
 
     Attributes:
         worst: the largest error of any row, after `error`.
+        buckles: whether with springs, however soft, there is nothing least: something gives way.
     """
 
     worst: float
+    buckles: bool
 
     def iterate(self) -> bool: ...
     def error(self) -> float: ...
@@ -96,7 +99,7 @@ def _rounds(system: Softened, tolerance: float, enough: float, patience: int) ->
         outer.see(system.worst)
         gains.see(system.worst)
         if not gains.lasts:
-            if system.worst <= enough:
+            if system.worst <= enough or system.buckles:
                 break
             if inner.best <= tolerance:
                 total += _ended(system, tolerance)

@@ -66,8 +66,8 @@ class Newton:
     """Settings of the Newton loop.
 
     Convergence is judged on the scaled residual of every row. When statuses come back that were
-    there before (ping-pong), steps are damped, or the method of multipliers takes over; where one
-    fails, the other.
+    there before (ping-pong), steps are damped; where that fails, the method of multipliers takes
+    over.
 
     Args:
         tolerance: on the largest scaled residual of any row, and where solids, geometry and
@@ -109,7 +109,7 @@ class Newton:
             return Solution(system.force(), iterations, system.worst, system.worst <= rough)
         if hopeless and (reason := hopeless()):
             raise NotConverged(reason)
-        flips, notes = system.flips(), ""
+        flips = system.flips()
         if elsewhere and elsewhere():
             start, enough = system.state(), self.tolerance
             if system.error() > enough:
@@ -117,21 +117,16 @@ class Newton:
                 iterations += more
             if system.worst <= enough:
                 return Solution(system.force(), iterations, system.worst, system.worst <= rough)
-        # of forces that the motion does not determine the method of multipliers finds such as are
-        # near; damped steps may leave points at their bounds that push against each other
-        damped_first = system.crowded or not system.hyperstatic
-        for damps in (damped_first, not damped_first):
-            if damps:
-                iterations += self._damped(system, start, rough)
-            else:
-                steps = method_of_multipliers(system, self.tolerance, rough)
-                notes = f"; method of multipliers took over, {steps} steps"
-                iterations += steps
-            if system.worst <= rough:  # NaN is not
-                remarks = [flips + notes] if notes else []
-                return Solution(system.force(), iterations, system.worst, remarks=remarks)
-        last = Solution(system.force(), iterations, system.worst, False, [flips + notes], False)
-        raise NotConverged(f"{system.stall()}; {flips}{notes}", last)
+        iterations += self._damped(system, start, rough)
+        if system.worst <= rough:  # NaN is not
+            return Solution(system.force(), iterations, system.worst)
+        steps = method_of_multipliers(system, self.tolerance, rough)
+        iterations += steps
+        told = f"{flips}; method of multipliers took over, {steps} steps"
+        if system.worst <= rough:
+            return Solution(system.force(), iterations, system.worst, remarks=[told])
+        last = Solution(system.force(), iterations, system.worst, False, [told], False)
+        raise NotConverged(f"{system.stall()}; {told}", last)
 
     def _iterate(
         self, system: ContactProblem, rough: float, patient: bool = True

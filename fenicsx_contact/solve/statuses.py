@@ -20,9 +20,10 @@ class Statuses(ABC):
     Attributes:
         rounded: whether an error that falls no more counts as round-off.
         hyperstatic: whether there may be more forces than the motion determines.
+        buckles: whether something was seen to give way with springs, however soft.
     """
 
-    rounded: bool = False
+    rounded = buckles = False
     hyperstatic: bool
 
     def __init__(self, parts: Sequence[Part], names: Sequence[str]) -> None:

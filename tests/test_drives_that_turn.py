@@ -106,10 +106,10 @@ def drawn(scheme, period, youngs_modulus=1e10):
 
 
 def test_long_steps_with_inertia_say_what_they_do_not_resolve():
-    """Its load would drive the block's mass by 2.6e6 m/s in a step of 1000 s, and a slip of 1e-7
-    m/s was silently anything; judged by that, it was so from steps of 1 s on."""
+    """Its load would drive the block's mass by 2.6e5 m/s in a step of 100 s, and a slip of 1e-6 m/s
+    was silently anything."""
     reference = drawn(QuasiStatic(), 1.0)[1]
-    for period, error, told in ((1.0, 1e-6, False), (100.0, 1e-4, False), (1e4, 1.0, True)):
+    for period, error, told in ((1.0, 1e-6, False), (1e3, 1.0, True)):
         history, force = drawn(ThetaScheme(1.0), period)
         assert history.finished and len(history) == 31
         assert any("are not resolved" in text for _, text in history.remarks) == told

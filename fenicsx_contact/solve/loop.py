@@ -157,8 +157,10 @@ class StepSolver:
         new = [(c, free[part]) for c, part in zip(contacts, self._all.parts)] if first else []
         for contact, velocities in new:
             contact.screen(velocities, step)
-        fastest = self._all.fastest(free, ROUND_OFF / self._newton.tolerance)
-        speed = self._scale(step, self._speeds.foreseen(step, fastest, self._pushed))
+        noise = ROUND_OFF / self._newton.tolerance
+        speed = max(self._all.fastest(free, noise), SLOW * self._pushed) or self._speeds.known()
+        inside = max((body.load_speed() for body in self._speeds.bodies), default=0.0)
+        speed = self._scale(step, max(speed, SLOW * inside))
         # without inertia, and without what bore, all that is loaded would go far inside
         rests = not step.scheme.inertia and any((c.status > 0).any() for c in contacts)
         for contact, velocities in new:

@@ -38,7 +38,7 @@ class Speeds:
         tolerance: float,
     ) -> None:
         self._contacts, self._floating, self._tolerance = contacts, floating, tolerance
-        self._comm, self._count = communicator(solids), len(solids)
+        self._comm = communicator(solids)
         self.bodies = [s for s in solids if isinstance(s, DeformableSolid)]
         self._start: tuple[Step | None, float, float] = None, 0.0, 0.0
         self._drawing = [contact for contact in contacts if applies(contact)]
@@ -63,15 +63,6 @@ class Speeds:
             return speed
         noise = max((contact.noise for contact in self._contacts), default=0.0)
         return max(speed, noise / (step.span * self._tolerance))
-
-    def foreseen(self, step: Step, free: float, pushed: float) -> float:
-        """The same by the largest speed without contact and that which the forces of the last step
-        stand for, m/s, where compliances are known."""
-        known, inside = self.known(), max((b.load_speed() for b in self.bodies), default=0.0)
-        # what drives the mass of a solid that deforms its stiffness resists, in a long step most
-        resists = step.scheme.inertia and len(self.bodies) == self._count
-        least = known if resists else free
-        return max(max(SLOW * max(free, pushed), least) or known, SLOW * inside)
 
     def inside(self, velocities: Iterable[np.ndarray]) -> float:
         """The largest of velocities of the solids that deform, each of the owned nodes in m/s,

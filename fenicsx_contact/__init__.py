@@ -23,6 +23,7 @@ from .contact.shapes.revolution import Revolution  # noqa: E402
 from .contact.shapes.triangulated import Triangulated  # noqa: E402
 from .contact.torques import torques  # noqa: E402
 from .contact.turned import Turned  # noqa: E402
+from .contact.union import Union  # noqa: E402
 from .contact.wall import Obstacle  # noqa: E402
 from .frictional import (  # noqa: E402
     FrictionalProblem,
@@ -131,6 +132,7 @@ __all__ = [
     "Tresca",
     "Triangulated",
     "Turned",
+    "Union",
     "Velocity",
     "Wedge",
     "axis_mesh",

@@ -447,6 +447,11 @@ subject(
     axis=fixed(None),
 )
 subject(
+    "Union",
+    lambda **k: fc.Union(**{"obstacles": [FLOOR], **k}),
+    obstacles=fixed([FLOOR, fc.Circle((0, -2), 1.0)], (fc.Circle((0, -2), 1.0),)),
+)
+subject(
     "LevelSet",
     lambda **k: fc.LevelSet(**{"phi": lambda x, t: x[1], "dim": 2, **k}),
     {"dim": ("dim", "phi")},

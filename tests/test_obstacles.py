@@ -32,6 +32,7 @@ from fenicsx_contact import (
     Sphere,
     ThetaScheme,
     Turned,
+    Union,
 )
 from fenicsx_contact.base import compat
 from fenicsx_contact.contact.leaps import leap
@@ -99,6 +100,7 @@ OBSTACLES = {
     "moved": Moved(Sphere(CENTER, 0.4), lambda t: (t, 0.3 * np.sin(t), -(t**2))),
     "turned": Turned(Cylinder(CENTER, AXIS, 0.4), (1.0, 0.5, 0.2), np.sin, (3, -1, 2)),
     "turned wave": Moved(Turned(LevelSet(wave, 2), (0.3, 0.1), lambda t: 2 * t), lambda t: (t, t)),
+    "union": Union([Circle((0.1, -0.2), 0.4), LevelSet(wave, 2), Circle((0.4, 1.9), 0.3)]),
     "moved wave": Moved(LevelSet(wave, 2), lambda t: (ufl.sin(t), 0.2 * t)),
 }
 

@@ -18,6 +18,7 @@ from fenicsx_contact import (
     mesh_from_gmsh,
     neo_hookean,
 )
+from fenicsx_contact.theory.scheme import Step
 
 E, NU, RADIUS, SEAT = 5e6, 0.45, 0.0025, 0.02
 SQUEEZE = 8e-4
@@ -80,8 +81,28 @@ def test_whatever_the_augmentation_it_ends_there(friction, h):
         ring("hyperelastic", friction, 1.3, augmentation, h) for augmentation in (0.1, 1.0)
     )
     assert first.finished and second.finished
+    assert max(np.abs(each["balance"]).max() for each in (first, second)) < 1e-10
     assert second["lid.force_y"][-1] == pytest.approx(first["lid.force_y"][-1], rel=1e-5)
     assert max(first["newton"].max(), second["newton"].max()) <= 60
+
+
+@pytest.mark.parametrize("friction, h", [(0.05, 4e-4), (0.02, 5.2e-4)])
+def test_a_ring_that_rolls_over_is_in_balance_where_it_ends(friction, h):
+    """Where nothing touched its stresses counted as nothing that acts, and were balanced: it ended
+    "finished" with 535 N that nothing bore, 0.8 J of them from nowhere."""
+    history = ring("hyperelastic", friction, 1.5, h=h)
+    assert np.abs(history["balance"]).max() < 1e-10 and not history["kinetic"].any()
+    assert history.finished or history.reason.startswith("stopped at")
+
+
+def test_stresses_that_nothing_bears_are_no_balance():
+    block = HyperelasticSolid(rectangle((2, 2)), energy=neo_hookean(1e6, 0.3), density=1.0)
+    Scene([block], [Contact(block, "base", FLOOR, "gap", friction=0.3)], QuasiStatic())
+    step = Step(1.0, QuasiStatic(), 0.0)
+    block.predict(step)
+    assert block.imbalance(step) == 0.0
+    block.go(0.01 * np.random.default_rng(1).random(len(block.velocity)), step)
+    assert block.imbalance(step) == 1.0
 
 
 def drawn(scheme, period, youngs_modulus=1e10):

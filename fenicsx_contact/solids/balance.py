@@ -172,7 +172,7 @@ class BalancedSolid(MonolithicSolid):
         self.acts = worst(sizes)
         if self.acts <= noise and residual < np.inf:  # NaN is neither
             self.forgiven = self.whole = 0.0
-            return 0.0
+            return float(residual > noise)  # internal forces that nothing balances
         # without loads what supports move is in balance to round-off, whatever acts, also by what
         # just touches, where round-off of places presses
         loaded = not step.scheme.inertia and max(sizes[1] - touch, *sizes[2:]) > noise

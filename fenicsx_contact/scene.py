@@ -225,7 +225,8 @@ class Scene:
             step_error: what a step may add to the error of the motion, relative to the way in
                 it, by an estimate (:mod:`fenicsx_contact.steps.adaptive`); for theta = 1/2. None:
                 uniform steps. Impacts that are not located are rounded to a step all the same.
-            directory: where to write the run as it goes; None keeps it in memory.
+            directory: where to write the run as it goes, over what is there unless it is resumed;
+                None keeps it in memory.
             resume: continue the run that was stopped in ``directory``, if there is one.
             fields_every: write fields for ParaView every so many ``dt`` (0: never).
             progress: show a bar; default: if the run lasts and a person watches.

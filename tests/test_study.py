@@ -688,3 +688,49 @@ def test_what_is_no_map_or_study_is_refused(make, words):
 
 FRICTION, HEIGHT = Axis("friction", [0.1, 0.2], "friction"), Axis("height", [1.0], "height, m")
 GOOD = Map("good", "good", takes_both, FRICTION, HEIGHT)
+
+
+def broken(dt):
+    """A study of one's own, of which some settings raise."""
+    if dt == 1:
+        raise ZeroDivisionError("no such thing")
+    problem = at_rest(steps=2)
+    return dataclasses.replace(problem, error=lambda history: {}["lost"]) if dt == 2 else problem
+
+
+def test_a_setting_that_fails_is_a_sample():
+    """It ended the study, and those before were lost."""
+    study = Study("s", "s", "x", broken, {"m": [{"dt": 1}, {"dt": 2}, {"dt": 3}]})
+    first, second, third = measure(study, repeats=1)
+    assert first.reason == "failed: ZeroDivisionError: no such thing" and np.isnan(first.error)
+    assert second.reason == "failed: KeyError: 'lost'" and np.isnan(second.error)
+    assert third.reason == "finished" and np.isfinite(third.error)
+    assert "failed: KeyError" in table([first, second, third])
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_processes_of_a_batch_that_is_killed_end(processes, tmp_path):
+    """They waited for ever for the next case, and held open what it printed to."""
+    (tmp_path / "cases.py").write_text(
+        "import os, sys, time\n"
+        "from pathlib import Path\n"
+        "from fenicsx_contact.study import batch\n\n"
+        "def asleep(i):\n"
+        "    Path(f'begun{i}').write_text(str(os.getpid()))\n"
+        "    time.sleep(0.2 if i else 600)\n"
+        "    return {'y': i}\n\n"
+        f"cases = [{{'i': i}} for i in range({processes})]\n"
+        f"batch(asleep, cases, Path('lines'), processes={processes})\n"
+    )
+    package = str(Path(__file__).parents[1])
+    env = {**os.environ, "PYTHONPATH": package}
+    run = subprocess.Popen(
+        [sys.executable, "cases.py"], cwd=tmp_path, env=env, stdout=subprocess.PIPE
+    )
+    begun = [tmp_path / f"begun{i}" for i in range(processes)]
+    until = time.monotonic() + 120
+    while not all(file.exists() and file.read_text() for file in begun):
+        assert time.monotonic() < until
+        time.sleep(0.05)
+    run.kill()
+    run.communicate(timeout=60)  # until nobody holds the pipe

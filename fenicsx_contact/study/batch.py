@@ -15,6 +15,8 @@ from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from itertools import islice
 from pathlib import Path
+from threading import Thread
+from time import sleep
 from typing import Any
 
 from ..base import checks
@@ -86,7 +88,8 @@ def batch(
     fork, count = multiprocessing.get_context("fork"), processes or os.cpu_count() or 1
     failures: list[tuple[dict[str, Any], BaseException]] = []
     bar = tqdm(total=len(cases), initial=len(cases) - len(todo), disable=not show)
-    with ProcessPoolExecutor(count, fork) as pool, bar, file.open("a") as out:
+    pool = ProcessPoolExecutor(count, fork, _ends_with, (os.getpid(),))
+    with pool, bar, file.open("a") as out:
         for case, done in _each(pool, count, partial(_line, name, function), todo):
             if failure := done.exception():
                 failures.append((dict(case), failure))
@@ -98,6 +101,18 @@ def batch(
     if failures:
         raise _told(failures, file)
     return [{**case, **known[_key(case)]} for case in cases]
+
+
+def _ends_with(parent: int) -> None:
+    """Let this process end with the one that forked it: killed, that cannot tell the others, and
+    each holds open what the next waits for."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            sleep(1.0)
+        os._exit(1)
+
+    Thread(target=watch, daemon=True).start()
 
 
 def _each(

@@ -76,7 +76,8 @@ def _nonsense(problem: Problem, history: History, size: float) -> str:
         return "a number that is not finite"
     unexplained = float(np.abs(history["balance"]).max())
     if unexplained > max(MADE, problem.round_off) * size:
-        return f"energy balance leaves {unexplained / (size or 1.0):.3g} unexplained"
+        told = f"energy balance leaves {unexplained:.3g} J unexplained, of {size:.3g} J"
+        return told if problem.energy_size else f"{told} (energy_size tells that of a body at rest)"
     for column in history.columns:
         if column.endswith(".penetration") and history[column].max() > problem.deepest:
             return f"{column} reaches {history[column].max():.3g} m"

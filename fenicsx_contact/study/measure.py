@@ -112,6 +112,10 @@ def measure(
         study: what to run.
         repeats: runs of each setting, fewer of long ones; the median of their times is taken.
         progress: called with each sample as it comes.
+
+    Returns:
+        A sample of each setting; one that is refused, or whose code raises anything, has it for a
+        reason.
     """
     checks.whole_number("repeats", repeats, at_least=1)
     samples = []
@@ -125,15 +129,22 @@ def measure(
 
 
 def _sample(study: Study, method: str, setting: Setting, repeats: int) -> Sample:
+    try:
+        return _measured(study, method, setting, repeats)
+    except InputError as refusal:
+        reason = f"refused: {refusal}"
+    except Exception as failure:  # of the user's own code, as in a map
+        reason = f"failed: {type(failure).__name__}: {failure}"
+    return Sample(method, dict(setting), np.nan, reason=reason)
+
+
+def _measured(study: Study, method: str, setting: Setting, repeats: int) -> Sample:
     times, setups = [], []
     for _ in range(repeats):
         start = perf_counter()
-        try:
-            problem = study.build(**setting)
-            setups.append(perf_counter() - start)
-            history = problem.run()
-        except InputError as refusal:
-            return Sample(method, dict(setting), np.nan, reason=f"refused: {refusal}")
+        problem = study.build(**setting)
+        setups.append(perf_counter() - start)
+        history = problem.run()
         times.append(history.run_time)
         if sum(times) > LONG:
             break

@@ -75,7 +75,8 @@ class Points:
         system.arrange()
         system.begin(q, W)
         try:
-            solution, reason = _solved(system, newton), ""
+            solution = _solved(system, newton)
+            reason = "" if solution.exact else system.stall()
         except NotConverged as failure:
             solution, reason = Solution(system.force(), 0, system.worst), str(failure)
         force = np.zeros(len(q))
@@ -87,11 +88,15 @@ def _solved(system: SurfaceSystem, newton: Newton) -> Solution:
     """As in a step; where that ends without a solution once more from there: the method of
     multipliers is slow, and Newton's method ends what it came near. A step would be halved."""
     try:
-        return newton.solve(system)
-    except NotConverged as failure:
         found = newton.solve(system)
-        found.remarks.insert(0, str(failure))
-        return found
+        if found.exact:
+            return found
+        told = found.remarks
+    except NotConverged as failure:
+        told = [str(failure)]
+    found = newton.solve(system)
+    found.remarks[:0] = told
+    return found
 
 
 @lru_cache(maxsize=KEPT)

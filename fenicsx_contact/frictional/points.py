@@ -75,8 +75,7 @@ class Points:
         system.arrange()
         system.begin(q, W)
         try:
-            solution = _solved(system, newton)
-            reason = "" if solution.exact else system.stall()
+            solution, reason = _solved(system, newton), ""
         except NotConverged as failure:
             solution, reason = Solution(system.force(), 0, system.worst), str(failure)
         force = np.zeros(len(q))
@@ -88,15 +87,11 @@ def _solved(system: SurfaceSystem, newton: Newton) -> Solution:
     """As in a step; where that ends without a solution once more from there: the method of
     multipliers is slow, and Newton's method ends what it came near. A step would be halved."""
     try:
-        found = newton.solve(system)
-        if found.exact:
-            return found
-        told = found.remarks
+        return newton.solve(system)
     except NotConverged as failure:
-        told = [str(failure)]
-    found = newton.solve(system)
-    found.remarks[:0] = told
-    return found
+        found = newton.solve(system)
+        found.remarks.insert(0, str(failure))
+        return found
 
 
 @lru_cache(maxsize=KEPT)

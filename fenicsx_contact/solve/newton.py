@@ -123,10 +123,8 @@ class Newton:
         steps = method_of_multipliers(system, self.tolerance, rough)
         iterations += steps
         told = f"{flips}; method of multipliers took over, {steps} steps"
-        # points of a face that stick may contradict each other by how they lie, to the end
-        if system.worst <= (ROUGH * self.tolerance if system.hyperstatic else rough):
-            exact = system.worst <= rough
-            return Solution(system.force(), iterations, system.worst, exact, [told])
+        if system.worst <= rough:
+            return Solution(system.force(), iterations, system.worst, remarks=[told])
         last = Solution(system.force(), iterations, system.worst, False, [told], False)
         raise NotConverged(f"{system.stall()}; {told}", last)
 

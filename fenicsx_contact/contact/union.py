@@ -41,17 +41,18 @@ class Union:
         self.moving = any(wall.moving for wall in self._walls)
         #: Derivatives of the normals, if all tell them.
         self.curvature = self._curvature if all(wall.smooth for wall in self._walls) else None
-        self._asked = np.empty((0, self.dim)), 0.0
-        self._told = np.empty(0), np.empty(0, dtype=int)
+        # what was asked last, and told: one tuple, as several threads may ask
+        self._last: tuple[np.ndarray, float, np.ndarray, np.ndarray] | None = None
 
     def _nearest(self, points: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
         """The least distances of the points, (n,) in m, and whose they are, (n,)."""
-        if time != self._asked[1] or not np.array_equal(points, self._asked[0]):
+        last = self._last
+        if last is None or time != last[1] or not np.array_equal(points, last[0]):
             every = np.array([wall.distance(points, time) for wall in self._walls])
             which = every.argmin(axis=0)
-            self._told = every[which, np.arange(len(points))], which
-            self._asked = points.copy(), time
-        return self._told
+            last = points.copy(), time, every[which, np.arange(len(points))], which
+            self._last = last
+        return last[2:]
 
     def _of_each(self, what: str, size: int, points: np.ndarray, *times: float) -> np.ndarray:
         """What the nearest obstacles, at the last of these times, answer for the points."""

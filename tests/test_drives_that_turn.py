@@ -82,7 +82,10 @@ def test_whatever_the_augmentation_it_ends_there(friction, h):
     )
     assert first.finished and second.finished
     assert max(np.abs(each["balance"]).max() for each in (first, second)) < 1e-10
-    assert second["lid.force_y"][-1] == pytest.approx(first["lid.force_y"][-1], rel=1e-5)
+    if len(first) == len(second):
+        np.testing.assert_allclose(second["lid.force_y"], first["lid.force_y"], rtol=1e-7)
+    else:  # a step was halved, and friction went another way
+        assert second["lid.force_y"][-1] == pytest.approx(first["lid.force_y"][-1], rel=1e-5)
     assert max(first["newton"].max(), second["newton"].max()) <= 60
 
 

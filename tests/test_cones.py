@@ -1,14 +1,23 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """From where Newton's method begins anew if the statuses of many points of a rigid solid go round:
-forces in cones of friction, by least distance."""
+forces in cones of friction, by pivots."""
 
 import numpy as np
 import pytest
-from scenes import FLOOR, FLOOR_3D, box, rectangle
+from scenes import FLOOR, box, rectangle
 
-from fenicsx_contact import Circle, Contact, RigidSolid, Scene, ThetaScheme, mesh_from_gmsh
-from fenicsx_contact.solve import cones, loop
-from fenicsx_contact.solve.cones import _least
+from fenicsx_contact import (
+    Circle,
+    Contact,
+    HalfSpace,
+    RigidSolid,
+    Scene,
+    ThetaScheme,
+    mesh_from_gmsh,
+)
+from fenicsx_contact.solve import loop
+from fenicsx_contact.solve.cone_points import ConePoints
+from fenicsx_contact.solve.cones import in_cones
 from fenicsx_contact.solve.newton import Newton
 
 #: A plate with a round hole at the origin, in n facets.
@@ -98,46 +107,61 @@ def test_cones_solve_what_newtons_method_solves(law, friction, theta, monkeypatc
     np.testing.assert_allclose(other["kinetic"], history["kinetic"], atol=1e-7)
 
 
-def test_pyramids_become_cones(monkeypatch):
-    """Of a box that slides and spins: what is left is the square of the angle between sides."""
-    errors = []
-
-    def gives_up(self, system, rough, patient=True, iterate=Newton._iterate):
-        if patient:
-            errors.append(system.error())
-            return iterate(self, system, rough)
-        system.error()
-        system.worst = 1.0
-        return 0, self.tolerance
-
-    monkeypatch.setattr(Newton, "_iterate", gives_up)
-    left = []
-    for sides in (8, 32):
-        monkeypatch.setattr(cones, "SIDES", sides)
-        solid = RigidSolid(
-            box((1, 1, 1), (1.0, 1.0, 0.3)),
-            mass=3.0,
-            gravity=(0, 0, -9.81),
-            velocity=(1.0, 0.3, 0.0),
-            spin=(0, 0, 0.5),
+@pytest.mark.parametrize("friction", [0.3, 2.0])
+def test_boxes_that_land_flat(friction):
+    """Boxes of 25 points thrown on the floor, which they meet by an edge or flat, tilted by a hair,
+    so that many points bear or slip by what is hardly there. It took up to 1100 iterations in a
+    step, and one run in fifty stopped."""
+    most = []
+    for seed in (1, 5, 6, 17, 23):
+        rng = np.random.default_rng(seed)
+        size, velocity, spin = (
+            rng.uniform(0.05, 0.2, 3),
+            rng.uniform(-1, 1, 2),
+            rng.uniform(-6, 6, 3),
         )
-        contact = Contact(solid, "base", FLOOR_3D, friction=0.3)
-        errors.clear()
-        assert Scene([solid], [contact], ThetaScheme(0.5)).run(0.01, 2e-3).finished
-        left.append(np.mean(errors))
-    assert left[1] < left[0] / 10 and left[0] < 0.05
+        solid = RigidSolid(
+            box((4, 4, 1), tuple(size)),
+            mass=1.0,
+            gravity=(0, 0, -9.81),
+            velocity=(*velocity, 0.0),
+            spin=spin,
+        )
+        floor = HalfSpace((0, 0, -0.05), (0, 0, 1))
+        contact = Contact(solid, "base", floor, friction=friction)
+        history = Scene([solid], [contact], ThetaScheme(0.5)).run(0.25, 1e-3)
+        assert history.finished and not history.remarks, history.reason
+        most.append(history["newton"].max())
+    assert max(most) <= 60
 
 
-def test_least_distances():
-    """Of what is beyond by no weights: complementary, whatever says the same twice; None where the
-    directions contradict each other."""
-    rng = np.random.default_rng(2)
-    for _ in range(200):
-        m, n = rng.integers(1, 7), rng.integers(1, 40)
-        seen = np.repeat(rng.normal(size=(n, m)), rng.integers(1, 3), axis=0)
-        beyond = seen @ rng.normal(size=m) - rng.uniform(size=len(seen))
-        weights = _least(seen, beyond, np.zeros(len(seen)))
-        left = beyond - seen @ (weights @ seen)
-        assert weights.min() >= 0 and left.max() < 1e-9
-        assert np.abs(weights * left).max() < 1e-9 * max(1.0, weights.max())
-    assert _least(np.array([[1.0], [-1.0]]), np.array([1.0, 1.0]), np.zeros(2)) is None
+def random_points(rng, n, slope, slipped):
+    """n points on the face of a rigid body, which falls and spins, and has slipped."""
+    at = np.column_stack([rng.uniform(-1, 1, (n, 2)), np.zeros(n)])
+    see = np.zeros((n, 3, 6))
+    see[:, :, :3] = np.array([[0, 0, -1.0], [1, 0, 0], [0, 1, 0]])
+    for axis in range(3):
+        turn = np.cross(np.eye(3)[axis], at)
+        see[:, :, 3 + axis] = np.column_stack([-turn[:, 2], turn[:, 0], turn[:, 1]])
+    limit = np.maximum(rng.normal(size=n), 0.0) * rng.choice([0.0, 1e-8, 1e-2])
+    back = -slipped * (see @ rng.normal(size=6))[:, 1:]
+    given, free = np.zeros((n, 3)), rng.normal(size=6)
+    free[2] = -abs(free[2])
+    compliance = np.diag([1.0, 1.0, 1.0, *rng.uniform(1, 5, 3)])
+    group = np.zeros(n, dtype=int)
+    slopes = np.full(n, slope)
+    return ConePoints(see, see, given, limit, slopes, back, group, compliance, free)
+
+
+@pytest.mark.parametrize("slipped", [0.0, 1e-6, 1.0])
+@pytest.mark.parametrize("slope", [0.0, 0.3, 3.0])
+def test_faces_by_pivots_and_newtons_method(slope, slipped):
+    """Of random faces with up to thirty points, which say almost the same, the rows (2) and (4')
+    hold to round-off."""
+    rng = np.random.default_rng(3)
+    errors = []
+    for _ in range(60):
+        points = random_points(rng, rng.integers(1, 31), slope, slipped)
+        forces = in_cones(points)
+        errors.append(np.inf if forces is None else points.error(forces))
+    assert np.quantile(errors, 0.95) < 1e-11

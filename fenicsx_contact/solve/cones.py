@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Where Newton's method begins anew if the statuses of its points go round: with forces that solve
-almost the same problem, found in finitely many steps.
+the problem, found in finitely many steps.
 
-Many points on a rigid solid have few velocities among them. On frozen geometry, and with the speed
-of slip known, these are the nearest to those without contact that the law allows (in de Saxcé's
-variable friction is a cone, and the law a gradient: V. Acary, F. Cadoux, C. Lemaréchal & J. Malick,
-Z. Angew. Math. Mech. 91, 155-175, 2011). With a pyramid for the cone, which in the plane is the
-same, that is a problem of least distance (C.L. Lawson & R.J. Hanson, Solving least squares
-problems, 1974, chapter 23). The speed of slip follows in a few rounds.
+Many points on a rigid solid have few velocities among them: which of them bear is a matter of
+pivots, not of tangents. With a pyramid for each cone of friction it is a linear complementarity
+problem, speeds of slip included (D.E. Stewart & J.C. Trinkle, Int. J. Numer. Methods Eng. 39,
+2673-2691, 1996; it has a solution: M. Anitescu & F.A. Potra, Nonlinear Dyn. 14, 231-247, 1997).
+Who bears, sticks and slips is then known, and in which directions follows by Newton's method for
+those alone. Where other points do by other directions, pyramids that have these are tried again.
 """
 
 from __future__ import annotations
@@ -15,171 +15,122 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.linalg import lapack
+from scipy.linalg import svd
 
-from ..base.constants import RIGHT, ROUND_OFF, SAME
-from ..base.nonnegative import nonnegative, smallest
-from ..base.vectors import slices
+from ..base.constants import ROUND_OFF
+from ..base.nonnegative import smallest
 from ..contact.contact import Contact
-from ..contact.part import Part
 from ..theory.scheme import Step
+from .cone_points import ConePoints, Places
+from .pyramids import Pyramids
 from .surface_problem import SurfaceSystem
 
-#: Cost: rounds in which the speed of slip is to settle, and sides of a pyramid in space.
-ROUNDS, SIDES = 300, 8
+#: Cost: pyramids that are tried, and their sides in space.
+ROUNDS, SIDES = 6, 8
+#: Cost: an error, as a share of the speeds, from which Newton's method goes on.
+SOLVED = 1e-12
 #: Cost: of more velocities the search may take longer than what follows without it. (24 polygons
 #: in a box: 0.1 s each time, and two thirds of the run's time in all.)
 FEW = 150
 
 
-class _Points:
-    """The points of a contact that may bear: of each so many directions, which are along its normal
-    by one and along its tangents by the slope of friction. Forces have those of the mean normals.
-
-    Args:
-        contact: with multipliers.
-        part: its rows.
-        place: of its velocities among all.
-        limit: what the law allows, (n,) in m/s.
-    """
-
-    def __init__(self, contact: Contact, part: Part, place: np.ndarray, limit: np.ndarray) -> None:
-        e, self._part, self.place = part.equations, part, place
-        # others face nothing, or may come as near as they like
-        bears = (e.weight > 0)[e.candidates] & np.isfinite(limit[e.candidates])
-        self._at = e.candidates[bears]
-        n, d = shape = len(self._at), contact.normal.shape[1]
-        law = contact.friction_law
-        self._slope = (getattr(law, "slope", None) or 0.0) if law else 0.0
-        self.shares = _ring(d) * self._slope if self._slope else np.zeros((1, 0))
-        rows = np.repeat(bears, d)
-        J, S = (
-            (np.eye(len(place)) if each is None else each)[rows].reshape(*shape, len(place))
-            for each in (part.jump_operator(), part.force_operator())
-        )
-        self._normal, self._ways = self._directions(e.fields.frame())
-        along = self._directions(e.fields.frame(e.fields.mean_normal()))[1]
-        self.forces = np.einsum("nkd,ndv->nkv", along, S).reshape(n * len(self.shares), len(place))
-        self._see = J.reshape(n * d, len(place))
-        # jumps are affine in the velocities that are unknown
-        jump = e.values[: e.jumps].reshape(-1, d)[self._at].ravel()
-        self._given = jump - self._see @ part.active_values()[: len(place)]
-        self._limit = limit[self._at]
-
-    def _directions(self, frame: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """The normals, (n, d), and all directions, (n, k, d), in such a frame."""
-        normal, tangents = frame[0][self._at], frame[1][: self.shares.shape[1], self._at]
-        return normal, normal[:, None, :] + np.einsum("kj,jnd->nkd", self.shares, tangents)
-
-    def beyond(self, velocities: np.ndarray) -> np.ndarray:
-        """How much more than the law allows, of what slips by its speed, each direction comes near,
-        flat, m/s."""
-        jump = (self._see @ velocities[self.place] + self._given).reshape(self._normal.shape)
-        near = np.einsum("nd,nd->n", jump, self._normal)
-        slip = np.linalg.norm(jump - near[:, None] * self._normal, axis=1)
-        allowed = self._limit + self._slope * slip
-        return (np.einsum("nd,nkd->nk", jump, self._ways) - allowed[:, None]).ravel()
-
-    def take(self, velocities: np.ndarray, weights: np.ndarray) -> None:
-        """Let these be the unknowns: velocities of all, and forces by their directions, flat."""
-        part, e, n = self._part, self._part.equations, len(self._part.equations.weight)
-        change = np.zeros(len(self.place) + part.multipliers)
-        change[: len(self.place)] = velocities[self.place]
-        change[: len(self.place)] -= part.active_values()[: len(self.place)]
-        part.move(change)
-        borne = weights.reshape(len(self._at), len(self.shares)) / e.weight[self._at, None]
-        values = e.values
-        values[e.jumps :] = 0.0
-        values[e.jumps + self._at] = -borne.sum(axis=1)
-        for j, shares in enumerate(self.shares.T):
-            values[e.tractions + n * j + self._at] = borne @ shares
-        e.values = values
-
-
-def _ring(d: int) -> np.ndarray:
-    """Directions along tangents, (k, d - 1), whose hull holds the unit ball."""
-    if d == 2:
-        return np.array([[1.0], [-1.0]])
-    angles = 2 * np.pi / SIDES * np.arange(SIDES)
-    return np.stack([np.cos(angles), np.sin(angles)], axis=1) / np.cos(np.pi / SIDES)
-
-
 def begin_from_cones(system: SurfaceSystem, contacts: Sequence[Contact], step: Step) -> bool:
-    """Let the unknowns of a surface problem be velocities and forces that almost solve it; whether
-    there are some. None are looked for without multipliers, or where the rows are no numbers."""
+    """Let the unknowns of a surface problem be velocities and forces that solve it; whether there
+    are some. None are looked for without multipliers, or where the rows are no numbers."""
     if not np.isfinite(system.residual).all():
         return False
-    points = []
-    of = {id(contact.part): contact for contact in contacts}
-    for part, place in system.placed:
-        contact = of[id(part)]
-        limit = contact.candidates.limit(step)
-        if limit is None or part.equations.tractions == part.equations.jumps:
-            return False
-        points.append(_Points(contact, part, place[: len(part.active_places)], limit))
-    places = slices(len(each.forces) for each in points)
-    forces = np.zeros((places[-1].stop, len(system.active)))
-    for each, at in zip(points, places):
-        forces[at, each.place] = each.forces
-    factor, order, rank, _ = lapack.dpstrf(system.W, lower=1)
-    root = np.empty((len(factor), rank))
-    root[order - 1] = np.tril(factor)[:, :rank]
-    seen = forces @ root  # what the directions do to the solids
-    now, weights, change = system.free, np.zeros(len(forces)), np.inf
-    for _ in range(ROUNDS):
-        beyond = np.concatenate([each.beyond(now) for each in points])
-        # what forces along mean normals do is not quite what is asked along those at the end
-        new = _least(seen, beyond + seen @ (weights @ seen), weights)
-        if new is None:
-            return False
-        now = system.free - system.W @ (new @ forces)
-        before, weights = weights, new
-        # of forces that do the same one may follow the other for ever
-        last, change = change, np.abs((weights - before) @ seen).max(initial=0.0)
-        if last <= change <= SAME * np.abs(weights @ seen).max(initial=0.0):  # round-off
-            break
-    weights = _spread(seen, weights, beyond - seen @ ((weights - before) @ seen))
-    for each, at in zip(points, places):
-        each.take(now, weights[at])
+    places = Places(system, contacts, step)
+    if places.points is None or (forces := in_cones(places.points)) is None:
+        return False
+    places.take(places.points.velocities(forces), forces)
     system.restart()
     system.update()
     return True
 
 
-def _least(seen: np.ndarray, beyond: np.ndarray, before: np.ndarray) -> np.ndarray | None:
-    """Weights >= 0, (k,), of the shortest x = -weights.seen with -seen x >= beyond, (k,), of which
-    each is zero unless its row holds as an equation, sought from those of a problem with the same
-    ``seen``; None where there is no x."""
-    stiff = _longest(seen)
-    size = beyond.max(initial=0.0)
-    if not (size > 0 and stiff > 0):
-        return np.zeros(len(beyond))
-    rows = np.concatenate([-seen.T / stiff, beyond[None] / size])
-    target = np.zeros(len(rows))
-    target[-1] = 1.0
-    # those of the problem before, as shares of these rows: any size does, of the same signs
-    found = nonnegative(rows, target, before * stiff**2 / size)
-    if found is None or (left := 1.0 - rows[-1] @ found) <= ROUND_OFF:
+def in_cones(points: ConePoints) -> np.ndarray | None:
+    """The forces of all points along their normals and tangents, (n, d) in N, of the least error
+    that was found; None where there are none."""
+    n, k = points.back.shape
+    rubs, least = bool(points.slope.any()), SOLVED * points.speed
+    among = points.foremost(np.zeros((n, 1 + k)), least)
+    sides, lasting = np.tile(_ring(k + 1), (n, 1, 1)), np.zeros((n, k))
+    best, forces = np.inf, None
+    for turn in range(ROUNDS):
+        many = SIDES * 2 ** (turn // 2)
+        while True:
+            found = Pyramids.solved(points.of(among), sides[among], lasting[among])
+            if found is None:
+                break
+            now = np.zeros((n, 1 + k))
+            now[among] = found.forces()
+            more = points.foremost(now, least) & ~among
+            if not more.any():
+                break
+            among |= more
+        if found is None:
+            if k < 2:
+                break
+            sides = _turned_to(np.tile([np.cos(turn + 1), np.sin(turn + 1)], (n, 1)), many)
+            continue
+        error = points.error(now)
+        if found.slips.any() and (turned := found.turned()) is not None:
+            other = np.zeros((n, 1 + k))
+            other[among] = turned
+            if points.error(other) <= error:
+                now, error = other, points.error(other)
+        if error < best:
+            best, forces = error, now
+        if best <= SOLVED or not rubs:
+            break
+        jumps = points.jumps(points.velocities(now))
+        sides = _turned_to(points.slips(jumps), many)
+        lasting = -np.maximum(points.lasts(jumps), 0.0)[:, None] * points.back
+    if forces is None:
         return None
-    return found / left * size / stiff**2
+    even = _even(points, forces)
+    return even if points.error(even) <= max(best, SOLVED) else forces
 
 
-def _spread(seen: np.ndarray, weights: np.ndarray, left: np.ndarray) -> np.ndarray:
-    """Weights >= 0 that do the same, of which few are not zero, on all directions in which nothing
-    is ``left``, (k,), as evenly as that goes."""
-    does = weights @ seen
-    tight = np.flatnonzero(left >= -RIGHT * np.abs(seen @ does).max(initial=0.0))  # of what came
-    size = np.abs(does).max(initial=0.0)
-    stiff = _longest(seen)
-    if not (size > 0 and stiff > 0):
-        return weights
-    rows, sums = seen[tight].T / stiff, does / size
-    even = np.zeros(len(weights))
-    even[tight] = smallest(rows, sums, sums)
-    if np.abs(rows @ even[tight] - sums).max() > SAME:
-        return weights
-    return even * size / stiff
+def _ring(d: int, many: int = SIDES) -> np.ndarray:
+    """So many directions along tangents, (k, d - 1)."""
+    if d == 2:
+        return np.array([[1.0], [-1.0]])
+    angles = 2 * np.pi / many * np.arange(many)
+    return np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
-def _longest(rows: np.ndarray) -> float:
-    return float(np.sqrt(np.einsum("kr,kr->k", rows, rows).max(initial=0.0)))
+def _turned_to(slips: np.ndarray, many: int = SIDES) -> np.ndarray:
+    """The same for each point, (n, k, d - 1), one of which is along its slip, (n, d - 1)."""
+    ring = _ring(slips.shape[1] + 1, many)
+    if slips.shape[1] == 1:
+        return np.tile(ring, (len(slips), 1, 1))
+    x, y = (slips / np.maximum(np.linalg.norm(slips, axis=1), np.finfo(float).tiny)[:, None]).T
+    return np.einsum("kj,jin->nki", ring, np.array([[x, y], [-y, x]]))
+
+
+def _even(points: ConePoints, forces: np.ndarray) -> np.ndarray:
+    """Forces (n, d) that do the same, as even as that goes: on all points that stick, or slip, or
+    are only pressed, as they may be where they are."""
+    jumps = points.jumps(points.velocities(forces))
+    slips = points.slips(jumps)
+    speed, tight = np.linalg.norm(slips, axis=1), SOLVED * points.speed
+    sides = _turned_to(slips)
+    # of a pyramid whose first side is along the slip: that of those that slip, all of others
+    may = np.tile((speed <= tight)[:, None], (1, sides.shape[1]))
+    may[:, 0] = True
+    may &= (jumps[:, 0] >= points.limit - tight)[:, None]
+    may[points.slope == 0, 1:] = False
+    at, side = may.nonzero()
+    ways = np.concatenate([np.ones((len(at), 1)), points.slope[at, None] * sides[at, side]], axis=1)
+    _, sizes, axes = svd(points.compliance)
+    counts = sizes > ROUND_OFF * len(sizes) * sizes.max()
+    axes = np.sqrt(sizes[counts, None] / sizes.max()) * axes[counts]
+    rows = axes @ np.einsum("cd,cdv->vc", ways, points.do[at])
+    sums = axes @ np.einsum("nd,ndv->v", forces, points.do)
+    if not (size := np.abs(sums).max(initial=0.0)) > 0:
+        return forces
+    weights = smallest(rows, sums / size, sums / size) * size
+    even = np.zeros_like(forces)
+    np.add.at(even, at, weights[:, None] * ways)
+    return even

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The points of all contacts that may bear, each in the frame of its normal and its tangents: a
+problem of friction in cones, on frozen geometry."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..base.vectors import slices
+from ..contact.contact import Contact
+from ..contact.part import Part
+from ..theory.scheme import Step
+from .surface_problem import SurfaceSystem
+
+
+@dataclass
+class ConePoints:
+    """Points whose jumps are affine in v velocities, which are ``free - compliance (do forces)``.
+
+    Attributes:
+        see: jumps by velocities, (n, d, v), and ``given``, what they are besides, (n, d) in m/s.
+        do: what forces on the points do to the velocities, (n, d, v).
+        limit: how fast the law lets each approach, (n,) in m/s.
+        slope: of the cones, (n,); 0: without friction.
+        back: -a of the law (3'), (n, d - 1) in m/s.
+        group: to which contact each belongs, (n,) of int.
+        compliance: (v, v) in m/s/N; ``free``: velocities without contact, (v,) in m/s.
+    """
+
+    see: np.ndarray
+    do: np.ndarray
+    given: np.ndarray
+    limit: np.ndarray
+    slope: np.ndarray
+    back: np.ndarray
+    group: np.ndarray
+    compliance: np.ndarray
+    free: np.ndarray
+
+    def __post_init__(self) -> None:
+        #: what of a speed and of a force counts as one, m/s and m/s/N
+        self.speed = float(np.abs(self.jumps(self.free)).max(initial=0.0))
+        yields = np.einsum("nv,vu,nu->n", self.see[:, 0], self.compliance, self.do[:, 0])
+        #: how far each point yields alone along its normal, (n,) in m/s/N
+        self.yields = np.where(yields > 0, yields, 1.0)
+
+    def of(self, among: np.ndarray) -> ConePoints:
+        """Some of the points, (n,) of bool, alone."""
+        names = ("see", "do", "given", "limit", "slope", "back", "group")
+        return replace(self, **{name: getattr(self, name)[among] for name in names})
+
+    def foremost(self, forces: np.ndarray, least: float) -> np.ndarray:
+        """Of each contact the point that approaches most above its limit, m/s, if that is more than
+        so much, (n,) of bool."""
+        over = self.jumps(self.velocities(forces))[:, 0] - self.limit
+        most = np.full(self.group.max() + 1, least)
+        np.maximum.at(most, self.group, over)
+        (equal,) = ((over > least) & (over == most[self.group])).nonzero()
+        chosen = np.zeros(len(over), dtype=bool)
+        chosen[equal[np.unique(self.group[equal], return_index=True)[1]]] = True
+        return chosen
+
+    def velocities(self, forces: np.ndarray) -> np.ndarray:
+        """Of what bears so much along the normals and tangents, (n, d) in N."""
+        return np.asarray(self.free - self.compliance @ np.einsum("nd,ndv->v", forces, self.do))
+
+    def jumps(self, velocities: np.ndarray) -> np.ndarray:
+        return np.asarray(self.see @ velocities + self.given)
+
+    def lasts(self, jumps: np.ndarray) -> np.ndarray:
+        """s of (3''), (n,), of slips that go on, and less than 0, -s of (3') of those that turn
+        round and slip."""
+        size = np.einsum("nk,nk->n", self.back, self.back)
+        share = -np.einsum("nk,nk->n", jumps[:, 1:], self.back) / np.where(size > 0, size, 1.0)
+        return np.clip(share, -1.0, 1.0)
+
+    def slips(self, jumps: np.ndarray) -> np.ndarray:
+        """What friction is against, (n, d - 1) in m/s."""
+        return np.asarray(jumps[:, 1:] - np.abs(self.lasts(jumps))[:, None] * self.back)
+
+    def error(self, forces: np.ndarray) -> float:
+        """The largest error of any row of (2) and (4'), as a share of the speeds."""
+        jumps = self.jumps(self.velocities(forces))
+        normal, traction = forces[:, 0] * self.yields, forces[:, 1:] * self.yields[:, None]
+        pressed = np.maximum(normal + jumps[:, 0] - self.limit, 0.0)
+        g = traction + jumps[:, 1:]
+        size = np.einsum("nk,nk->n", self.back, self.back)
+        turns = np.einsum("nk,nk->n", g, self.back) / np.where(size > 0, size, 1.0)
+        lasting = np.maximum(self.lasts(jumps), 0.0)
+        g = g - (np.clip(turns, 0.0, 1.0) + lasting)[:, None] * self.back
+        bound, length = self.slope * pressed, np.linalg.norm(g, axis=1)
+        held = g * (bound / np.maximum(np.maximum(bound, length), np.finfo(float).tiny))[:, None]
+        off = max(np.abs(normal - pressed).max(), np.abs(traction - held).max(initial=0.0))
+        return float(off / self.speed) if self.speed else float(off)
+
+
+class _Points:
+    """Those of a contact, and where they stand among all.
+
+    Args:
+        contact: with multipliers.
+        part: its rows.
+        place: of its velocities among all.
+        limit: what the law allows, (n,) in m/s.
+    """
+
+    def __init__(self, contact: Contact, part: Part, place: np.ndarray, limit: np.ndarray) -> None:
+        e, self._part, self._place = part.equations, part, place
+        # others face nothing, or may come as near as they like
+        bears = (e.weight > 0)[e.candidates] & np.isfinite(limit[e.candidates])
+        self._at = e.candidates[bears]
+        n, d = shape = len(self._at), contact.normal.shape[1]
+        law = contact.friction_law
+        self.slope = np.full(n, (getattr(law, "slope", None) or 0.0) if law else 0.0)
+        self.limit = limit[self._at]
+        rows = np.repeat(bears, d)
+        J, S = (
+            (np.eye(len(place)) if each is None else each)[rows].reshape(*shape, len(place))
+            for each in (part.jump_operator(), part.force_operator())
+        )
+        jump = e.values[: e.jumps].reshape(-1, d)[self._at]
+        frame = self._frame(e.fields.frame())
+        self.see = np.einsum("nkd,ndv->nkv", frame, J)
+        self.given = np.einsum("nkd,nd->nk", frame, jump - J @ part.active_values()[: len(place)])
+        self.back = np.einsum("nkd,nd->nk", frame[:, 1:], e.fields.back[self._at])
+        # forces have the directions of the mean normals
+        mean = self._frame(e.fields.frame(e.fields.mean_normal()))
+        self.do = np.einsum("nkd,ndv->nkv", mean, S)
+
+    def _frame(self, frame: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        """Normals and tangents, (n, d, d); without friction these are none."""
+        normal, tangents = frame
+        axes = np.zeros((len(self._at), normal.shape[1], normal.shape[1]))
+        axes[:, 0] = normal[self._at]
+        axes[:, 1 : 1 + len(tangents)] = tangents[:, self._at].transpose(1, 0, 2)
+        return axes
+
+    def spread(self, operator: np.ndarray, size: int) -> np.ndarray:
+        """(n, d, v) by all velocities."""
+        result = np.zeros((*operator.shape[:2], size))
+        result[:, :, self._place] = operator
+        return result
+
+    def take(self, velocities: np.ndarray, forces: np.ndarray) -> None:
+        """Let these be the unknowns: velocities of all, and its forces, (n, d) in N."""
+        part, e, n = self._part, self._part.equations, len(self._part.equations.weight)
+        change = np.zeros(len(self._place) + part.multipliers)
+        change[: len(self._place)] = velocities[self._place]
+        change[: len(self._place)] -= part.active_values()[: len(self._place)]
+        part.move(change)
+        borne, values = forces / e.weight[self._at, None], e.values
+        values[e.jumps :] = 0.0
+        values[e.jumps + self._at] = -borne[:, 0]
+        for j in range((len(values) - e.tractions) // n):
+            values[e.tractions + n * j + self._at] = borne[:, 1 + j]
+        e.values = values
+
+
+class Places:
+    """The points of all contacts of a surface problem that is begun.
+
+    Attributes:
+        points: None where there are contacts without multipliers, or none may bear.
+    """
+
+    def __init__(self, system: SurfaceSystem, contacts: Sequence[Contact], step: Step) -> None:
+        self._each: list[_Points] = []
+        self.points: ConePoints | None = None
+        of = {id(contact.part): contact for contact in contacts}
+        for part, place in system.placed:
+            contact = of[id(part)]
+            limit = contact.candidates.limit(step)
+            if limit is None or part.equations.tractions == part.equations.jumps:
+                return
+            own = place[: len(part.active_places)]
+            self._each.append(_Points(contact, part, own, limit))
+        if not sum(len(p.limit) for p in self._each):
+            return
+        size = len(system.active)
+        see, do = (
+            np.concatenate([p.spread(getattr(p, name), size) for p in self._each])
+            for name in ("see", "do")
+        )
+        given, limit, slope, back = (
+            np.concatenate([getattr(p, name) for p in self._each])
+            for name in ("given", "limit", "slope", "back")
+        )
+        group = np.repeat(np.arange(len(self._each)), [len(p.limit) for p in self._each])
+        self.points = ConePoints(see, do, given, limit, slope, back, group, system.W, system.free)
+
+    def take(self, velocities: np.ndarray, forces: np.ndarray) -> None:
+        """Let these be the unknowns: velocities, flat, and forces, (n, d) in N."""
+        places = slices(len(p.limit) for p in self._each)
+        for each, at in zip(self._each, places):
+            each.take(velocities, forces[at])

@@ -23,6 +23,8 @@ class StaticKinetic:
     round is held by mu_s. A step may have two solutions, one that slides on and one that sticks,
     where a push lies between the two bounds. Newton's method starts from the motion as it is, so
     what slides slides on, as in continuous time: there is no speed below which it would be caught.
+    With theta < 1 a slip may turn round within a step before it is held (3'): mu_s then holds it
+    as long as that slows it down.
 
     C.A. Coulomb, Théorie des machines simples, 1785; review: B. Armstrong-Hélouvry, P. Dupont,
     C. Canudas de Wit, Automatica 30, 1083-1138, 1994.
@@ -47,8 +49,14 @@ class StaticKinetic:
 
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """By whether slip goes on."""
-        before = k.start_jump_t  # what sticks has a jump of round-off, of any sign
-        goes_on = ufl.gt(ufl.dot(k.jump_t, before), RIGHT * ufl.dot(before, before))
+        now, before = k.jump_t, k.start_jump_t
+        # what sticks has a jump of round-off, of any sign
+        noise = RIGHT * ufl.dot(before, before)
+        turned = ufl.lt(ufl.dot(now, before), -noise)
+        slows = ufl.le(ufl.dot(now, now), ufl.dot(before, before))
+        caught = k.memory.field("caught", 0.0)
+        k.memory.rule("caught", ufl.conditional(turned, 1.0, ufl.conditional(slows, caught, 0.0)))
+        goes_on = ufl.And(ufl.gt(ufl.dot(now, before), noise), ufl.lt(caught, 0.5))
         static, kinetic = static_and_kinetic(k, self)
         return ufl.conditional(goes_on, kinetic, static) * pressure
 

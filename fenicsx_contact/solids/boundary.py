@@ -64,6 +64,14 @@ def told(what: str, motion: Motion, vectors: VectorSpace, nodes: np.ndarray) -> 
     return each
 
 
+def _changes(motion: Motion) -> bool:
+    """Whether it may tell another place at another time, or in another run: whatever is UFL may,
+    Constants among the numbers included."""
+    if checks.is_function(motion) or is_expression(motion):
+        return True
+    return not isinstance(motion, str) and any(map(is_expression, motion))
+
+
 class Supports:
     """Where a solid is held, and where it is moved to.
 
@@ -118,13 +126,12 @@ class Supports:
         ]
         led = np.zeros(len(self.unknowns), dtype=bool)
         for (_, motion, _), values, (*_, at) in zip(every_motion, at_start, self._motions):
-            varies = checks.is_function(motion) or is_field(motion)
-            if varies or any(v is not None and np.any(v) for v in values):
+            if _changes(motion) or any(v is not None and np.any(v) for v in values):
                 led[at] = True
         self.still = self.unknowns[~led]
         there = [bool((self.unknowns % self._d == i).any()) for i in range(self._d)]
         self.directions = np.any(self._comm.allgather(there), axis=0)
-        moves = any(checks.is_function(m) or is_field(m) for m in prescribed.values())
+        moves = any(_changes(motion) for motion in prescribed.values())
         moves |= any(v is not None and bool(np.any(v)) for values in at_start for v in values)
         self.moving = any(self._comm.allgather(moves))
         self.values(0.0)  # refuse now what can be refused

@@ -329,3 +329,24 @@ def test_motions_that_are_not_smooth_close_the_books(kind):
     assert history.finished and history["drive"][-1] > 1e-3
     assert np.abs(history["scheme"]).max() < 1e-9 * history["drive"][-1]
     assert np.abs(history["balance"]).max() < 1e-9 * history["drive"][-1]
+
+
+@pytest.mark.parametrize("scheme", [QuasiStatic(), ThetaScheme(1.0)])
+@pytest.mark.parametrize("given", [lambda k: k, lambda k: 1.0 * k, lambda k: (0.0, k)])
+def test_a_support_by_a_constant_that_is_zero_at_first(given, scheme):
+    """It moves once the Constant does: what was 0 when the solid was made stayed there."""
+    mesh = rectangle((1, 2), (0.2, 0.4))
+    constant = fem.Constant(mesh.mesh, 0.0 if isinstance(given(0.0), tuple) else np.zeros(2))
+    solid = ElasticSolid(
+        mesh,
+        youngs_modulus=1e6,
+        poisson_ratio=0.0,
+        density=1e-3,
+        prescribed={"top": given(constant)},
+    )
+    contact = Contact(solid, "base", FLOOR, "gap", name="c")
+    scene = Scene([solid], [contact], scheme)
+    assert scene.run(1.0, 1.0).finished
+    constant.value[...] = -1e-3 if constant.value.ndim == 0 else (0.0, -1e-3)
+    history = scene.run(2.0, 1.0)
+    assert history.finished and history["c.force_y"][-1] == pytest.approx(500.0, rel=1e-6)

@@ -16,6 +16,7 @@ from fenicsx_contact import (
     RigidSolid,
     Scene,
     ThetaScheme,
+    torques,
 )
 from fenicsx_contact.contact.mortar import Pairing, Side
 from fenicsx_contact.contact.mortar.rates import Rates
@@ -234,3 +235,30 @@ def test_derivatives_where_edges_are_parallel(cell):
     for way in (slide, turn):
         for exact, found in compared(Pairing(slave, master), places, way):
             assert np.abs(exact - found).max() < 1e-7 * max(1.0, np.abs(exact).max())
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_where_forces_act_on_a_facet_that_is_covered_in_part(dim):
+    """A punch stands aside on a slab that is one facet, the slave: its nodes bear what has its
+    middle under the punch, by the torque and by what a file of fields says. It said that of the
+    facet: no torque at all."""
+    if dim == 2:
+        above = moved(rectangle((2, 2), (0.1, 0.1)), 0.1, 0.0)
+        below = moved(rectangle((1, 1), (0.4, 0.1)), 0.0, -0.1)
+    else:
+        above = moved(box((2, 2, 2), (0.1, 0.1, 0.1)), 0.1, 0.0, 0.0)
+        below = moved(box((1, 1, 1), (0.4, 0.4, 0.1)), 0.0, 0.0, -0.1)
+    down = (0.0,) * (dim - 1) + (-1e-3,)
+    given = {"poisson_ratio": 0.0, "density": 1.0}
+    punch = ElasticSolid(above, youngs_modulus=1e6, prescribed={"top": down}, name="a", **given)
+    slab = ElasticSolid(below, youngs_modulus=1e9, fixed="base", name="b", **given)
+    contact = Contact(slab, "top", (punch, "base"), "gap", name="c")
+    history = Scene([punch, slab], [contact], QuasiStatic()).run(
+        1.0, 1.0, probes=torques(contact, (0.0,) * dim)
+    )
+    assert history.finished
+    force = history[f"c.force_{'xyz'[dim - 1]}"][-1]
+    torque = history["c.torque"][-1] if dim == 2 else -history["c.torque_y"][-1]
+    assert torque == pytest.approx(0.1 * force, rel=1e-3)
+    x, borne = contact.coupling.positions()[:, 0], contact.borne[:, -1]
+    assert x @ borne == pytest.approx(0.1 * borne.sum(), rel=1e-3)

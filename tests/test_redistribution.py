@@ -97,6 +97,21 @@ def test_boundary_without_mass_starts_in_equilibrium(hyperelastic):
     assert np.abs(out_of_balance[at_base]).max() < 1e-9 * np.abs(out_of_balance).max()
 
 
+@pytest.mark.parametrize("shift", [1e-12, 0.01, 0.3])
+def test_what_is_without_strain_starts_anywhere(shift):
+    """Its forces are round-off, which fall no more: it was refused, without an equilibrium."""
+    mesh = rectangle((4, 3), (0.5, 0.4))
+    solid = ElasticSolid(
+        mesh,
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1000.0,
+        mass_redistribution=["base"],
+        displacement=(0.0, shift),
+    )
+    np.testing.assert_allclose(solid.fields()["displacement"][:, 1], shift, rtol=1e-12)
+
+
 def test_refusals():
     data = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1000.0}
     solid = ElasticSolid(rectangle((2, 4)), mass_redistribution=["base"], **data)

@@ -221,7 +221,7 @@ class MortarJump(Coupling):
 
     def borne(self, law: np.ndarray, force: np.ndarray) -> np.ndarray:
         own = force.reshape(self._shape)[: len(self.pairing.slave.nodes)]
-        return self.pairing.slave.at_corners(own) if self.pairing.carries else law
+        return self.pairing.slave.at_corners(own)
 
     def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
         velocities, rate = self.velocities("trial_velocity"), self._share * step.gap_rate

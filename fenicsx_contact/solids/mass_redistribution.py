@@ -138,9 +138,12 @@ def relax(
         start = size if start is None else start
         block = tangent(displacement).createSubMatrix(rows, rows)
         factorisation = Factorisation(block, "relax")
-        displacement[unknowns] -= factorisation.solve(residual)
+        change, there = factorisation.solve(residual), largest(displacement)
+        displacement[unknowns] -= change
         factorisation.destroy()
-        if size <= ROUND_OFF**0.5 * start:  # by this correction, of second order, all of it
+        moves = max(comm.allgather(largest(change))) > ROUND_OFF * max(comm.allgather(there))
+        # by this correction, of second order, all of it; or it was round-off
+        if size <= ROUND_OFF**0.5 * start or not moves:
             rows.destroy()
             return
     raise checks.InputError(

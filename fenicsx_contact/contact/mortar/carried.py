@@ -30,8 +30,6 @@ class Carried(Pairing):
         rates: in its present places.
     """
 
-    carries = True
-
     def _operate(self) -> None:
         super()._operate()
         self.rates = Rates(self)

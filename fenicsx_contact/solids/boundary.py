@@ -69,7 +69,7 @@ def _changes(motion: Motion) -> bool:
     Constants among the numbers included."""
     if checks.is_function(motion) or is_expression(motion):
         return True
-    return not isinstance(motion, str) and any(map(is_expression, motion))
+    return np.iterable(motion) and any(is_expression(each) for each in motion)
 
 
 class Supports:

@@ -8,7 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import qr
 
+from ..base.constants import ROUND_OFF
 from ..base.vectors import slices
 from ..contact.contact import Contact
 from ..contact.part import Part
@@ -108,7 +110,7 @@ class _Points:
     """
 
     def __init__(self, contact: Contact, part: Part, place: np.ndarray, limit: np.ndarray) -> None:
-        e, self._part, self._place = part.equations, part, place
+        e, self._part, self.place = part.equations, part, place
         # others face nothing, or may come as near as they like
         bears = (e.weight > 0)[e.candidates] & np.isfinite(limit[e.candidates])
         self._at = e.candidates[bears]
@@ -138,18 +140,24 @@ class _Points:
         axes[:, 1 : 1 + len(tangents)] = tangents[:, self._at].transpose(1, 0, 2)
         return axes
 
-    def spread(self, operator: np.ndarray, size: int) -> np.ndarray:
-        """(n, d, v) by all velocities."""
-        result = np.zeros((*operator.shape[:2], size))
-        result[:, :, self._place] = operator
-        return result
+    def reduced(
+        self, does: np.ndarray, back: np.ndarray, free: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """By other velocities: jumps (n, d, r), what forces do to them, and jumps without contact,
+        (n, d) in m/s."""
+        jumps = self.see @ free[self.place] + self.given
+        return self.see @ does[self.place], self.do @ back.T[self.place], jumps
+
+    def on(self, forces: np.ndarray) -> np.ndarray:
+        """Forces (n, d) as those on its velocities, N."""
+        return np.asarray(np.einsum("nd,ndv->v", forces, self.do))
 
     def take(self, velocities: np.ndarray, forces: np.ndarray) -> None:
         """Let these be the unknowns: velocities of all, and its forces, (n, d) in N."""
         part, e, n = self._part, self._part.equations, len(self._part.equations.weight)
-        change = np.zeros(len(self._place) + part.multipliers)
-        change[: len(self._place)] = velocities[self._place]
-        change[: len(self._place)] -= part.active_values()[: len(self._place)]
+        change = np.zeros(len(self.place) + part.multipliers)
+        change[: len(self.place)] = velocities[self.place]
+        change[: len(self.place)] -= part.active_values()[: len(self.place)]
         part.move(change)
         borne, values = forces / e.weight[self._at, None], e.values
         values[e.jumps :] = 0.0
@@ -163,12 +171,13 @@ class Places:
     """The points of all contacts of a surface problem that is begun.
 
     Attributes:
-        points: None where there are contacts without multipliers, or none may bear.
+        points: by as many velocities as are independent, those without contact at rest; None where
+            there are contacts without multipliers, or none may bear.
     """
 
     def __init__(self, system: SurfaceSystem, contacts: Sequence[Contact], step: Step) -> None:
         self._each: list[_Points] = []
-        self.points: ConePoints | None = None
+        self._system, self.points = system, None
         of = {id(contact.part): contact for contact in contacts}
         for part, place in system.placed:
             contact = of[id(part)]
@@ -179,20 +188,33 @@ class Places:
             self._each.append(_Points(contact, part, own, limit))
         if not sum(len(p.limit) for p in self._each):
             return
-        size = len(system.active)
-        see, do = (
-            np.concatenate([p.spread(getattr(p, name), size) for p in self._each])
-            for name in ("see", "do")
+        # W = does by what it has of columns that depend on no others
+        does, by, order = qr(system.W, pivoting=True, check_finite=False)
+        sizes = np.abs(np.diag(by))
+        rank = int((sizes > ROUND_OFF * len(sizes) * sizes.max()).sum())
+        does, back = does[:, :rank], np.empty((rank, len(order)))
+        back[:, order] = by[:rank]
+        see, do, jumps = (
+            np.concatenate(each)
+            for each in zip(*(p.reduced(does, back, system.free) for p in self._each))
         )
-        given, limit, slope, back = (
+        limit, slope, back = (
             np.concatenate([getattr(p, name) for p in self._each])
-            for name in ("given", "limit", "slope", "back")
+            for name in ("limit", "slope", "back")
         )
         group = np.repeat(np.arange(len(self._each)), [len(p.limit) for p in self._each])
-        self.points = ConePoints(see, do, given, limit, slope, back, group, system.W, system.free)
+        self.points = ConePoints(
+            see, do, jumps, limit, slope, back, group, np.eye(rank), np.zeros(rank)
+        )
 
-    def take(self, velocities: np.ndarray, forces: np.ndarray) -> None:
-        """Let these be the unknowns: velocities, flat, and forces, (n, d) in N."""
-        places = slices(len(p.limit) for p in self._each)
-        for each, at in zip(self._each, places):
-            each.take(velocities, forces[at])
+    def take(self, forces: np.ndarray) -> None:
+        """Let forces (n, d) in N, and the velocities with them, be the unknowns."""
+        system, borne = self._system, []
+        for each, at in zip(self._each, slices(len(p.limit) for p in self._each)):
+            borne.append((each, forces[at]))
+        on = np.zeros(len(system.active))
+        for each, own in borne:
+            on[each.place] += each.on(own)
+        velocities = system.free - system.W @ on
+        for each, own in borne:
+            each.take(velocities, own)

@@ -15,9 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.linalg import svd
 
-from ..base.constants import ROUND_OFF
 from ..base.nonnegative import smallest
 from ..contact.contact import Contact
 from ..theory.scheme import Step
@@ -42,7 +40,7 @@ def begin_from_cones(system: SurfaceSystem, contacts: Sequence[Contact], step: S
     places = Places(system, contacts, step)
     if places.points is None or (forces := in_cones(places.points)) is None:
         return False
-    places.take(places.points.velocities(forces), forces)
+    places.take(forces)
     system.restart()
     system.update()
     return True
@@ -123,14 +121,13 @@ def _even(points: ConePoints, forces: np.ndarray) -> np.ndarray:
     may[points.slope == 0, 1:] = False
     at, side = may.nonzero()
     ways = np.concatenate([np.ones((len(at), 1)), points.slope[at, None] * sides[at, side]], axis=1)
-    _, sizes, axes = svd(points.compliance)
-    counts = sizes > ROUND_OFF * len(sizes) * sizes.max()
-    axes = np.sqrt(sizes[counts, None] / sizes.max()) * axes[counts]
-    rows = axes @ np.einsum("cd,cdv->vc", ways, points.do[at])
-    sums = axes @ np.einsum("nd,ndv->v", forces, points.do)
-    if not (size := np.abs(sums).max(initial=0.0)) > 0:
+    # of velocities that are independent
+    rows = np.einsum("cd,cdv->vc", ways, points.do[at])
+    sums = np.einsum("nd,ndv->v", forces, points.do)
+    size, unit = np.abs(sums).max(initial=0.0), np.linalg.norm(rows, axis=0).max(initial=0.0)
+    if not (size > 0 and unit > 0):
         return forces
-    weights = smallest(rows, sums / size, sums / size) * size
+    weights = smallest(rows / unit, sums / size, sums / size) * (size / unit)
     even = np.zeros_like(forces)
     np.add.at(even, at, weights[:, None] * ways)
     return even

@@ -769,3 +769,21 @@ def test_what_an_own_obstacle_gives_later_is_told_by_its_name():
     history = Scene([block], [Contact(block, "base", late)]).run(0.01, 2e-3)
     assert "the distance of an obstacle is complex" in history.reason
     assert "raises" not in history.reason and "'obstacle')" in history.reason
+
+
+@pytest.mark.parametrize("mu", [0.4, 1.0])
+def test_a_box_on_a_wave_that_travels(mu):
+    """Its corners strike, and steps are cut where they do: into parts so short that the velocity of
+    the wave, which is told by where it is, was round-off in the brief time over which it was asked;
+    the fixed point stalled, and the run stopped."""
+    mesh = box((1, 1, 1), (0.1, 0.2, 0.05), "tetrahedron")
+    mesh.mesh.geometry.x[:, 2] += 1e-3
+    solid = RigidSolid(mesh, mass=2.0, gravity=(0, 0, -9.81))
+
+    def phi(x, t):
+        return x[2] - 0.05 * ufl.sin(5 * x[0] + 0.3 + 2 * t) * ufl.cos(4 * x[1] + 0.5) + 0.0263
+
+    contact = Contact(solid, "base", LevelSet(phi, 3), friction=mu)
+    history = Scene([solid], [contact], ThetaScheme(0.5), locate_impacts=True).run(0.4, 2e-3)
+    assert history.finished, history.reason
+    assert history["newton"].max() < 40

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.constants import BRIEF
 from ..base.vectors import dot
 from ..theory.scheme import Step
 from .leaps import brief_time, refuse_leaps
@@ -85,7 +86,9 @@ class Ride:
         late, end = step.implicitness, step.end
         velocity = np.zeros(x.shape)
         if late < 1:
-            velocity += (1 - late) * self._velocity_at(x, end, -brief_time(end, step.dt))
+            # of a short part of a step not so brief that round-off shows
+            span = min(step.horizon, step.dt / (2 * BRIEF))
+            velocity += (1 - late) * self._velocity_at(x, end, -brief_time(end, span))
         if late:
             velocity += late * self._wall.velocity(x, step.start, end)
         return velocity

@@ -13,6 +13,7 @@ those alone. Where other points do by other directions, pyramids that have these
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -30,6 +31,14 @@ SOLVED = 1e-12
 #: Cost: of more velocities the search may take longer than what follows without it. (24 polygons
 #: in a box: 0.1 s each time, and two thirds of the run's time in all.)
 FEW = 150
+
+
+def few_in_cones(frozen: Any, freedoms: float) -> TypeGuard[SurfaceSystem]:
+    """Whether a problem, of solids with so many velocities, is one of few, with more forces than
+    these tell apart."""
+    if not (isinstance(frozen, SurfaceSystem) and frozen.hyperstatic):
+        return False
+    return min(len(frozen.active), freedoms) <= FEW
 
 
 def begin_from_cones(system: SurfaceSystem, contacts: Sequence[Contact], step: Step) -> bool:

@@ -23,7 +23,7 @@ from ..contact.trial import in_round_hole, nonlinearity
 from ..solids import DeformableSolid
 from ..theory.scheme import Step
 from .condensed import Condensed
-from .cones import FEW, begin_from_cones
+from .cones import begin_from_cones, few_in_cones
 from .equilibrium import unbearable
 from .krylov import Krylov
 from .monolithic import Monolithic
@@ -33,7 +33,7 @@ from .problem import Assembly, Clock, scale_of
 from .sparse import Sparse
 from .speeds import Speeds
 from .statics import free_motion
-from .surface_problem import SLOW, SurfaceSystem
+from .surface_problem import SLOW
 from .turns import Turns
 
 #: The linear systems, by name.
@@ -84,7 +84,6 @@ class StepSolver:
         self._foresees = isinstance(self.system, Condensed) or not self._speeds.bodies
         # sweeps follow slowly what slides along a narrow hole, or not at all
         self._turns = self._foresees and any(map(in_round_hole, problem.contacts))
-        self._few = sum(len(solid.velocity) for solid in problem.solids) <= FEW
         self._floating = floating
         if floating:
             self.system.hold(floating)
@@ -179,7 +178,7 @@ class StepSolver:
         frozen.rounded = rounded
         if self._floating:
             known["hopeless"] = partial(unbearable, self._floating, self._all.contacts, step)
-        if isinstance(frozen, SurfaceSystem) and self._few and frozen.hyperstatic:
+        if few_in_cones(frozen, self._all.freedoms):
             known["elsewhere"] = partial(begin_from_cones, frozen, self._all.contacts, step)
         try:
             return self._newton.solve(frozen, **known)

@@ -84,6 +84,11 @@ class Assembly:
         what geometry is off where they end."""
         return all(solid.shiftable for solid in self.solids)
 
+    @cached_property
+    def freedoms(self) -> float:
+        """How many velocities the solids have, if all are rigid, else more than any."""
+        return sum(len(solid.velocity) for solid in self.solids) if self.jams else inf
+
     def surface_system(self) -> SurfaceSystem:
         """The surface problem of the contacts."""
         parts, names = [c.part for c in self.contacts], [c.name for c in self.contacts]

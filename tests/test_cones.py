@@ -55,8 +55,7 @@ def test_an_arm_swings_on_a_pin_with_play(law, friction, tmp_path):
     history = swings(tmp_path, law, friction)
     assert history.finished
     took_over = [text for _, text in history.remarks if "took over" in text]
-    assert len(took_over) <= (0.15 if friction else 0.03) * history.steps
-    assert friction or history["newton"].mean() < 12
+    assert len(took_over) <= 0.02 * history.steps and history["newton"].mean() < 12
     total = history["kinetic"] + history["potential"]
     took = sum(history[name][-1] for name in ("impact", "friction", "scheme"))
     assert total[-1] - total[0] == pytest.approx(took, rel=1e-6)

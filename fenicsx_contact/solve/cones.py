@@ -59,33 +59,19 @@ def in_cones(points: ConePoints) -> np.ndarray | None:
     """The forces of all points along their normals and tangents, (n, d) in N, of the least error
     that was found; None where there are none."""
     n, k = points.back.shape
-    rubs, least = bool(points.slope.any()), SOLVED * points.speed
-    among = points.foremost(np.zeros((n, 1 + k)), least)
+    rubs, best, forces = bool(points.slope.any()), np.inf, None
+    among = points.foremost(np.zeros((n, 1 + k)), 0.0)
     sides, lasting = np.tile(_ring(k + 1), (n, 1, 1)), np.zeros((n, k))
-    best, forces = np.inf, None
     for turn in range(ROUNDS):
         many = SIDES * 2 ** (turn // 2)
-        while True:
-            found = Pyramids.solved(points.of(among), sides[among], lasting[among])
-            if found is None:
-                break
-            now = np.zeros((n, 1 + k))
-            now[among] = found.forces()
-            more = points.foremost(now, least) & ~among
-            if not more.any():
-                break
-            among |= more
-        if found is None:
+        if (found := _bearing(points, among, sides, lasting)) is None:
             if k < 2:
                 break
+            # with other sides there may be a way
             sides = _turned_to(np.tile([np.cos(turn + 1), np.sin(turn + 1)], (n, 1)), many)
             continue
+        now = min(found, key=points.error)
         error = points.error(now)
-        if found.slips.any() and (turned := found.turned()) is not None:
-            other = np.zeros((n, 1 + k))
-            other[among] = turned
-            if points.error(other) <= error:
-                now, error = other, points.error(other)
         if error < best:
             best, forces = error, now
         if best <= SOLVED or not rubs:
@@ -97,6 +83,30 @@ def in_cones(points: ConePoints) -> np.ndarray | None:
         return None
     even = _even(points, forces)
     return even if points.error(even) <= max(best, SOLVED) else forces
+
+
+def _bearing(
+    points: ConePoints, among: np.ndarray, sides: np.ndarray, lasting: np.ndarray
+) -> list[np.ndarray] | None:
+    """Forces (n, d) by pyramids, and those by cones that follow, of points ``among`` all, (n,) of
+    bool, to which those are added that would come too near; None where there are none."""
+
+    def of_all(own: np.ndarray) -> np.ndarray:
+        forces = np.zeros((len(among), own.shape[1]))
+        forces[among] = own
+        return forces
+
+    while True:
+        found = Pyramids.solved(points.of(among), sides[among], lasting[among])
+        if found is None:
+            return None
+        forces = of_all(found.forces())
+        more = points.foremost(forces, SOLVED * points.speed) & ~among
+        if not more.any():
+            break
+        among |= more
+    turned = found.turned() if found.slips.any() else None
+    return [forces] if turned is None else [of_all(turned), forces]
 
 
 def _ring(d: int, many: int = SIDES) -> np.ndarray:

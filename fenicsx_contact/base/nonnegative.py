@@ -2,8 +2,7 @@
 """Least squares in numbers none of which is negative, and the smallest of those.
 
 Not by ``scipy.optimize.nnls``: that of SciPy 1.15, which Debian 13 has, returns a wrong answer
-without a word where columns depend on each other, as those of points on a rigid face do; and none
-can begin where a problem that is almost the same has ended.
+without a word where columns depend on each other, as those of points on a rigid face do.
 """
 
 from __future__ import annotations
@@ -17,9 +16,7 @@ from .constants import ROUND_OFF
 TURNS = 3
 
 
-def nonnegative(
-    rows: np.ndarray, target: np.ndarray, start: np.ndarray | None = None
-) -> np.ndarray | None:
+def nonnegative(rows: np.ndarray, target: np.ndarray) -> np.ndarray | None:
     """The x >= 0 of the least |rows x - target|, with as many numbers above 0 as there are
     independent columns at most: the active sets of C.L. Lawson & R.J. Hanson (Solving least squares
     problems, 1974, chapter 23).
@@ -27,13 +24,11 @@ def nonnegative(
     Args:
         rows: (m, n).
         target: (m,).
-        start: x of a problem before, (n,), of which the columns with numbers above 0 are
-            independent here, too; default 0.
 
     Returns:
         x, (n,); None: it is not found.
     """
-    x = np.zeros(rows.shape[1]) if start is None else start.copy()
+    x = np.zeros(rows.shape[1])
     taken = x > 0
     # what the columns have in common with what is left, if that is round-off
     noise = ROUND_OFF * np.linalg.norm(rows, axis=0) * np.linalg.norm(target)

@@ -54,16 +54,15 @@ class ConePoints:
         names = ("see", "do", "given", "limit", "slope", "back", "group")
         return replace(self, **{name: getattr(self, name)[among] for name in names})
 
-    def foremost(self, forces: np.ndarray, least: float) -> np.ndarray:
-        """Of each contact the point that approaches most above its limit, m/s, if that is more than
-        so much, (n,) of bool."""
+    def foremost(self, forces: np.ndarray, least: float, many: int = 1) -> np.ndarray:
+        """Of each contact so many points that approach most above their limits, m/s, if that is
+        more than ``least``, (n,) of bool."""
         over = self.jumps(self.velocities(forces))[:, 0] - self.limit
-        most = np.full(self.group.max() + 1, least)
-        np.maximum.at(most, self.group, over)
-        (equal,) = ((over > least) & (over == most[self.group])).nonzero()
+        order = np.lexsort((-over, self.group))
+        first = np.searchsorted(self.group[order], self.group[order])
         chosen = np.zeros(len(over), dtype=bool)
-        chosen[equal[np.unique(self.group[equal], return_index=True)[1]]] = True
-        return chosen
+        chosen[order] = np.arange(len(over)) - first < many
+        return chosen & (over > least)
 
     def velocities(self, forces: np.ndarray) -> np.ndarray:
         """Of what bears so much along the normals and tangents, (n, d) in N."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .constants import ROUND_OFF
+from .constants import ROUND_OFF, SAME
 
 #: Cost: pivots, as a multiple of all numbers, before nothing is found.
 TURNS = 10
@@ -29,9 +29,8 @@ def complementary(matrix: np.ndarray, constant: np.ndarray) -> np.ndarray | None
         z, (n,); None: it is not found.
     """
     n, added = len(constant), 2 * len(constant)
-    z = np.zeros(n)
     if not (constant < 0).any():
-        return z
+        return np.zeros(n)
     # multiples of the golden section are as unlike each other as can be
     cover = 1.0 + (np.sqrt(5) - 1) / 2 * np.arange(1, n + 1) % 1.0
     # each row: a number that is not 0, by those that are (the columns): w is i, z is n + i
@@ -49,17 +48,26 @@ def complementary(matrix: np.ndarray, constant: np.ndarray) -> np.ndarray | None
         left, rows[place] = rows[place], columns[enters]
         columns[enters] = left
         if left == added:
-            ends = rows >= n
-            z[rows[ends] - n] = np.maximum(table[ends, -1], 0.0)
-            return z
+            return _found(rows, table)
         enters = int(np.flatnonzero(columns == (left + n if left < n else left - n))[0])
         falls = -table[:, enters]
         may = np.flatnonzero(falls > TINY * max(1.0, np.abs(falls).max()))
         if not len(may):
-            return None
+            # of what was added round-off may be left
+            (still,) = (rows == added).nonzero()
+            ends = table[still[0], -1] <= SAME * np.abs(constant).max()
+            return _found(rows, table) if ends else None
         ways = table[may, -1] / falls[may]
         first = may[ways <= ways.min() + noise]
         # where all that was added is gone with others it is the end
         end = first[rows[first] == added]
         place = int(end[0] if len(end) else first[np.argmax(falls[first])])
     return None
+
+
+def _found(rows: np.ndarray, table: np.ndarray) -> np.ndarray:
+    """What is not 0 in the end, (n,)."""
+    n = len(rows)
+    z, of = np.zeros(n), (rows >= n) & (rows < 2 * n)
+    z[rows[of] - n] = np.maximum(table[of, -1], 0.0)
+    return z

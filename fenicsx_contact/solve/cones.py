@@ -26,6 +26,8 @@ from .surface_problem import SurfaceSystem
 
 #: Cost: pyramids that are tried, and their sides in space.
 ROUNDS, SIDES = 6, 8
+#: Cost: of more sides of all pyramids in all a search by pivots takes longer than it saves.
+MOST = 400
 #: Cost: an error, as a share of the speeds, from which Newton's method goes on.
 SOLVED = 1e-12
 #: Cost: of more velocities the search may take longer than what follows without it. (24 polygons
@@ -65,7 +67,7 @@ def in_cones(points: ConePoints) -> np.ndarray | None:
     for turn in range(ROUNDS):
         many = SIDES * 2 ** (turn // 2)
         if (found := _bearing(points, among, sides, lasting)) is None:
-            if k < 2:
+            if k < 2 or among.sum() * many > MOST:
                 break
             # with other sides there may be a way
             sides = _turned_to(np.tile([np.cos(turn + 1), np.sin(turn + 1)], (n, 1)), many)
@@ -97,6 +99,8 @@ def _bearing(
         return forces
 
     while True:
+        if among.sum() * sides.shape[1] > MOST:
+            return None
         found = Pyramids.solved(points.of(among), sides[among], lasting[among])
         if found is None:
             return None

@@ -100,7 +100,7 @@ class Newton:
         """
         if not system.size:
             return Solution(system.force(), 0)
-        start = system.state()
+        start, first = system.state(), system.error()
         # where many bodies stick their points contradict each other by how they lie
         rough = ROUGH * self.tolerance if system.crowded else self.tolerance
         stalled = ROUGH * self.tolerance if system.rounded else rough
@@ -111,7 +111,9 @@ class Newton:
             raise NotConverged(reason)
         flips = system.flips()
         if elsewhere and elsewhere():
-            start, enough = system.state(), self.tolerance
+            enough = self.tolerance
+            if not system.error() > first:
+                start = system.state()
             if system.error() > enough:
                 more, enough = self._iterate(system, stalled)
                 iterations += more

@@ -32,8 +32,6 @@ class Candidates:
     Attributes:
         anywhere: whether the law may act at points that are open.
         allowed: points that may bear in the step, if they are asked to, (n,) of bool.
-        earlier: candidates to which others were added in the step, and the unknowns of all points
-            that had been found with them.
     """
 
     def __init__(
@@ -60,7 +58,6 @@ class Candidates:
             approach = self._coupling.coming(self._coupling.struck_jump(), gap >= -tolerance)
             allowed = allowed & (gap + step.within * approach >= -tolerance)
         self.allowed, self._gap = allowed, gap
-        self.earlier: list[tuple[np.ndarray, np.ndarray]] = []
         self._asked = np.ones(len(allowed), dtype=bool)
         if step.dt and self._formulation.multipliers:
             self._refuse_held(tolerance)
@@ -104,7 +101,6 @@ class Candidates:
         if not more.any() or not (more & self.allowed & self.near()).any():
             return False
         self._asked = self._asked | more
-        self.earlier.append((self._equations.candidates, self._equations.values))
         self.choose()
         return True
 

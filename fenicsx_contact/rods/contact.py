@@ -170,6 +170,21 @@ class GuideContact(Contact):
             self._weigh(self.coupling.area)
         super().linearise(step, exact, kept)
 
+    @property
+    def _foretold(self) -> bool:
+        """What settles on frozen geometry in the plane, and reads no gap of the end, keeps the
+        normals that the start of a step foretells, however often it is linearised."""
+        settles = self.settles and self.surface.dim == 2 and not self.formulation.gap_share
+        return settles and self._told is not None
+
+    def _set_normal(self, normal: np.ndarray) -> None:
+        if not self._foretold:
+            super()._set_normal(normal)
+
+    def _tell(self, step: Step) -> None:
+        if not self._foretold:
+            super()._tell(step)
+
     def _weigh(self, lengths: np.ndarray) -> None:
         """The points stand for other lengths, (n,) in m, and what stops them changes with these."""
         if not np.array_equal(lengths, self.equations.weight):
@@ -197,6 +212,7 @@ class GuideContact(Contact):
         return {**super().state(), **lengths}
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
+        self._told = None  # of no step
         if self.measured:
             self._weigh(np.array(state["lengths"]))
         super().restore(state)

@@ -75,7 +75,7 @@ class StepSolver:
         floating: list[DeformableSolid],
     ) -> None:
         self._all, self._newton = problem, newton
-        self._settles = geometry == "fixed point"
+        self._settles = problem.settles(geometry == "fixed point")
         self._speeds = Speeds(problem.solids, problem.contacts, floating, newton.tolerance)
         self.errors: list[float] = []
         self.reached = self.speed = self._pushed = 0.0

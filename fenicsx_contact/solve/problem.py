@@ -89,6 +89,12 @@ class Assembly:
         """How many velocities the solids have, if all are rigid, else more than any."""
         return sum(len(solid.velocity) for solid in self.solids) if self.jams else inf
 
+    def settles(self, so: bool) -> bool:
+        """Whether steps settle on frozen geometry, of which contacts are told."""
+        for contact in self.contacts:
+            contact.settles = so
+        return so
+
     def surface_system(self) -> SurfaceSystem:
         """The surface problem of the contacts."""
         parts, names = [c.part for c in self.contacts], [c.name for c in self.contacts]

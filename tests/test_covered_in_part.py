@@ -260,5 +260,5 @@ def test_where_forces_act_on_a_facet_that_is_covered_in_part(dim):
     force = history[f"c.force_{'xyz'[dim - 1]}"][-1]
     torque = history["c.torque"][-1] if dim == 2 else -history["c.torque_y"][-1]
     assert torque == pytest.approx(0.1 * force, rel=1e-3)
-    x, borne = contact.coupling.positions()[:, 0], contact.borne[:, -1]
+    x, borne = contact.coupling.positions()[:, 0], contact.acting[:, -1]
     assert x @ borne == pytest.approx(0.1 * borne.sum(), rel=1e-3)

@@ -54,6 +54,7 @@ class Coupling(ABC):
     deepest_gap = 0.0
     apart = late = 0.0
     recess: np.ndarray | float = 0.0
+    acting: np.ndarray | None = None
 
     @property
     def remark(self) -> str:
@@ -153,7 +154,7 @@ class Coupling(ABC):
 
     def borne(self, law: np.ndarray, force: np.ndarray) -> np.ndarray:
         """What the slave bears at its nodes, (n, d) in N, of such forces: those there, (n, d), of
-        the contact's law, and flat."""
+        the contact's law, and flat; ``acting``: those that act where facets are covered in part."""
         return law
 
     @abstractmethod
@@ -259,6 +260,7 @@ class Coupling(ABC):
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave; the solids have been restored before."""
+        self.acting = None
         self.follow()
         self.accept()
 

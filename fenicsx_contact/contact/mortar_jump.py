@@ -220,8 +220,8 @@ class MortarJump(Coupling):
         return self.equations.forces()
 
     def borne(self, law: np.ndarray, force: np.ndarray) -> np.ndarray:
-        own = force.reshape(self._shape)[: len(self.pairing.slave.nodes)]
-        return self.pairing.slave.at_corners(own)
+        self.acting = self.pairing.slave.at_corners(force.reshape(self._shape))
+        return self.acting if self.pairing.carries else law
 
     def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
         velocities, rate = self.velocities("trial_velocity"), self._share * step.gap_rate

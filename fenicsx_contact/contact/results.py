@@ -26,6 +26,7 @@ class SurfaceResults:
     chosen: np.ndarray
     gap: np.ndarray
     force: np.ndarray
+    borne: np.ndarray
     solid: Solid
     surface: Surface
     friction_law: FrictionBound | None
@@ -36,6 +37,12 @@ class SurfaceResults:
     def normal_forces(self) -> np.ndarray:
         """Normal forces on the solid, (n, d) in N; the rest of ``force`` is friction."""
         return dot(self.force, self.force_normal)[:, None] * self.force_normal
+
+    @property
+    def acting(self) -> np.ndarray:
+        """What acts on its nodes, (n, d) in N: with the same sum as ``borne``, and with its moment
+        also where facets are covered in part."""
+        return self.borne if self.coupling.acting is None else self.coupling.acting
 
     @property
     def traction(self) -> np.ndarray:

@@ -42,7 +42,7 @@ def torques(
 
     def component(axis: int) -> Callable[[], float]:
         def torque() -> float:
-            arm, force = contact.coupling.positions() - centre(), contact.borne
+            arm, force = contact.coupling.positions() - centre(), contact.acting
             i, j = (axis + 1) % 3, (axis + 2) % 3
             return float((arm[:, i] * force[:, j] - arm[:, j] * force[:, i]).sum())
 

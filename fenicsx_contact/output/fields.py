@@ -106,7 +106,7 @@ class FieldWriter:
     def _write_contact(self, contact: Contact, number: int) -> None:
         surface = contact.surface
         cells = [for_meshio(compat.cell_name(surface.mesh), surface.cell_sites)]
-        data = {"force": contact.borne, "gap": contact.gap, "status": contact.status}
+        data = {"force": contact.acting, "gap": contact.gap, "status": contact.status}
         if contact.multiplier is not None:
             data["multiplier"] = contact.multiplier
         if not contact.formulation.at_points:

@@ -30,6 +30,8 @@ class Carried(Pairing):
         rates: in its present places.
     """
 
+    carries = True
+
     def _operate(self) -> None:
         super()._operate()
         self.rates = Rates(self)

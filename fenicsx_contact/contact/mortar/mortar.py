@@ -82,11 +82,12 @@ class Pairing:
         reach: how far from each node partners were sought, (n,) in m; ``sight``: at least.
         stance: how the slave's facets stand on the master's.
         admits: which of these may meet.
+        carries: whether forces on a node of the slave act on those beside it, too.
         recess: how far places of the slave have worn back from its nodes, (n,) in m, or 0.
         sunk: how deep they were in each other where the step began, m.
     """
 
-    sunk = 0.0
+    carries, sunk = False, 0.0
     recess: np.ndarray | float = 0.0
 
     def __init__(

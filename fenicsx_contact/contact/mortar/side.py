@@ -178,13 +178,13 @@ class Side:
         return rates * self.sign[facets, None, None, None]
 
     def at_corners(self, forces: np.ndarray) -> np.ndarray:
-        """Forces on the nodes (N, d) as forces on the corners (n, d), as linear functions have
-        them: the sum and, of straight facets, the moment are the same."""
+        """Forces on the nodes (N, d), and others after these, as forces on the corners (n, d), as
+        linear functions have them: the sum and, of straight facets, the moment are the same."""
         _, first = np.unique(self.cells, return_index=True)  # a facet of each node
         facet, place = np.unravel_index(first, self.cells.shape)
         shares = self.linear_shape(self.element.points)[place]
         result = np.zeros((int(self.corners.max()) + 1, self.dim))
-        np.add.at(result, self.corners[facet], shares[..., None] * forces[:, None])
+        np.add.at(result, self.corners[facet], shares[..., None] * forces[: len(first), None])
         return result
 
     def holds(self, xi: np.ndarray, tolerance: float) -> np.ndarray:

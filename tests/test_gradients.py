@@ -749,6 +749,10 @@ def test_what_is_not_supported_is_refused_by_name():
     with pytest.raises(InputError, match="does not make the energy"):
         soft = thrown(HyperelasticSolid, mu=0.3)
         Material(solid_of(soft), lambda E: neo_hookean(E, 0.3), 2e6)
+    # no energy: TypeErrors, or for ever
+    for energy in (lambda E: None, lambda E: neo_hookean, lambda E: E):
+        with pytest.raises(InputError, match=r"energy\(value\)"):
+            Material(solid_of(soft), energy, 1e6)
     only = "RodInTube, is not supported; only deformable solids, beams and rigid solids"
     with pytest.raises(InputError, match=only):
         Start(RodInTube.__new__(RodInTube), velocity=(1, 0))

@@ -15,6 +15,7 @@ from ..base.compiling import compiled
 from ..base.constants import SAME
 from ..base.quoted import quoted
 from ..solids import DeformableSolid, ElasticSolid, HyperelasticSolid, Solid
+from ..solids.coefficients import of_a_field
 from ..solids.energies import Energy, deformation
 from ..solids.viscous import ViscousStress
 from ..theory.scheme import Step
@@ -108,8 +109,11 @@ class Material(OfSolid):
         self.solid: HyperelasticSolid = solid
         self._u = fem.Function(solid.space)
         number = _number(solid, checks.number("value", value))
-        energy_of = solid.plane.energy(energy(number))
-        density = energy_of(deformation(solid.gradient(self._u)))
+        checks.function("energy", energy, " of the number")
+        made = checks.called("energy", energy, number)
+        energy_of = solid.plane.energy(checks.function("energy(value)", made, " of F, in UFL"))
+        F = deformation(solid.gradient(self._u))
+        density = of_a_field("energy(value)", energy_of, F, solid.mesh)
         potential = solid.breadth * density * solid.volume
         test = ufl.TestFunction(solid.space)
         force = ufl.derivative(potential, self._u, test)

@@ -123,11 +123,12 @@ def _ring(d: int, many: int = SIDES) -> np.ndarray:
 
 
 def _turned_to(slips: np.ndarray, many: int = SIDES) -> np.ndarray:
-    """The same for each point, (n, k, d - 1), one of which is along its slip, (n, d - 1)."""
+    """The same for each point, (n, k, d - 1), one of which is along a slip, (n, d - 1), if any."""
     ring = _ring(slips.shape[1] + 1, many)
     if slips.shape[1] == 1:
         return np.tile(ring, (len(slips), 1, 1))
-    x, y = (slips / np.maximum(np.linalg.norm(slips, axis=1), np.finfo(float).tiny)[:, None]).T
+    angle = np.arctan2(slips[:, 1], slips[:, 0])
+    x, y = np.cos(angle), np.sin(angle)
     return np.einsum("kj,jin->nki", ring, np.array([[x, y], [-y, x]]))
 
 

@@ -64,8 +64,7 @@ class Contact(Scaled, SurfaceResults):
             each other anywhere, a rigid solid before itself.
     """
 
-    #: Whether its forces can only take energy from the solids, as far as the books of these say;
-    #: whether steps settle on frozen geometry.
+    #: Whether its forces only take energy, say the solids' books; steps settle on frozen geometry.
     gives_nothing, settles = True, False
 
     def __init__(
@@ -216,8 +215,9 @@ class Contact(Scaled, SurfaceResults):
         closed = max(self.resolution * step.horizon, self.noise)
         self._start_gap = np.where((gap < 0) & (gap >= -closed), 0.0, gap)
         self._told, e = step, self.equations
-        ends = (self.status > 0) | (self.gap >= -self.tolerance), self.start_normal, self.normal
-        start = start_speeds(e.fields, self.coupling, step, self.jump, ends[1:], ends[0])
+        touches = (self.status > 0) | (self.gap >= -self.tolerance)
+        ends = self.start_normal, self.normal
+        start = start_speeds(e.fields, self.coupling, step, self.jump, ends, touches)
         still = (np.abs(start) <= self.resolution) | (self.blows.settled & (not step.dt))
         self.start_jump_n = np.where(still, 0.0, start)  # what is put to rest does not rebound
         e.gap[:], e.start_jump_n[:] = self._start_gap, self.start_jump_n

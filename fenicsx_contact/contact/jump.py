@@ -40,6 +40,7 @@ class Coupling(ABC):
         apart, late: how far what bears was from what it meets, at most, when it began to, m, and
             how far inside.
         recess: how far the surface has worn back, (n,) in m, or 0.
+        acting: what acts on the slave's nodes, (n, d) in N, where the law alone does not say it.
     """
 
     solids: list[Solid]

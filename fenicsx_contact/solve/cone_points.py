@@ -74,9 +74,12 @@ class ConePoints:
     def lasts(self, jumps: np.ndarray) -> np.ndarray:
         """s of (3''), (n,), of slips that go on, and less than 0, -s of (3') of those that turn
         round and slip."""
+        return np.clip(-self._shares(jumps[:, 1:]), -1.0, 1.0)
+
+    def _shares(self, along: np.ndarray) -> np.ndarray:
+        """How much of the way back such (n, d - 1) go, (n,); 0 where there is none."""
         size = np.einsum("nk,nk->n", self.back, self.back)
-        share = -np.einsum("nk,nk->n", jumps[:, 1:], self.back) / np.where(size > 0, size, 1.0)
-        return np.clip(share, -1.0, 1.0)
+        return np.asarray(np.einsum("nk,nk->n", along, self.back) / np.where(size > 0, size, 1.0))
 
     def slips(self, jumps: np.ndarray) -> np.ndarray:
         """What friction is against, (n, d - 1) in m/s."""
@@ -88,10 +91,8 @@ class ConePoints:
         normal, traction = forces[:, 0] * self.yields, forces[:, 1:] * self.yields[:, None]
         pressed = np.maximum(normal + jumps[:, 0] - self.limit, 0.0)
         g = traction + jumps[:, 1:]
-        size = np.einsum("nk,nk->n", self.back, self.back)
-        turns = np.einsum("nk,nk->n", g, self.back) / np.where(size > 0, size, 1.0)
-        lasting = np.maximum(self.lasts(jumps), 0.0)
-        g = g - (np.clip(turns, 0.0, 1.0) + lasting)[:, None] * self.back
+        turns, lasts = np.clip(self._shares(g), 0.0, 1.0), np.maximum(self.lasts(jumps), 0.0)
+        g = g - (turns + lasts)[:, None] * self.back
         bound, length = self.slope * pressed, np.linalg.norm(g, axis=1)
         held = g * (bound / np.maximum(np.maximum(bound, length), np.finfo(float).tiny))[:, None]
         off = max(np.abs(normal - pressed).max(), np.abs(traction - held).max(initial=0.0))

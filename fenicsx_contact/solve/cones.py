@@ -110,8 +110,8 @@ def _bearing(
         if not more.any():
             break
         among |= more
-    turned = found.turned() if found.slips.any() else None
-    return [forces] if turned is None else [of_all(turned), forces]
+    own = found.by_cones() if found.slips.any() else None
+    return [forces] if own is None else [of_all(own), forces]
 
 
 def _ring(d: int, many: int = SIDES) -> np.ndarray:

@@ -25,8 +25,8 @@ class Pyramids:
         sides: directions along the tangents of each, (n, k, d - 1).
         lasting: what friction is against besides the jumps, (n, d - 1) in m/s.
         normal, along: forces along normals, (n,), and sides, (n, k), N.
-        slips: which points bear and slip, (n,) of bool; ``turns``: which are on their way between
-            0 and -a (3').
+        slips: which points bear and slip, (n,) of bool; ``between``: which are on their way from 0
+            to -a (3').
     """
 
     points: ConePoints
@@ -35,7 +35,7 @@ class Pyramids:
     normal: np.ndarray
     along: np.ndarray
     slips: np.ndarray
-    turns: np.ndarray
+    between: np.ndarray
 
     @classmethod
     def solved(cls, points: ConePoints, sides: np.ndarray, lasting: np.ndarray) -> Pyramids | None:
@@ -56,12 +56,12 @@ class Pyramids:
         given = np.concatenate([points.limit - jumps[:, 0], -against.ravel()]) / scale
         speed = np.abs(given).max(initial=0.0) or 1.0
         # how far those that slipped turn round (3'), with what keeps it to the whole way
-        (turns,) = points.back[rubs].any(axis=1).nonzero()
-        back = points.back[rubs[turns]]
+        (slipped,) = points.back[rubs].any(axis=1).nonzero()
+        back = points.back[rubs[slipped]]
         whole = np.linalg.norm(back, axis=1)
         back = back / whole[:, None]
-        ways = np.einsum("tkj,tj->tk", own[turns], back)
-        total, t = n + m * k, len(turns)
+        ways = np.einsum("tkj,tj->tk", own[slipped], back)
+        total, t = n + m * k, len(slipped)
         matrix = np.zeros((total + m + 2 * t, total + m + 2 * t))
         matrix[:total, :total] = stacked(points.see) @ points.compliance @ stacked(points.do).T
         matrix[:total, :total] /= scale[:, None] * scale
@@ -69,13 +69,13 @@ class Pyramids:
             at = slice(n + i * k, n + (i + 1) * k)
             matrix[at, total + i], matrix[total + i, at] = 1.0, -1.0
             matrix[total + i, rubs[i]] = points.slope[rubs[i]]
-        for i, (turn, way) in enumerate(zip(turns, ways)):
-            at = slice(n + turn * k, n + (turn + 1) * k)
+        for i, (point, way) in enumerate(zip(slipped, ways)):
+            at = slice(n + point * k, n + (point + 1) * k)
             share, end = total + m + i, total + m + t + i
             matrix[at, share] = way
             matrix[share, at] = -matrix[at, share]
             matrix[share, end], matrix[end, share] = 1.0, -1.0
-        unit = size[rubs[turns]] * speed
+        unit = size[rubs[slipped]] * speed
         z = complementary(matrix, np.concatenate([given / speed, np.zeros(m + t), whole / unit]))
         if z is None:
             return None
@@ -83,8 +83,8 @@ class Pyramids:
         along[rubs], slips[rubs] = forces[n:].reshape(m, k), z[total : total + m] > 0
         lasting, between = lasting.copy(), np.zeros(n, dtype=bool)
         gone, kept = z[total + m :].reshape(2, t)
-        lasting[rubs[turns]] -= (unit * gone)[:, None] * back
-        between[rubs[turns]] = (gone > 0) & (kept == 0)
+        lasting[rubs[slipped]] -= (unit * gone)[:, None] * back
+        between[rubs[slipped]] = (gone > 0) & (kept == 0)
         bears = forces[:n] > 0
         return cls(points, sides, lasting, forces[:n], along, slips & bears, between & bears)
 
@@ -93,7 +93,7 @@ class Pyramids:
         tangential = np.einsum("nk,nkj->nj", self.along, self.sides)
         return np.concatenate([self.normal[:, None], tangential], axis=1)
 
-    def turned(self) -> np.ndarray | None:
+    def by_cones(self) -> np.ndarray | None:
         """The same where friction is against the slip itself, by Newton's method for those that
         slip, beside those that stick by the sides that hold them; None where there is no such."""
         p, slip = self.points, self.slips.nonzero()[0]
@@ -115,9 +115,9 @@ class Pyramids:
         velocities, v, m = p.velocities(self.forces()), len(p.free), len(slip)
         stiff, first, end = float(np.trace(p.compliance)) / v, v + m + len(stick), v + len(see)
         # on their way they go as far as they like, and friction is across it
-        between = np.unique(at[self.turns[at]])
-        across = (at[:, None] == between) * (ways @ p.back[between].T)
-        matrix = np.zeros((end + len(between), end + len(between)))
+        turn = np.unique(at[self.between[at]])
+        across = (at[:, None] == turn) * (ways @ p.back[turn].T)
+        matrix = np.zeros((end + len(turn), end + len(turn)))
         matrix[v:end, :v], matrix[first:end, end:], matrix[end:, first:end] = see, -across, across.T
         for _ in range(STEPS):
             against, turns = self._against(velocities, slip)

@@ -564,6 +564,27 @@ def test_a_refusal_tells_means_from_solids(law):
     assert was == (law == "velocity"), says
 
 
+@pytest.mark.parametrize(("degree", "law"), [(2, "velocity"), (2, "gap"), (1, "velocity")])
+def test_a_force_that_is_lost_to_what_goes_inside_is_told(degree, law):
+    """A column pressed by 0.1 mm on what is drawn along below: facets of second degree bulge and
+    go inside by a little more with every step, by less than a scene may start."""
+    low, up = rectangle((30, 2), (3.0, 0.1)), rectangle((8, 4), (0.1, 0.2))
+    up.mesh.geometry.x[:, 1] += 0.1
+    data = {"poisson_ratio": 0.3, "density": 1.0}
+    drawn = {"base": lambda t: (0.5 * max(t - 0.1, 0.0), 0.0)}
+    pressed = {"top": lambda t: (0.0, -1e-4 * min(t / 0.1, 1.0))}
+    slab = ElasticSolid(low, youngs_modulus=1e9, prescribed=drawn, name="slab", **data)
+    column = ElasticSolid(
+        up, youngs_modulus=1e5, prescribed=pressed, degree=degree, name="column", **data
+    )
+    contact = Contact(column, "base", (slab, "top"), law, name="c")
+    history = Scene([slab, column], [contact], scheme=QuasiStatic()).run(until=1.3, dt=0.04)
+    force = history["c.force_y"]
+    kept, told = force[-1] / force.max() > 0.99, "'c' went" in str(history.remarks)
+    assert history["c.penetration"].max() < 1e-4 and kept != told
+    assert told == (degree == 2 and law == "velocity")
+
+
 def sliding(monkeypatch, fresh):
     """A block that slides on another one; how many corrections were made with which tangents."""
     mesh = [rectangle((8, 4), (1.0, 0.5)), rectangle((10, 4), (1.3, 0.5))]

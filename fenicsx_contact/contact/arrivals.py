@@ -139,11 +139,11 @@ def _inside_by_means(contact: Contact, deep: float, when: str = "starts") -> str
     )
 
 
-def went_inside(contact: Contact, depth: float, most: float) -> str:
+def went_inside(contact: Contact, depth: float, most: float, loses: bool = False) -> str:
     """What a reader should know of two solids that went so deep inside each other, m, though a law
     of velocities held them apart, or were so by their gaps alone; or of a rod in its guide, by
     any law without springs; or nothing. ``most``: how deep a scene may start, as a share of the
-    surface's extent."""
+    surface's extent; ``loses``: whether energy tells that it is deep."""
     law = contact.formulation
     if contact.coupling.encloses:
         if not law.multipliers or depth <= (accepted := getattr(contact, "deepest", np.inf)):
@@ -155,18 +155,18 @@ def went_inside(contact: Contact, depth: float, most: float) -> str:
     if not law.multipliers or law.gap_share or len(contact.solids) == 1:
         return ""
     accepted, (means, time) = most * contact.surface.extent, contact.coupling.by_means_alone
-    if depth <= accepted:
+    if depth <= accepted and not loses:
         told = _inside_by_means(contact, means, f"at t = {time:.9g} s was")
         return f"contact {told}" if means > accepted else ""
     went = f"contact {contact.name!r} went {depth:.3g} m inside its master"
-    if contact.coupling.by_means and (gap := contact.coupling.deepest_gap) <= accepted:
+    if contact.coupling.by_means and (gap := contact.coupling.deepest_gap) <= accepted < depth:
         return (
             f"{went} between its nodes, unseen by its gaps, means over facets, of which none was "
             f"more than {gap:.3g} m: give it smaller facets, or the other solid as slave"
         )
     why = (
         "velocities along the normals of facets, which are not those of the gap where surfaces are "
-        "round, or edges of both meet: finer facets, 'gap', or a drift_correction help"
+        "round or bulge, or edges of both meet: finer facets, 'gap', or a drift_correction help"
     )
     if not contact.coupling.by_means:  # corners and faces, exactly
         why = (

@@ -35,6 +35,16 @@ def unexplained(history: History, moved: float) -> str:
     )
 
 
+def sunk(history: History, contact: str) -> float:
+    """What it would take to put back all that is inside in a contact, as a share of the largest
+    energy of a run."""
+    steps, forces = history["dt"] > 0, f"{contact}.force_"  # else these are impulses
+    sums = [history[name] for name in history.columns if name.startswith(forces)]
+    takes = np.sqrt(sum((each**2 for each in sums), 0 * steps)) * history[f"{contact}.penetration"]
+    size = (history["kinetic"] + history["strain"]).max()
+    return float(takes[steps].max(initial=0.0) / size) if size else 0.0
+
+
 def unresolved(history: History, rubbing: Iterable[str], resolution: float, size: float) -> str:
     """What to say of a run of solids that deform with friction in these contacts, whose last step
     resolves no slower speeds than ``resolution``, m/s, if points may go farther by these in a step

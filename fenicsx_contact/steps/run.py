@@ -18,12 +18,13 @@ from ..base.overflow import diverging
 from ..base.processes import any_of, refuse_unlike
 from ..base.quoted import quoted
 from ..contact.arrivals import starts_inside, struck_apart, went_inside
-from ..output.books import unexplained, unresolved
+from ..output.books import sunk, unexplained, unresolved
 from ..output.history import History
 from ..output.stops import hint
 from ..output.storage import NotWritten, RunDirectory
 from ..solids import ElasticSolid
 from .adaptive import AdaptivePace, ErrorControl, StepTooLong
+from .certificate import GIVEN
 from .checkpoint import collect, spread
 from .fingerprint import Described, fingerprint, shared
 from .impacts import LocatedImpacts, UniformImpacts
@@ -194,7 +195,9 @@ class _Course:
         told = [solid.swollen(scene.deepest) for solid in elastic]
         for contact in scene.contacts:
             depth = float(history[f"{contact.name}.penetration"].max())
-            told += went_inside(contact, depth, scene.deepest), struck_apart(contact, scene.deepest)
+            loses = sunk(history, contact.name) > GIVEN
+            told.append(went_inside(contact, depth, scene.deepest, loses))
+            told.append(struck_apart(contact, scene.deepest))
         told.append(unexplained(history, scene.stepper.rounding[0]))
         rubbing = [contact for contact in scene.contacts if contact.friction_law]
         size = max((contact.surface.extent for contact in rubbing), default=0.0)

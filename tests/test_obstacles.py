@@ -326,6 +326,50 @@ def books(history, tolerance=1e-11):
     assert (history["impact"] + history["friction"]).max() <= tolerance * size
 
 
+class Lift:
+    """A stranger's floor, which rises by 0.1 m/s, and says so, times a factor."""
+
+    dim, flat, moving = 2, True, True
+
+    def __init__(self, factor, start=0.0):
+        self.factor, self.start = factor, start
+
+    def distance(self, points, time):
+        return points[:, 1] - 0.1 * max(time - self.start, 0.0)
+
+    def normals(self, points):
+        return np.tile([0.0, 1.0], (len(points), 1))
+
+    def velocity(self, points, start, end):
+        rise = max(end - self.start, 0.0) - max(start - self.start, 0.0)
+        return np.tile([0.0, 0.1 * self.factor * rise / (end - start)], (len(points), 1))
+
+
+def rising(factor, start=0.0):
+    """The same as a LevelSet."""
+    return LevelSet(
+        lambda x, t: x[1] - 0.1 * ufl.max_value(t - start, 0),
+        2,
+        lambda x, t: ufl.as_vector([0.3, 0.1 * factor * ufl.conditional(t > start, 1.0, 0.0)]),
+    )
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+@pytest.mark.parametrize("kind", [Lift, rising])
+@pytest.mark.parametrize("start", [0.0, 0.031])
+@pytest.mark.parametrize("factor", [1.0, 0.0, 2.0, -1.0, 1.2])
+def test_an_obstacle_goes_as_its_velocity_says(factor, start, kind, law):
+    """What says otherwise would throw a block, or let it sink in, without a word."""
+    block = RigidSolid(rectangle(), mass=1.0, gravity=(0, -G))
+    scene = Scene([block], [Contact(block, "base", kind(factor, start), law, name="c")])
+    history = scene.run(0.1, 5e-3)
+    told = "along its normal at" in history.reason and "by its distances" in history.reason
+    if factor == 1:
+        assert history.reason == "finished" and history["c.penetration"].max() < 1e-12
+    else:  # or what was put back at once would have made energy
+        assert told or (start and law == "gap" and "'energy'" in history.reason)
+
+
 class Belt(HalfSpace):
     """A stranger's belt: it stays where it is, its material runs."""
 

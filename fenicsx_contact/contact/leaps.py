@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base.checks import StepFailed
-from ..base.constants import BRIEF, ROUND_OFF
+from ..base.constants import BRIEF, RIGHT, ROUND_OFF, SHARP
 from ..base.vectors import dot, largest
 from ..theory.scheme import Step
-from .wall import Wall
+from .wall import Wall, wrong
 
 
 def brief_time(time: float, span: float) -> float:
@@ -102,6 +102,35 @@ def no_velocity(what: str, size: float, time: float) -> StepFailed:
         f"{what} jumps by {size:.4g} m at t = {time:.9g} s: no velocity follows that, for which "
         "theta < 1 and located impacts ask"
     )
+
+
+def follows(wall: Wall, points: np.ndarray, time: float) -> bool:
+    """Whether an obstacle's distances were seen to change as its velocity says: False where none of
+    the points, (n, d), has reached its surface, or nothing moves there.
+
+    Raises:
+        StepFailed: they change otherwise at all of these.
+    """
+    off, size = wall.distance(points, time), float(np.ptp(points, axis=0).max())
+    reach = RIGHT * (size or float(np.abs(points).max()))
+    if not (on := off <= reach).any():
+        return False
+    beside = points + reach * wall.normals(points, time)  # of edges
+    speed = largest(wall.velocity(beside, time, time + reach)[on])
+    brief = max(0.1 * reach / speed, float(np.spacing(time)) / RIGHT) if speed else reach
+    velocity = wall.velocity(beside, time, time + brief)[on]
+    told = dot(velocity, wall.normals(beside, time)[on]) * brief
+    gone = (wall.distance(beside, time) - wall.distance(beside, time + brief))[on]
+    sizes = np.maximum(np.abs(told), np.abs(gone))
+    moves = sizes > (1 - SHARP) * np.linalg.norm(velocity, axis=1) * brief
+    moves &= sizes > ROUND_OFF * largest(points) / RIGHT
+    if not moves.any():
+        return False
+    if (np.abs(told - gone) > (1 - SHARP) * sizes)[moves].all():
+        at = int((moves * sizes).argmax())
+        found = f"{told[at] / brief:.6g} m/s along its normal at {points[on][at].tolist()}"
+        raise wrong("velocity", found, f"{gone[at] / brief:.6g} m/s, by its distances")
+    return True
 
 
 def refuse_leaps(

@@ -16,7 +16,7 @@ import numpy as np
 from ..base.constants import BRIEF
 from ..base.vectors import dot
 from ..theory.scheme import Step
-from .leaps import brief_time, refuse_leaps
+from .leaps import brief_time, follows, refuse_leaps
 from .wall import Wall
 
 
@@ -44,12 +44,15 @@ class Ride:
         self.start = self.end = self.struck = np.zeros(points)
         self._step: Step | None = None
         self._start_normal: np.ndarray | None = None
+        self._follows = not wall.told  # until it is seen
 
     def begin(self, step: Step, x: np.ndarray) -> None:
         """Begin a step from these places, (n, d) in m."""
         self._step, wall = step, self._wall
         new = self._velocity_at(x, step.start, brief_time(step.start, step.horizon))
         self.before = new if self.before is None else self.before
+        if not self._follows:
+            self._follows = follows(wall, x, step.start)
         late = step.implicitness
         self.struck = (1 - late) * new + late * self.before
         self.start = self.before if step.dt else self.struck

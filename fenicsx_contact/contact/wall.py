@@ -75,6 +75,8 @@ class Wall:
         self._curvature = _timed(curvature)[0] if curvature and not self.flat else None
         velocity = getattr(obstacle, "velocity", None)
         self._velocity = _mean(velocity) if velocity else None
+        #: Whether its velocity is told, and not made of its motion, as where that is of its class.
+        self.told = bool(velocity) and not (self.ours and hasattr(type(obstacle), "velocity"))
         #: Whether it tells all that derivatives of a run ask for.
         self.smooth = self.flat or bool(curvature and hasattr(obstacle, "slopes"))
         moving = getattr(obstacle, "moving", velocity is not None or asks)
@@ -101,7 +103,7 @@ class Wall:
             if not largest(length - 1) <= RIGHT:
                 at = int(np.abs(length - 1).argmax())
                 found = f"{normals[at].tolist()} at the point {points[at].tolist()}"
-                raise _wrong("normals", found, "unit vectors")
+                raise wrong("normals", found, "unit vectors")
         return normals
 
     def slopes(self, points: np.ndarray, time: float) -> np.ndarray:
@@ -209,9 +211,8 @@ class Wall:
 
     def describe(self) -> str:
         """The obstacle, without an address in memory."""
-        if type(self.obstacle).__repr__ is not object.__repr__:
-            return repr(self.obstacle)
-        return marked(type(self.obstacle).__name__, self.obstacle.distance)
+        own, shows = self.obstacle, type(self.obstacle).__repr__ is not object.__repr__
+        return repr(own) if shows else marked(type(own).__name__, own.distance)
 
 
 @contextmanager
@@ -276,9 +277,8 @@ def _mean(velocity: Callable) -> Callable[[np.ndarray, float, float], np.ndarray
 
 def _finite(what: str, answer: Any, points: np.ndarray, order: int = 1) -> np.ndarray:
     """An answer, at each point a tensor of an order, or StepFailed if it is none."""
-    n, d = points.shape
-    shape = (n, *[d] * order)
-    found, allowed = "", f"{shape} real numbers for {n} points"
+    shape = len(points), *points.shape[1:] * order
+    found, allowed = "", f"{shape} real numbers for {len(points)} points"
     if type(answer) is not np.ndarray or answer.dtype.kind != "f":  # it is asked often
         try:
             answer = checks.floats(answer)
@@ -291,9 +291,10 @@ def _finite(what: str, answer: Any, points: np.ndarray, order: int = 1) -> np.nd
         allowed = f"finite, at most {checks.LARGEST:g}"
         found = f"{answer[tuple(at)]} at the point {points[at[0]].tolist()}"
     if found:
-        raise _wrong(what, found, allowed)
+        raise wrong(what, found, allowed)
     return np.asarray(answer)
 
 
-def _wrong(what: str, found: str, allowed: str) -> checks.StepFailed:
+def wrong(what: str, found: str, allowed: str) -> checks.StepFailed:
+    """What a step fails by in which an obstacle gives such an answer."""
     return checks.StepFailed(f"the {what} of an obstacle is {found}: must be {allowed}")

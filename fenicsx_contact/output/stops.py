@@ -218,8 +218,8 @@ STOPS = {
         Stop(
             "obstacle",
             "the ... of an obstacle is ...: must be ...",
-            "an own obstacle gave NaN, over 1e60, no number or vector a point, or no unit normal",
-            "define its distance and normals everywhere near",
+            "it gave NaN, over 1e60, no vector a point, no unit normal, no velocity as it moves",
+            "define its distance, normals and velocity everywhere near",
         ),
         Stop(
             "obstacle raises",

@@ -2,6 +2,7 @@
 """The drop of a control rod against its one-dof law, against itself refined, and its energies."""
 
 import importlib.util
+import re
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -545,6 +546,27 @@ def test_motions_of_a_guide_that_make_no_sense():
     rod, contact = shaken(lambda t: (0.0, t))
     history = Scene([rod], [contact]).run(0.1, 1e-3)
     assert not history.finished and "across the guide" in history.reason
+
+
+@pytest.mark.parametrize(
+    ("forces", "told"),
+    [
+        (None, "law.forces(0, ...) = None: must be AxialForces"),
+        (3.0, "= 3.0: must be AxialForces"),
+        ([("a", 1.0)], "must be AxialForces"),
+        ([AxialForce("a", np.nan)], "force 'a'(0)"),
+        ([AxialForce("a", "x")], "must be 3 finite numbers"),
+        ([AxialForce("a", 1.0, at="nowhere")], "acts at 'nowhere'"),
+    ],
+)
+def test_forces_of_an_own_law_that_are_none(forces, told):
+    class Own(Fall):
+        def forces(self, travel, speed, mass, gravity, dt):
+            return forces
+
+    axis = axis_mesh((0, -0.2), (0, 1), rod=(4.0, 2))
+    with pytest.raises(InputError, match=re.escape(told)):
+        BeamSolid(axis, Section(mass=2.0, bending=850.0), gravity=(0, -9.81), law=Own(), name="r")
 
 
 def test_a_drive_that_gives_no_number_stops_the_run():

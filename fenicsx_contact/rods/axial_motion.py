@@ -8,14 +8,15 @@ takes the one at which it holds the beam away.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from math import isfinite
+from numbers import Real
 
 import numpy as np
 
 from ..base import checks
 from ..theory.scheme import Step
-from .drive import MASS, AxialForce, AxialLaw, Place
+from .drive import LENGTH, MASS, AxialForce, AxialLaw, Place
 
 #: Values of the unknowns at the start and at the end of a step.
 Ends = tuple[np.ndarray, np.ndarray]
@@ -53,7 +54,9 @@ class AxialMotion:
         if law is not None:
             checks.instance("law", law, AxialLaw, "a Fall, a Driven, an AxialLaw or None")
             law.check(self.mass, self.gravity, self._held)
-            forces = list(law.forces(0.0, 0.0, self.mass, self.gravity, 1.0))
+            forces = _listed(law, 0.0, 0.0, self.mass, self.gravity, 1.0)
+            places = [MASS, LENGTH, *(force.at for force in forces if isinstance(force.at, Real))]
+            _check(forces, 0.0, places, 0.0)
             at = getattr(law, "at", None)
             self._holding: Place = np.inf if at is None else at
             places = [MASS, self._holding, *(force.at for force in forces)]
@@ -83,7 +86,7 @@ class AxialMotion:
             z, speed = state = -float(share @ u), -float(share @ v)
             if state not in seen:  # of an axis that does not stretch there is but one
                 at = z + ahead * speed
-                seen[state] = list(self.law.forces(at, speed, self.mass, self.gravity, dt))
+                seen[state] = _listed(self.law, at, speed, self.mass, self.gravity, dt)
                 _check(seen[state], at, self._shares)
             found += [force for force in seen[state] if force.at == place]
         return found
@@ -245,17 +248,27 @@ class AxialMotion:
         self.taken = dict(zip(map(str, state["taken.names"]), map(float, state["taken"])))
 
 
-def _check(forces: Sequence[AxialForce], travel: float, places: Collection[Place]) -> None:
-    """Let a step fail by the forces of an own law that are no numbers, or act where at first none
-    did."""
-    for force in forces:
-        if force.at not in places:
-            with checks.asked_at(np.inf):
+def _listed(law: AxialLaw, travel: float, *given: float) -> list[AxialForce]:
+    """What a law gives, or an error that names what it is, if it is no list of forces."""
+    answer = law.forces(travel, *given)
+    each = list(answer) if isinstance(answer, Iterable) else [answer]
+    if not all(isinstance(force, AxialForce) for force in each):
+        raise checks.InputError(f"law.forces({travel:g}, ...) = {answer!r}: must be AxialForces")
+    return each
+
+
+def _check(
+    forces: Sequence[AxialForce], travel: float, places: Collection[Place], time: float = np.inf
+) -> None:
+    """Let a step fail, or refuse at time 0, s, the forces of an own law that are no numbers, or act
+    where at first none did."""
+    with checks.asked_at(time):
+        for force in forces:
+            if force.at not in places:
                 raise checks.InputError(
-                    f"force {force.name!r}({travel:g}): acts at {force.at}, where the law lists no "
-                    "force at travel 0; one of 0 N would do"
+                    f"force {force.name!r}({travel:g}): acts at {force.at!r}, where the law lists "
+                    "no force at travel 0 (one of 0 N would do): a place s [m], 'mass' or 'length'"
                 )
-        given = force.value, force.by_speed, force.by_travel
-        if not isfinite(sum(given)):
-            with checks.asked_at(np.inf):  # of a step: it fails by them
+            given = force.value, force.by_speed, force.by_travel
+            if not all(isinstance(number, Real) and isfinite(number) for number in given):
                 checks.vector(f"force {force.name!r}({travel:g})", given, 3)

@@ -13,7 +13,6 @@ S are the forces that are means over the way, as of a stop.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import copy
 from typing import Any
 
 import numpy as np
@@ -65,23 +64,13 @@ class BeamMotion(Motion):
         rate = self._met.slopes[1] * step.gap_rate
         self._axial = solid.mass * step.inertia_rate + self._rate.value - rate
         self._inner = Inner(step.gap_rate)
-        self._end(solid.trial_velocity)
-
-    def _end(self, velocity: np.ndarray) -> None:
-        """Take up the velocity at the end."""
-        self._change = velocity - self.solid.velocity
+        self._change = solid.trial_velocity - solid.velocity
         # of F + c (u'+ - u'-), by travel, speed, mass and gravity
         self._drive = self._driven(self._force, self._rate)
 
     def _driven(self, force: Dual, rate: Dual) -> np.ndarray:
         """Derivatives of F + c (u'+ - u'-)."""
         return force.slopes + rate.slopes * self._change[-1]
-
-    def with_velocity(self, velocity: np.ndarray) -> BeamMotion:
-        """The same in a step that ends with another velocity."""
-        other = copy(self)
-        other._end(velocity)
-        return other
 
     def _sees(self, step: Step) -> tuple[float, float, float, float]:
         """What the law reads: travel, speed, mass and gravity."""

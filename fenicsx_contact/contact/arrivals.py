@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..base.constants import SAME
 from ..base.vectors import dot
 from ..theory.scheme import Step
 from .contact import Contact
@@ -139,11 +140,12 @@ def _inside_by_means(contact: Contact, deep: float, when: str = "starts") -> str
     )
 
 
-def went_inside(contact: Contact, depth: float, most: float, loses: bool = False) -> str:
+def went_inside(contact: Contact, depth: float, most: float, takes: float = 0.0) -> str:
     """What a reader should know of two solids that went so deep inside each other, m, though a law
     of velocities held them apart, or were so by their gaps alone; or of a rod in its guide, by
     any law without springs; or nothing. ``most``: how deep a scene may start, as a share of the
-    surface's extent; ``loses``: whether energy tells that it is deep."""
+    surface's extent; ``takes``: what it takes to put that back, of the energy that contacts may
+    give."""
     law = contact.formulation
     if contact.coupling.encloses:
         if not law.multipliers or depth <= (accepted := getattr(contact, "deepest", np.inf)):
@@ -155,11 +157,13 @@ def went_inside(contact: Contact, depth: float, most: float, loses: bool = False
     if not law.multipliers or law.gap_share or len(contact.solids) == 1:
         return ""
     accepted, (means, time) = most * contact.surface.extent, contact.coupling.by_means_alone
-    if depth <= accepted and not loses:
+    gap = contact.coupling.deepest_gap if contact.coupling.by_means else depth
+    lost = takes * min(gap, depth) > depth > SAME * contact.surface.extent
+    if depth <= accepted and not lost:
         told = _inside_by_means(contact, means, f"at t = {time:.9g} s was")
         return f"contact {told}" if means > accepted else ""
     went = f"contact {contact.name!r} went {depth:.3g} m inside its master"
-    if contact.coupling.by_means and (gap := contact.coupling.deepest_gap) <= accepted < depth:
+    if gap <= accepted < depth:
         return (
             f"{went} between its nodes, unseen by its gaps, means over facets, of which none was "
             f"more than {gap:.3g} m: give it smaller facets, or the other solid as slave"

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..base.constants import SAME
 from ..contact.arrivals import arrival
 from ..scene import Scene
 from ..steps.trial import Trial
@@ -168,10 +169,10 @@ class _Met:
         changes, sizes = dict(self._changes), dict(self._sizes)
         at = np.flatnonzero(np.isin(self._rows.points, edge.points))
         if len(at):  # multipliers of a kind are as large as the largest of all points
-            own = self._multipliers[at]
+            own, size = self._multipliers[at], np.abs(self._multipliers).max(axis=0)
             changes["m"] = own.reshape(-1, own.shape[2])
-            largest = np.broadcast_to(np.abs(self._multipliers).max(axis=0), own.shape)
-            sizes["m"] = largest.reshape(changes["m"].shape)
+            size = np.maximum(size, SAME * size.max(axis=0))  # what is less is round-off of others
+            sizes["m"] = np.broadcast_to(size, own.shape).reshape(changes["m"].shape)
         left, terms = self._left(edge, changes, sizes)
         if edge.told:  # nothing is missed where what is told there changes nothing
             as_it_is = Edge(edge.points, edge.what, told=edge.here)

@@ -37,12 +37,12 @@ def unexplained(history: History, moved: float) -> str:
 
 def sunk(history: History, contact: str) -> float:
     """What it would take to put back all that is inside in a contact, as a share of the largest
-    energy of a run."""
+    strain energy of a run; 0 where nothing deforms."""
     steps, forces = history["dt"] > 0, f"{contact}.force_"  # else these are impulses
     sums = [history[name] for name in history.columns if name.startswith(forces)]
     takes = np.sqrt(sum((each**2 for each in sums), 0 * steps)) * history[f"{contact}.penetration"]
-    size = (history["kinetic"] + history["strain"]).max()
-    return float(takes[steps].max(initial=0.0) / size) if size else 0.0
+    size = history["strain"].max()
+    return float(takes[steps].max(initial=0.0) / size) if size > 0 else 0.0
 
 
 def unresolved(history: History, rubbing: Iterable[str], resolution: float, size: float) -> str:

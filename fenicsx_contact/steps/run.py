@@ -195,8 +195,8 @@ class _Course:
         told = [solid.swollen(scene.deepest) for solid in elastic]
         for contact in scene.contacts:
             depth = float(history[f"{contact.name}.penetration"].max())
-            loses = sunk(history, contact.name) > GIVEN
-            told.append(went_inside(contact, depth, scene.deepest, loses))
+            takes = sunk(history, contact.name) / GIVEN
+            told.append(went_inside(contact, depth, scene.deepest, takes))
             told.append(struck_apart(contact, scene.deepest))
         told.append(unexplained(history, scene.stepper.rounding[0]))
         rubbing = [contact for contact in scene.contacts if contact.friction_law]

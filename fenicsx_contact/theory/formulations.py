@@ -87,9 +87,11 @@ class Velocity:
     ``w_n <= c``.
 
     Args:
-        drift_correction: kappa in [0, 1]; where d_n > 0, ``w_n <= -kappa (d_n/dt + (1 - theta)
-            min(w_n^-, 0))``: in the end 1 - kappa of d_n is left by each step, and of the velocity
-            of the return nothing rings on. That is work of the law; in impacts nothing moves.
+        drift_correction: kappa in [0, 1]; where d_n > 0, ``w_n <= max(-kappa (d_n/dt + (1 - theta)
+            min(w_n^-, 0)), -r min(w_n^-, 0) - kappa d_n/(theta dt))``: in the end 1 - kappa of d_n
+            is left by each step, and of the velocity of the return nothing rings on; what leaves
+            faster may lose it again, as at d_n = 0. That is work of the law; in impacts nothing
+            moves.
     """
 
     drift_correction: float = 0.0
@@ -121,7 +123,9 @@ class Velocity:
         if not self.drift_correction:
             return limit
         leaving = k.limit_rate / (1 + k.limit_rate) * larger(-k.start_jump_n, 0.0)
-        return where_deep(self.drift_correction * (leaving - k.gap / k.horizon), limit)
+        back = self.drift_correction * k.gap / k.horizon
+        slow, fast = self.drift_correction * leaving - back, limit - (1 + k.limit_rate) * back
+        return where_deep(larger(slow, fast), limit)
 
     def limit(self, data: StepData) -> np.ndarray:
         """The w_n that the law allows at most."""

@@ -160,6 +160,47 @@ def test_beside_an_edge_there_is_nothing(dim):
     assert not scene.contacts[0].force.any()
 
 
+def over_plates(dim, plates, apart=0.0, step=0.0, turn=0.0, **given):
+    """A box that slides at 1 m/s over plates, each higher than the last by a step."""
+
+    def put(low, high, name, **solid):
+        """Between corners (along, across, height)."""
+        low, high = (np.array(each)[[0, 2] if dim == 2 else [0, 1, 2]] for each in (low, high))
+        return body(low, high, name, **solid)
+
+    speed = (1.0, *(0.0,) * (dim - 1))
+    turned = {"rotation": (0.0, 0.0, turn)} if turn else {}
+    box = put((-0.05, -0.04, 0), (0.05, 0.04, 0.06), "box", velocity=speed, **turned)
+    ends, bodies = np.linspace(-0.287, 0.913, plates + 1), [box]
+    for i, (start, end) in enumerate(zip(ends[:-1], ends[1:])):
+        low, high = (start, -0.5, step * i - 0.1), (end - apart, 0.5, step * i)
+        bodies.append(put(low, high, f"plate {i}", held=True))
+    return box, heap(bodies, 0.1, **given).run(0.5, 5e-3)
+
+
+@pytest.mark.parametrize(("dim", "turn"), [(2, 0.0), (3, 0.0), (3, 0.3)])
+@pytest.mark.parametrize(
+    ("law", "theta", "locate"),
+    [("velocity", 0.5, False), ("velocity", 0.5, True), ("velocity", 1, False), ("gap", 1, False)],
+)
+@pytest.mark.parametrize(("plates", "apart"), [(2, 0.0), (6, 0.0), (3, 0.02)])
+def test_a_joint_is_no_wall(dim, turn, law, theta, locate, plates, apart):
+    """What slides goes on over the joints of plates that lie flush, and over gaps between them,
+    though round-off lets it hang a little lower."""
+    given = {"scheme": ThetaScheme(theta), "formulation": law, "locate_impacts": locate}
+    box, history = over_plates(dim, plates, apart, turn=turn, **given)
+    assert history.finished and not history.remarks, history
+    want = [1 - 0.1 * G * 0.5, *[0.0] * (len(box.velocity) - 1)]
+    np.testing.assert_allclose(box.velocity, want, atol=1e-8)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_the_least_step_is_a_wall(dim):
+    """Of 0.1 mm, upwards."""
+    box, history = over_plates(dim, 2, step=1e-4)
+    assert history.finished and abs(box.velocity[0]) < 0.02
+
+
 def test_who_is_far_away_does_not_matter():
     """Whatever the first bodies of the list do, the others meet."""
     far = [at(2, (x, 5.0), 0.2, name, gravity=None) for x, name in ((-9, "left"), (9, "right"))]

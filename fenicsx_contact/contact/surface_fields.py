@@ -10,6 +10,7 @@ import ufl
 from dolfinx import fem
 
 from ..base import checks, compat
+from ..base.constants import SHARP
 from ..base.quoted import quoted
 from ..base.vectors import across, beside, cross, dot, normalised, orthogonal, turned_with
 from ..theory.formulations import Formulation
@@ -217,10 +218,16 @@ class SurfaceFields(LawFields):
         return -float(self.limit_rate.value) * turned_with(orthogonal(old, slips), old, new)
 
     def set_normal(self, normal: np.ndarray) -> None:
-        """Set the normals (n, d); a first tangent, where friction needs one, stays as it was."""
+        """Set the normals (n, d); a first tangent, where friction needs one, stays as it was but
+        where it would be far from orthogonal, as beyond a sharp edge: there it is chosen anew."""
         self.normal.x.array[:] = normal.ravel()
-        if self._tangent is not None and not self._framed:
+        if self._tangent is None:
+            return
+        if not self._framed:
             self.begin_frame(normal, np.ones(len(normal), dtype=bool))
+        lies = orthogonal(normal, self._tangent.x.array.reshape(-1, 3))
+        if (off := dot(lies, lies) < SHARP**2).any():
+            self.begin_frame(normal, off)
 
     def set_start_normal(self, normal: np.ndarray, end_share: np.ndarray) -> None:
         """Set the normals (n, d) where the step starts, and what those where it ends count in the

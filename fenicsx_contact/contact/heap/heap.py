@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...base import checks, compat
-from ...base.constants import SHARP
 from ...base.quoted import quoted
-from ...base.vectors import dot
 from ...solids import RigidSolid, Solid
 from ...theory.formulations import Formulation
 from ...theory.friction import Coulomb, FrictionBound
@@ -54,7 +52,7 @@ class HeapJump(Coupling):
         self.part = self._part = PairedEquations(self.equations, self.meetings)  # type: ignore[arg-type]
         self.traces = [s.trace(shape.nodes[at]) for s, at in zip(self.solids, shape.slices)]
         self._start = self._end = self._places()
-        self.fresh = self.turned = np.zeros(self.meetings.n, dtype=bool)
+        self.fresh = np.zeros(self.meetings.n, dtype=bool)
         self._meet(np.zeros_like(self._start), self.fresh)
         self.meetings.update(self._start)
         self._first = self._last = self.meetings.operator  # where a step starts, and forces act
@@ -68,12 +66,9 @@ class HeapJump(Coupling):
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
         way = step.horizon * self.velocities("velocity").reshape(self._start.shape)
-        before = self.meetings.normal.copy()
         self._meet(way, bears)
         self.meetings.update(self._start)
         self._first = self.meetings.operator
-        # before another face of a body, or another body, tangents kept may be along the normal
-        self.turned = self.fresh | (dot(before, self.meetings.normal) < SHARP)
         return True  # before the next face of a body what touched may be open
 
     def follow(self) -> None:
@@ -272,9 +267,7 @@ class Heap(Contact):
 
     def begin(self, step: Step) -> None:
         super().begin(step)
-        fresh, turned = self.coupling.fresh, self.coupling.turned  # type: ignore[attr-defined]
-        if turned.any():
-            self.equations.fields.begin_frame(self.coupling.normals(), turned)
+        fresh = self.coupling.fresh  # type: ignore[attr-defined]
         if fresh.any():  # what bore there was another meeting
             self.status = np.where(fresh, 0.0, self.status)
             self.blows.forget(fresh)

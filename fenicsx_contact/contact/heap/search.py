@@ -23,6 +23,7 @@ from ..mortar.search import counted
 from ..mortar.walls import WALL
 from .between import apart, distances
 from .crossing import THROUGH, crossing, nearest
+from .faces import at_edge, heights, not_aside
 from .shape import Ragged, Shape
 
 #: Cost: bodies are asked that are nearer than this share of the smaller, and than so many times
@@ -200,40 +201,21 @@ class Search:
         over = np.ones(len(face), dtype=bool)
         over[behind[apart(s, x, (start, foot), s.owner[to])]] = False
         pair, corner, face, height = (a[over] for a in (pair, corner, face, height))
+        over = ~at_edge(s, corner, face, height, x)
+        pair, corner, face, height = (a[over] for a in (pair, corner, face, height))
         key = corner * s.parts + s.part[face]
-        ahead = self._heights(corner, face, places.end)
+        ahead = heights(s, corner, face, places.end)
         same = SAME * s.sizes[s.owner[face]]
         # of those as far the one that will be farther: where corners meet it is not known
         order = np.lexsort((face, -ahead, -np.round(height / same), key))
         order = order[np.unique(key[order], return_index=True)[1]]
         order = order[height[order] <= places.reach[pair[order]]]  # beside the others, if farther
-        order = order[self._not_aside(corner[order], face[order], height[order], x)]
+        order = order[not_aside(s, corner[order], face[order], height[order], x)]
         corner, face = corner[order], face[order]
         none = np.ones(len(order))
         theirs = s.outline[face][:, [0, 1, -1 if s.dim == 2 else 2]]
         mine = np.stack([corner, corner], axis=1)
         return Features(key[order], mine, theirs, face, none, height[order])
-
-    def _not_aside(
-        self, corner: np.ndarray, face: np.ndarray, height: np.ndarray, x: np.ndarray
-    ) -> np.ndarray:
-        """Which of these faces of bodies in several parts, each below a corner, see all others of
-        the same body from which it is farther."""
-        s, which = self._shape, np.arange(len(corner))
-        if s.parts == len(s.slices):  # all are convex
-            return which
-        groups = Ragged(corner * len(s.slices) + s.owner[face], which, len(x) * len(s.slices))
-        one, other = groups.of(corner * len(s.slices) + s.owner[face])
-        farther = height[other] > height[one]
-        one, other = one[farther], other[farther]
-        nodes = s.outline[face[one]]
-        rise = np.stack([self._heights(n, face[other], x) for n in nodes.T]).max(axis=0, initial=0)
-        aside = rise <= SAME * s.sizes[s.owner[face[one]]]
-        return np.setdiff1d(which, one[aside])
-
-    def _heights(self, node: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """How high nodes are above the planes of faces, m."""
-        return dot(x[node] - x[self._shape.outline[face, 0]], self._shape.units(x, face))
 
     def _over(self, corner: np.ndarray, face: np.ndarray, x: np.ndarray, far: np.ndarray) -> tuple:
         """How high corners are above the planes of faces, and whether they lie over these with the

@@ -45,7 +45,8 @@ def body(low, high, name, n=1, cell=None, held=False, **solid):
     kind = getattr(dolfinx.mesh.CellType, cell or CELLS[dim][0])
     corners = [np.array(low, dtype=float), np.array(high, dtype=float)]
     mesh = make(MPI.COMM_SELF, corners, [n] * dim, kind)
-    given = {"mass": 1.0, "held": HELD[dim]} if held else {"mass": 1.0, "gravity": down(dim)}
+    still = {"held": HELD[dim] if held is True else held}
+    given = {"mass": 1.0, **(still if held else {"gravity": down(dim)})}
     named = name_facets(mesh, {"skin": lambda x: np.full(x.shape[1], True)})
     return RigidSolid(named, name=name, **(given | solid))
 
@@ -192,6 +193,15 @@ def test_a_joint_is_no_wall(dim, turn, law, theta, locate, plates, apart):
     assert history.finished and not history.remarks, history
     want = [1 - 0.1 * G * 0.5, *[0.0] * (len(box.velocity) - 1)]
     np.testing.assert_allclose(box.velocity, want, atol=1e-8)
+
+
+def test_what_rides_on_a_turntable_cuts_no_steps():
+    """Its rim goes by two thicknesses of the box a step, the box by none to what is below it."""
+    box = body((0.48, -0.02, 0), (0.52, 0.02, 0.02), "box", velocity=(0, 2, 0), spin=(0, 0, 4))
+    free = [name for name in HELD[3] if name != "turning about z"]
+    plate = body((-1, -1, -0.2), (1, 1, 0), "plate", mass=50.0, held=free, spin=(0, 0, 4.0))
+    history = heap([box, plate], 2.0, ThetaScheme(0.5)).run(0.5, 1e-2)
+    assert history.finished and not history.remarks and len(history) == 51
 
 
 @pytest.mark.parametrize("dim", [2, 3])

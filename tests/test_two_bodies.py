@@ -564,6 +564,31 @@ def test_a_refusal_tells_means_from_solids(law):
     assert was == (law == "velocity"), says
 
 
+@pytest.mark.parametrize("along", [(1.0, 0.0), (0.8, 0.6)])
+def test_what_slides_over_a_joint_is_not_said_to_be_inside(along):
+    """Its front overlaps the next block's side by round-off, as far in as it has come."""
+    along, axes = np.array(along), np.array([[along[0], -along[1]], [along[1], along[0]]])
+
+    def cuboid(low, high, name, **given):
+        mesh = create_box(MPI.COMM_SELF, [low, high], [1, 1, 1], CellType.hexahedron)
+        mesh.geometry.x[:, :2] = mesh.geometry.x[:, :2] @ axes.T
+        skin = name_facets(mesh, {"skin": lambda x: np.full(x.shape[1], True)})
+        return RigidSolid(skin, mass=1.0, name=name, **given)
+
+    start = {"gravity": (0, 0, -9.81), "velocity": (*along, 0.0)}
+    top = cuboid((-0.05, -0.04, 0), (0.05, 0.04, 0.06), "top", **start)
+    sides = [(-0.3, 0.3), (0.3, 0.9)]
+    held = ["x", "y", "z", *(f"turning about {axis}" for axis in "xyz")]
+    below = [cuboid((a, -0.5, -0.1), (b, 0.5, 0.0), f"b{a}", held=held) for a, b in sides]
+    contacts = [
+        Contact(top, "skin", (each, "skin"), friction=0.1, name=f"c{each.name}") for each in below
+    ]
+    history = Scene([top, *below], contacts).run(0.5, 5e-3)
+    assert history.finished and not history.remarks, history
+    np.testing.assert_allclose(along @ top.velocity[:2], 1 - 0.1 * 9.81 * 0.5, atol=1e-9)
+    assert max(history[f"{contact.name}.penetration"].max() for contact in contacts) < 1e-12
+
+
 @pytest.mark.parametrize(("degree", "law"), [(2, "velocity"), (2, "gap"), (1, "velocity")])
 def test_a_force_that_is_lost_to_what_goes_inside_is_told(degree, law):
     """A column pressed by 0.1 mm on what is drawn along below: facets of second degree bulge and

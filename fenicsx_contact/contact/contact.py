@@ -55,7 +55,7 @@ class Contact(Scaled, SurfaceResults):
         noise: distances below it, m, are round-off of the places.
         candidates: of the step; ``blows``: within the step of the run.
         status, force: of the last step: 0 open, 1 stick, 2 slip; mean on the solid, N; ``borne``:
-            what its nodes bear of it; ``arriving``: how fast what bears may have come, m/s, or inf.
+            on its nodes, ``acting``: with its moment, too; ``arriving``: how fast what bears came.
         memory: what its laws remember; empty if they do not.
 
     Raises:

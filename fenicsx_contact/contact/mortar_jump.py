@@ -176,7 +176,7 @@ class MortarJump(Coupling):
             return super().inside()
         pair = self._there()
         if self._deep[0] is not pair.pieces:  # which each state has anew
-            pieces, points = pair.pieces, pair.depths(pair.pieces).max(axis=1)
+            pieces, points = pair.pieces, pair.deepest(pair.pieces)
             near = np.unique(pair.slave.corners[pieces.facet][points > 0])
             own = max(points.max(initial=0.0), self.gaps()[near].max(initial=0.0))
             self._deep = pieces, max(self._comm.allgather(float(own)))

@@ -45,7 +45,7 @@ class Strikes:
         faced = pieces.other[struck[pieces.facet]]
         met = shared.sum(np.bincount(faced, minlength=len(sides[1].cells))) > 0
         points = np.zeros(len(struck))
-        np.maximum.at(points, pieces.facet, pairing.depths(pieces).max(axis=1))
+        np.maximum.at(points, pieces.facet, pairing.deepest(pieces))
         depth = float(shared.sum(points)[struck].max())
         for k, faces in enumerate((struck, met)):
             x = at[k][np.unique(sides[k].corners[faces])]

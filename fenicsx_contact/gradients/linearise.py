@@ -52,7 +52,10 @@ class Linearisation:
 
     def __init__(self, scene: Scene, parameters: Sequence[Parameter]) -> None:
         if type(scene.scheme) not in (ThetaScheme, QuasiStatic):
-            raise checks.InputError(f"gradients: the scheme {scene.scheme.describe()}")
+            raise checks.InputError(
+                f"gradients: the scheme {scene.scheme.describe()} is not differentiated; "
+                "ThetaScheme and QuasiStatic are"
+            )
         for parameter in parameters:
             parameter.check(scene.solids, scene.contacts)
         self._scene, self.parameters = scene, parameters

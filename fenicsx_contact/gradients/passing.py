@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..base import checks
 from ..output.crossing import crossing
 from ..output.history import History
 from .results import Tangents
@@ -42,6 +43,11 @@ class Instant:
     place: str
     rate: str
     level: float
+
+    def __post_init__(self) -> None:
+        checks.label("place", self.place)
+        checks.label("rate", self.rate)
+        checks.keep(self, "level")
 
     def __call__(self, history: History) -> tuple[float, dict[str, np.ndarray]]:
         """Its value, s, and its derivatives by the rows of columns of the history, (rows,) each.

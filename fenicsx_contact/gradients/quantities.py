@@ -199,7 +199,9 @@ class Kinetic:
     """The kinetic energy of a solid, J (J/m in 2D), of a beam with the water that moves along."""
 
     def __init__(self, solid: RigidSolid | DeformableSolid | BeamSolid) -> None:
-        self.solid = solid
+        self.solid = checks.instance(
+            "solid", solid, (RigidSolid, DeformableSolid, BeamSolid), "a solid or a beam"
+        )
 
     def value(self) -> float:
         """Now."""

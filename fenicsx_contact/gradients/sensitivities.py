@@ -227,6 +227,7 @@ def _checked(
         checks.instance(f"parameters[{name!r}]", parameter, Parameter, what)
     given: dict[str, Quantity] = dict(checks.mapping("quantities", quantities, "of quantities"))
     for name, quantity in given.items():
+        checks.instance("quantities: a name", name, str, "a text")
         checks.offers(f"quantities[{name!r}]", quantity, Quantity, _QUANTITY)
         if not any(quantity.solid is solid for solid in scene.solids):
             raise checks.InputError(f"quantities[{name!r}]: its solid is not in the scene")

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..base import checks
 from .inline import show
 
 
@@ -122,6 +123,7 @@ def animate(
     clock: Callable[[float], str] = lambda t: f"t = {t * 1e3:.2f} ms",
     size: tuple[int, int] = (480, 480),
     fps: int = 15,
+    up: str = "y",
 ) -> Path:
     """An animation (GIF) of solids from the fields that their run wrote; in 3D from before.
 
@@ -139,7 +141,9 @@ def animate(
         clock: the text that stands for a time [s].
         size: pixels.
         fps: frames a second.
+        up: the axis that is upright, "y" or, in space, "z".
     """
+    axis = np.eye(3)["xyz".index(checks.choice("up", up, ["y", "z"]))]
     solids = [pvd] if isinstance(pvd, Path) else list(pvd)
     collections = [frames(each) for each in [*solids, *([contact] if contact else [])]]
     times = collections[0][0]
@@ -153,7 +157,8 @@ def animate(
             values = np.asarray(mesh[colour_by])
             if contact and not np.ptp(mesh.points[:, 2]):
                 mesh.points[:, 2] += 1e-3 * mesh.length  # before the solids
-            mesh[colour_by] = np.linalg.norm(values, axis=1) if values.ndim == 2 else values
+            values = np.linalg.norm(values, axis=1) if values.ndim == 2 else values
+            mesh[colour_by] = _on_top(mesh.points, values) if contact else values
         pictures.append((meshes[: len(solids)], coloured))
     sizes = [max(float(mesh[colour_by].max()) for mesh in coloured) for _, coloured in pictures]
     label = colour_by.replace("von_mises", "von Mises stress") + (f" [{unit}]" if unit else "")
@@ -178,7 +183,7 @@ def animate(
             plotter.add_lines(np.array(ends), color=BLACK, width=4)
         text = f"{title}, {clock(times[i])}" if title else clock(times[i])
         plotter.add_text(text, position="upper_left", color=BLACK, font_size=9)
-        _aim(plotter, low, high, size)
+        _aim(plotter, low, high, size, axis)
         plotter.write_frame()
         if i == int(np.argmax(sizes)):
             plotter.screenshot(str(path.with_suffix(".png")))
@@ -229,20 +234,40 @@ def deformed(
     return show(path)
 
 
-def _aim(plotter: Any, low: np.ndarray, high: np.ndarray, size: tuple[int, int]) -> None:
-    """Point the camera at a box: along z in the plane, obliquely in space (y is up)."""
-    middle, (wide, tall, deep) = 0.5 * (low + high), high - low
-    away = np.array([0.3, 0.6, 1.0]) if deep > 0 else np.array([0.0, 0.0, 1.0])
-    height = 1.4 * float(max(tall, wide * size[1] / size[0]))
-    right = np.cross([0.0, 1.0, 0.0], away) / np.hypot(away[0], away[2])
+def _on_top(points: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """At each point (n, 3) the largest of the values (n,) there: a Heap has several in a place."""
+    place = np.unique(points, axis=0, return_inverse=True)[1].ravel()
+    largest = np.full(len(points), -np.inf)
+    np.maximum.at(largest, place, values)
+    return largest[place]
+
+
+def _aim(
+    plotter: Any, low: np.ndarray, high: np.ndarray, size: tuple[int, int], up: np.ndarray
+) -> None:
+    """Point the camera at a box: along z in the plane, obliquely in space."""
+    middle, sizes = 0.5 * (low + high), high - low
+    away = np.array([0.0, 0.0, 1.0])
+    if low[2] < high[2]:
+        away = np.array([0.3, 0.0, 0.0]) + 0.6 * up + np.cross([1.0, 0.0, 0.0], up)
+    right, top = np.cross(up, away), np.cross(away, np.cross(up, away))
+    right, top = right / np.linalg.norm(right), top / np.linalg.norm(top)
+    wide, tall = float(sizes @ np.abs(right)), float(sizes @ np.abs(top))  # as they are seen
+    height = 1.4 * max(tall, wide * size[1] / size[0])
     middle = middle + 0.07 * height * size[0] / size[1] * right  # there is the bar
-    _look(plotter, middle, 2 * max(wide, tall, deep) * away, height)
+    _look(plotter, middle, 2 * float(sizes.max()) * away, height, up)
 
 
-def _look(plotter: Any, middle: np.ndarray, away: np.ndarray, height: float) -> None:
-    """Look at a point from ``away`` of it, on so much height, m (y is up)."""
+def _look(
+    plotter: Any,
+    middle: np.ndarray,
+    away: np.ndarray,
+    height: float,
+    up: Sequence[float] | np.ndarray = (0.0, 1.0, 0.0),
+) -> None:
+    """Look at a point from ``away`` of it, on so much height, m."""
     plotter.camera.focal_point = tuple(middle)
     plotter.camera.position = tuple(middle + away)
-    plotter.camera.up = (0, 1, 0)
+    plotter.camera.up = tuple(up)
     plotter.camera.parallel_scale = height / 2
     plotter.reset_camera_clipping_range()

@@ -13,6 +13,7 @@ at its start and where velocities lead.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -128,11 +129,36 @@ class Search:
         pairs, _ = self._pairs(x, way)
         gone, known = (self._apart(each, pairs) for each in (way, foreseen))
         size, thin = (each[pairs].min(axis=1) for each in (s.sizes, s.thin))
-        low, high = Places(x, x + way, self._starts).boxes
-        a, b = pairs.T
-        meets = ((low[a] <= high[b]) & (low[b] <= high[a])).all(axis=1)
+        boxes = Places(x, x + way, self._starts).boxes
+        low, high = boxes[0][pairs].max(axis=1), boxes[1][pairs].min(axis=1)
+        meets = (low <= high).all(axis=1)
         far = gone > CLOSE * size + AHEAD * known
-        return bool((far | (meets & (gone > WALL * thin))).any())
+        deep = meets & (gone > WALL * thin)
+        if deep.any():  # where both are, a body that spins may hardly go
+            gone = self._between(x, way, pairs[deep], (low[deep], high[deep]))
+            deep[deep] = gone > WALL * thin[deep]
+        return bool((far | deep).any())
+
+    def _between(
+        self, x: np.ndarray, way: np.ndarray, pairs: np.ndarray, box: tuple[np.ndarray, np.ndarray]
+    ) -> np.ndarray:
+        """The longest ways of bodies of pairs (p, 2) to each other within boxes (p, d) that both
+        may be in, (p,): those of what is rigid change with the place as an affine function does,
+        and are longest at a corner."""
+        d = self._shape.dim
+        longest, ends = np.zeros(len(pairs)), np.stack(box, axis=2)
+        rigid = {body: self._affine(x, way, body) for body in np.unique(pairs)}
+        for i, (one, other) in enumerate(pairs):
+            corners = np.array(list(product(*ends[i]))).reshape(-1, d)
+            ways = [w + (corners - m) @ G for m, w, G in (rigid[one], rigid[other])]
+            longest[i] = np.linalg.norm(ways[0] - ways[1], axis=1).max()
+        return longest
+
+    def _affine(self, x: np.ndarray, way: np.ndarray, body: int) -> tuple[np.ndarray, ...]:
+        """The middle of a body, the way of that, and how ways differ elsewhere, (d, d)."""
+        at = self._shape.slices[body]
+        middle, mean = x[at].mean(axis=0), way[at].mean(axis=0)
+        return middle, mean, np.linalg.lstsq(x[at] - middle, way[at] - mean, rcond=None)[0]
 
     def _means(self, way: np.ndarray) -> np.ndarray:
         """The mean way of each body, (B, d)."""

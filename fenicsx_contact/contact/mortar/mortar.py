@@ -30,7 +30,7 @@ from math import prod
 import numpy as np
 from mpi4py import MPI
 
-from ...base.constants import ROUND_OFF
+from ...base.constants import ROUND_OFF, SAME
 from ...base.vectors import normalised
 from .idle import idle, without
 from .integration import Lines, whole
@@ -153,6 +153,12 @@ class Pairing:
         if pieces.aligned:
             return -pieces.distance
         return (pieces.both @ self.places[self.nodes_of(pieces)] * pieces.unit).sum(axis=2)
+
+    def deepest(self, pieces: Pieces) -> np.ndarray:
+        """The largest of these of each, (p,); 0 where what lies flush overlaps by round-off."""
+        whole = self.slave.sizes[pieces.facet] ** (self.slave.dim - 1)
+        wide = pieces.weight.sum(axis=1) > SAME * whole
+        return np.where(wide, self.depths(pieces).max(axis=1), 0.0)
 
     def stand(self, stance: Stance) -> None:
         """Let the slave's facets stand so on the master's from the next update on."""

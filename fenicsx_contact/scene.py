@@ -42,15 +42,16 @@ class Scene:
             of second order (a slip that turns round is not), and steps can be long.
         geometry: "newton": geometry, contact and solids in one Newton loop; "fixed point": the
             paper's loop around contact with frozen geometry. Default: "newton" where two solids
-            meet of which one is deformable, and where the surfaces are large.
-        solver: of the linear systems of "newton": "condensed" on the surfaces, "monolithic" (one
+            meet of which one is deformable, not by springs, where its surfaces are large, and in
+            statics of what only contact holds.
+        solver: of the linear systems: "condensed" on the surfaces, "monolithic" (one
             sparse matrix, factored) or "iterative" (GMRES and multigrid; deformable solids only).
             Default: condensed if the surfaces are small (smaller between nonlinear solids) and,
             without inertia, all is linear and held by supports and no springs rub; iterative for
             large scenes in space.
         allow_free: accept a solid that has neither contact nor support.
-        allow_growth: accept a scheme that makes energy: with theta < 1/2 (1/2 - theta) dv' M dv in
-            each step, in deformable solids exponentially.
+        allow_growth: accept a scheme that makes energy: with theta < 1/2 (1/2 - theta) (dv' M dv +
+            du' K du) in each step, in deformable solids exponentially.
         deepest: largest initial penetration, as a share of the surface's extent; two solids that a
             law of velocities lets go deeper are remarked.
 

@@ -75,9 +75,9 @@ fig.savefig(RESULTS / "01_graph.png", dpi=150)
 #
 # ## By the package
 #
-# The same mass as a small block that may not turn. It falls through $h$, and with
-# `Restitution(coefficient=e)` rebounds with $e$ times its speed. `locate_impacts` steps exactly to
-# the instant of each impact.
+# The same mass as a small block. `"velocity"`, the default, is the law above, but what is apart may
+# come as fast as it would arrive by the end of a step. `Restitution(coefficient=e)` rebounds with
+# $e$ times its speed; `locate_impacts` steps exactly to the instant of each impact.
 
 
 # %%

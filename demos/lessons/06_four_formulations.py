@@ -2,8 +2,8 @@
 # %% [markdown]
 # # 6 Four formulations side by side
 #
-# **The question.** The same block, the same steps; only the law of contact changes. What does each
-# of the paper's four formulations do well, and what does it cost?
+# **The question.** The same block, the same steps, four laws of contact, each with the scheme that
+# suits it. What does each of the paper's formulations do well, and what does it cost?
 #
 # | name | what it is |
 # |---|---|
@@ -43,7 +43,7 @@ tilt, impacts, corners = 0.01, 3, [(-0.18, 0.0), (0.18, 0.0)]
 exact = rocking(shape, tilt, impacts)
 
 # %% [markdown]
-# ## One argument changes
+# ## A law, and its scheme
 
 # %%
 FORMULATIONS = {

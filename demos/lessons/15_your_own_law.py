@@ -5,7 +5,7 @@
 # **The question.** You have a law of friction that nobody has written. What must you write, and
 # what comes for nothing?
 #
-# The traction $\tau$ of the floor on the block is solved for by one row, with a *bound* $b$,
+# The traction $\tau$ of the block on the floor is solved for by one row, with a *bound* $b$,
 #
 # $$ \tau = P_b(\tau + \rho_t w_t), \qquad P_b(x) = b\,x/\max(b, |x|), $$
 #

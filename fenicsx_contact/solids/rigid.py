@@ -34,7 +34,7 @@ class RigidSolid(RigidMotion):
 
     Args:
         mesh: its shape; only facets and, for the mass, the volume are read from it.
-        density: kg/m³ (kg/m² in 2D), or give ``mass``.
+        density: kg/m³, or give ``mass``.
         mass: total mass, kg (kg/m in 2D), spread evenly.
         gravity: acceleration, d numbers, m/s².
         rotation: initial rotation, in rad (a rotation vector in 3D), about ``about``.

@@ -9,7 +9,7 @@ slave side, ``d_n`` the gap (positive: penetration), ``w`` the velocity jump sla
     (1)  d_n <  0:  lam = 0
          d_n >= 0:  w_n <= 0,  lam <= 0,  lam w_n = 0         Signorini-Moreau
     (2)  lam = Su Sv g_n,   g_n = lam - rho_n w_n,   Su = chi(-d_n),   Sv = chi(g_n)
-    (3)  |r| <= mu |lam|;   w_t = 0 inside;   w_t = -a r, a >= 0, on the cone      Coulomb
+    (3)  |r| <= mu |lam|;   w_t = 0 inside;   w_t = -alpha r, alpha >= 0, on it    Coulomb
     (4)  r = mu lam Lam,    Lam = P(g_t),    g_t = Lam + rho_t w_t
     (5)  (1 - S) Lam = 0,   S = Su Sv
 
@@ -29,7 +29,7 @@ w_t^-``: friction that stops a slip at once and then holds the other way would p
 fall back as fast as it left, so may a slip that began with w_t^- turn round as fast, and friction
 is against what goes beyond:
 
-    (3')  w_t + s a = a' r,  a' <= 0, on the cone, 0 inside,    a = (1 - theta)/theta w_t^-,
+    (3')  w_t + s a = -alpha r, alpha >= 0, on the cone, 0 inside,  a = (1 - theta)/theta w_t^-,
           s in [0, 1]:  s = 0 where -r . a > 0,  s = 1 where -r . a < 0
 
 -r is a subgradient of mu |lam| times the distance of w_t from the way between 0 and -a: convex in
@@ -40,7 +40,7 @@ on the half-space where friction is against a, as far as s reaches.
 
 In space the direction of a slip that goes on, w_t . a > 0, turns, and friction is against its mean:
 
-    (3'')  w_t + s a = -a' r,  a' >= 0, on the cone,    s = min(w_t . a / |a|^2, 1)
+    (3'')  w_t + s a = -alpha r, alpha >= 0, on the cone,    s = min(w_t . a / |a|^2, 1)
 
 What is not slowed down has s = 1, which makes theta = 1/2 of second order; what ends has s = 0 and
 (3), and rests. Here, too, ``r . (w_t + a) <= 0``, and along a line it is (3). It is no gradient (of

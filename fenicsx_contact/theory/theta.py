@@ -78,7 +78,7 @@ class ThetaScheme:
 
     @property
     def growth(self) -> str:
-        """Below 1/2 it makes (1/2 - theta) dv' M dv in each step."""
+        """Below 1/2 it makes (1/2 - theta) (dv' M dv + du' K du) in each step of a linear solid."""
         if self.theta >= 0.5:
             return ""
         return (

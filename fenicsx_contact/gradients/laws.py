@@ -16,8 +16,8 @@ def refuse_law(contact: Contact) -> None:
     name = f"gradients: contact {contact.name!r}"
     if type(contact.formulation) not in (Velocity, Gap):
         raise checks.InputError(
-            f"{name} has the formulation {type(contact.formulation).__name__}; Velocity and Gap "
-            "themselves are differentiated"
+            f"{name} has the formulation {type(contact.formulation).__name__}; 'velocity' "
+            "and 'gap' themselves are differentiated"
         )
     law = contact.friction_law
     if law is not None and type(law) not in (Coulomb, Tresca):

@@ -25,10 +25,16 @@ THROUGH = sqrt(1 - SHARP**2)
 
 
 def crossing(
-    s: Shape, mine: np.ndarray, theirs: np.ndarray, x: np.ndarray, goes: np.ndarray
+    s: Shape,
+    mine: np.ndarray,
+    theirs: np.ndarray,
+    x: np.ndarray,
+    goes: np.ndarray,
+    inside: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """How far edges are apart, how their cross product shows, and whether they are what is
-    nearest of the bodies behind them, if the bodies go so far (k,), in m."""
+    nearest of the bodies behind them, if the bodies go so far (k,) and are so deep ``inside`` of
+    others (k,), in m: by so little no edge reaches beyond another."""
     (a, b), (c, d) = ((x[i] for i in s.ends[edge].T) for edge in (mine, theirs))
     u, v = b - a, d - c
     normal = np.cross(u, v)
@@ -41,7 +47,8 @@ def crossing(
     turn = np.where(dot(arms[0] + arms[1], normal) > 0, -1.0, 1.0)
     normal *= turn[:, None]
     first, second = shares(a, u, c, v)
-    cross &= np.minimum.reduce([first, 1 - first, second, 1 - second]) > SAME
+    for share, arm in ((first, u), (second, v)):
+        cross &= np.minimum(share, 1 - share) > SAME + inside / np.sqrt(dot(arm, arm))
     height, same = dot(c - a, normal), SAME * np.sqrt(lengths)
     far = goes + same
     others = [_across(x[s.wings[theirs, i]] - c, v) for i in (0, 1)]

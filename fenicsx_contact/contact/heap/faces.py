@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Which of several faces of one body a corner of another is before."""
+"""Over which faces of a body a corner of another lies, and which of several it is before."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ...base.constants import SAME
-from ...base.vectors import dot
+from ...base.vectors import dot, normalised
+from .between import apart
+from .crossing import THROUGH
 from .shape import Ragged, Shape
 
 
@@ -15,21 +17,90 @@ def heights(s: Shape, node: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.n
     return dot(x[node] - x[s.outline[face, 0]], s.units(x, face))
 
 
-def at_edge(
-    s: Shape, corner: np.ndarray, face: np.ndarray, height: np.ndarray, x: np.ndarray
-) -> np.ndarray:
-    """Of which of these faces each corner, in front of it, is at the very edge, being on the plane
-    of the next one, on which it goes over that edge: (k,) of bool.
+def over_faces(
+    s: Shape,
+    corner: np.ndarray,
+    face: np.ndarray,
+    x: np.ndarray,
+    goes: tuple[np.ndarray, np.ndarray],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """How high corners are above the planes of faces, and whether they lie over these with the
+    bodies behind them; and whether they do if those may lie over what is beside the faces.
 
-    Where two bodies lie flush, what slides from one to the other would else meet, by round-off, a
-    wall there.
+    Args:
+        s: the bodies.
+        corner, face: each before the other, (k,).
+        x: places of the nodes.
+        goes: how far each may go, and how deep its body is in others, (k,) in m.
+    """
+    (far, inside), p = goes, x[corner]
+    normal = s.units(x, face)
+    height = dot(p - x[s.outline[face, 0]], normal)
+    over = s.holds(p, face, x)
+    on = np.flatnonzero(~over & (s.hollow[face] >= 0).any(axis=1))
+    on = on[s.reaches(p[on], face[on], x)]  # and nothing is between
+    ways = p[on], s.roots(p[on], face[on], x)
+    over[on] = ~apart(s, x, ways, s.owner[face[on]])
+    row, node = s.beside.of(corner[over])
+    which = np.flatnonzero(over)[row]
+    arm = x[node] - p[which]
+    size = np.sqrt(dot(arm, arm))
+    arm = normalised(arm)
+    rise = -dot(arm, normal[which])
+    over[which[rise > THROUGH]] = False
+    beyond = over.copy()
+    # what reaches through a little is what goes on over the face
+    little = np.flatnonzero((rise > SAME + inside[which] / size) & over[which])
+    which, level = which[little], arm[little] + rise[little, None] * normal[which[little]]
+    level = far[which, None] * normalised(level)
+    over[which[~_within(s, p[which] + level, face[which], x)]] = False
+    return height, over, beyond
+
+
+def _within(s: Shape, p: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Whether places (k, d) lie over or below faces, or others in the planes of these."""
+    result = np.zeros(len(face), dtype=bool)
+    row, facet = s.level.of(s.plane[face])
+    result[row[s.reaches(p[row], facet, x)]] = True
+    return result
+
+
+def at_edge(
+    s: Shape,
+    corner: np.ndarray,
+    face: np.ndarray,
+    ends: tuple[np.ndarray, np.ndarray],
+    x: np.ndarray,
+    inside: np.ndarray,
+    beyond: np.ndarray,
+) -> np.ndarray:
+    """Of which of these faces each corner, in front of it, meets no more than the very edge, as it
+    goes on over the next face: (k,) of bool.
+
+    Where two bodies lie flush, or their faces meet at an angle, what slides from one to the other
+    would else meet a wall there: as high as it is ``inside`` of what it slides on, (k,) in m, or as
+    round-off.
+
+    Args:
+        s: the bodies.
+        corner, face: each before the other, (k,).
+        ends: how high corners are above the planes of faces, now and where they go, m.
+        x: places of the nodes.
+        inside: see above.
+        beyond: whether it goes over the face, though not all that is behind it may do.
     """
     result, same = np.zeros(len(face), dtype=bool), SAME * s.sizes[s.owner[face]]
+    (height, ahead), on = ends, np.flatnonzero(beyond)
     group = corner * len(s.slices) + s.owner[face]
-    on = np.flatnonzero(np.abs(height) <= same)
-    front = np.flatnonzero(np.isin(group, group[on]) & (height > same))
+    front = np.flatnonzero((height >= -same) & (ahead < height) & np.isin(group, group[on]))
     row, other = Ragged(group[on], on, len(x) * len(s.slices)).of(group[front])
-    result[front[row[_rise(s, face[front[row]], face[other], x) <= same[other]]]] = True
+    one = front[row]
+    # how high above the other plane it comes through that of the face
+    share = height[one] / (height[one] - ahead[one])
+    off = height[other] + share * (ahead[other] - height[other])
+    least = (off >= -same[one] - inside[one]) & (ahead[other] > ahead[one])
+    one, other = one[least], other[least]
+    result[one[_rise(s, face[one], face[other], x) <= same[one]]] = True
     return result
 
 

@@ -125,6 +125,14 @@ class Meetings:
         self.there = self.features.key >= 0
         return fresh | gone
 
+    def depths(self) -> np.ndarray:
+        """How deep each body is in others, at most, (B,) in m."""
+        result, f = np.zeros(len(self.slots)), self.features
+        deep = np.flatnonzero(self.there & (self.gap > 0))
+        for nodes in (f.mine, f.theirs):
+            np.maximum.at(result, self._shape.body[nodes[deep, 0]], self.gap[deep])
+        return result
+
     def update(self, x: np.ndarray) -> None:
         """Take up new places (N, d) of the nodes."""
         f, s = self.features, self._shape

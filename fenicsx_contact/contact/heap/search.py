@@ -19,12 +19,12 @@ from typing import Any
 import numpy as np
 
 from ...base.constants import SAME
-from ...base.vectors import dot, normalised
+from ...base.vectors import dot
 from ..mortar.search import counted
 from ..mortar.walls import WALL
 from .between import apart, distances
-from .crossing import THROUGH, crossing, nearest
-from .faces import at_edge, heights, not_aside
+from .crossing import crossing, nearest
+from .faces import at_edge, heights, not_aside, over_faces
 from .shape import Ragged, Shape
 
 #: Cost: bodies are asked that are nearer than this share of the smaller, and than so many times
@@ -65,7 +65,8 @@ class Places:
     Args:
         start, end: of the nodes, (N, d) in m.
         starts: the first node of each body.
-        reach, goes: how near counts, and how far they may go, of each pair, (p,) in m.
+        reach, goes: how near counts, and how far they may go, of each pair, (p,) in m; ``inside``:
+            how deep either is in something.
     """
 
     def __init__(
@@ -75,8 +76,10 @@ class Places:
         starts: list[int],
         reach: Any = None,
         goes: Any = None,
+        inside: Any = None,
     ) -> None:
-        self.start, self.end, self.reach, self.goes = start, end, reach, goes
+        self.start, self.end = start, end
+        self.reach, self.goes, self.inside = reach, goes, inside
         self.least, self.most = np.minimum(start, end), np.maximum(start, end)
         low = np.minimum.reduceat(self.least, starts)
         self.boxes = low, np.maximum.reduceat(self.most, starts)
@@ -95,12 +98,14 @@ class Search:
         self._starts = [at.start for at in shape.slices]
         self._sizes = np.array([at.stop - at.start for at in shape.slices])
 
-    def __call__(self, x: np.ndarray, way: np.ndarray) -> Features:
-        """Those of nodes at x (N, d) that are about to go a ``way`` (N, d), both in m."""
+    def __call__(self, x: np.ndarray, way: np.ndarray, depths: np.ndarray) -> Features:
+        """Those of nodes at x (N, d) that are about to go a ``way`` (N, d), of bodies that are so
+        deep in others (B,), all in m."""
         way = self._seen(way)
         pairs, reach = self._pairs(x, way)
         goes = AHEAD * self._apart(way, pairs)
-        places = Places(x, x + way, self._starts, *np.tile([reach, goes], 2))
+        each = reach, goes, depths[pairs].max(axis=1, initial=0.0)
+        places = Places(x, x + way, self._starts, *np.tile(each, 2))
         found = [self._corners(np.concatenate([pairs, pairs[:, ::-1]]), places)]
         if self._shape.dim == 3:
             found.append(self._edges(pairs, places))
@@ -215,19 +220,19 @@ class Search:
         of, face = s.faces.of(pairs[pair, 1])
         pair, corner = pair[of], corner[of]
         far = places.goes[pair] + SAME * s.sizes[s.owner[face]]
-        height, over = self._over(corner, face, x, far)
-        over |= self._over(corner, face, places.end, far)[1]
+        inside = places.inside[pair]
+        height, over, beyond = over_faces(s, corner, face, x, (far, inside))
+        over |= (end := over_faces(s, corner, face, places.end, (far, inside)))[1]
         bodies = pairs[pair]
         deep = -WALL * s.thin[bodies].min(axis=1)
         over &= height >= deep
+        over &= ~at_edge(s, corner, face, (height, end[0]), x, inside, beyond | end[2])
         pair, corner, face, height = (a[over] for a in (pair, corner, face, height))
         behind = np.flatnonzero((height < 0) & ~s.convex[pairs[pair]].all(axis=1))
         start, to = x[corner[behind]], face[behind]
         foot = start - height[behind, None] * s.units(x, to)
         over = np.ones(len(face), dtype=bool)
         over[behind[apart(s, x, (start, foot), s.owner[to])]] = False
-        pair, corner, face, height = (a[over] for a in (pair, corner, face, height))
-        over = ~at_edge(s, corner, face, height, x)
         pair, corner, face, height = (a[over] for a in (pair, corner, face, height))
         key = corner * s.parts + s.part[face]
         ahead = heights(s, corner, face, places.end)
@@ -243,36 +248,6 @@ class Search:
         mine = np.stack([corner, corner], axis=1)
         return Features(key[order], mine, theirs, face, none, height[order])
 
-    def _over(self, corner: np.ndarray, face: np.ndarray, x: np.ndarray, far: np.ndarray) -> tuple:
-        """How high corners are above the planes of faces, and whether they lie over these with the
-        bodies behind them, if they go so far, in m."""
-        s, p = self._shape, x[corner]
-        normal = s.units(x, face)
-        height = dot(p - x[s.outline[face, 0]], normal)
-        over = s.holds(p, face, x)
-        on = np.flatnonzero(~over & (s.hollow[face] >= 0).any(axis=1))
-        on = on[s.reaches(p[on], face[on], x)]  # and nothing is between
-        ways = p[on], s.roots(p[on], face[on], x)
-        over[on] = ~apart(s, x, ways, s.owner[face[on]])
-        row, node = s.beside.of(corner[over])
-        which = np.flatnonzero(over)[row]
-        arm = normalised(x[node] - p[which])
-        rise = -dot(arm, normal[which])
-        over[which[rise > THROUGH]] = False
-        # what reaches through a little is what goes on over the face
-        little = np.flatnonzero((rise > SAME) & over[which])
-        which, level = which[little], arm[little] + rise[little, None] * normal[which[little]]
-        level = far[which, None] * normalised(level)
-        over[which[~self._within(p[which] + level, face[which], x)]] = False
-        return height, over
-
-    def _within(self, p: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Whether places (k, d) lie over or below faces, or others in the planes of these."""
-        s, result = self._shape, np.zeros(len(face), dtype=bool)
-        row, facet = s.level.of(s.plane[face])
-        result[row[s.reaches(p[row], facet, x)]] = True
-        return result
-
     def _edges(self, pairs: np.ndarray, places: Places) -> Features:
         s, x = self._shape, places.start
         one, mine = self._around(s.edges, s.ends, pairs[:, 0], pairs[:, 1], places)
@@ -281,8 +256,9 @@ class Search:
         of, theirs = of_pair.of(one)
         pair, mine = one[of], mine[of]
         goes = places.goes[pair]
-        height, turn, cross = crossing(s, mine, theirs, x, goes)
-        cross |= crossing(s, mine, theirs, places.end, goes)[2]
+        inside = places.inside[pair]
+        height, turn, cross = crossing(s, mine, theirs, x, goes, inside)
+        cross |= crossing(s, mine, theirs, places.end, goes, inside)[2]
         bodies = pairs[pair]
         deep = -WALL * s.thin[bodies].min(axis=1)
         cross &= (height <= places.reach[pair]) & (height >= deep)

@@ -12,11 +12,6 @@ from .crossing import THROUGH
 from .shape import Ragged, Shape
 
 
-def heights(s: Shape, node: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """How high nodes are above the planes of faces, m."""
-    return dot(x[node] - x[s.outline[face, 0]], s.units(x, face))
-
-
 def over_faces(
     s: Shape,
     corner: np.ndarray,
@@ -122,5 +117,6 @@ def not_aside(
 
 def _rise(s: Shape, face: np.ndarray, other: np.ndarray, x: np.ndarray) -> np.ndarray:
     """How far faces reach above the planes of others, (k,) in m."""
-    each = [heights(s, node, other, x) for node in s.outline[face].T]
+    foot, normal = x[s.outline[other, 0]], s.units(x, other)
+    each = [dot(x[node] - foot, normal) for node in s.outline[face].T]
     return np.asarray(np.stack(each).max(axis=0, initial=0.0))

@@ -24,7 +24,7 @@ from ..mortar.search import counted
 from ..mortar.walls import WALL
 from .between import apart, distances
 from .crossing import crossing, nearest
-from .faces import at_edge, heights, not_aside, over_faces
+from .faces import at_edge, not_aside, over_faces
 from .shape import Ragged, Shape
 
 #: Cost: bodies are asked that are nearer than this share of the smaller, and than so many times
@@ -222,20 +222,20 @@ class Search:
         far = places.goes[pair] + SAME * s.sizes[s.owner[face]]
         inside = places.inside[pair]
         height, over, beyond = over_faces(s, corner, face, x, (far, inside))
-        over |= (end := over_faces(s, corner, face, places.end, (far, inside)))[1]
+        ahead, then, goes_on = over_faces(s, corner, face, places.end, (far, inside))
+        over |= then
         bodies = pairs[pair]
         deep = -WALL * s.thin[bodies].min(axis=1)
         over &= height >= deep
-        over &= ~at_edge(s, corner, face, (height, end[0]), x, inside, beyond | end[2])
-        pair, corner, face, height = (a[over] for a in (pair, corner, face, height))
+        over &= ~at_edge(s, corner, face, (height, ahead), x, inside, beyond | goes_on)
+        pair, corner, face, height, ahead = (a[over] for a in (pair, corner, face, height, ahead))
         behind = np.flatnonzero((height < 0) & ~s.convex[pairs[pair]].all(axis=1))
         start, to = x[corner[behind]], face[behind]
         foot = start - height[behind, None] * s.units(x, to)
         over = np.ones(len(face), dtype=bool)
         over[behind[apart(s, x, (start, foot), s.owner[to])]] = False
-        pair, corner, face, height = (a[over] for a in (pair, corner, face, height))
+        pair, corner, face, height, ahead = (a[over] for a in (pair, corner, face, height, ahead))
         key = corner * s.parts + s.part[face]
-        ahead = heights(s, corner, face, places.end)
         same = SAME * s.sizes[s.owner[face]]
         # of those as far the one that will be farther: where corners meet it is not known
         order = np.lexsort((face, -ahead, -np.round(height / same), key))

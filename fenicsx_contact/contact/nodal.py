@@ -13,6 +13,7 @@ from ..base.vectors import dot, largest, longest
 from ..solids import Solid, Trace
 from ..solids.trace import DeformableTrace
 from ..theory.scheme import Step
+from .edges import by_their_ways
 from .equations import SurfaceEquations
 from .inside import swallowed
 from .jump import Coupling
@@ -55,6 +56,7 @@ class NodalJump(Coupling):
         self._start_positions = self.traces[0].positions()
         self._seen: np.ndarray | None = None  # depths in the followed state, once asked for
         self._normals: np.ndarray | None = None
+        self._at_edge = False  # whether they are those of a face, of some that end on an edge
         self._start_normals: np.ndarray | None = None
 
     def begin(self, step: Step) -> None:
@@ -80,6 +82,8 @@ class NodalJump(Coupling):
         super().accept()
         if self.driven or not self.fixed_normal:
             self._start_positions = self.positions()
+            if self._at_edge:
+                self._normals = None  # nothing comes there yet
         if self.driven:
             self._ride.accept()
 
@@ -90,8 +94,20 @@ class NodalJump(Coupling):
 
     def normals(self) -> np.ndarray:
         if self._normals is None:
-            self._normals = -self.wall.normals(self.traces[0].positions(), self.time)
+            self._normals = -self._outward()
         return self._normals
+
+    def _outward(self) -> np.ndarray:
+        """Those of the wall, (n, d)."""
+        x, self._at_edge = self.traces[0].positions(), False
+        if self.fixed_normal or self._start_normals is None:
+            return self.wall.normals(x, self.time)
+        way = x - self._start_positions
+        if self._step:
+            way -= self._step.dt * self._ride.end
+        start = -self._start_normals
+        normals, self._at_edge = by_their_ways(self.wall, x, way, self.time, start)
+        return normals
 
     def keep_normals(self) -> np.ndarray:
         self._start_normals = self.normals()

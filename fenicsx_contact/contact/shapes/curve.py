@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ...base import checks
-from ...base.constants import SAME, SHARP
+from ...base.constants import ROUND_OFF, SAME, SHARP
 from ...base.shown import marked
 from ...base.vectors import largest
 
@@ -186,7 +186,7 @@ class Curve:
         corner = (other != line) & (other >= 0) & (other <= last)
         mean = normals + _left(self._along[np.clip(other, 0, last)])
         size = np.linalg.norm(off, axis=1)
-        apart = corner & (size > 0)
+        apart = corner & (size > ROUND_OFF * np.linalg.norm(points, axis=1))
         sign = np.where((off * mean).sum(axis=1) < 0, -1.0, 1.0)
         distance = np.where(apart, sign * size, distance)
         away = sign[:, None] * off / np.where(apart, size, 1.0)[:, None]

@@ -21,6 +21,7 @@ from fenicsx_contact import (
     Heap,
     InputError,
     Newton,
+    Restitution,
     RigidSolid,
     Scene,
     ThetaScheme,
@@ -703,7 +704,7 @@ def test_what_is_apart_is_not_behind(dim):
         ]
     coupling = Heap(bodies, "skin").coupling
     x = coupling._start
-    found = coupling._search(x, np.zeros_like(x), np.zeros(len(coupling.bodies)))
+    found = coupling._search(x, np.zeros_like(x), np.zeros(len(coupling.bodies)), np.array([-1]))
     pair = coupling._shape.body[found.mine[:, 0]] // 2
     assert (found.height >= np.minimum(far, 0)[pair] - 1e-8).all()
     assert set(np.flatnonzero(far < 0)) == set(pair[found.height < 0])
@@ -773,3 +774,38 @@ def test_boxes_that_strike_each_other_are_the_same_in_another_frame(seed):
     plain = run(np.eye(3), np.zeros(3), (0, 1, 2))
     other = run(frame(np.random.default_rng(9), 3), np.array([3.0, -2.0, 1.0]), (2, 0, 1))
     np.testing.assert_allclose(other, plain, atol=1e-5)
+
+
+def polygon(n):
+    angle = 2 * np.pi * np.arange(n) / n
+    return np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def cube_on_a_corner():
+    ahead, aside = np.ones(3) / np.sqrt(3), np.array([1.0, -1.0, 0.0]) / np.sqrt(2)
+    frame = np.stack([ahead, aside, np.cross(ahead, aside)], axis=1)
+    return np.array(list(product((-1.0, 1.0), repeat=3))) @ frame / np.sqrt(3)
+
+
+@pytest.mark.parametrize("corners", [polygon(4), polygon(24), cube_on_a_corner()])
+@pytest.mark.parametrize("play", [0.0, 1e-3])
+@pytest.mark.parametrize("mu", [0.0, 0.5])
+def test_corners_that_come_straight_to_corners(corners, play, mu):
+    """A cradle of three: all goes on along the line of their middles, which no face is across."""
+    along = np.eye(corners.shape[1])[0]
+    for e in (0.0, 1.0):
+        places = [-0.02, 0.1 + play, 2 * (0.1 + play)]
+        bodies = [
+            convex(0.05 * corners + x * along, f"body {i}", velocity=along * (i == 0))
+            for i, x in enumerate(places)
+        ]
+        contact = Heap(bodies, "skin", Restitution(e), friction=mu)
+        history = Scene(bodies, [contact], locate_impacts=True).run(until=0.06, dt=5e-3)
+        assert history.reason == "finished"
+        last = np.array([body.velocity for body in bodies])
+        np.testing.assert_allclose(last[:, 1:], 0.0, atol=1e-9)
+        if e == 0:
+            expected = np.full(3, 1 / 3)
+        else:  # what touches goes on as one
+            expected = [0.0, 0.0, 1.0] if play else [-1 / 3, 2 / 3, 2 / 3]
+        np.testing.assert_allclose(last[:, 0], expected, atol=1e-9)

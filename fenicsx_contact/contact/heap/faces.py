@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...base.constants import SAME
+from ...base.constants import SAME, SHARP
 from ...base.vectors import dot, normalised
+from ..mortar.search import counted
 from .between import apart
 from .crossing import THROUGH
 from .shape import Ragged, Shape
@@ -93,10 +94,51 @@ def at_edge(
     # how high above the other plane it comes through that of the face
     share = height[one] / (height[one] - ahead[one])
     off = height[other] + share * (ahead[other] - height[other])
-    least = (off >= -same[one] - inside[one]) & (ahead[other] > ahead[one])
+    least = (off >= -same[one] - inside[one]) & (ahead[other] > ahead[one] + same[one])
     one, other = one[least], other[least]
     result[one[_rise(s, face[one], face[other], x) <= same[one]]] = True
     return result
+
+
+def as_far(
+    s: Shape,
+    order: np.ndarray,
+    key: np.ndarray,
+    face: np.ndarray,
+    heights: tuple[np.ndarray, np.ndarray],
+    x: np.ndarray,
+    known: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The first of each key, and those in other planes from which the corner is and will be as far,
+    each with a key of its own: rows, and keys of all.
+
+    Where a corner comes straight to a corner, and as long as it stays there, no face alone is on
+    both sides alike; so at one of what is round by its facets. At rest at a sharp one, as where
+    blocks lie flush, it may still go along either.
+
+    Args:
+        s: the bodies.
+        order: all rows, the nearest of each key first.
+        key, face: of which key each is, and before which face, (k,).
+        heights: how high corners are above the planes of faces, now and where they go, (k,) in m.
+        x: places of the nodes.
+        known: keys of what met before.
+    """
+    now, then = heights
+    _, first, which = np.unique(key[order], return_index=True, return_inverse=True)
+    best, same = order[first][which.ravel()], SAME * s.sizes[s.owner[face[order]]]
+    tied = np.abs(now[order] - now[best]) <= same
+    tied &= np.abs(then[order] - then[best]) <= same
+    order, best, same = order[tied], best[tied], same[tied]
+    several = np.stack([key[order], s.plane[face[order]]], axis=1)
+    one = np.unique(several, axis=0, return_index=True)[1]
+    order, best, same = order[one], best[one], same[one]
+    own, rank = key.copy(), counted(np.unique(key[order], return_counts=True)[1])
+    own[order] += rank * s.keys
+    normals = s.units(x, np.concatenate([face[order], face[best]])).reshape(2, -1, s.dim)
+    comes = now[order] - then[order] > same
+    stays = comes | (dot(*normals) > SHARP) | np.isin(own[order], known) | (rank == 0)
+    return order[stays], own
 
 
 def not_aside(

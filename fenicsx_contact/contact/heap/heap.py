@@ -62,7 +62,10 @@ class HeapJump(Coupling):
 
     def _meet(self, way: np.ndarray, busy: np.ndarray) -> None:
         depths = self.meetings.depths()
-        self._foreseen, found = way, self._search(self._start, way, depths)
+        self._foreseen, found = (
+            way,
+            self._search(self._start, way, depths, self.meetings.features.key),
+        )
         self.fresh = self.meetings.take(found, busy)
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:

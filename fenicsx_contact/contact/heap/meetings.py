@@ -101,13 +101,16 @@ class Meetings:
         new = np.ones(len(found.key), dtype=bool)
         new[source[known]] = False
         fresh = np.zeros(self.n, dtype=bool)
-        where = np.flatnonzero(new)
-        where = where[np.argsort(found.height[where], kind="stable")]  # the nearest first
+        where, more = np.flatnonzero(new), found.key >= self._shape.keys
+        # the nearest first, more faces that one corner is as far from last, if there is room
+        where = where[np.lexsort((found.height[where], more[where]))]
         for k in where:
             node = found.mine[k, 0]
             mine = self.slots[self._shape.body[node]]
             mine = mine[free[mine]]
             if not len(mine):
+                if more[k]:
+                    continue
                 most = PLACES[self._shape.dim]
                 raise StepFailed(
                     f"a body meets others at more than {most} points for each of its nodes"

@@ -24,7 +24,7 @@ from ..mortar.search import counted
 from ..mortar.walls import WALL
 from .between import apart, distances
 from .crossing import crossing, nearest
-from .faces import at_edge, not_aside, over_faces
+from .faces import as_far, at_edge, not_aside, over_faces
 from .shape import Ragged, Shape
 
 #: Cost: bodies are asked that are nearer than this share of the smaller, and than so many times
@@ -67,6 +67,7 @@ class Places:
         starts: the first node of each body.
         reach, goes: how near counts, and how far they may go, of each pair, (p,) in m; ``inside``:
             how deep either is in something.
+        known: the keys of what met before.
     """
 
     def __init__(
@@ -77,9 +78,10 @@ class Places:
         reach: Any = None,
         goes: Any = None,
         inside: Any = None,
+        known: Any = None,
     ) -> None:
         self.start, self.end = start, end
-        self.reach, self.goes, self.inside = reach, goes, inside
+        self.reach, self.goes, self.inside, self.known = reach, goes, inside, known
         self.least, self.most = np.minimum(start, end), np.maximum(start, end)
         low = np.minimum.reduceat(self.least, starts)
         self.boxes = low, np.maximum.reduceat(self.most, starts)
@@ -98,14 +100,16 @@ class Search:
         self._starts = [at.start for at in shape.slices]
         self._sizes = np.array([at.stop - at.start for at in shape.slices])
 
-    def __call__(self, x: np.ndarray, way: np.ndarray, depths: np.ndarray) -> Features:
+    def __call__(
+        self, x: np.ndarray, way: np.ndarray, depths: np.ndarray, known: np.ndarray
+    ) -> Features:
         """Those of nodes at x (N, d) that are about to go a ``way`` (N, d), of bodies that are so
-        deep in others (B,), all in m."""
+        deep in others (B,), all in m; of keys that are ``known`` something met before."""
         way = self._seen(way)
         pairs, reach = self._pairs(x, way)
         goes = AHEAD * self._apart(way, pairs)
         each = reach, goes, depths[pairs].max(axis=1, initial=0.0)
-        places = Places(x, x + way, self._starts, *np.tile(each, 2))
+        places = Places(x, x + way, self._starts, *np.tile(each, 2), known)
         found = [self._corners(np.concatenate([pairs, pairs[:, ::-1]]), places)]
         if self._shape.dim == 3:
             found.append(self._edges(pairs, places))
@@ -239,7 +243,7 @@ class Search:
         same = SAME * s.sizes[s.owner[face]]
         # of those as far the one that will be farther: where corners meet it is not known
         order = np.lexsort((face, -ahead, -np.round(height / same), key))
-        order = order[np.unique(key[order], return_index=True)[1]]
+        order, key = as_far(s, order, key, face, (height, ahead), x, places.known)
         order = order[height[order] <= places.reach[pair[order]]]  # beside the others, if farther
         order = order[not_aside(s, corner[order], face[order], height[order], x)]
         corner, face = corner[order], face[order]

@@ -138,6 +138,11 @@ class Shape:
         normal = np.cross(a[:, 1] - a[:, 0], a[:, 2] - a[:, 0])
         return normal * self.sign[:, None]
 
+    @property
+    def keys(self) -> int:
+        """How many features there may be: corners before parts of bodies, and pairs of edges."""
+        return len(self.nodes) * self.parts + len(self.ends) ** 2
+
     def units(self, x: np.ndarray, face: np.ndarray) -> np.ndarray:
         """Those of facets (k,), of length 1."""
         return normalised(self.normals(x)[face])

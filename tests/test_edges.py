@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Edges of obstacles at which a step ends to the last digit, as nice numbers let it do."""
+"""Edges of obstacles on which points are to the last digit, as nice numbers let them be."""
 
 from itertools import product
 
@@ -8,11 +8,13 @@ import pytest
 from scenes import box, rectangle
 
 from fenicsx_contact import (
+    Box,
     Contact,
     Curve,
     ElasticSolid,
     HalfSpace,
     Polyhedron,
+    QuasiStatic,
     RigidSolid,
     Scene,
     ThetaScheme,
@@ -75,9 +77,13 @@ def test_so_by_other_laws_and_schemes(kind, way, law, theta, mu):
 
 @pytest.mark.parametrize("rise", [0.05, 0.3])
 def test_into_what_rises_as_a_hair_beside_it(rise):
-    block, _ = crosses(ground("curve", 0.2, 1, -rise), 1, 1e-2)
-    beside, _ = crosses(ground("curve", 0.2 - 1e-7, 1, -rise), 1, 1e-2)
-    np.testing.assert_allclose(block.velocity, beside.velocity, atol=1e-4 * V)
+    """On either side of the edge a step sees it or the next one does; on it, one of them."""
+    on, before, behind = (
+        crosses(ground("curve", 0.2 + off, 1, -rise), 1, 1e-2)[0].velocity
+        for off in (0.0, -1e-7, 1e-7)
+    )
+    apart = np.abs(before - behind).max()
+    assert min(np.abs(on - before).max(), np.abs(on - behind).max()) <= 0.5 * apart + 1e-6
 
 
 @pytest.mark.parametrize("soft", [False, True])
@@ -112,3 +118,43 @@ def test_a_run_resumed_on_an_edge_is_the_same(tmp_path):
     again, scene = begun()
     scene.run(until=0.25, dt=1e-2, directory=tmp_path / "parts", resume=True)
     np.testing.assert_array_equal(again.velocity, whole.velocity)
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+@pytest.mark.parametrize("dim, cells", [(2, 1), (2, 2), (3, 1), (3, 2)])
+def test_a_block_rests_on_a_box_of_its_own_size(dim, cells, law):
+    """All its corners are on edges of the box, whose sides bear nothing."""
+    size = (0.4, 0.4, 0.2)[3 - dim :]
+    mesh = (rectangle if dim == 2 else box)((cells,) * (dim - 1) + (1,), size)
+    down = np.eye(dim)[-1]
+    block = RigidSolid(mesh, mass=2.0, gravity=-G * down)
+    contact = Contact(block, "base", Box(-0.1 * down, size), law, friction=0.3)
+    scheme = ThetaScheme(0.5 if law == "velocity" else 1.0)
+    history = Scene([block], [contact], scheme).run(until=0.1, dt=1e-2)
+    assert history.reason == "finished"
+    np.testing.assert_allclose(block.velocity, 0.0, atol=1e-12)
+    np.testing.assert_allclose(contact.force.sum(axis=0), 2.0 * G * down, atol=1e-9)
+
+
+@pytest.mark.parametrize("closed", [False, True])
+@pytest.mark.parametrize("cells", [1, 4])
+def test_a_column_pressed_on_a_box_of_its_own_width(cells, closed):
+    """Without contraction across its stress is even: E times the strain."""
+    mesh = rectangle((cells, cells), (0.4, 0.4))
+    block = ElasticSolid(
+        mesh, youngs_modulus=1e6, poisson_ratio=0.0, density=1e3, prescribed={"top": (0, -0.004)}
+    )
+    ends = [(-0.2, -1), (-0.2, 0), (0.2, 0), (0.2, -1)]
+    below = Curve(ends + ends[:1]) if closed else Box((0, -0.5), (0.4, 1.0))
+    contact = Contact(block, "base", below, "gap", friction=0.5)
+    Scene([block], [contact], QuasiStatic()).run(until=1.0, dt=1.0)
+    np.testing.assert_allclose(contact.force.sum(axis=0), (0.0, 4e3), atol=1e-6)
+
+
+def test_what_slides_along_a_track_of_its_own_breadth_stays_on_it():
+    block = RigidSolid(
+        box((4, 1, 1), (0.4, 0.2, 0.2)), mass=1.0, gravity=(0, 0, -G), velocity=(V, 0, 0)
+    )
+    track = Box((0.5, 0, -0.5), (2.0, 0.2, 1.0))
+    Scene([block], [Contact(block, "base", track)]).run(until=0.5, dt=1e-2)
+    np.testing.assert_allclose(block.place, (0.5, 0.0, 0.1), atol=1e-9)

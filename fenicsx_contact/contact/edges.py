@@ -1,39 +1,75 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Normals of points that get to an edge of a wall, to the last digit."""
+"""Normals of points at an edge of a wall, which has those of all its faces.
+
+Round-off would choose one of them, another at each iterate, along which the point is free. But a
+body that lies on a face up to its very edge is borne by it, and what slides over an edge is borne
+by the face by which it comes until it is beyond.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ..base.constants import RIGHT, ROUND_OFF, SAME
-from ..base.vectors import largest
+from ..base.constants import RIGHT, SAME
 from .wall import Wall
 
 
-def by_their_ways(
-    wall: Wall, points: np.ndarray, ways: np.ndarray, time: float, start: np.ndarray
-) -> tuple[np.ndarray, bool]:
-    """Outward normals of a wall at points, (n, d), and whether any of these got onto an edge.
+def lain_on(wall: Wall, points: np.ndarray, cells: np.ndarray, time: float) -> np.ndarray:
+    """Outward normals of a wall at points, (n, d): at an edge those of the face on which the most
+    of the facets beside the point lies.
 
-    An edge has the normals of all its faces, of which round-off would choose one at each iterate,
-    along which the point leaves. It is that of the face by which the point gets there.
+    Args:
+        wall: that they may touch.
+        points: nodes of facets, (n, d) in m.
+        cells: nodes of each facet, (m, k).
+        time: s.
+    """
+    normals, distance = wall.normals(points, time), wall.distance(points, time)
+    ways = points[cells].mean(axis=1)[:, None] - points[cells]
+    size = np.linalg.norm(ways, axis=2)
+    cell, corner = (np.abs(distance[cells]) <= SAME * size).nonzero()
+    if not len(cell):
+        return normals
+    node = cells[cell, corner]
+    beside = points[node] + SAME * ways[cell, corner]
+    order = np.lexsort((wall.distance(beside, time), node))  # the nearest of each node first
+    first = order[np.unique(node[order], return_index=True)[1]]
+    node, there = node[first], wall.normals(beside[first], time)
+    edge = (np.abs(there - normals[node]) > RIGHT).any(axis=1)
+    normals = normals.copy()
+    normals[node[edge]] = there[edge]
+    return normals
+
+
+def come_by(
+    wall: Wall,
+    points: np.ndarray,
+    ways: np.ndarray,
+    time: float,
+    start: np.ndarray,
+    size: float,
+) -> np.ndarray:
+    """Outward normals of a wall at points, (n, d): at an edge those of the face before which they
+    were.
 
     Args:
         wall, points: what is met, and where, (n, d) in m.
         ways: by which the points got there, as seen from the wall, (n, d) in m.
         time: s.
         start: outward normals from where they came, (n, d).
+        size: of the surface, m.
     """
     normals = wall.normals(points, time)
     rows = (np.abs(normals - start) > SAME).any(axis=1).nonzero()[0]
     if not len(rows):
-        return normals, False
-    there, way = points[rows], ways[rows]
-    length = np.linalg.norm(way, axis=1)
-    short = SAME + ROUND_OFF * largest(there) / np.where(length > 0, length, np.inf)
-    before = wall.normals(there - short[:, None] * way, time)
+        return normals
+    there, was = points[rows] - SAME * ways[rows], start[rows]
+    both = wall.normals(np.concatenate([there, there + SAME * size * was]), time)
+    before, above = both.reshape(2, *there.shape)
+    stays = (np.abs(before - was) <= RIGHT).all(axis=1)  # else it goes along the edge, or rests
+    before = np.where(stays[:, None], before, above)
     edge = (np.abs(before - normals[rows]) > RIGHT).any(axis=1)
     if edge.any():
         normals = normals.copy()
         normals[rows[edge]] = before[edge]
-    return normals, bool(edge.any())
+    return normals

@@ -13,7 +13,7 @@ from ..base.vectors import dot, largest, longest
 from ..solids import Solid, Trace
 from ..solids.trace import DeformableTrace
 from ..theory.scheme import Step
-from .edges import by_their_ways
+from .edges import come_by, lain_on
 from .equations import SurfaceEquations
 from .inside import swallowed
 from .jump import Coupling
@@ -56,7 +56,6 @@ class NodalJump(Coupling):
         self._start_positions = self.traces[0].positions()
         self._seen: np.ndarray | None = None  # depths in the followed state, once asked for
         self._normals: np.ndarray | None = None
-        self._at_edge = False  # whether they are those of a face, of some that end on an edge
         self._start_normals: np.ndarray | None = None
 
     def begin(self, step: Step) -> None:
@@ -82,8 +81,6 @@ class NodalJump(Coupling):
         super().accept()
         if self.driven or not self.fixed_normal:
             self._start_positions = self.positions()
-            if self._at_edge:
-                self._normals = None  # nothing comes there yet
         if self.driven:
             self._ride.accept()
 
@@ -94,20 +91,20 @@ class NodalJump(Coupling):
 
     def normals(self) -> np.ndarray:
         if self._normals is None:
-            self._normals = -self._outward()
+            self._normals = -self._of_wall()
         return self._normals
 
-    def _outward(self) -> np.ndarray:
+    def _of_wall(self) -> np.ndarray:
         """Those of the wall, (n, d)."""
-        x, self._at_edge = self.traces[0].positions(), False
-        if self.fixed_normal or self._start_normals is None:
+        x, surface = self.traces[0].positions(), self.equations.fields.surface
+        if self.fixed_normal:
             return self.wall.normals(x, self.time)
-        way = x - self._start_positions
+        if self._start_normals is None:
+            return lain_on(self.wall, x, surface.cell_nodes, self.time)
+        way, start = x - self._start_positions, -self._start_normals
         if self._step:
             way -= self._step.dt * self._ride.end
-        start = -self._start_normals
-        normals, self._at_edge = by_their_ways(self.wall, x, way, self.time, start)
-        return normals
+        return come_by(self.wall, x, way, self.time, start, surface.extent)
 
     def keep_normals(self) -> np.ndarray:
         self._start_normals = self.normals()
@@ -281,6 +278,7 @@ class NodalJump(Coupling):
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         self._step, self.time = None, float(state["time"])
+        self._start_normals = np.array(state["normal"])  # at an edge they tell the face
         self._ride.restore(np.array(state["carried"]) if "carried" in state else None)
         super().restore(state)
 

@@ -109,7 +109,8 @@ class Search:
         pairs, reach = self._pairs(x, way)
         goes = AHEAD * self._apart(way, pairs)
         each = reach, goes, depths[pairs].max(axis=1, initial=0.0)
-        places = Places(x, x + way, self._starts, *np.tile(each, 2), known)
+        wide, far, inside = np.tile(each, 2)  # of either body before the other
+        places = Places(x, x + way, self._starts, wide, far, inside, known)
         found = [self._corners(np.concatenate([pairs, pairs[:, ::-1]]), places)]
         if self._shape.dim == 3:
             found.append(self._edges(pairs, places))

@@ -22,7 +22,8 @@ import fenicsx_contact as fc
 from fenicsx_contact.base import compat
 from fenicsx_contact.rods.contact import GuideContact
 from fenicsx_contact.rods.guide import Guide
-from fenicsx_contact.rods.pieces import Bow, Card, Sine, Straight, Tube
+from fenicsx_contact.rods.lines import Bow, Sine, Straight
+from fenicsx_contact.rods.pieces import Card, Tube
 from fenicsx_contact.rods.tube import RodInTube
 
 MESHES = Path(__file__).parents[1] / "meshes"

@@ -847,3 +847,19 @@ def test_a_step_sees_its_start_as_its_forces_act():
         part.linearise(step)
     np.testing.assert_array_equal(contact.jump.ravel(), contact.trace.mean_jump(rod.velocity))
     assert np.abs(contact.jump - before)[contact.stations].max() > 0
+
+
+@pytest.mark.quick
+def test_a_slope_that_is_that_of_another_line_is_refused():
+    right = AnyCurve(lambda x: 1e-3 * np.sin(x), lambda x: 1e-3 * np.cos(x))
+    Tube(-2.0, 2.0, 1e-3, right)
+    with np.errstate(all="raise"):
+        Tube(-2.0, 2.0, 1e-3, AnyCurve(lambda x: 0.01 + 0 * x, lambda x: 0 * x))
+    Tube(-1.0, 2.0, 1e-3, AnyCurve(np.abs, np.sign))  # told at its kink or not
+    for slope in (
+        lambda x: -1e-3 * np.cos(x),
+        lambda x: 0 * x,
+        lambda x: np.degrees(1e-3 * np.cos(x)),
+    ):
+        with pytest.raises(InputError, match="derivative: must be that of its function"):
+            Tube(-2.0, 2.0, 1e-3, AnyCurve(right.function, slope))

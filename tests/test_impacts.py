@@ -10,6 +10,7 @@ from scenes import FLOOR, G, rectangle
 from fenicsx_contact import (
     Contact,
     ElasticSolid,
+    HalfSpace,
     HyperelasticSolid,
     InputError,
     Restitution,
@@ -409,3 +410,19 @@ def test_a_law_of_positions_limits_nothing_in_a_percussion(law):
     assert history["impact"][-1] == pytest.approx(-0.25, rel=1e-12)
     for solid in solids:
         assert solid.velocity[1] == pytest.approx(-0.5, rel=1e-12)
+
+
+@pytest.mark.parametrize("play", [0.0, 1e-3])
+def test_what_rebounds_without_play_has_no_state(play):
+    """Between walls that it fits exactly it was struck for ever, at one instant."""
+    block = RigidSolid(rectangle(), mass=1.0, velocity=(1.0, 0.0), held=["y", "turning"])
+    contacts = [
+        Contact(block, side, HalfSpace((sign * (0.18 + play), 0), (-sign, 0)), Restitution(1.0))
+        for side, sign in (("left", -1), ("right", 1))
+    ]
+    history = Scene([block], contacts, locate_impacts=True).run(until=0.01, dt=0.01)
+    if play:
+        assert history.finished and abs(abs(block.velocity[0]) - 1) < 1e-12
+    else:
+        assert "rebounds without end within one instant, by 1 m/s" in history.reason
+        assert "no state there" in history.advice

@@ -452,8 +452,13 @@ def test_a_drop_of_something_else():
         RodDrop(lambda a: 3, "rod", guide).fall()
     with pytest.raises(InputError, match="guide"):
         RodDrop(lambda: 3, "rod", "guide")
-    with pytest.raises(InputError, match="speed"):
-        in_tube().insert(0.1, speed=-1.0)
+    one = in_tube()._rod()
+    again = RodDrop(lambda: one, "rod", guide)
+    again.fall(0.01, 1e-3)
+    with pytest.raises(InputError, match="must make a rod each time"):
+        again.fall(0.01, 1e-3)
+    with pytest.raises(InputError, match="guide: is 3D, as its origin is, and 'rod' 2D"):
+        RodDrop(in_tube()._rod, "rod", Guide([Tube(-1.0, 2.0, 1e-3)], (0, 0, 0))).fall()
 
 
 @pytest.mark.parametrize("to", [np.nan, -1.0, 0.0, "1", [1.0]])

@@ -525,6 +525,12 @@ def test_ladders_and_rates_of_what_does_not_vary_are_refused():
     assert rate(samples, "n") == pytest.approx(1)
     with pytest.raises(InputError, match="over = 'bananas'"):
         rate(samples, "bananas")
+    with_default = [{"n": 1}, {}, {"n": 4}]  # the sizes of some were taken for numbers of steps
+    for settings in (with_default, [{"n": 0}, {"n": 1}], [{"n": "fine"}, {"n": "coarse"}]):
+        with pytest.raises(InputError, match="over = 'n': must be 'steps' or a number > 0"):
+            Study("s", "S", "q", dict, {"m": settings}, "n")
+        with pytest.raises(InputError, match="over = 'n': must be 'steps' or a number > 0"):
+            rate([Sample("m", each, 0.1, steps=2) for each in settings], "n")
 
 
 def test_what_is_shipped():

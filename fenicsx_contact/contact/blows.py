@@ -16,6 +16,7 @@ from typing import Protocol
 
 import numpy as np
 
+from ..base.checks import StepFailed
 from ..base.vectors import dot
 from ..theory.scheme import Step
 from .candidates import Candidates
@@ -56,11 +57,13 @@ class Blows:
     def __init__(self, n: int) -> None:
         self.settled, self.idle = np.zeros((2, n), dtype=bool)
         self._number, self._fastest, self._came, self._back = np.zeros((4, n))
+        self._here = np.zeros(n)  # blows since time last went on
 
     def forget(self, points: np.ndarray | None = None) -> None:
         """Another step begins; or others meet at these points, (n,) of bool."""
-        for each in self.settled, self.idle, self._number, self._fastest, self._came, self._back:
-            each[... if points is None else points] = 0
+        each = self.settled, self.idle, self._number, self._fastest, self._came, self._back
+        for values in (*each, self._here):
+            values[... if points is None else points] = 0
 
     def closed(self, contact: Struck, step: Step) -> np.ndarray:
         """Points that touch at the start of a step, (n,) of bool, or in a percussion arrive in the
@@ -75,7 +78,7 @@ class Blows:
     def fly(self, contact: Struck, dt: float) -> None:
         """Take note of how loads push open points back, in the trial state of ``dt`` seconds in
         which none of them could close."""
-        self.idle[:] = False
+        self.idle[:], self._here[:] = False, 0
         change = dot(contact.trial_jump - contact.jump, contact.coupling.start_normals())
         self._back = np.where(contact.candidates.allowed, self._back, change / dt)
 
@@ -91,8 +94,17 @@ class Blows:
         Returns:
             Whether there are any, and whether some of them go on without loads, slower than that
             share of their fastest blow.
+
+        Raises:
+            StepFailed: one rebounds within an instant as often as that, and loses nothing.
         """
         number, fastest, came, fresh = self._with(contact)  # as if it were accepted
+        endless = fresh & (self._here >= BLOWS) & (came >= (1 - error) * fastest)
+        if endless.any():
+            raise StepFailed(
+                f"a point rebounds without end within one instant, by {came[endless].max():.3g} m/s"
+                " each time"
+            )
         leaves = -dot(contact.trial_jump, contact.normal)
         falls = (leaves > 0) & (leaves < came) & (self._back > 0)
         ends = falls & (2 * leaves * came <= self._back * (came - leaves) * left)
@@ -104,7 +116,8 @@ class Blows:
 
     def note(self, contact: Struck) -> None:
         """Count a percussion that is accepted now."""
-        self._number, self._fastest, self._came, _ = self._with(contact)
+        self._number, self._fastest, self._came, fresh = self._with(contact)
+        self._here += fresh
         change = np.linalg.norm(contact.trial_jump - contact.jump, axis=1)
         self.idle = (self.idle | contact.candidates.allowed) & (change <= contact.resolution)
 

@@ -60,16 +60,13 @@ def come_by(
         size: of the surface, m.
     """
     normals = wall.normals(points, time)
-    rows = (np.abs(normals - start) > SAME).any(axis=1).nonzero()[0]
-    if not len(rows):
+    turned = (np.abs(normals - start) > SAME).any(axis=1)
+    if not turned.any():
         return normals
-    there, was = points[rows] - SAME * ways[rows], start[rows]
-    both = wall.normals(np.concatenate([there, there + SAME * size * was]), time)
-    before, above = both.reshape(2, *there.shape)
-    stays = (np.abs(before - was) <= RIGHT).all(axis=1)  # else it goes along the edge, or rests
+    there = points - SAME * ways  # of all: some walls are compiled for a number of points
+    both = wall.normals(np.concatenate([there, there + SAME * size * start]), time)
+    before, above = both.reshape(2, *points.shape)
+    stays = (np.abs(before - start) <= RIGHT).all(axis=1)  # else it goes along the edge, or rests
     before = np.where(stays[:, None], before, above)
-    edge = (np.abs(before - normals[rows]) > RIGHT).any(axis=1)
-    if edge.any():
-        normals = normals.copy()
-        normals[rows[edge]] = before[edge]
-    return normals
+    edge = turned & (np.abs(before - normals) > RIGHT).any(axis=1)
+    return np.where(edge[:, None], before, normals) if edge.any() else normals

@@ -10,12 +10,21 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx import fem
+from ufl.corealg.traversal import unique_pre_traversal
 
 from ..base import checks
 from ..base.expressions import symbolic, wrong_number
 from ..base.point_cloud import PointCloud
 from ..base.quoted import quoted
 from ..base.shown import shown
+
+#: Of what it is made that may have edges.
+_BENT = (
+    ufl.classes.Abs,
+    ufl.classes.Conditional,
+    ufl.classes.MaxValue,
+    ufl.classes.MinValue,
+)
 
 
 class LevelSet:
@@ -66,6 +75,7 @@ class LevelSet:
                 f"phi = {quoted(phi)}: must depend on the position, it is {value}"
             )
         self.moving = t in used or velocity is not None
+        self.edged = any(isinstance(each, _BENT) for each in unique_pre_traversal(value))
         self._drift, every = None, self.numbers
         if velocity is not None:
             self._drift = _as_ufl("velocity", velocity, x, t, (dim,))

@@ -97,7 +97,7 @@ class NodalJump(Coupling):
     def _of_wall(self) -> np.ndarray:
         """Those of the wall, (n, d)."""
         x, surface = self.traces[0].positions(), self.equations.fields.surface
-        if self.fixed_normal:
+        if self.fixed_normal or not self.wall.edged:
             return self.wall.normals(x, self.time)
         if self._start_normals is None:
             return lain_on(self.wall, x, surface.cell_nodes, self.time)

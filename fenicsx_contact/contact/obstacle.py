@@ -48,7 +48,7 @@ class HalfSpace:
 class _Round:
     """Points nearer to a centre than a radius, or all others; across ``axis`` if there is one."""
 
-    flat = False
+    flat = edged = False
 
     def __init__(
         self,
@@ -158,7 +158,7 @@ class Moved:
     def __init__(self, obstacle: Obstacle, motion: Callable[[float], Any]) -> None:
         checks.function("motion", motion, " of the time")
         self._wall, self._motion = Wall(obstacle), motion
-        self.dim, self.flat = self._wall.dim, self._wall.flat
+        self.dim, self.flat, self.edged = self._wall.dim, self._wall.flat, self._wall.edged
         #: Whether its velocity and normal are the same everywhere: derivatives see a floor at rest.
         self.uniform = self.flat and not self._wall.moving
         self.displacement(0.0)

@@ -43,7 +43,7 @@ class Turned:
     ) -> None:
         checks.function("angle", angle, " of the time")
         self._wall, self._angle = Wall(obstacle), angle
-        self.dim = self._wall.dim
+        self.dim, self.edged = self._wall.dim, self._wall.edged
         self.about, self.axis = checks.vector("about", about, self.dim), None
         if self.dim == 3:
             if axis is None:

@@ -34,8 +34,9 @@ class Obstacle(Protocol):
       between two times, (n, d) in m/s, at the second of which it is there; asked for a thousandth
       of a step, too, of which differences of places are round-off. Or ``velocity(points, time)``,
       of first order by theta = 1 where it turns. Without, what moves does so along its normals;
-    * ``flat``: whether the normal is the same everywhere and always; default: no; ``uniform``:
-      whether the velocity is, too, everywhere, so that derivatives see it as at rest;
+    * ``flat``: whether the normal is the same everywhere and always; default: no; ``edged``:
+      whether there may be edges, at which it jumps; default: yes; ``uniform``: whether the velocity
+      is the same everywhere, too, so that derivatives see it as at rest;
     * ``moving``: whether anything depends on time; default: if there is a velocity, or if the
       distance takes a time;
     * ``remark``: what a reader of a run should know of it.
@@ -71,9 +72,9 @@ class Wall:
         self._normals, _ = _timed(obstacle.normals, self.flat)
         self.ours = _ours(obstacle.normals)  # of which a test knows that they are of unit length
         self._slopes, _ = _timed(getattr(obstacle, "slopes", obstacle.normals))
-        curvature = getattr(obstacle, "curvature", None)
+        self.edged = checks.truth(f"{what}.edged", getattr(obstacle, "edged", not self.flat))
+        curvature, velocity = (getattr(obstacle, name, None) for name in ("curvature", "velocity"))
         self._curvature = _timed(curvature)[0] if curvature and not self.flat else None
-        velocity = getattr(obstacle, "velocity", None)
         self._velocity = _mean(velocity) if velocity else None
         #: Whether its velocity is told, and not made of its motion, as where that is of its class.
         self.told = bool(velocity) and not (self.ours and hasattr(type(obstacle), "velocity"))
@@ -126,8 +127,7 @@ class Wall:
             return np.zeros(points.shape)
         if self._velocity:
             with told(), _asked():
-                answer = self._velocity(points, start, end)
-            return _finite("velocity", answer, points)
+                return _finite("velocity", self._velocity(points, start, end), points)
         closer = self.distance(points, end) - self.distance(points, start)
         return -(closer / (end - start))[:, None] * self.normals(points, end)
 

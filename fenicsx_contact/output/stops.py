@@ -64,11 +64,12 @@ STOPS = {
             "the paper's loop goes round: geometry and contact answer each other",
             '`geometry="newton"`; smaller steps; of a `Curve` a contact with each of its `faces()`',
         ),
+        Stop("momentum stalls", "the momentum balance stalls", "the material", "smaller steps"),
         Stop(
-            "momentum stalls",
-            "the momentum balance stalls",
-            "a material, not a contact",
-            "smaller steps",
+            "rebounds without end",
+            "a point rebounds without end within one instant, by ... m/s each time",
+            "e = 1 between bodies that leave no play: a law of impacts has no state there",
+            "play; less restitution; no `locate_impacts`, but theta = 1 and a law of positions",
         ),
         Stop(
             "no finite solution",
@@ -274,12 +275,7 @@ STOPS = {
             "disk full, no permission",
             "make room, then `resume=True`",
         ),
-        Stop(
-            "not finished",
-            "not finished",
-            "(read from a directory) the run was killed",
-            "`resume=True`",
-        ),
+        Stop("not finished", "not finished", "the run was killed", "`resume=True`"),
     ],
 }
 

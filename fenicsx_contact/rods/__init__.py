@@ -6,7 +6,8 @@ from .contact import GuideContact
 from .drop import Passage, RodDrop, time_at
 from .force_map import ForceMap
 from .guide import Guide
-from .pieces import AnyCurve, Bow, Card, CentreLine, Sine, Straight, Tube
+from .lines import AnyCurve, Bow, CentreLine, Sine, Straight
+from .pieces import Card, Tube
 from .settle import lay_in, settle
 from .tube import RodInTube
 from .von_karman import VonKarmanBeam

@@ -39,7 +39,8 @@ class BeamSolid(BeamState):
         gravity: acceleration, d numbers, m/s².
         law: what drives it along its axis: an :class:`~fenicsx_contact.rods.drive.AxialLaw`.
         lateral_load: force of a flow, N/m, a function of places in space along the axis.
-        displacement: initial deflection, m, a function of s; zero where a support holds it.
+        displacement: initial deflection, m, of which a function of s (n,) gives the components
+            (d - 1, n) along ``frame``; zero where a support holds it.
         slope: its derivative by s; default: by differences.
         name: for messages and files.
 

@@ -135,6 +135,7 @@ class RodDrop:
         checks.instance("guide", guide, Guide, "a Guide")
         checks.function("rod", rod, " that makes a BeamSolid")
         self._rod, self._stretch, self.guide = rod, stretch, guide
+        self._made: BeamSolid | None = None  # the last one
         self.formulation, self.friction = formulation, friction
         self.scheme = ThetaScheme(0.6) if scheme is None else scheme
         checks.instance("scheme", self.scheme, ThetaScheme, "a ThetaScheme")
@@ -188,7 +189,7 @@ class RodDrop:
         """Push the rod in slowly; the default of ``step`` is for SI units.
 
         Args:
-            travel: how far, m.
+            travel: how far, m, to the multiple of ``step`` that is nearest.
             speed: m/s. None: so slowly that inertia is nothing, a step in
                 ``BeamMatrices.longest_step``. Coulomb's friction knows no speed; for a law that
                 does give it: what swings more slowly than ``step / speed`` then has its inertia.
@@ -226,6 +227,9 @@ class RodDrop:
     def _settled(self) -> BeamSolid:
         """A fresh rod that has come to rest in its guide."""
         rod = checks.instance("rod()", checks.called("rod", self._rod), BeamSolid, "a BeamSolid")
+        if self._made is rod:
+            raise checks.InputError("rod: must make a rod each time, not give the same one again")
+        self._made = rod
         settle(rod, self._stretch, self.guide)
         return rod
 

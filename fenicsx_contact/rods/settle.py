@@ -44,6 +44,10 @@ class Held(Driven):
 
 def lay_in(rod: BeamSolid, guide: Guide) -> None:
     """Give the rod the shape of the guide's centre line, without strain of its own motion."""
+    if guide.dim != rod.dim:
+        raise checks.InputError(
+            f"guide: is {guide.dim}D, as its origin is, and {rod.name!r} {rod.dim}D"
+        )
     s = rod.matrices.s + rod.split(rod.displacement)[1]
     along = rod.axis.origin + s[:, None] * rod.axis.direction
     centre = guide.centre(guide.depth(along)) - rod.axis.origin

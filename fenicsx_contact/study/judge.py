@@ -61,7 +61,7 @@ def judge(build: Callable[[], Problem]) -> Verdict:
         return Verdict("energy_created", reason=f"energy rose by {share:.3g} of itself", **facts)
     if not history.finished:
         return Verdict("stopped", reason=history.reason, **facts)
-    error = float(problem.error(history))
+    error = abs(float(problem.error(history)))
     good = error <= min(problem.bound, 1.0)
     reason = "" if good else "misses what is compared" if np.isnan(error) else "above the bound"
     return Verdict("within_error" if good else "off", error, reason=reason, **facts)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from numbers import Real
 from statistics import median
 from time import perf_counter
 from typing import Any
@@ -59,8 +60,10 @@ class Study:
             allowed = "settings, dicts of arguments of build"
             if not checks.sequence(what, settings, Mapping, allowed):
                 raise InputError(f"{what} = []: must be a list of {allowed}")
-            if self.over != "steps" and not any(self.over in setting for setting in settings):
-                raise InputError(f"over = {self.over!r}: must be 'steps' or a setting of {what}")
+            if self.over != "steps" and not all(_size(setting, self.over) for setting in settings):
+                raise InputError(
+                    f"over = {self.over!r}: must be 'steps' or a number > 0 in each of {what}"
+                )
 
     def shortened(self) -> Study:
         """The same with the two coarsest settings of each ladder."""
@@ -161,6 +164,12 @@ def _measured(study: Study, method: str, setting: Setting, repeats: int) -> Samp
     )
 
 
+def _size(setting: Mapping[str, Any], over: str) -> bool:
+    """Whether this is a number in a setting against whose logarithm a rate is fitted."""
+    value = setting.get(over)
+    return isinstance(value, Real) and 0 < float(value) < np.inf
+
+
 def pareto(samples: Iterable[Sample]) -> list[Sample]:
     """The samples that no other beats in both error and run time, by rising run time; an error has
     to be smaller by a thousandth, for methods that agree differ by round-off."""
@@ -176,12 +185,12 @@ def rate(samples: Iterable[Sample], over: str = "steps") -> float:
     """Order of convergence: minus the slope of log(error) over log(steps), fitted; or over another
     setting, by name, that varies: of samples from coarse to fine, as a ladder has them, for it may
     be a size, which falls, or a count. NaN where fewer than two samples have an error; InputError
-    if no setting has that name."""
+    if it is no number > 0 in all settings."""
     samples = list(samples)
-    if over != "steps" and samples and not any(over in s.setting for s in samples):
-        raise InputError(f"over = {over!r}: must be 'steps' or the name of a setting")
+    if over != "steps" and not all(_size(s.setting, over) for s in samples):
+        raise InputError(f"over = {over!r}: must be 'steps' or a number > 0 in each setting")
     good = [s for s in samples if np.isfinite(s.error) and s.error > 0]
-    sizes = [s.setting.get(over, s.steps) for s in good]
+    sizes = [s.steps if over == "steps" else s.setting[over] for s in good]
     falls = over != "steps" and len(sizes) > 0 and sizes[-1] < sizes[0]
     if len(set(sizes)) < 2:
         sizes = [s.steps for s in good]

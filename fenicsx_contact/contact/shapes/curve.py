@@ -50,6 +50,7 @@ class Curve:
                 "not be the same"
             )
         self.smooth, self.closed = checks.truth("smooth", smooth), False
+        self.edged = not self.smooth
         if np.linalg.norm(x[-1] - x[0]) <= SAME * extent:
             if len(x) < 4:
                 raise checks.InputError(f"{problem}, four at least to close")

@@ -45,7 +45,7 @@ class Revolution:
             )
         self.center = checks.vector("center", center, 3)
         self.axis = checks.direction("axis", axis, 3)
-        self.moving = self._wall.moving
+        self.moving, self.edged = self._wall.moving, self._wall.edged
         self._across = np.eye(3) - np.outer(self.axis, self.axis)
         if self._wall.smooth:
             self.slopes = self._slopes

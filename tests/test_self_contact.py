@@ -374,3 +374,48 @@ def test_what_is_rigid_cannot_touch_itself():
     body = RigidSolid(mesh, mass=1.0)
     with pytest.raises(InputError, match=r"master = \('rigid', 'base'\): what is rigid"):
         Contact(body, "base", (body, "base"))
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+@pytest.mark.parametrize("n", [2, 4])
+def test_a_hollow_corner_that_closes_presses_on_nothing(law, n):
+    """An L whose arm is bent down: both faces of its corner are one surface, and meet at the corner
+    alone. By means over the facets beside it they pushed each other off."""
+
+    def bent(contacts):
+        corners = [np.zeros(2), np.full(2, 2.0)]
+        kind = dolfinx.mesh.CellType.quadrilateral
+        whole = dolfinx.mesh.create_rectangle(MPI.COMM_SELF, corners, [2 * n, 2 * n], kind)
+        cells = whole.topology.index_map(2).size_local
+        nodes = whole.geometry.x[compat.cell_geometry(whole)[:cells], :2]
+        stays = ~(nodes.mean(axis=1) @ np.diag((1, -1)) > (1, -1)).all(axis=1)
+        x, cells = np.unique(np.round(nodes[stays].reshape(-1, 2), 9), axis=0, return_inverse=True)
+        mesh = compat.create_mesh(MPI.COMM_SELF, cells.reshape(-1, 4), x, "quadrilateral")
+        named = name_facets(
+            mesh,
+            {
+                "base": lambda p: np.isclose(p[1], 0),
+                "top": lambda p: np.isclose(p[1], 2),
+                "corner": lambda p: (
+                    (np.isclose(p[0], 1) & (p[1] < 1 + 1e-6))
+                    | (np.isclose(p[1], 1) & (p[0] > 1 - 1e-6))
+                ),
+            },
+        )
+        body = ElasticSolid(
+            named,
+            youngs_modulus=1e3,
+            poisson_ratio=0.3,
+            density=1.0,
+            fixed=["base"],
+            tractions={"top": lambda t: (0.0, -20.0 * t)},
+        )
+        made = [Contact(body, "corner", (body, "corner"), law)] if contacts else []
+        history = Scene([body], made, QuasiStatic()).run(until=1.0, dt=0.25)
+        assert history.finished
+        return history["strain"], made
+
+    free, _ = bent(False)
+    energy, (contact,) = bent(True)
+    np.testing.assert_allclose(energy, free, rtol=1e-9)
+    assert not contact.force.any()

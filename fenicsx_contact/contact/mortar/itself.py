@@ -5,8 +5,9 @@ Every two that face each other are asked once: the first of them, in an order th
 is the slave. Sharp edges divide the surface into smooth parts, of which the smaller one is slave,
 as if they were named. Within a part the order runs away from an extremity of the undeformed body,
 however that lies in the world: what folds then meets as two surfaces that are named, one of them
-slave throughout, but where a fold lies across the way. And what a ray meets on the far side of the
-body's own wall is no contact.
+slave throughout, but where a fold lies across the way. Facets with a corner in common meet there
+anyway, which is no contact: by means over what is covered a hollow corner would press itself open.
+And what a ray meets on the far side of the body's own wall is none either.
 """
 
 from __future__ import annotations
@@ -59,6 +60,7 @@ class Itself:
 
     def __init__(self, side: Side) -> None:
         m = len(side.cells)
+        self._corners = side.corners
         self._middles = side.nodes[side.corners].mean(axis=1)
         slopes = side.shape(np.tile(side.midpoint, (m, 1)))[1]
         normals = side.normals(side.nodes, np.arange(m), slopes)
@@ -86,7 +88,10 @@ class Itself:
         arm = self._middles[other] - self._middles[facet]
         before = (arm * self._normals[facet]).sum(axis=1)
         wall = (before < 0) & (away <= WALL * before)
-        return (self._rank[facet] < self._rank[other]) & ~wall
+        beside = (self._corners[facet][:, :, None] == self._corners[other][:, None]).any(
+            axis=(1, 2)
+        )
+        return (self._rank[facet] < self._rank[other]) & ~wall & ~beside
 
     def pass_through(self, mine: np.ndarray, theirs: np.ndarray) -> bool:
         """Nothing goes through itself as a whole."""

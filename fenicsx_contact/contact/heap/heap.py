@@ -61,11 +61,8 @@ class HeapJump(Coupling):
         return np.concatenate([trace.positions() for trace in self.traces])
 
     def _meet(self, way: np.ndarray, busy: np.ndarray) -> None:
-        depths = self.meetings.depths()
-        self._foreseen, found = (
-            way,
-            self._search(self._start, way, depths, self.meetings.features.key),
-        )
+        depths, known = self.meetings.depths(), self.meetings.features.key
+        self._foreseen, found = way, self._search(self._start, way, depths, known)
         self.fresh = self.meetings.take(found, busy)
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:

@@ -151,10 +151,12 @@ def test_a_column_pressed_on_a_box_of_its_own_width(cells, closed):
     np.testing.assert_allclose(contact.force.sum(axis=0), (0.0, 4e3), atol=1e-6)
 
 
-def test_what_slides_along_a_track_of_its_own_breadth_stays_on_it():
-    block = RigidSolid(
-        box((4, 1, 1), (0.4, 0.2, 0.2)), mass=1.0, gravity=(0, 0, -G), velocity=(V, 0, 0)
-    )
+@pytest.mark.parametrize("aside", [0.0, 1e-16, -1e-16, 1e-12])
+def test_what_slides_along_a_track_of_its_own_breadth_stays_on_it(aside):
+    """So it does where round-off puts it aside, which tells otherwise on every machine."""
+    mesh = box((4, 1, 1), (0.4, 0.2, 0.2))
+    mesh.mesh.geometry.x[:, 1] += aside
+    block = RigidSolid(mesh, mass=1.0, gravity=(0, 0, -G), velocity=(V, 0, 0))
     track = Box((0.5, 0, -0.5), (2.0, 0.2, 1.0))
     Scene([block], [Contact(block, "base", track)]).run(until=0.5, dt=1e-2)
-    np.testing.assert_allclose(block.place, (0.5, 0.0, 0.1), atol=1e-9)
+    np.testing.assert_allclose(block.place, (0.5, aside, 0.1), atol=1e-11)

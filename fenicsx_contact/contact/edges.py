@@ -49,8 +49,8 @@ def come_by(
     start: np.ndarray,
     size: float,
 ) -> np.ndarray:
-    """Outward normals of a wall at points, (n, d): at an edge those of the face before which they
-    were.
+    """Outward normals of a wall at points, (n, d): at an edge, or as near to one as places are told
+    apart, those of the face before which they were.
 
     Args:
         wall, points: what is met, and where, (n, d) in m.
@@ -64,9 +64,10 @@ def come_by(
     if not turned.any():
         return normals
     there = points - SAME * ways  # of all: some walls are compiled for a number of points
-    both = wall.normals(np.concatenate([there, there + SAME * size * start]), time)
-    before, above = both.reshape(2, *points.shape)
-    stays = (np.abs(before - start) <= RIGHT).all(axis=1)  # else it goes along the edge, or rests
-    before = np.where(stays[:, None], before, above)
+    # what goes along an edge, or rests, may be beyond it by round-off
+    beside = there + SAME * size * (start - normals)
+    before, nearby = wall.normals(np.concatenate([there, beside]), time).reshape(2, *points.shape)
+    stays = (np.abs(before - start) <= RIGHT).all(axis=1)
+    before = np.where(stays[:, None], before, nearby)
     edge = turned & (np.abs(before - normals) > RIGHT).any(axis=1)
     return np.where(edge[:, None], before, normals) if edge.any() else normals

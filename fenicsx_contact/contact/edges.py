@@ -15,8 +15,8 @@ from .wall import Wall
 
 
 def lain_on(wall: Wall, points: np.ndarray, cells: np.ndarray, time: float) -> np.ndarray:
-    """Outward normals of a wall at points, (n, d): at an edge those of the face on which the most
-    of the facets beside the point lies.
+    """Outward normals of a wall at points, (n, d): at an edge those of the face on which a facet
+    beside the point lies.
 
     Args:
         wall: that they may touch.

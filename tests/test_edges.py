@@ -20,6 +20,7 @@ from fenicsx_contact import (
     ThetaScheme,
     Union,
     Wedge,
+    name_facets,
 )
 
 G, V = 10.0, 1.0
@@ -160,3 +161,72 @@ def test_what_slides_along_a_track_of_its_own_breadth_stays_on_it(aside):
     track = Box((0.5, 0, -0.5), (2.0, 0.2, 1.0))
     Scene([block], [Contact(block, "base", track)]).run(until=0.5, dt=1e-2)
     np.testing.assert_allclose(block.place, (0.5, aside, 0.1), atol=1e-11)
+
+
+FALLS = [("velocity", 0.5, False), ("velocity", 0.5, True), ("velocity", 1.0, False)]
+FALLS.append(("gap", 1.0, False))
+
+
+@pytest.mark.parametrize("law, theta, located", FALLS)
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("inset", [0.0, 1e-12, 1e-10, 1e-7, 1e-4])
+def test_what_falls_on_a_box_of_its_own_size_is_borne(dim, inset, law, theta, located):
+    """However little it is within it: farther inside than that the nearest face is a side."""
+    size = np.full(dim, 0.4) - 2 * inset
+    mesh = (rectangle if dim == 2 else box)((1,) * dim, size)
+    down = np.eye(dim)[-1]
+    block = RigidSolid(mesh, mass=1.0, gravity=-G * down)
+    below = Box(-0.6 * down, (0.4,) * (dim - 1) + (1.0,))
+    contact = Contact(block, "base", below, law, friction=0.3)
+    scene = Scene([block], [contact], ThetaScheme(theta), locate_impacts=located)
+    history = scene.run(until=0.3, dt=3e-3)
+    assert history.reason == "finished" and not history.remarks
+    late = 0 if law == "gap" or located else np.sqrt(2 * G * 0.1) * 3e-3
+    assert -late - 1e-8 <= block.place[-1] - (size[-1] / 2 - 0.1) <= 1e-8
+    np.testing.assert_allclose(block.velocity, 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("surface", ["left", "skin"])
+@pytest.mark.parametrize("aside", [0.0, 1e-12])
+def test_what_falls_beside_a_box_and_touches_its_side_goes_past(surface, aside):
+    mesh = rectangle((1, 1), (0.4, 0.4))
+    mesh.mesh.geometry.x[:, 0] += 0.4 + aside
+    where = {"left": lambda x: x[0] < 0.2 + 1e-9, "skin": lambda x: np.full(x.shape[1], True)}
+    mesh = name_facets(mesh.mesh, {surface: where[surface]})
+    block = RigidSolid(mesh, mass=1.0, gravity=(0, -G))
+    contact = Contact(block, surface, Box((0, -0.6), (0.4, 1.0)))
+    history = Scene([block], [contact], ThetaScheme(0.5)).run(until=0.3, dt=1e-2)
+    assert history.reason == "finished"
+    np.testing.assert_allclose(block.velocity, (0, -G * 0.3, 0), atol=1e-9)
+
+
+@pytest.mark.parametrize("geometry", ["fixed point", "newton"])
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+def test_a_base_that_friction_keeps_from_spreading_is_borne(law, geometry):
+    def force(width):
+        mesh = rectangle((2, 1), (0.4, 0.2))
+        block = ElasticSolid(
+            mesh, youngs_modulus=1e6, poisson_ratio=0.3, density=1e3, gravity=(0, -G)
+        )
+        contact = Contact(block, "base", Box((0, -0.1), (width, 0.2)), law, friction=0.3)
+        scene = Scene([block], [contact], ThetaScheme(1.0), geometry=geometry)
+        assert scene.run(until=0.05, dt=5e-3).reason == "finished"
+        return contact.force.sum(axis=0)
+
+    np.testing.assert_allclose(force(0.4), force(0.4004), rtol=1e-9, atol=1e-6)
+
+
+def test_so_it_is_when_resumed(tmp_path):
+    def begun():
+        block = RigidSolid(rectangle((1, 1), (0.4, 0.4)), mass=1.0, gravity=(0, -G))
+        contact = Contact(block, "base", Box((0, -0.6), (0.4, 1.0)), friction=0.3)
+        return block, Scene([block], [contact], ThetaScheme(1.0))
+
+    whole, scene = begun()
+    scene.run(until=0.4, dt=7e-3, directory=tmp_path / "whole")
+    _, scene = begun()
+    scene.run(until=0.3, dt=7e-3, directory=tmp_path / "parts")
+    again, scene = begun()
+    scene.run(until=0.4, dt=7e-3, directory=tmp_path / "parts", resume=True)
+    assert whole.place[1] > 0.09
+    np.testing.assert_array_equal(again.place, whole.place)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Normals of points at an edge of a wall, which has those of all its faces.
+"""Faces of a wall that has edges by which points meet it.
 
-Round-off would choose one of them, another at each iterate, along which the point is free. But a
-body that lies on a face up to its very edge is borne by it, and what slides over an edge is borne
-by the face by which it comes until it is beyond.
+Beside an edge the nearest face is another one as soon as a point is farther inside than from the
+edge, and on it round-off chooses. But what comes to a face is borne by it, and so is what lies on
+it up to its very edge, however deep it is by then; what slides over the edge is so until beyond.
 """
 
 from __future__ import annotations
@@ -11,63 +11,109 @@ from __future__ import annotations
 import numpy as np
 
 from ..base.constants import RIGHT, SAME
+from ..base.vectors import dot, largest
 from .wall import Wall
 
 
-def lain_on(wall: Wall, points: np.ndarray, cells: np.ndarray, time: float) -> np.ndarray:
-    """Outward normals of a wall at points, (n, d): at an edge those of the face on which a facet
-    beside the point lies.
+class Faces:
+    """Distances and normals of the points of a surface: of faces, where those by which they came
+    tell.
 
     Args:
         wall: that they may touch.
-        points: nodes of facets, (n, d) in m.
         cells: nodes of each facet, (m, k).
-        time: s.
-    """
-    normals, distance = wall.normals(points, time), wall.distance(points, time)
-    ways = points[cells].mean(axis=1)[:, None] - points[cells]
-    size = np.linalg.norm(ways, axis=2)
-    cell, corner = (np.abs(distance[cells]) <= SAME * size).nonzero()
-    if not len(cell):
-        return normals
-    node = cells[cell, corner]
-    beside = points[node] + SAME * ways[cell, corner]
-    order = np.lexsort((wall.distance(beside, time), node))  # the nearest of each node first
-    first = order[np.unique(node[order], return_index=True)[1]]
-    node, there = node[first], wall.normals(beside[first], time)
-    edge = (np.abs(there - normals[node]) > RIGHT).any(axis=1)
-    normals = normals.copy()
-    normals[node[edge]] = there[edge]
-    return normals
-
-
-def come_by(
-    wall: Wall,
-    points: np.ndarray,
-    ways: np.ndarray,
-    time: float,
-    start: np.ndarray,
-    size: float,
-) -> np.ndarray:
-    """Outward normals of a wall at points, (n, d): at an edge, or as near to one as places are told
-    apart, those of the face before which they were.
-
-    Args:
-        wall, points: what is met, and where, (n, d) in m.
-        ways: by which the points got there, as seen from the wall, (n, d) in m.
-        time: s.
-        start: outward normals from where they came, (n, d).
         size: of the surface, m.
+
+    Attributes:
+        kept: where these are of the plane of a face, not of what is nearest, (n,) of bool.
     """
-    normals = wall.normals(points, time)
-    turned = (np.abs(normals - start) > SAME).any(axis=1)
-    if not turned.any():
+
+    def __init__(self, wall: Wall, cells: np.ndarray, size: float) -> None:
+        self._wall, self._cells, self._near = wall, cells, SAME * size
+        self._start: tuple[np.ndarray, np.ndarray] | None = None
+        self.kept = np.zeros(0, dtype=bool)
+
+    def start(self, normals: np.ndarray, distance: np.ndarray) -> None:
+        """Keep what there is where a step starts, (n, d) and (n,) in m."""
+        self._start = normals, distance
+
+    def meet(
+        self, points: np.ndarray, ways: np.ndarray, time: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Outward normals, (n, d), and distances, (n,) in m.
+
+        Args:
+            points: (n, d) in m.
+            ways: by which they got there, as seen from the wall, (n, d) in m.
+            time: s.
+        """
+        normals, distance = self._wall.normals(points, time), self._wall.distance(points, time)
+        self.kept = np.zeros(len(points), dtype=bool)
+        if self._start is None:
+            return self._lain_on(points, normals, distance, time), distance
+        start, was = self._start
+        turned = (np.abs(normals - start) > SAME).any(axis=1)
+        now = was + dot(ways, start)  # of the plane of the face
+        turned &= now <= self._near
+        if not turned.any():
+            return normals, distance
+        came = turned & self._by(points, ways, time, normals, start, was, now)
+        # what goes along an edge may be beyond it by round-off
+        there = self._wall.normals(points - SAME * ways, time)
+        goes = turned & (np.abs(there - start) <= RIGHT).all(axis=1) & (now >= -self._near)
+        self.kept = came | goes
+        if not self.kept.any():
+            return normals, distance
+        distance = np.where(self.kept, now, distance)
+        return np.where(self.kept[:, None], start, normals), distance
+
+    def _by(
+        self,
+        points: np.ndarray,
+        ways: np.ndarray,
+        time: float,
+        normals: np.ndarray,
+        start: np.ndarray,
+        was: np.ndarray,
+        now: np.ndarray,
+    ) -> np.ndarray:
+        """Whether points get inside by the faces before which they were, or are on them, (n,)."""
+        asked = (now <= self._near) & (dot(start, normals) > -RIGHT)
+        if not asked.any():
+            return asked
+        ahead = np.where(was > self._near, now / np.where(now < was, now - was, 1.0), 0.0)
+        foot = points - np.clip(ahead, 0.0, 1.0)[:, None] * ways
+        foot -= np.where(was > self._near, 0.0, now)[:, None] * start
+        # over the face, and not beside it, is that whose facets go back from its edge
+        over = dot(self._inward(points), normals) < -RIGHT
+        aside = np.where(over, -1.0, 1.0)[:, None] * normals
+        beside = foot + self._near * (start + aside)
+        on = np.abs(self._wall.distance(foot, time)) <= self._near
+        same = (np.abs(self._wall.normals(beside, time) - start) <= RIGHT).all(axis=1)
+        return np.asarray(asked & on & same)
+
+    def _inward(self, points: np.ndarray) -> np.ndarray:
+        """From nodes into the facets around them, (n, d), at most of length 1."""
+        corners = points[self._cells]
+        ways, inward = corners.mean(axis=1)[:, None] - corners, np.zeros_like(points)
+        np.add.at(inward, self._cells, ways)
+        return inward / max(largest(inward), np.finfo(float).tiny)
+
+    def _lain_on(
+        self, points: np.ndarray, normals: np.ndarray, distance: np.ndarray, time: float
+    ) -> np.ndarray:
+        """Normals where nothing has come yet: at an edge of the face on which a facet lies."""
+        ways = points[self._cells].mean(axis=1)[:, None] - points[self._cells]
+        size = np.linalg.norm(ways, axis=2)
+        cell, corner = (np.abs(distance[self._cells]) <= SAME * size).nonzero()
+        if not len(cell):
+            return normals
+        node = self._cells[cell, corner]
+        beside = points[node] + SAME * ways[cell, corner]
+        order = np.lexsort((self._wall.distance(beside, time), node))  # the nearest of each first
+        first = order[np.unique(node[order], return_index=True)[1]]
+        node, there = node[first], self._wall.normals(beside[first], time)
+        edge = (np.abs(there - normals[node]) > RIGHT).any(axis=1)
+        normals = normals.copy()
+        normals[node[edge]] = there[edge]
         return normals
-    there = points - SAME * ways  # of all: some walls are compiled for a number of points
-    # what goes along an edge, or rests, may be beyond it by round-off
-    beside = there + SAME * size * (start - normals)
-    before, nearby = wall.normals(np.concatenate([there, beside]), time).reshape(2, *points.shape)
-    stays = (np.abs(before - start) <= RIGHT).all(axis=1)
-    before = np.where(stays[:, None], before, nearby)
-    edge = turned & (np.abs(before - normals) > RIGHT).any(axis=1)
-    return np.where(edge[:, None], before, normals) if edge.any() else normals

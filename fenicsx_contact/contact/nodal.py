@@ -8,19 +8,18 @@ from math import inf
 
 import numpy as np
 
-from ..base.constants import ROUND_OFF, SHARP
-from ..base.vectors import dot, largest, longest
+from ..base.constants import SHARP
+from ..base.vectors import dot, longest
 from ..solids import Solid, Trace
 from ..solids.trace import DeformableTrace
 from ..theory.scheme import Step
-from .edges import come_by, lain_on
+from .edges import Faces
 from .equations import SurfaceEquations
 from .inside import swallowed
 from .jump import Coupling
-from .leaps import kink
 from .ride import Ride
 from .wall import Obstacle, Wall
-from .ways import Ways
+from .ways import Ways, heights
 
 
 class NodalJump(Coupling):
@@ -57,6 +56,9 @@ class NodalJump(Coupling):
         self._seen: np.ndarray | None = None  # depths in the followed state, once asked for
         self._normals: np.ndarray | None = None
         self._start_normals: np.ndarray | None = None
+        surface = equations.fields.surface
+        self._by_faces = self.wall.edged and not (self.fixed_normal or self.encloses)
+        self._by_way = Faces(self.wall, surface.cell_nodes, surface.extent)
 
     def begin(self, step: Step) -> None:
         self._forget()
@@ -85,29 +87,34 @@ class NodalJump(Coupling):
             self._ride.accept()
 
     def _depths(self) -> np.ndarray:
-        if self._seen is None:
-            self._seen = -self.wall.distance(self.traces[0].positions(), self.time) - self.bulge
+        if self._seen is not None:
+            return self._seen
+        if self._by_faces:
+            return self._meet()[1]
+        self._seen = -self.wall.distance(self.traces[0].positions(), self.time) - self.bulge
         return self._seen
 
     def normals(self) -> np.ndarray:
-        if self._normals is None:
-            self._normals = -self._of_wall()
+        if self._normals is not None:
+            return self._normals
+        if self._by_faces:
+            return self._meet()[0]
+        self._normals = -self.wall.normals(self.traces[0].positions(), self.time)
         return self._normals
 
-    def _of_wall(self) -> np.ndarray:
-        """Those of the wall, (n, d)."""
-        x, surface = self.traces[0].positions(), self.equations.fields.surface
-        if self.fixed_normal or not self.wall.edged:
-            return self.wall.normals(x, self.time)
-        if self._start_normals is None:
-            return lain_on(self.wall, x, surface.cell_nodes, self.time)
-        way, start = x - self._start_positions, -self._start_normals
+    def _meet(self) -> tuple[np.ndarray, np.ndarray]:
+        """Normals and depths of faces."""
+        way = (x := self.traces[0].positions()) - self._start_positions
         if self._step:
             way -= self._step.dt * self._ride.end
-        return come_by(self.wall, x, way, self.time, start, surface.extent)
+        outward, distance = self._by_way.meet(x, way, self.time)
+        self._normals, self._seen = -outward, -distance - self.bulge
+        return self._normals, self._seen
 
     def keep_normals(self) -> np.ndarray:
         self._start_normals = self.normals()
+        if self._by_faces:
+            self._by_way.start(-self._start_normals, -self._depths() - self.bulge)
         return self._start_normals
 
     def start_normals(self) -> np.ndarray:
@@ -158,19 +165,8 @@ class NodalJump(Coupling):
     def sudden(self, gap: np.ndarray, step: Step) -> float:
         if not self.driven:
             return inf
-        x, wall = self._start_positions, self.wall
-        normals = -wall.normals(x, step.start)
-        found = kink(
-            lambda *times: dot(wall.velocity(x, *times), normals),
-            *(step.start, step.end),
-            ROUND_OFF * largest(x),
-        )
-        if found is None:
-            return inf
-        time, before, after = found
-        own = dot(self.velocities("velocity").reshape(self._shape), normals)
-        way = (time - step.start) * (own - before) + (step.end - time) * (own - after)
-        return time - step.start if (gap + way > 0).any() else inf
+        own = self.velocities("velocity").reshape(self._shape)
+        return self._ride.sudden(self._start_positions, own, gap, step)
 
     def carried(self, step: Step) -> np.ndarray | float:
         if not self.driven:
@@ -203,6 +199,8 @@ class NodalJump(Coupling):
         e.values = values
         curvature = self.wall.curvature(self.traces[0].positions(), self.time)
         if curvature is not None:
+            if self._by_faces:  # of a plane there is none
+                curvature = np.where(self._by_way.kept[:, None, None], 0.0, curvature)
             # n = -(outward normal); the gap read is that of the end less gap_rate w . n
             turn = -step.gap_rate * curvature
             e.tangents.turn(-share * step.gap_rate * np.einsum("pi,pij->pj", jump, turn), turn)
@@ -235,15 +233,13 @@ class NodalJump(Coupling):
     def dips(self) -> np.ndarray | float:
         if self.fixed_normal or self._start_normals is None:
             return 0.0
-        normals = self._start_normals, self.normals()
-        turned = 0.5 * np.linalg.norm(normals[1] - normals[0], axis=1)  # sine of half the angle
-        way = np.linalg.norm(self.positions() - self._start_positions, axis=1)
-        # a chord times half the tangent of a quarter of the angle is the height of its arc
-        dips = 0.5 * way * turned / (1 + np.sqrt(np.maximum(1 - turned**2, 0.0)))
-        return np.where(dot(*normals) > SHARP, dips, 0.0)
+        way = self.positions() - self._start_positions
+        return heights(way, self._start_normals, self.normals())
 
     def other_side(self, asked: np.ndarray) -> np.ndarray:
         other = np.zeros(len(asked), dtype=bool)
+        if self._by_faces:
+            asked = asked & ~self._by_way.kept
         if not self.fixed_normal and (points := asked.nonzero()[0]).size:
             ways = self._ways()
             entries = ways.entries(points, ways.deepest(asked)[points])
@@ -273,12 +269,18 @@ class NodalJump(Coupling):
 
     def state(self) -> dict[str, np.ndarray]:
         before = self._ride.before
-        carried = {} if before is None else {"carried": before}
-        return {"time": np.array(self.time), **carried}
+        state = {"time": np.array(self.time)}
+        if before is not None:
+            state["carried"] = before
+        if self._by_faces:
+            state["distance"] = -self._depths() - self.bulge
+        return state
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         self._step, self.time = None, float(state["time"])
-        self._start_normals = np.array(state["normal"])  # at an edge they tell the face
+        self._start_normals = np.array(state["normal"])
+        if self._by_faces:
+            self._by_way.start(-self._start_normals, np.array(state["distance"]))
         self._ride.restore(np.array(state["carried"]) if "carried" in state else None)
         super().restore(state)
 

@@ -11,12 +11,14 @@ turns into itself.
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 
-from ..base.constants import BRIEF
-from ..base.vectors import dot
+from ..base.constants import BRIEF, ROUND_OFF
+from ..base.vectors import dot, largest
 from ..theory.scheme import Step
-from .leaps import brief_time, follows, refuse_leaps
+from .leaps import brief_time, follows, kink, refuse_leaps
 from .wall import Wall
 
 
@@ -143,3 +145,20 @@ class Ride:
         along = share * average(first + gain, last) + (1 - share) * average(first, last - gain)
         size = np.linalg.norm(share[:, None] * normal + (1 - share)[:, None] * old, axis=1)
         return (along / size - dot(mean, force))[:, None] * force
+
+    def sudden(self, x: np.ndarray, own: np.ndarray, gap: np.ndarray, step: Step) -> float:
+        """After how long in a step it changes its velocity at once, so that it reaches points at
+        x, (n, d) in m, with velocities, (n, d) in m/s, and gaps, (n,) in m; s; inf if it does not.
+        """
+        normals = -self._wall.normals(x, step.start)
+        found = kink(
+            lambda *times: dot(self._wall.velocity(x, *times), normals),
+            *(step.start, step.end),
+            ROUND_OFF * largest(x),
+        )
+        if found is None:
+            return inf
+        time, before, after = found
+        along = dot(own, normals)
+        way = (time - step.start) * (along - before) + (step.end - time) * (along - after)
+        return time - step.start if (gap + way > 0).any() else inf

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..base.constants import BRIEF
+from ..base.constants import BRIEF, SHARP
 from ..base.vectors import dot
 from .wall import Wall
 
@@ -91,6 +91,16 @@ class Ways:
             return dot(self.normals(points, share), goes) > 0
         first = np.maximum(share - BRIEF, 0.0)
         return np.asarray(self.depth(points, first + BRIEF) < self.depth(points, first))
+
+
+def heights(ways: np.ndarray, old: np.ndarray, new: np.ndarray) -> np.ndarray:
+    """Of arcs above chords, (n, d) in m, between whose ends normals turn, (n, d); of no arc across
+    an edge; (n,) in m."""
+    turned = 0.5 * np.linalg.norm(new - old, axis=1)  # sine of half the angle
+    # a chord times half the tangent of a quarter of the angle
+    height = 0.5 * np.linalg.norm(ways, axis=1) * turned
+    height /= 1 + np.sqrt(np.maximum(1 - turned**2, 0.0))
+    return np.where(dot(old, new) > SHARP, height, 0.0)
 
 
 def _first(holds: _Asked, last: np.ndarray) -> np.ndarray:

@@ -42,6 +42,20 @@ def test_mass_is_moved_not_lost(mesh):
         assert uniform @ M @ uniform == pytest.approx(uniform @ matrix(plain) @ uniform, rel=1e-9)
 
 
+def test_a_bar_on_rollers_keeps_its_mass():
+    """All its nodes are held across it, along it they take what the end loses."""
+    held = {"base": (None, 0.0), "top": (None, 0.0)}
+    data = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 2.0, "prescribed": held}
+    data["velocity"] = lambda x: np.stack([-1 + 0 * x[0], 0 * x[0]])
+    solid = ElasticSolid(rectangle((8, 1), (2.0, 0.1)), mass_redistribution=["left"], **data)
+    along = np.zeros(solid.owned)
+    along[::2] = 1.0
+    assert along @ matrix(solid) @ along == pytest.approx(2.0 * 2.0 * 0.1)
+    contact = Contact(solid, "left", HalfSpace((-1, 0), (1, 0)), "gap", name="c")
+    total = total_energy(Scene([solid], [contact]).run(until=1e-2, dt=1e-4))
+    assert np.abs(total / total[0] - 1).max() < 1e-6
+
+
 def bar(cells, length, gap, speed, until, **state):
     solid = ElasticSolid(
         rectangle((cells, 1), (length, 1.0)),

@@ -452,6 +452,8 @@ def test_a_drop_of_something_else():
         RodDrop(lambda a: 3, "rod", guide).fall()
     with pytest.raises(InputError, match="guide"):
         RodDrop(lambda: 3, "rod", "guide")
+    with pytest.raises(InputError, match="watch = 3: must be a function"):
+        in_tube().fall(watch=3)
     one = in_tube()._rod()
     again = RodDrop(lambda: one, "rod", guide)
     again.fall(0.01, 1e-3)

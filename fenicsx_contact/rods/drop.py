@@ -164,6 +164,8 @@ class RodDrop:
         """
         if to not in (None, np.inf):
             to = checks.number("to", to)
+        if watch is not None:
+            checks.function("watch", watch, " of the contact")
         contact = self._touching(rod := self._settled(), to)
         if to is not None and not to > rod.travel:
             raise checks.InputError(

@@ -70,7 +70,9 @@ def move_mass_inwards(
         near = np.abs(vectors.multiply(mass, component(near))[::d]) > 0
         near = near.astype(float)
     near[nodes] = 0.0
-    near[fixed // d] = 0.0
+    held = np.zeros(vectors.owned, dtype=bool)
+    held[fixed] = True
+    near[held.reshape(-1, d).all(axis=1)] = 0.0  # what is on rollers moves, and takes some
     behind = np.flatnonzero(near)
     places = np.concatenate(comm.allgather(x[behind]))
     if not len(places):
@@ -102,6 +104,7 @@ def move_mass_inwards(
     added = np.zeros(vectors.owned)
     for k in range(d):
         added[behind * d + k] = gained[first : first + len(behind)]
+    added[held] = 0.0
     diagonal = mass.getDiagonal()
     diagonal.setArray(diagonal.array_r + added)
     mass.setDiagonal(diagonal)

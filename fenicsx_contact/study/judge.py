@@ -11,6 +11,7 @@ import numpy as np
 
 from ..base.checks import InputError
 from ..base.constants import MADE
+from ..base.quoted import quoted
 from ..output.history import History
 from .problem import Problem, energy_size, total_energy
 
@@ -61,10 +62,19 @@ def judge(build: Callable[[], Problem]) -> Verdict:
         return Verdict("energy_created", reason=f"energy rose by {share:.3g} of itself", **facts)
     if not history.finished:
         return Verdict("stopped", reason=history.reason, **facts)
-    error = abs(float(problem.error(history)))
+    error = _error(problem, history)
     good = error <= min(problem.bound, 1.0)
     reason = "" if good else "misses what is compared" if np.isnan(error) else "above the bound"
     return Verdict("within_error" if good else "off", error, reason=reason, **facts)
+
+
+def _error(problem: Problem, history: History) -> float:
+    """The size of the problem's own error; NaN where it can compare nothing."""
+    error = problem.error(history)
+    try:
+        return abs(float(error))
+    except (TypeError, ValueError):
+        raise InputError(f"error = {quoted(error)}: must be a number") from None
 
 
 def _finite(history: History) -> bool:

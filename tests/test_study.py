@@ -153,7 +153,7 @@ def test_classes():
     assert judged(kinetic=np.nan).kind == "nonsense"
     assert judged(**{"floor.penetration": 1.0}).kind == "nonsense"
     for none in (None, "small", [0.1, 0.2]):
-        with pytest.raises(InputError, match="error = .*: must be a number"):
+        with pytest.raises(InputError, match=r"error = .*: must be a number"):
             judged(error=none)
     verdict = judge(partial(rocking, tilt=0.5, share=0.1))
     assert verdict.kind == "refused" and "theta0 = 0.5" in verdict.reason

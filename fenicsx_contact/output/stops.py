@@ -15,15 +15,13 @@ STOPS = {
         Stop(
             "no equilibrium",
             "no equilibrium: contacts cannot hold ... against ...",
-            "in statics: loads on a body that no support holds against this motion are outside of "
-            "what its contacts can bear: it slides, tips over or is pulled off",
+            "in statics: contacts cannot bear the loads on a body that no support holds so",
             "less load, more friction or a support; with inertia (`ThetaScheme(1.0)`) it moves",
         ),
         Stop(
             "buckles",
             "... buckles faster than steps of ... s can tell: shorter ones can",
-            "a rod whose axial force bends it is pressed by more than it bears straight where no "
-            "rigid wall holds it: more than one motion solves a step so long",
+            "an axial force bends a rod that no rigid wall holds: a step so long has two solutions",
             "shorter steps; they are cut by themselves, but not without end",
         ),
         Stop(
@@ -88,6 +86,12 @@ STOPS = {
             "the linearised problem is singular: is a body without support?",
             "nothing holds a body against some motion: no contact, no support, no inertia",
             "hold it; `ThetaScheme` in place of `QuasiStatic`",
+        ),
+        Stop(
+            "jammed",
+            "contacts ... close on ..., which cannot give way",
+            "what moves as it is told leaves rigid bodies no room",
+            "motions that end in time; walls driven by forces; bodies that deform",
         ),
         Stop(
             "held on both sides",
@@ -253,7 +257,7 @@ STOPS = {
             "error of a step",
             "error ..., above ...",
             "the estimated error of the motion",
-            "none is needed; or a larger `step_error`",
+            "a larger `step_error`",
         ),
     ],
     "ends": [

@@ -153,8 +153,9 @@ def _rates(contact: Contact, solid: Any, shares: dict[int, np.ndarray], step: St
     rates = np.zeros((*contact.normal.shape, motions.shape[1]))
     if any(other is solid for other in contact.solids):
         means = {id(other): np.zeros_like(other.velocity) for other in contact.solids}
+        rest = contact.coupling.mean_jump(means, step)  # beside an obstacle that moves
         for k, motion in enumerate(motions.T):
-            rates[:, :, k] = contact.coupling.mean_jump({**means, id(solid): motion}, step)
+            rates[:, :, k] = contact.coupling.mean_jump({**means, id(solid): motion}, step) - rest
     return rates
 
 

@@ -24,7 +24,7 @@ from ..solids import DeformableSolid
 from ..theory.scheme import Step
 from .condensed import Condensed
 from .cones import begin_from_cones, few_in_cones
-from .equilibrium import unbearable
+from .jams import hopeless
 from .krylov import Krylov
 from .monolithic import Monolithic
 from .multipliers import ROUGH
@@ -175,9 +175,8 @@ class StepSolver:
 
     def _settle(self, step: Step, first: bool, rounded: bool = True) -> Solution:
         frozen, known = self.system.freeze(step, first), dict[str, Any]()
+        known["hopeless"] = partial(hopeless, self._floating, self._all.contacts, step)
         frozen.rounded = rounded
-        if self._floating:
-            known["hopeless"] = partial(unbearable, self._floating, self._all.contacts, step)
         if few_in_cones(frozen, self._all.freedoms):
             known["elsewhere"] = partial(begin_from_cones, frozen, self._all.contacts, step)
         try:

@@ -13,6 +13,7 @@ from fenicsx_contact import (
     Curve,
     ElasticSolid,
     HalfSpace,
+    Moved,
     Polyhedron,
     QuasiStatic,
     RigidSolid,
@@ -230,3 +231,22 @@ def test_so_it_is_when_resumed(tmp_path):
     scene.run(until=0.4, dt=7e-3, directory=tmp_path / "parts", resume=True)
     assert whole.place[1] > 0.09
     np.testing.assert_array_equal(again.place, whole.place)
+
+
+@pytest.mark.parametrize("law, theta, located", FALLS)
+@pytest.mark.parametrize("cells", [1, 2])
+@pytest.mark.parametrize("motion", ["lifts", "falls", "goes"])
+def test_what_rides_on_a_box_of_its_own_size_stays_on_it(motion, cells, law, theta, located):
+    way = {
+        "lifts": lambda t: (0.0, t * t / 2),
+        "falls": lambda t: (0.0, -0.5 * t),
+        "goes": lambda t: (0.3 * t, 0.2 * t),
+    }[motion]
+    start = {"lifts": (0, 0), "falls": (0, -0.5), "goes": (0.3, 0.2)}[motion]
+    mesh = rectangle((cells, 1), (0.4, 0.4))
+    block = RigidSolid(mesh, mass=1.0, gravity=(0, -G), velocity=start)
+    below = Moved(Box((0, -0.5), (0.4, 1.0)), way)
+    contact = Contact(block, "base", below, law, friction=0.6)
+    scene = Scene([block], [contact], ThetaScheme(theta), locate_impacts=located)
+    assert scene.run(until=0.5, dt=1e-2).finished
+    np.testing.assert_allclose(block.place, np.add(way(0.5), (0, 0.2)), atol=1e-9)

@@ -66,7 +66,9 @@ class NodalJump(Coupling):
             return
         super().begin(step)
         self._step = step
-        self._ride.begin(step, self._start_positions)
+        self._ride.begin(
+            step, self._start_positions, self._start_normals if self._by_faces else None
+        )
 
     def _forget(self) -> None:
         self._seen = None
@@ -105,8 +107,8 @@ class NodalJump(Coupling):
     def _meet(self) -> tuple[np.ndarray, np.ndarray]:
         """Normals and depths of faces."""
         way = (x := self.traces[0].positions()) - self._start_positions
-        if self._step:
-            way -= self._step.dt * self._ride.end
+        if (step := self._step) and step.dt:
+            way -= step.dt * self.wall.velocity(x, step.start, step.end)
         outward, distance = self._by_way.meet(x, way, self.time)
         self._normals, self._seen = -outward, -distance - self.bulge
         return self._normals, self._seen

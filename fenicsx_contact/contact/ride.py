@@ -48,8 +48,8 @@ class Ride:
         self._start_normal: np.ndarray | None = None
         self._follows = not wall.told  # until it is seen
 
-    def begin(self, step: Step, x: np.ndarray) -> None:
-        """Begin a step from these places, (n, d) in m."""
+    def begin(self, step: Step, x: np.ndarray, normal: np.ndarray | None = None) -> None:
+        """Begin a step from these places, (n, d) in m, and normals there; None: of the wall."""
         self._step, wall = step, self._wall
         new = self._velocity_at(x, step.start, brief_time(step.start, step.horizon))
         self.before = new if self.before is None else self.before
@@ -58,7 +58,8 @@ class Ride:
         late = step.implicitness
         self.struck = (1 - late) * new + late * self.before
         self.start = self.before if step.dt else self.struck
-        normal = self._start_normal = -wall.normals(x, step.start)
+        normal = -wall.normals(x, step.start) if normal is None else normal
+        self._start_normal = normal
         if wall.flat or not step.dt:
             self.end = self._last_velocity(x)
         else:  # the rates of the step where it starts

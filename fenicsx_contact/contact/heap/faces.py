@@ -68,7 +68,7 @@ def at_edge(
     ends: tuple[np.ndarray, np.ndarray],
     x: np.ndarray,
     inside: np.ndarray,
-    beyond: np.ndarray,
+    next_to: tuple[np.ndarray, np.ndarray],
 ) -> np.ndarray:
     """Of which of these faces each corner, in front of it, meets no more than the very edge, as it
     goes on over the next face: (k,) of bool.
@@ -83,10 +83,12 @@ def at_edge(
         ends: how high corners are above the planes of faces, now and where they go, m.
         x: places of the nodes.
         inside: see above.
-        beyond: whether it goes over the face, though not all that is behind it may do.
+        next_to: whether it goes over the face, though not all that is behind it may do, and whether
+            all does: else it goes on over that face if it goes no deeper.
     """
     result, same = np.zeros(len(face), dtype=bool), SAME * s.sizes[s.owner[face]]
-    (height, ahead), on = ends, np.flatnonzero(beyond)
+    (height, ahead), (beyond, over) = ends, next_to
+    on = np.flatnonzero(beyond & (over | (ahead >= np.minimum(height, 0.0) - same)))
     group = corner * len(s.slices) + s.owner[face]
     front = np.flatnonzero((height >= -same) & (ahead < height) & np.isin(group, group[on]))
     row, other = Ragged(group[on], on, len(x) * len(s.slices)).of(group[front])

@@ -232,7 +232,8 @@ class Search:
         bodies = pairs[pair]
         deep = -WALL * s.thin[bodies].min(axis=1)
         over &= height >= deep
-        over &= ~at_edge(s, corner, face, (height, ahead), x, inside, beyond | goes_on)
+        next_to = beyond | goes_on, over
+        over &= ~at_edge(s, corner, face, (height, ahead), x, inside, next_to)
         pair, corner, face, height, ahead = (a[over] for a in (pair, corner, face, height, ahead))
         behind = np.flatnonzero((height < 0) & ~s.convex[pairs[pair]].all(axis=1))
         start, to = x[corner[behind]], face[behind]

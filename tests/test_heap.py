@@ -809,3 +809,57 @@ def test_corners_that_come_straight_to_corners(corners, play, mu):
         else:  # what touches goes on as one
             expected = [0.0, 0.0, 1.0] if play else [-1 / 3, 2 / 3, 2 / 3]
         np.testing.assert_allclose(last[:, 0], expected, atol=1e-9)
+
+
+def mirrored(n, turn, gap):
+    """Two polygons of n corners, each the other's mirror image, that fly at each other, and the
+    distance of the first corners from the line of their middles."""
+    angle = turn + 2 * np.pi * np.arange(n) / n
+    corners = 0.5 * np.column_stack([np.cos(angle), np.sin(angle)])
+    first = corners[corners[:, 0].argmin()]
+    x, bodies = gap / 2 - first[0], []
+    for side in (-1.0, 1.0):
+        places = np.add(corners, (x, 0)) * (side, 1.0)
+        bodies.append(convex(places, f"{side}", velocity=(-side, 0)))
+    return bodies, first[1]
+
+
+@pytest.mark.parametrize("n, turn", [(3, 0.1), (4, 0.2), (5, 0.1), (6, 0.15), (8, 0.15)])
+@pytest.mark.parametrize("gap", [0.0057, 0.02, 0.0213])
+@pytest.mark.parametrize("dt", [4e-3, 1e-3])
+def test_a_corner_beside_the_middle_that_comes_straight_to_a_corner(n, turn, gap, dt):
+    """Each is beyond the face that bears it until they are there, and beside it to the last digit
+    then: the blow is along the line of the middles, by symmetry."""
+    bodies, arm = mirrored(n, turn, gap)
+    scene = Scene(bodies, [Heap(bodies, "skin", Restitution(1.0))], locate_impacts=True)
+    history = scene.run(until=0.012 if gap > 0.01 else 0.004, dt=dt)
+    assert history.finished and not history.remarks
+    assert history["heap.penetration"].max() < 1e-12
+    inertia = bodies[0].inertia[0, 0]
+    blow = 2 / (1 / bodies[0].mass + arm**2 / inertia)
+    for body, side in zip(bodies, (-1, 1)):
+        expected = side * (blow / body.mass - 1), 0.0, blow * arm / inertia
+        np.testing.assert_allclose(np.abs(body.velocity), np.abs(expected), atol=1e-9)
+
+
+@pytest.mark.parametrize("dt", [1e-2, 5e-3])
+@pytest.mark.parametrize("tilt", [1e-3, 3e-3])
+@pytest.mark.parametrize("e", [0.5, 1.0])
+def test_who_meets_within_a_step_alone_is_not_passed(dt, tilt, e):
+    """Corners that are beside each other at both ends of a step and on each other between: where
+    bodies would be deeper in each other than it is known, the step is cut."""
+
+    def flight(dt):
+        bodies = []
+        for side in (-1, 1):
+            c, s = np.cos(tilt), side * np.sin(tilt)
+            corners = 0.5 * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) @ [(c, s), (-s, c)]
+            corners[:, 0] += side * (0.0005 + np.abs(corners[:, 0]).max())
+            motion = {"velocity": (-side, 0), "spin": -0.5 * side}
+            bodies.append(convex(corners, f"{side}", **motion))
+        scene = Scene(bodies, [Heap(bodies, "skin", Restitution(e))], locate_impacts=True)
+        history = scene.run(until=0.01, dt=dt)
+        assert history.finished and history["heap.penetration"].max() < 1e-9
+        return np.array([body.velocity for body in bodies])
+
+    np.testing.assert_allclose(flight(dt), flight(1e-4), atol=1e-6)

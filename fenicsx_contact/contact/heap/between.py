@@ -45,8 +45,8 @@ def apart(
 
 
 def distances(shape: Shape, x: np.ndarray, pairs: np.ndarray) -> np.ndarray:
-    """How far pairs of convex bodies are apart, (p,) in m, if negative how deep they overlap: the
-    largest of their distances along normals of faces, and of edges that cross.
+    """How far pairs of convex bodies are apart, at least, (p,) in m, if negative how deep they
+    overlap: the largest of their distances along normals of faces, and of edges that cross.
 
     Args:
         shape: of all bodies.
@@ -58,8 +58,9 @@ def distances(shape: Shape, x: np.ndarray, pairs: np.ndarray) -> np.ndarray:
         row, face = shape.faces.of(mine)
         far = _beyond(shape, x, theirs[row], x[shape.outline[face, 0]], shape.units(x, face))
         np.maximum.at(result, row, far)
-    if shape.dim == 3:
-        row, normal = _across(shape, x, pairs)
+    if shape.dim == 3 and len(asked := np.flatnonzero(result < 0)):  # else they are apart
+        row, normal = _across(shape, x, pairs[asked])
+        row = asked[row]
         one, other = pairs[row].T
         none = np.zeros_like(normal)
         far = _beyond(shape, x, other, none, normal) + _beyond(shape, x, one, none, -normal)
@@ -93,3 +94,29 @@ def _across(shape: Shape, x: np.ndarray, pairs: np.ndarray) -> tuple[np.ndarray,
     turn = np.where(np.max(rises, axis=0) <= 0, 1.0, -1.0)
     sides = (np.max(turn * rises, axis=0) <= 0) & (size > 0)
     return pair[sides], normal[sides] * (turn / np.where(size > 0, size, 1.0))[sides, None]
+
+
+def unseen(
+    shape: Shape, start: np.ndarray, end: np.ndarray, pairs: np.ndarray, depths: np.ndarray
+) -> np.ndarray:
+    """Which pairs of convex bodies, (p,) of bool, overlap at the end of a step by more than at its
+    start, and than either is known to be inside of anything.
+
+    Args:
+        shape: of all bodies.
+        start, end: places of their nodes, (N, d) in m.
+        pairs: of bodies, (p, 2).
+        depths: of each body in others, where they are known to meet, (B,) in m.
+    """
+    starts = [at.start for at in shape.slices]
+    low, high = (of.reduceat(end, starts)[pairs] for of in (np.minimum, np.maximum))
+    same = SAME * shape.sizes[pairs].min(axis=1) + depths[pairs].max(axis=1)
+    overlap = (low.max(axis=1) <= high.min(axis=1) - same[:, None]).all(axis=1)
+    result = overlap & shape.convex[pairs].all(axis=1)
+    asked = np.flatnonzero(result)
+    deep = -distances(shape, end, pairs[asked])
+    result[asked] = more = deep > same[asked]
+    asked = asked[more]
+    if len(asked):
+        result[asked] = deep[more] + distances(shape, start, pairs[asked]) > same[asked]
+    return result

@@ -61,8 +61,8 @@ class HeapJump(Coupling):
         return np.concatenate([trace.positions() for trace in self.traces])
 
     def _meet(self, way: np.ndarray, busy: np.ndarray) -> None:
-        depths, known = self.meetings.depths(), self.meetings.features.key
-        self._foreseen, found = way, self._search(self._start, way, depths, known)
+        self._inside, known = self.meetings.depths(), self.meetings.features.key
+        self._foreseen, found = way, self._search(self._start, way, self._inside, known)
         self.fresh = self.meetings.take(found, busy)
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
@@ -84,7 +84,8 @@ class HeapJump(Coupling):
 
     @property
     def blocked(self) -> str:
-        if self._search.blind(self._start, self._end - self._start, self._foreseen):
+        depths = np.maximum(self._inside, self.meetings.depths())
+        if self._search.blind(self._start, self._end - self._start, self._foreseen, depths):
             return (
                 "bodies go farther than it was known what they may meet, or than half of a thin one"
             )

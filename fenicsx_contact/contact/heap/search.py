@@ -22,7 +22,7 @@ from ...base.constants import SAME
 from ...base.vectors import dot
 from ..mortar.search import counted
 from ..mortar.walls import WALL
-from .between import apart, distances
+from .between import apart, distances, unseen
 from .crossing import crossing, nearest
 from .faces import as_far, at_edge, not_aside, over_faces
 from .shape import Ragged, Shape
@@ -131,10 +131,17 @@ class Search:
         """Bodies at rest that are near each other, (p, 2)."""
         return self._pairs(x, np.zeros_like(x))[0]
 
-    def blind(self, x: np.ndarray, way: np.ndarray, foreseen: np.ndarray) -> bool:
+    def blind(
+        self,
+        x: np.ndarray,
+        way: np.ndarray,
+        foreseen: np.ndarray,
+        depths: np.ndarray,
+    ) -> bool:
         """Whether two bodies went so far, by the ways (N, d) of their nodes, that they might have
         met otherwise than was asked for those that were ``foreseen``, or where they came near each
-        other gone through a thin one."""
+        other gone through a thin one, or are deeper in each other than it is known that they are in
+        anything, (B,) in m."""
         s, way = self._shape, self._seen(way)
         pairs, _ = self._pairs(x, way)
         gone, known = (self._apart(each, pairs) for each in (way, foreseen))
@@ -147,7 +154,7 @@ class Search:
         if deep.any():  # where both are, a body that spins may hardly go
             gone = self._between(x, way, pairs[deep], (low[deep], high[deep]))
             deep[deep] = gone > WALL * thin[deep]
-        return bool((far | deep).any())
+        return bool((far | deep).any() or unseen(s, x, x + way, pairs[meets], depths).any())
 
     def _between(
         self, x: np.ndarray, way: np.ndarray, pairs: np.ndarray, box: tuple[np.ndarray, np.ndarray]

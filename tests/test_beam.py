@@ -177,6 +177,15 @@ def test_a_column_buckles_beyond_eulers_load():
         np.linalg.cholesky(np.diag(k.bending_mass)[inner] / step**2 + k.bending_stiffness[inner])
 
 
+def test_a_beam_pinned_at_each_node_has_no_period():
+    pins = [Support(s, lateral=math.inf) for s in np.linspace(0, 2, 5)]
+    axis = axis_mesh((0, 0), (0, 1), all=(2.0, 4))
+    k = BeamSolid(axis, Section(mass=3.0, bending=7.0), supports=pins).matrices
+    assert k.slowest_period() == k.longest_step() == math.inf
+    free = BeamSolid(axis, Section(mass=3.0, bending=7.0)).matrices
+    assert k.longest_step(free) == free.longest_step() < math.inf
+
+
 @pytest.mark.parametrize("axial", [math.inf, 5e3])
 def test_free_flight_keeps_energy_and_falls(axial):
     """Vibrating and falling by metres: theta = 1/2 conserves, the travel is g t²/2."""

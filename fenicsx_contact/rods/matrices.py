@@ -186,8 +186,8 @@ class BeamMatrices:
         return result
 
     def slowest_period(self) -> float:
-        """Period of the slowest bending vibration that is not rigid, s."""
-        return float(2 * np.pi / np.sqrt(self._squares()[1].min()))
+        """Period of the slowest bending vibration that is not rigid, s; inf if there is none."""
+        return _period(self._squares()[1])
 
     def longest_step(self, *others: BeamMatrices) -> float:
         """Of implicit Euler towards rest, s, of this beam and others: the slowest period; where
@@ -195,8 +195,7 @@ class BeamMatrices:
         squares = zip(*(beam._squares() for beam in (self, *others)))
         growing, swinging = map(np.concatenate, squares)
         rate = np.sqrt(2 * -growing.min(initial=0.0))
-        slow = 2 * np.pi / np.sqrt(swinging.min())
-        return float(slow if slow * rate < 1 else 1 / rate)
+        return min(_period(swinging), 1 / rate if rate else np.inf)
 
     def _squares(self) -> tuple[np.ndarray, np.ndarray]:
         """Squares of the circular frequencies of bending, negative and positive, 1/s²."""
@@ -204,8 +203,15 @@ class BeamMatrices:
         stiff = follow.T @ self.bending_stiffness @ follow
         root = 1 / np.sqrt(self.bending_mass[self.free_bending & (self.bending_mass > 0)])
         square = np.linalg.eigvalsh(root[:, None] * stiff * root)
+        if not len(square):  # nothing that has mass can bend
+            return square, square
         round_off = len(square) * np.finfo(float).eps * square[-1]  # as numpy's matrix_rank has it
         return square[square < -round_off], square[square > round_off]
+
+
+def _period(squares: np.ndarray) -> float:
+    """Of the slowest vibration, s, from squares of circular frequencies."""
+    return float(2 * np.pi / np.sqrt(squares.min())) if len(squares) else np.inf
 
 
 def _flexibility(

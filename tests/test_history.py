@@ -1178,6 +1178,7 @@ def test_tolerance_that_cannot_be_reached():
     match = re.match(r"stopped at t = ([\d.e-]+) s: ", history.reason)
     assert match and float(match[1]) == pytest.approx(history.time[-1], rel=1e-8)
     assert "row stalls at a scaled residual of" in history.reason
+    assert "a row of a contact: which, and with which points, follows" in history.advice
     assert "steps down to 1.95e-07 s fail" in history.reason
     assert np.isfinite(history.rows()).all()
     whole = whole_run("elastic_block")

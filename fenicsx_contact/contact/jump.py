@@ -71,8 +71,8 @@ class Coupling(ABC):
         self.time = step.end
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
-        """Ask, at the start of a step, what stands on a corner, given what bears, (n,) of bool;
-        whether gaps and jumps have become others by that."""
+        """Ask where a step starts what stands on a corner, given what bears, (n,) of bool; whether
+        gaps and jumps have become others by that."""
         return False
 
     @abstractmethod
@@ -95,9 +95,8 @@ class Coupling(ABC):
     def keep_apart(self, clearance: Clearance) -> None:
         """Let the followed state have this clearance, whatever the meshes say."""
         if clearance is not None:
-            raise checks.InputError(
-                f"clearance = {quoted(clearance)}: is between two solids; move the obstacle instead"
-            )
+            told = f"clearance = {quoted(clearance)}: is between two solids"
+            raise checks.InputError(f"{told}; move the obstacle instead")
 
     def swallowed(self, most: float) -> str:
         """How far a solid lies inside another, unseen by what the points meet and by more than
@@ -105,9 +104,8 @@ class Coupling(ABC):
         return ""
 
     def deepest(self, asked: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-        """The largest gap of the points that are ``asked``, (n,) of bool, on their ways from the
-        start of the step to the followed state, as far as that can be told, from the gaps at both,
-        (n,) in m."""
+        """The largest gap of the points that are ``asked``, (n,) of bool, on their ways in the
+        step, as far as that can be told, from the gaps at both ends, (n,) in m."""
         return end
 
     def dips(self) -> np.ndarray | float:
@@ -157,6 +155,10 @@ class Coupling(ABC):
         """What the slave bears at its nodes, (n, d) in N, of such forces: those there, (n, d), of
         the contact's law, and flat; ``acting``: those that act where facets are covered in part."""
         return law
+
+    def evened(self, force: np.ndarray, area: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Forces on the slave's nodes, (n, d) in N, and areas, (n,): of what acts at one place."""
+        return force, area
 
     @abstractmethod
     def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
@@ -280,14 +282,12 @@ class Coupling(ABC):
     @cached_property
     def held_components(self) -> np.ndarray:
         """Components of the traces' points that nothing but supports moves, (N, d) of bool."""
-        parts = [
-            np.broadcast_to(getattr(t, "held", False), t.positions().size) for t in self.traces
-        ]
+        held = [(getattr(t, "held", False), t.positions().size) for t in self.traces]
+        parts = [np.broadcast_to(*each) for each in held]
         return np.concatenate(parts).reshape(-1, self.solids[0].dim)
 
     def held(self) -> np.ndarray:
-        """Points whose gaps no forces change, as supports hold them, and what they meet, along the
-        normals, (n,) of bool."""
+        """Points whose gaps no forces change, as supports hold both sides of them, (n,) of bool."""
         return np.zeros(len(self.positions()), dtype=bool)
 
     def positions(self) -> np.ndarray:

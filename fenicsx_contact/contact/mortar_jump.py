@@ -201,14 +201,12 @@ class MortarJump(Coupling):
     @property
     def blocked(self) -> str:
         places, last = np.stack([self._start, self._end]), len(self.pairing.slave.nodes)
-        if self.pairing.admits.pass_through(places[:, :last], places[:, last:]):
-            return "it goes so far that two bodies might change places unseen"
-        return ""
+        through = self.pairing.admits.pass_through(places[:, :last], places[:, last:])
+        return "it goes so far that two bodies might change places unseen" if through else ""
 
     def swallowed(self, most: float) -> str:
-        if self.solids[0] is self.solids[1]:
-            return ""
-        return inside_each_other(self.pairing, self._start, self.solids, most)
+        alone = self.solids[0] is self.solids[1]
+        return "" if alone else inside_each_other(self.pairing, self._start, self.solids, most)
 
     def normals(self) -> np.ndarray:
         return self.pairing.normal
@@ -222,6 +220,11 @@ class MortarJump(Coupling):
     def borne(self, law: np.ndarray, force: np.ndarray) -> np.ndarray:
         self.acting = self.pairing.slave.at_corners(force.reshape(self._shape))
         return self.acting if self.pairing.carries else law
+
+    def evened(self, force: np.ndarray, area: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        both, pair = np.column_stack([force, area]), self.pairing
+        both = both if pair.carries else pair.evened(both)
+        return both[:, :-1], both[:, -1]
 
     def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
         velocities, rate = self.velocities("trial_velocity"), self._share * step.gap_rate
@@ -268,13 +271,10 @@ class MortarJump(Coupling):
         super().restore(state)
 
     def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:
-        d, start, result = self._shape[1], 0, []
-        for trace in self.traces:
-            size = len(trace.positions()) * d
-            J = self.pairing.shared.sum(dense(self.pairing.operator[rows][:, start : start + size]))
-            result.append(J @ trace.rows(np.arange(size)))
-            start += size
-        return result
+        J = self.pairing.shared.sum(dense(self.pairing.operator[rows]))
+        sizes = [trace.positions().size for trace in self.traces]
+        parts = np.split(J, np.cumsum(sizes)[:-1], axis=1)
+        return [part @ t.rows(np.arange(s)) for part, t, s in zip(parts, self.traces, sizes)]
 
     def mobility(self) -> np.ndarray:
         each = np.concatenate([trace.mobility().ravel() for trace in self.traces])

@@ -62,7 +62,9 @@ class SurfaceResults:
         return self._per_area(self.force - self.normal_forces)
 
     def _per_area(self, force: np.ndarray) -> np.ndarray:
-        area = self.chosen.astype(float) if self.formulation.at_points else self.coupling.area
+        if self.formulation.at_points:
+            return np.where(self.chosen[:, None], force, 0.0)
+        force, area = self.coupling.evened(force, self.coupling.area)
         return force / np.where(area > 0, area, np.inf)[:, None]
 
     @property

@@ -226,6 +226,14 @@ class Pairing:
         """J v of all nodes, flat."""
         return self.shared.sum(self.operator @ velocities.ravel())
 
+    def evened(self, values: np.ndarray) -> np.ndarray:
+        """Forces and areas of nodes, (n, k), as shares of those that act at one place: of a facet
+        that is covered in part the node beyond the edge acts by it, where the next one does."""
+        side, add = self.slave, self.shared.sum
+        at_nodes = side.from_corners(side.at_corners(add(self.means.T @ values)))
+        shares = add(self.means[:, : len(at_nodes)] @ at_nodes)
+        return np.where(self.area[:, None] > 0, shares, values)
+
     def fixed(self) -> np.ndarray:
         """Nodes whose gaps nothing but held components of both sides' nodes changes, (n,) of
         bool."""

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from copy import copy
+from functools import cached_property
 from typing import Any
 
 import basix
@@ -178,14 +179,25 @@ class Side:
         return rates * self.sign[facets, None, None, None]
 
     def at_corners(self, forces: np.ndarray) -> np.ndarray:
-        """Forces on the nodes (N, d), and others after these, as forces on the corners (n, d), as
+        """Forces on the nodes (N, k), and others after these, as forces on the corners (n, k), as
         linear functions have them: the sum and, of straight facets, the moment are the same."""
-        _, first = np.unique(self.cells, return_index=True)  # a facet of each node
-        facet, place = np.unravel_index(first, self.cells.shape)
-        shares = self.linear_shape(self.element.points)[place]
-        result = np.zeros((int(self.corners.max()) + 1, self.dim))
-        np.add.at(result, self.corners[facet], shares[..., None] * forces[: len(first), None])
+        corners, shares = self._between
+        result = np.zeros((int(self.corners.max()) + 1, forces.shape[1]))
+        np.add.at(result, corners, shares[..., None] * forces[: len(corners), None])
         return result
+
+    def from_corners(self, values: np.ndarray) -> np.ndarray:
+        """Values at the corners (n, k) as linear functions have them at all nodes, (N, k)."""
+        corners, shares = self._between
+        return np.einsum("nc,nck->nk", shares, values[corners])
+
+    @cached_property
+    def _between(self) -> tuple[np.ndarray, np.ndarray]:
+        """Corners of a facet of each node, (N, corners), and the linear functions of these there,
+        likewise."""
+        _, first = np.unique(self.cells, return_index=True)
+        facet, place = np.unravel_index(first, self.cells.shape)
+        return self.corners[facet], self.linear_shape(self.element.points)[place]
 
     def holds(self, xi: np.ndarray, tolerance: float) -> np.ndarray:
         """Whether local coordinates (q, d - 1) are those of a point of a facet."""

@@ -262,3 +262,34 @@ def test_where_forces_act_on_a_facet_that_is_covered_in_part(dim):
     assert torque == pytest.approx(0.1 * force, rel=1e-3)
     x, borne = contact.coupling.positions()[:, 0], contact.acting[:, -1]
     assert x @ borne == pytest.approx(0.1 * borne.sum(), rel=1e-3)
+
+
+@pytest.mark.parametrize("load", [1e-5, 1e-3])
+@pytest.mark.parametrize("friction", [0.3, 1.0])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_pressures_beside_an_edge_on_a_line_of_nodes(dim, friction, load):
+    """The edge of a pedestal that yields moves over a line of the slave's nodes: the next ones are
+    covered by less than a thousandth, and bear what those on the line would; together they tell
+    what a mesh beside the line does."""
+
+    def highest(width):
+        size, wide = (width,) * (dim - 1), (2.0,) * (dim - 1)
+        kind = rectangle if dim == 2 else box
+        low = kind((4,) * (dim - 1) + (3,), (*size, 1.0))
+        up = kind((8,) * (dim - 1) + (3,), (*wide, 1.0))
+        up.mesh.geometry.x[:, dim - 1] += 1.0
+        data = {"youngs_modulus": 1.0, "poisson_ratio": 0.3, "density": 1.0}
+        down = -load * np.eye(dim)[-1]
+        stand = ElasticSolid(low, prescribed={"base": (0.0,) * dim}, name="stand", **data)
+        block = ElasticSolid(up, tractions={"top": down}, name="block", **data)
+        contact = Contact(block, "base", (stand, "top"), "gap", friction=friction, name="c")
+        history = Scene([stand, block], [contact], QuasiStatic()).run(until=1.0, dt=1.0)
+        assert history.finished
+        weight = load * 2 ** (dim - 1)
+        np.testing.assert_allclose(contact.force.sum(axis=0) @ np.eye(dim)[-1], weight, rtol=1e-9)
+        assert (contact.pressure >= -1e-12 * load).all()
+        return contact.pressure.max() / load
+
+    on = highest(1.0)
+    assert on < 8.0  # singular at the edge of a flat punch, in space more so at its corner
+    np.testing.assert_allclose([highest(width) for width in (0.99, 1.001, 1.005)], on, rtol=0.05)

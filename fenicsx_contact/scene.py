@@ -101,8 +101,8 @@ class Scene:
             self.solids, self.contacts, self.scheme, geometry, solver
         )
         inertia, how = self.scheme.inertia, (self.newton, self.geometry, self.solver)
-        floating = [] if inertia else [s for s in self.solids if not stands(s)]
-        self.stepper = Stepper(self.solids, self.contacts, *how, inertia, floating)
+        loose = [] if inertia else [s for s in self.solids if not stands(s, springs=False)]
+        self.stepper = Stepper(self.solids, self.contacts, *how, inertia, loose)
         self.remarks: list[str] = []
         self.stepper.times["set-up"] = perf_counter() - start
         columns = [*COLUMNS]

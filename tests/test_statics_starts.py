@@ -4,7 +4,7 @@ and what only contact holds is glued where that takes it, and nowhere else."""
 
 import numpy as np
 import pytest
-from scenes import FLOOR, rectangle
+from scenes import FLOOR, box, rectangle
 
 from fenicsx_contact import (
     Archard,
@@ -290,3 +290,32 @@ def test_stiff_springs_rub_on_a_drum():
     gap, soft, stiff = (sheared(law) for law in ("gap", Discrete(1e8), Discrete(1e10)))
     np.testing.assert_allclose(stiff, gap, rtol=1e-4)
     np.testing.assert_allclose(soft, gap, rtol=1e-2)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("spring", [1e-8, 1e-6, 1e-4, 1e-2])
+def test_weak_springs_change_nothing_where_friction_holds(dim, spring):
+    """A block that is pressed and drawn aside, so that it sticks, on a slab twice as wide: without
+    friction the springs would let it go off that, to which a step does not leap."""
+
+    def drawn(springs):
+        size = (2.0,) * (dim - 1)
+        low = (rectangle if dim == 2 else box)((4,) * (dim - 1) + (2,), (*size, 1.0))
+        up = (rectangle if dim == 2 else box)((2,) * dim, (1.0,) * dim)
+        up.mesh.geometry.x[:, dim - 1] += 1.0
+        load = 2e-2 * (0.1 * np.eye(dim)[0] - np.eye(dim)[-1])
+        data = {"poisson_ratio": 0.3, "density": 1.0}
+        slab = ElasticSolid(
+            low, youngs_modulus=1.0, prescribed={"base": (0.0,) * dim}, name="slab", **data
+        )
+        held = {"springs": {"top": springs}} if springs else {}
+        block = ElasticSolid(
+            up, youngs_modulus=3.0, tractions={"top": load}, name="block", **held, **data
+        )
+        contact = Contact(block, "base", (slab, "top"), "gap", friction=0.3, name="c")
+        history = Scene([slab, block], [contact], QuasiStatic()).run(until=1.0, dt=1.0)
+        assert history.finished and not history.remarks
+        assert history["newton"].max() <= 15
+        return contact.force.sum(axis=0)
+
+    np.testing.assert_allclose(drawn(spring), drawn(0.0), rtol=10 * spring, atol=10 * spring * 2e-2)

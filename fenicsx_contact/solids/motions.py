@@ -94,12 +94,13 @@ class Motions:
         turns = d * bool(2 * amounts[d:].max() >= amounts[:d].max())
         return self.names[piece * self.each + turns + int(amounts[turns:].argmax())]
 
-    def free(self) -> np.ndarray:
-        """Those that strain the solid and its supports by nothing, (motions, free ones); of what is
-        not linear translations only, for turns work on its stresses."""
+    def free(self, springs: bool = True) -> np.ndarray:
+        """Those that strain the solid and its supports by nothing, (motions, free ones), with its
+        springs or without; of what is not linear translations only, for turns work on its
+        stresses."""
         k = self.each if self._solid.linear else self._solid.dim
         which = np.arange(len(self.names)).reshape(-1, self.each)[:, :k].ravel()
-        values, vectors = np.linalg.eigh(self.held()[np.ix_(which, which)])
+        values, vectors = np.linalg.eigh(self.held(springs)[np.ix_(which, which)])
         found = vectors[:, values <= FREE * max(values[-1], 1.0)]
         free = np.zeros((len(self.names), found.shape[1]))
         free[which] = found

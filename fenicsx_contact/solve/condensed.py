@@ -71,10 +71,10 @@ class Condensed:
         self.carry(step, force)
         return True
 
-    def hold(self, floating: Sequence[Solid]) -> None:
+    def hold(self, floating: Sequence[Solid], loose: Sequence[Solid]) -> None:
         """Solids that only contact holds have no compliance: they cannot be condensed."""
-        names = [solid.name for solid in floating]
-        raise InputError(f"solver = 'condensed': only contact holds {names}; use 'monolithic'")
+        if names := [solid.name for solid in floating]:
+            raise InputError(f"solver = 'condensed': only contact holds {names}; use 'monolithic'")
 
     def begin(self, step: Step) -> tuple[float, np.ndarray]:
         """Residual of the present state: its largest relative error, and the forces on all points

@@ -39,13 +39,19 @@ class Balance:
         contacts: of the scene.
         step: that is begun.
         sides: of the pyramids that hold cones of friction in space.
+        springs: whether these hold the solids, too, or nothing but their present forces counts.
     """
 
     def __init__(
-        self, solids: Sequence[Any], contacts: Sequence[Contact], step: Step, sides: int = FEW
+        self,
+        solids: Sequence[Any],
+        contacts: Sequence[Contact],
+        step: Step,
+        sides: int = FEW,
+        springs: bool = True,
     ) -> None:
         self._solids, self._contacts, self._step = solids, contacts, step
-        self._shares = shares = {id(solid): Motions(solid).free() for solid in solids}
+        self._shares = shares = {id(solid): Motions(solid).free(springs) for solid in solids}
         found = [_loads(solid, shares[id(solid)], step) for solid in solids]
         load, terms = np.concatenate([each for each, _ in found]), max(size for _, size in found)
         self._points = [contact.equations.candidates for contact in contacts]

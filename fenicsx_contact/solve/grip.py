@@ -32,20 +32,22 @@ class Grip:
 
     Args:
         solids, contacts: of the scene.
-        floating: solids that only contact holds.
+        loose: solids that only contact holds, or springs, which may be weak: these count for
+            nothing then, but where contact cannot balance the loads.
     """
 
     def __init__(
-        self, solids: Sequence[Any], contacts: Sequence[Contact], floating: Sequence[Any] = ()
+        self, solids: Sequence[Any], contacts: Sequence[Contact], loose: Sequence[Any] = ()
     ) -> None:
-        self._contacts, self._floating = contacts, floating
+        self._contacts, self._loose = contacts, loose
+        self._sprung = any(Motions(solid).stand() for solid in loose)
         self._motions = {id(solid): Motions(solid) for solid in solids}
         self._solids = list(solids)
         ends = np.cumsum([0, *(len(each.names) for each in self._motions.values())])
         self._parts = {key: slice(*span) for key, span in zip(self._motions, zip(ends, ends[1:]))}
         self._supports = np.zeros((ends[-1], ends[-1]))
         for key, each in self._motions.items():
-            self._supports[self._parts[key], self._parts[key]] += each.held()
+            self._supports[self._parts[key], self._parts[key]] += each.held(springs=not loose)
 
     def gram(self, rows: Sequence[_Rows], points: Sequence[np.ndarray]) -> np.ndarray:
         """How the supports and these points, (n,) of bool for each contact, resist each motion."""
@@ -74,13 +76,15 @@ class Grip:
     def taken(self, step: Step) -> list[np.ndarray] | None:
         """Of each contact the points that a step is to begin with as if they were glued, 1, and as
         if they were open, -1, of all that may bear; (n,), 0: the others. None where what bears
-        holds all solids, and can balance the loads on those that float."""
-        balance, contacts = Balance(self._floating, self._contacts, step), self._contacts
-        bear = self.bearing()
+        holds all solids, and can balance the loads on those that are loose, or springs have to."""
+        contacts, bear = self._contacts, self.bearing()
+        balance = Balance(self._loose, contacts, step, springs=False)
         values = np.linalg.eigvalsh(self.gram(list(self.rows()), bear))
         if values[0] > FREE * values[-1] and balance.left(bear) is None:
             return None
         may = [c.chosen & (mine | c.coupling.near()) for c, mine in zip(contacts, bear)]
+        if self._sprung and balance.left(may) is not None:
+            return None
         return [2 * bears - 1 * each for bears, each in zip(balance.spread(may) or may, may)]
 
     def bearing(self) -> list[np.ndarray]:

@@ -32,7 +32,7 @@ from .newton import Newton, NotConverged, Solution
 from .problem import Assembly, Clock, scale_of
 from .sparse import Sparse
 from .speeds import Speeds
-from .statics import free_motion
+from .statics import free_motion, stands
 from .surface_problem import SLOW
 from .turns import Turns
 
@@ -56,7 +56,7 @@ class StepSolver:
         newton: settings.
         geometry: "newton" or "fixed point".
         solver: the linear systems, a key of SYSTEMS.
-        floating: solids that only contact holds, in a scene without inertia.
+        loose: solids that only contact holds, or their springs, in a scene without inertia.
 
     Attributes:
         errors: the relative error before each round of the last step, and at its end.
@@ -72,10 +72,11 @@ class StepSolver:
         newton: Newton,
         geometry: str,
         solver: str,
-        floating: list[DeformableSolid],
+        loose: list[DeformableSolid],
     ) -> None:
         self._all, self._newton = problem, newton
         self._settles = problem.settles(geometry == "fixed point")
+        self._floating = floating = [solid for solid in loose if not stands(solid)]
         self._speeds = Speeds(problem.solids, problem.contacts, floating, newton.tolerance)
         self.errors: list[float] = []
         self.reached = self.speed = self._pushed = 0.0
@@ -84,9 +85,9 @@ class StepSolver:
         self._foresees = isinstance(self.system, Condensed) or not self._speeds.bodies
         # sweeps follow slowly what slides along a narrow hole, or not at all
         self._turns = self._foresees and any(map(in_round_hole, problem.contacts))
-        self._floating = floating
-        if floating:
-            self.system.hold(floating)
+        self._loose = bool(loose)
+        if loose:
+            self.system.hold(floating, loose)
         self.patient = self._settles or self.system.patient
 
     def solve(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
@@ -175,7 +176,8 @@ class StepSolver:
 
     def _settle(self, step: Step, first: bool, rounded: bool = True) -> Solution:
         frozen, known = self.system.freeze(step, first), dict[str, Any]()
-        known["hopeless"] = partial(hopeless, self._floating, self._all.contacts, step)
+        if self._floating or any(contact.coupling.driven for contact in self._all.contacts):
+            known["hopeless"] = partial(hopeless, self._floating, self._all.contacts, step)
         frozen.rounded = rounded
         if few_in_cones(frozen, self._all.freedoms):
             known["elsewhere"] = partial(begin_from_cones, frozen, self._all.contacts, step)
@@ -203,7 +205,7 @@ class StepSolver:
     # -- everything at once -----------------------------------------------------------------------
 
     def _full(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
-        settled, halved, last, turns = 0, 0, np.inf, Turns(bool(self._floating))
+        settled, halved, last, turns = 0, 0, np.inf, Turns(self._loose)
         plain, kept, sound = False, False, True  # a correction; its tangent is old; state asked
         errors, remarks, most = self.errors, list[str](), self._newton.max_iterations
         for iteration in range(2 * most + 1):  # and again from contact that has settled

@@ -123,10 +123,11 @@ class Monolithic(ABC):
         """The solution: of each solid's velocities those that this process holds, and, scaled, all
         multipliers; NaN where there is none."""
 
-    def hold(self, floating: Sequence[MonolithicSolid]) -> None:
-        """Let weak springs hold these solids, in the matrix, not in the residual: so it is regular
-        while nothing else holds them."""
-        self._grip = Grip(self.solids, self.assembly.contacts, floating)
+    def hold(self, floating: Sequence[MonolithicSolid], loose: Sequence[MonolithicSolid]) -> None:
+        """Let weak springs hold solids that only contact holds, in the matrix, not in the residual:
+        so it is regular while nothing else holds them; those that are ``loose``, springs of their
+        own may."""
+        self._grip = Grip(self.solids, self.assembly.contacts, loose)
         self._weakly = np.array([any(s is each for each in floating) for s in self.solids])
 
     def freeze(self, step: Step, first: bool) -> FrozenContact:

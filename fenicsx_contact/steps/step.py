@@ -43,7 +43,7 @@ class Stepper:
         solids, contacts: of the scene.
         newton: settings of the Newton loop.
         geometry, solver: "newton" or "fixed point"; "condensed", "monolithic" or "iterative".
-        inertia, floating: that of the scheme, and without any solids that only contact holds.
+        inertia, loose: that of the scheme, and without any solids that at most springs hold.
 
     Attributes:
         time: s; ``times``: seconds spent by phase.
@@ -60,12 +60,12 @@ class Stepper:
         geometry: str,
         solver: str,
         inertia: float,
-        floating: Sequence[DeformableSolid],
+        loose: Sequence[DeformableSolid],
     ) -> None:
         self.solids, self._every = list(solids), list(contacts)
         self._tolerance, self._inertia = newton.tolerance, inertia
         self._solver = partial(
-            StepSolver, newton=newton, geometry=geometry, solver=solver, floating=list(floating)
+            StepSolver, newton=newton, geometry=geometry, solver=solver, loose=list(loose)
         )
         self._neighbours = Neighbours(self._every)
         self._arrange()

@@ -12,6 +12,7 @@ from ...base import checks
 from ...base.constants import ROUND_OFF, SAME, SHARP
 from ...base.shown import marked
 from ...base.vectors import largest
+from .last import Last
 
 
 class Curve:
@@ -63,7 +64,7 @@ class Curve:
                 f"{x[lines[0] : lines[0] + 2].tolist()}, {x[lines[1] : lines[1] + 2].tolist()}: "
                 "these lines must not meet"
             )
-        self._spline = None
+        self._beside, self._spline = Last(self._find), None
         if self.smooth:
             ends = "periodic" if self.closed else "natural"
             self._spline = CubicSpline(self._ways, x, bc_type=ends)
@@ -217,17 +218,17 @@ class Curve:
         bend = -(turn * normals).sum(axis=1) / square
         return distance, normals, bend / (1 + bend * distance)
 
-    def _beside(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
+    def _find(self, points: np.ndarray) -> tuple[np.ndarray, ...]:
         """Distances, normals, and the curvature of the parallel curve there."""
         return self._beside_spline(points) if self.smooth else self._beside_lines(points)
 
     def distance(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Signed distance of the points (n, 2), positive outside."""
-        return self._beside(points)[0]
+        return self._beside(points)[0].copy()
 
     def normals(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Outward unit normals, (n, 2)."""
-        return self._beside(points)[1]
+        return self._beside(points)[1].copy()
 
     slopes = normals
 

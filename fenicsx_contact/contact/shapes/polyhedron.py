@@ -16,6 +16,7 @@ from ...base.quoted import quoted
 from ...base.shown import marked
 from ...solids.rotations import angles, rotation_matrix
 from ..obstacle import HalfSpace
+from .last import Last
 
 
 class Polyhedron:
@@ -51,6 +52,7 @@ class Polyhedron:
         self._normals = np.array([space.normal for space in spaces])
         offsets = np.array([space.point @ space.normal for space in spaces])
         self._check_room(offsets)
+        self._nearest = Last(self._find)
         self._offsets = offsets - self.rounding
         self._flats = [  # planes that meet there, and the inverse of their Gram matrix
             (which, np.linalg.inv(gram))
@@ -76,7 +78,7 @@ class Polyhedron:
                 f"ball of more than this radius; the largest has {max(radius, 0.0):g}"
             )
 
-    def _nearest(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _find(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Distances (n,) from the polyhedron of which this one is the offset, normals (n, d), and
         the directions that leave its flat, as projectors (n, d, d)."""
         over = points @ self._normals.T - self._offsets
@@ -101,7 +103,7 @@ class Polyhedron:
 
     def normals(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Outward unit normals, (n, d)."""
-        return self._nearest(points)[1]
+        return self._nearest(points)[1].copy()
 
     slopes = normals
 

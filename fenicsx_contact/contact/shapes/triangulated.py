@@ -16,6 +16,7 @@ from ...base.mesh_files import read_mesh
 from ...base.shown import marked
 from ...base.vectors import cross, normalised
 from ..mortar.matrices import add_up
+from .last import Last
 from .triangles import Triangles, first_of_each
 
 
@@ -60,7 +61,7 @@ class Triangulated:
         self.smooth = checks.truth("smooth", smooth)
         self._triangles = Triangles(*_read(surface))
         self._extent = float(np.ptp(self._triangles.points, axis=0).max())
-        self._last: tuple[np.ndarray, _Beside] | None = None
+        self._beside = Last(self._find)
         if self.smooth:
             fans, bent = self._triangles.fans(SHARP)
             self._sharp = int(bent.sum()) // 2
@@ -88,14 +89,11 @@ class Triangulated:
 
     # -- beside points --------------------------------------------------------------------------
 
-    def _beside(self, points: np.ndarray) -> _Beside:
-        """What is beside the points; kept for the next question, which is about the same ones."""
-        if self._last is None or not np.array_equal(self._last[0], points):
-            cells, shares = self._triangles.nearest(points)
-            flat = self._beside_faces(points, cells, shares)
-            answer = self._beside_curved(points, cells, flat) if self.smooth else flat
-            self._last = points.copy(), answer
-        return self._last[1]
+    def _find(self, points: np.ndarray) -> _Beside:
+        """What is beside the points."""
+        cells, shares = self._triangles.nearest(points)
+        flat = self._beside_faces(points, cells, shares)
+        return self._beside_curved(points, cells, flat) if self.smooth else flat
 
     def _beside_faces(self, points: np.ndarray, cells: np.ndarray, shares: np.ndarray) -> _Beside:
         t = self._triangles

@@ -250,3 +250,24 @@ def test_what_rides_on_a_box_of_its_own_size_stays_on_it(motion, cells, law, the
     scene = Scene([block], [contact], ThetaScheme(theta), locate_impacts=located)
     assert scene.run(until=0.5, dt=1e-2).finished
     np.testing.assert_allclose(block.place, np.add(way(0.5), (0, 0.2)), atol=1e-9)
+
+
+@pytest.mark.parametrize("law, theta, located", FALLS)
+@pytest.mark.parametrize("dt", [1e-2, 7e-3])
+@pytest.mark.parametrize("dim, fall, mu", [(2, 0.0, 0.0), (2, 0.0, 0.1), (2, 0.02, 0.0), (3, 0, 0)])
+def test_joints_of_flush_boxes_are_no_walls(dim, fall, mu, dt, law, theta, located):
+    """Each with a contact of its own, that knows nothing of the next."""
+    e = np.eye(dim)
+    mesh = (rectangle if dim == 2 else box)((1,) * dim, (0.2,) * (dim - 1) + (0.1,))
+    mesh.mesh.geometry.x[:, dim - 1] += fall
+    block = RigidSolid(mesh, mass=2.0, gravity=-G * e[-1], velocity=V * e[0])
+    size = (0.8,) * (dim - 1) + (0.4,)
+    tops = [Box((0.8 * i - 0.4) * e[0] - 0.2 * e[-1], size) for i in range(-1, 3)]
+    contacts = [
+        Contact(block, "base", top, law, friction=mu, name=f"top {i}") for i, top in enumerate(tops)
+    ]
+    scene = Scene([block], contacts, ThetaScheme(theta), locate_impacts=located)
+    history = scene.run(until=0.6, dt=dt)
+    assert history.finished
+    slower = mu * G * history["time"][-1]
+    np.testing.assert_allclose(block.velocity[:dim], (V - slower) * e[0], atol=1e-9)

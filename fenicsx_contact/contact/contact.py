@@ -210,7 +210,7 @@ class Contact(Scaled, SurfaceResults):
 
     def _tell(self, step: Step) -> None:
         """Tell the equations how the step starts."""
-        gap = self.gap if step.dt else struck_gap(self, step)
+        gap = self.coupling.begun_gaps(self.gap, step) if step.dt else struck_gap(self, step)
         # what less than the resolved speed would close is closed, and what round-off opened
         closed = max(self.resolution * step.horizon, self.noise)
         self._start_gap = np.where((gap < 0) & (gap >= -closed), 0.0, gap)

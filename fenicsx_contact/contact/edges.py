@@ -48,24 +48,52 @@ class Faces:
             time: s.
         """
         normals, distance = self._wall.normals(points, time), self._wall.distance(points, time)
+        grazes, normals = self._grazed(points, ways, time, normals, distance)
         self.kept = np.zeros(len(points), dtype=bool)
         if self._start is None:
             return self._lain_on(points, normals, distance, time), distance
         start, was = self._start
         turned = (np.abs(normals - start) > SAME).any(axis=1)
         now = was + dot(ways, start)  # of the plane of the face
-        turned &= now <= self._near
+        turned &= (now <= self._near) & ~grazes
         if not turned.any():
             return normals, distance
         came = turned & self._by(points, ways, time, normals, start, was, now)
         # what goes along an edge may be beyond it by round-off
         there = self._wall.normals(points - SAME * ways, time)
-        goes = turned & (np.abs(there - start) <= RIGHT).all(axis=1) & (now >= -self._near)
-        self.kept = came | goes
+        goes = (np.abs(there - start) <= RIGHT).all(axis=1) | self._rests(ways, distance)
+        self.kept = came | (turned & goes & (now >= -self._near))
         if not self.kept.any():
             return normals, distance
         distance = np.where(self.kept, now, distance)
         return np.where(self.kept[:, None], start, normals), distance
+
+    def _rests(self, ways: np.ndarray, distance: np.ndarray) -> np.ndarray:
+        """Whether points are on the wall and have not moved, (n,)."""
+        return (np.abs(distance) <= self._near) & (np.abs(ways).max(axis=1) <= self._near)
+
+    def _grazed(
+        self,
+        points: np.ndarray,
+        ways: np.ndarray,
+        time: float,
+        normals: np.ndarray,
+        distance: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Where points come to an edge within the plane of the face behind it, and no facet beside
+        them reaches below that, (n,) of bool; there its normals, elsewhere those given, (n, d): so
+        no joint of flush faces is a wall."""
+        far = RIGHT * np.sqrt(dot(ways, ways))
+        if not (asked := (np.abs(distance) <= self._near) & (dot(ways, normals) < -far)).any():
+            return asked, normals
+        ahead = points + SAME * ways
+        behind, level = self._wall.normals(ahead, time), self._wall.distance(ahead, time)
+        corners, lowest = points[self._cells], np.zeros(len(points))
+        into = corners.mean(axis=1)[:, None] - corners
+        np.minimum.at(lowest, self._cells, (into * behind[self._cells]).sum(axis=2))
+        asked &= (np.abs(level) <= self._near) & (dot(ways, behind) >= -far)
+        asked &= lowest >= -self._near
+        return asked, np.where(asked[:, None], behind, normals)
 
     def _by(
         self,

@@ -114,21 +114,23 @@ class Coupling(ABC):
         return 0.0
 
     def other_side(self, asked: np.ndarray) -> np.ndarray:
-        """Which of the points that are ``asked``, (n,) of bool, which get inside on their ways, do
-        so by another side than the one that they are before in the followed state, (n,) of bool."""
-        return np.zeros(len(asked), dtype=bool)
+        """Which of the points that are ``asked``, (n,) of bool, get inside on their ways by another
+        side than they are before in the followed state, likewise."""
+        return np.zeros_like(asked)
 
     @abstractmethod
     def normals(self) -> np.ndarray:
         """Outward unit normals of the slave, (n, d)."""
 
-    def keep_normals(self) -> np.ndarray:
-        """Those where a step starts, which are to be known in it, (n, d)."""
-        return self.normals()
-
     def start_normals(self) -> np.ndarray:
         """Those at the start of the step, along which what comes there is seen, (n, d)."""
         return self.normals()
+
+    keep_normals = start_normals  #: those where a step starts, which are to be known in it
+
+    def begun_gaps(self, gap: np.ndarray, step: Step) -> np.ndarray:
+        """Gaps where the step starts (n,), from those of what was met there, of what is met now."""
+        return gap
 
     def coming(self, jump: np.ndarray, touches: np.ndarray) -> np.ndarray:
         """How fast points come by jumps at the start of the step (n, d), (n,) in m/s: along the
@@ -183,8 +185,7 @@ class Coupling(ABC):
         return jump
 
     def velocities(self, which: str) -> np.ndarray:
-        """Velocities of the traces' points, by the solids' ``velocity`` where the step starts, or
-        by their ``trial_velocity``."""
+        """Those of the traces' points, by the solids' ``velocity`` at the start or trial ones."""
         pairs = zip(self.solids, self.traces)
         if which == "velocity":  # an own trace need not tell, if where it is changes no velocity
             parts = [getattr(t, "start_jump", t.jump)(s.velocity) for s, t in pairs]
@@ -211,8 +212,7 @@ class Coupling(ABC):
         return np.abs(dot(self.to_jump(free) - start, self.start_normals()))
 
     def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
-        """Nodal jumps from mean velocities of the solids, by id, by the operators whose
-        transposes spread the forces."""
+        """Nodal jumps from mean velocities of solids, by id, by operators that spread forces."""
         return self.to_jump(self.mean_velocities(means))
 
     def mean_velocities(self, means: Mapping[int, np.ndarray]) -> np.ndarray:

@@ -8,7 +8,7 @@ from math import inf
 
 import numpy as np
 
-from ..base.constants import SHARP
+from ..base.constants import SAME, SHARP
 from ..base.vectors import dot, longest
 from ..solids import Solid, Trace
 from ..solids.trace import DeformableTrace
@@ -66,9 +66,8 @@ class NodalJump(Coupling):
             return
         super().begin(step)
         self._step = step
-        self._ride.begin(
-            step, self._start_positions, self._start_normals if self._by_faces else None
-        )
+        met = self._start_normals if self._by_faces else None
+        self._ride.begin(step, self._start_positions, met)
 
     def _forget(self) -> None:
         self._seen = None
@@ -89,19 +88,17 @@ class NodalJump(Coupling):
             self._ride.accept()
 
     def _depths(self) -> np.ndarray:
-        if self._seen is not None:
-            return self._seen
-        if self._by_faces:
+        if self._seen is None and self._by_faces:
             return self._meet()[1]
-        self._seen = -self.wall.distance(self.traces[0].positions(), self.time) - self.bulge
+        if self._seen is None:
+            self._seen = -self.wall.distance(self.traces[0].positions(), self.time) - self.bulge
         return self._seen
 
     def normals(self) -> np.ndarray:
-        if self._normals is not None:
-            return self._normals
-        if self._by_faces:
+        if self._normals is None and self._by_faces:
             return self._meet()[0]
-        self._normals = -self.wall.normals(self.traces[0].positions(), self.time)
+        if self._normals is None:
+            self._normals = -self.wall.normals(self.traces[0].positions(), self.time)
         return self._normals
 
     def _meet(self) -> tuple[np.ndarray, np.ndarray]:
@@ -109,6 +106,7 @@ class NodalJump(Coupling):
         way = (x := self.traces[0].positions()) - self._start_positions
         if (step := self._step) and step.dt:
             way -= step.dt * self.wall.velocity(x, step.start, step.end)
+        self._way = way
         outward, distance = self._by_way.meet(x, way, self.time)
         self._normals, self._seen = -outward, -distance - self.bulge
         return self._normals, self._seen
@@ -130,6 +128,15 @@ class NodalJump(Coupling):
             return along
         ride = self._ride
         return along + dot(ride.start, normals) - ride.start_speed(self.positions(), normals)
+
+    def begun_gaps(self, gap: np.ndarray, step: Step) -> np.ndarray:
+        if not self._by_faces:
+            return gap
+        old, new = self.start_normals(), self.normals()
+        if not (other := (np.abs(new - old) > SAME).any(axis=1)).any():
+            return gap
+        other &= ~self.turns(old, new, step)
+        return np.where(other, self.gaps() - dot(self._way, new), gap)
 
     def turns(self, old: np.ndarray, new: np.ndarray, step: Step) -> np.ndarray:
         places = 0.5 * (self._start_positions + self.traces[0].positions())
@@ -240,8 +247,7 @@ class NodalJump(Coupling):
 
     def other_side(self, asked: np.ndarray) -> np.ndarray:
         other = np.zeros(len(asked), dtype=bool)
-        if self._by_faces:
-            asked = asked & ~self._by_way.kept
+        asked = asked & ~self._by_way.kept if self._by_faces else asked
         if not self.fixed_normal and (points := asked.nonzero()[0]).size:
             ways = self._ways()
             entries = ways.entries(points, ways.deepest(asked)[points])
@@ -271,12 +277,9 @@ class NodalJump(Coupling):
 
     def state(self) -> dict[str, np.ndarray]:
         before = self._ride.before
-        state = {"time": np.array(self.time)}
-        if before is not None:
-            state["carried"] = before
-        if self._by_faces:
-            state["distance"] = -self._depths() - self.bulge
-        return state
+        carried = {} if before is None else {"carried": before}
+        met = {"distance": -self._depths() - self.bulge} if self._by_faces else {}
+        return {"time": np.array(self.time), **carried, **met}
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         self._step, self.time = None, float(state["time"])

@@ -395,7 +395,7 @@ if __name__ == "__main__":
 #
 # - Swap slave and master in `Pressed`: the pressure then lives on the block's nodes.
 # - `degree=2`: quadratic displacements; on a plane middles of facets bear, too.
-# - `line(20, 0.2 * R)`, pressed deeper: where Hertz himself is 4 % off.
+# - `line(20, 0.2 * R)`, pressed deeper: where Hertz himself is 2 % off.
 #
 # ## Sources
 #

@@ -498,3 +498,39 @@ np.testing.assert_allclose(values, [0, 0, 0, 0.2, 0.4, 0.4, 0.4])
 @needs_mpirun
 def test_nor_do_processes_decide():
     output_of(mpirun(PARALLEL.format(here=str(Path(__file__).parent)), 2))
+
+
+@pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
+@pytest.mark.parametrize("timed", [False, True])
+def test_what_jumps_along_lines_of_the_mesh_is_as_told(cell, timed):
+    """Two layers, half loads: arrays are asked within each cell, not where two share a node."""
+    data = {"poisson_ratio": 0.0, "density": lambda x: np.where(x[1] < 0.2, 1000.0, 10.0)}
+
+    def load(x):
+        return 0 * x[0], np.where(x[0] < 0.0, -1e6, 0.0)
+
+    def load_then(x, t):
+        return load(x)
+
+    solid = ElasticSolid(
+        rectangle((4, 2), (1.0, 0.4), cell=cell),
+        youngs_modulus=1e9,
+        tractions={"top": load_then if timed else load},
+        **data,
+    )
+    contact = Contact(solid, "base", FLOOR, "gap", friction=1.0)
+    Scene([solid], [contact], QuasiStatic()).run(1.0, 1.0)
+    np.testing.assert_allclose(contact.force.sum(axis=0)[1], 5e5, rtol=1e-9)
+    assert solid.mass == pytest.approx(202.0, rel=1e-12)
+
+    layered = ElasticSolid(
+        rectangle((4, 2), (1.0, 0.4), cell=cell),
+        youngs_modulus=lambda x: np.where(x[1] < 0.2, 1e9, 1e6),
+        prescribed={"base": (0.0, 0.0)},
+        tractions={"top": (0.0, -1e3)},
+        **data,
+    )
+    contact = Contact(layered, "left", HalfSpace((-9, 0), (1, 0)))
+    Scene([layered], [contact], QuasiStatic()).run(1.0, 1.0)
+    exact = -1e3 * 0.2 * (1e-9 + 1e-6)
+    assert layered.displacement.min() == pytest.approx(exact, rel=1e-9)

@@ -226,6 +226,33 @@ def test_what_plays_computes_what_the_package_does(tmp_path, monkeypatch):
     assert hit["w_t"] == pytest.approx(1 - 1.35 / 2)
 
 
+@pytest.mark.skipif(not NODE, reason="no node to run JavaScript")
+def test_what_plays_is_solved_wherever_its_knobs_are():
+    """Newton's method ends, with the solution: by cases, for one point."""
+    script = f"""
+        const P = require({json.dumps(str(SITE / "static" / "one_point.js"))});
+        let seed = 1;
+        const random = (low, high) => {{
+            seed = (seed * 48271) % 2147483647;
+            return low + (high - low) * seed / 2147483647;
+        }};
+        const rows = [];
+        for (let i = 0; i < 20000; i++) {{
+            const set = {{ free_n: random(-2, 2), free_t: random(-2, 2), W: 1, mu: random(0, 2),
+                           rho: 10 ** random(-2, 2), start: random(-4, 4) }};
+            set.allowed = -random(0, 1) * set.free_n;
+            const iterates = P.newton(set), end = iterates.at(-1);
+            const lam = -Math.max(0, set.free_n - set.allowed), b = -set.mu * lam;
+            const tau = Math.max(-b, Math.min(b, set.free_t));
+            rows.push([Math.abs(end.lam - lam) + Math.abs(end.tau - tau), iterates.length]);
+        }}
+        console.log(JSON.stringify(rows));
+    """
+    run = subprocess.run([NODE, "-e", script], capture_output=True, text=True, check=True)
+    error, count = np.array(json.loads(run.stdout)).T
+    assert error.max() < 1e-9 and count.max() <= 10
+
+
 # -- the built site -------------------------------------------------------------------------
 
 

@@ -81,7 +81,8 @@ def squash(speed=0.2, until=6.0, dt=0.1):
         mesh(4), energy=neo_hookean(1e6, 0.3), density=1.0, prescribed=down, name="slab"
     )
     contact = Contact(slab, "base", floor, "gap", friction=0.2, name="floor")
-    return Scene([slab], [contact], QuasiStatic()).run(until, dt)
+    scene = Scene([slab], [contact], QuasiStatic(), geometry="newton")
+    return scene.run(until, dt)
 
 
 history = squash()

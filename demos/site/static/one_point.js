@@ -8,8 +8,10 @@ const OnePoint = (() => {
 
   // Newton's method for lam = chi(g_n) g_n, tau = P_b(tau + rho_t w_t), b = mu chi(g_n) max(-g_n, 0).
   // w_n = free_n + W lam - allowed, w_t = free_t - W tau: the velocities with which the step ends.
+  // What would slip one way and, in the next iterate, the other way sticks in between: else large
+  // rho lead it to and fro for ever.
   function newton({ free_n, free_t, allowed, W, mu, rho, start }) {
-    let lam = start, tau = 0;
+    let lam = start, tau = 0, way = 0; // of the slip before
     const iterates = [];
     for (let i = 0; i < 40; i++) {
       const w_n = free_n + W * lam, w_t = free_t - W * tau;
@@ -23,7 +25,9 @@ const OnePoint = (() => {
       const dg = 1 - rho * W; // of g_n by lam, of g_t by tau
       const d_lam = -R1 / (1 - chi * dg);
       const by_lam = slips ? mu * chi * dg * Math.sign(g_t) : 0; // of -P by lam
-      tau += (-R2 - by_lam * d_lam) / (slips ? 1 : 1 - dg);
+      const turns = slips && Math.sign(g_t) === -way;
+      tau += turns ? w_t / W : (-R2 - by_lam * d_lam) / (slips ? 1 : 1 - dg);
+      way = slips && !turns ? Math.sign(g_t) : 0;
       lam += d_lam;
     }
     return iterates;

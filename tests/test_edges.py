@@ -19,6 +19,7 @@ from fenicsx_contact import (
     RigidSolid,
     Scene,
     ThetaScheme,
+    Turned,
     Union,
     Wedge,
     name_facets,
@@ -271,3 +272,80 @@ def test_joints_of_flush_boxes_are_no_walls(dim, fall, mu, dt, law, theta, locat
     assert history.finished
     slower = mu * G * history["time"][-1]
     np.testing.assert_allclose(block.velocity[:dim], (V - slower) * e[0], atol=1e-9)
+
+
+def plateau(angle):
+    """Of 0.4 m, its sides at an angle within it to its top."""
+    sides = [HalfSpace((s * 0.2, 0), (s * np.sin(angle), -np.cos(angle))) for s in (-1, 1)]
+    return Polyhedron([HalfSpace((0, 0), (0, 1)), *sides, HalfSpace((0, -1), (0, -1))])
+
+
+@pytest.mark.parametrize("law, theta, located", FALLS)
+@pytest.mark.parametrize("inset", [0.0, 1e-10, 1e-6, 1e-4])
+@pytest.mark.parametrize("degrees", [30, 60, 80, 120, 150])
+def test_edges_may_be_acute(degrees, inset, law, theta, located):
+    mesh = rectangle((1, 1), (0.4 - 2 * inset, 0.2))
+    mesh.mesh.geometry.x[:, 1] += 0.05
+    block = RigidSolid(mesh, mass=1.0, gravity=(0, -G))
+    contact = Contact(block, "base", plateau(np.radians(degrees)), law)
+    scene = Scene([block], [contact], ThetaScheme(theta), locate_impacts=located)
+    history = scene.run(until=0.2, dt=4e-3)
+    assert history.finished and not history.remarks
+    np.testing.assert_allclose(block.velocity, 0.0, atol=1e-8)
+    assert abs(block.place[1] - 0.1) < 1e-7
+
+
+@pytest.mark.parametrize("degrees", [45, 80])
+def test_a_column_on_acute_edges(degrees):
+    mesh = rectangle((4, 4), (0.4, 0.4))
+    block = ElasticSolid(
+        mesh, youngs_modulus=1e6, poisson_ratio=0.0, density=1e3, prescribed={"top": (0, -0.004)}
+    )
+    contact = Contact(block, "base", plateau(np.radians(degrees)), "gap", friction=0.5)
+    Scene([block], [contact], QuasiStatic()).run(until=1.0, dt=1.0)
+    np.testing.assert_allclose(contact.force.sum(axis=0), (0.0, 4e3), atol=1e-6)
+
+
+@pytest.mark.parametrize("law, theta, located", FALLS)
+@pytest.mark.parametrize("scale", [1.0, 1e-2])
+def test_what_lands_aslant_from_beyond_an_edge_lands_on_the_face_that_it_comes_to(
+    scale, law, theta, located
+):
+    """Where the step starts the edge is nearest, where it ends a side."""
+    mesh = rectangle((1, 1), (0.2, 0.1))
+    mesh.mesh.geometry.x[:, :2] += 0.1 - 1e-4 * scale, 2e-3 * scale
+    block = RigidSolid(mesh, mass=1.0, velocity=(0.5, -2.0))
+    quadrant = Polyhedron([HalfSpace((0, 0), (0, 1)), HalfSpace((0, 0), (-1, 0))])
+    contact = Contact(block, "base", quadrant, law)
+    scene = Scene([block], [contact], ThetaScheme(theta), locate_impacts=located)
+    assert scene.run(until=5e-2 * scale, dt=1e-2 * scale).finished
+    np.testing.assert_allclose(block.velocity, (0.5, 0, 0), atol=1e-9)
+
+
+@pytest.mark.parametrize("clearance", [1e-12, 1e-6, 1e-3])
+@pytest.mark.parametrize("law, theta, located", FALLS)
+def test_what_passes_above_an_edge_is_not_struck(clearance, law, theta, located):
+    mesh = rectangle((1, 1), (0.2, 0.1))
+    mesh.mesh.geometry.x[:, :2] += -0.613, clearance
+    block = RigidSolid(mesh, mass=1.0, velocity=(1.0, 0))
+    contact = Contact(block, "base", Box((0, -0.5), (0.4, 1.0)), law)
+    scene = Scene([block], [contact], ThetaScheme(theta), locate_impacts=located)
+    assert scene.run(until=1.0, dt=1e-2).finished
+    np.testing.assert_allclose(block.velocity, (1, 0, 0), atol=1e-9)
+
+
+@pytest.mark.parametrize("located", [False, True])
+def test_what_rides_on_a_table_that_rocks_stays_on_its_face(located):
+    """Narrower than that by 0.1 mm on either side, it sticks; before, it slid off at once."""
+
+    def rides(inset):
+        mesh = rectangle((2, 1), (0.4 - 2 * inset, 0.2))
+        motion = {"velocity": (-0.06, 0.0), "spin": 0.6}  # of the table
+        block = RigidSolid(mesh, mass=1.0, gravity=(0, -G), **motion)
+        table = Turned(Box((0, -0.5), (0.4, 1.0)), (0, 0), lambda t: 0.1 * np.sin(6 * t))
+        contact = Contact(block, "base", table, friction=0.8)
+        scene = Scene([block], [contact], ThetaScheme(0.5), locate_impacts=located)
+        assert scene.run(until=0.15, dt=5e-3).finished
+        return block.place
+
+    np.testing.assert_allclose(rides(1e-4), rides(1e-2), atol=2e-5)

@@ -135,4 +135,5 @@ class Blows:
 def struck_gap(contact: Struck, step: Step) -> np.ndarray:
     """The gap that a percussion reads, (n,) in m: it corrects no drift, and what wears goes on
     to."""
-    return np.asarray(np.minimum(contact.gap, 0.0) - contact.memory.receding * step.horizon)
+    gap = contact.coupling.begun_gaps(contact.gap, step)
+    return np.asarray(np.minimum(gap, 0.0) - contact.memory.receding * step.horizon)

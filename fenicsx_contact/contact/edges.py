@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base.constants import RIGHT, SAME
+from ..base.constants import RIGHT, SAME, SHARP
 from ..base.vectors import dot, largest
 from .wall import Wall
+from .ways import first_of
 
 
 class Faces:
@@ -48,29 +49,106 @@ class Faces:
             time: s.
         """
         normals, distance = self._wall.normals(points, time), self._wall.distance(points, time)
-        grazes, normals = self._grazed(points, ways, time, normals, distance)
         self.kept = np.zeros(len(points), dtype=bool)
         if self._start is None:
             return self._lain_on(points, normals, distance, time), distance
+        grazes, normals = self._grazed(points, ways, time, normals, distance)
         start, was = self._start
-        turned = (np.abs(normals - start) > SAME).any(axis=1)
-        now = was + dot(ways, start)  # of the plane of the face
-        turned &= (now <= self._near) & ~grazes
-        if not turned.any():
+        other = ~grazes & (np.abs(normals - start) > SAME).any(axis=1)
+        if not other.any():
             return normals, distance
-        came = turned & self._by(points, ways, time, normals, start, was, now)
-        # what goes along an edge may be beyond it by round-off
-        there = self._wall.normals(points - SAME * ways, time)
-        goes = (np.abs(there - start) <= RIGHT).all(axis=1) | self._rests(ways, distance)
-        self.kept = came | (turned & goes & (now >= -self._near))
+        old = self._carried(points - ways, time)
+        plane = was + dot(ways, old)
+        turned = other & (plane <= self._near)
+        if turned.any():
+            self.kept = turned & self._by(points, ways, time, normals, distance, old, plane)
+        enters = other & ~self.kept & (was > self._near) & (distance < -self._near)
+        if enters.any():
+            enters, old, plane = self._entered(points, ways, time, enters, (old, plane))
+            self.kept = self.kept | (enters & (np.abs(normals - old) > RIGHT).any(axis=1))
         if not self.kept.any():
             return normals, distance
-        distance = np.where(self.kept, now, distance)
-        return np.where(self.kept[:, None], start, normals), distance
+        distance = np.where(self.kept, plane, distance)
+        return np.where(self.kept[:, None], old, normals), distance
 
-    def _rests(self, ways: np.ndarray, distance: np.ndarray) -> np.ndarray:
-        """Whether points are on the wall and have not moved, (n,)."""
-        return (np.abs(distance) <= self._near) & (np.abs(ways).max(axis=1) <= self._near)
+    def ahead(
+        self, points: np.ndarray, ways: np.ndarray, time: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The same as :meth:`meet` of points about to go such ways, (n, d) in m: before an edge it
+        is the face that they come to."""
+        old, was = self.meet(points, np.zeros_like(points), time)
+        ends = points + ways
+        normals, distance = self._wall.normals(ends, time), self._wall.distance(ends, time)
+        asked = (was > self._near) & (distance < -self._near)
+        if asked.any():
+            plane = was + dot(ways, old)
+            asked &= ~self._by(ends, ways, time, normals, distance, old, plane)
+        if not asked.any():
+            return old, was
+        enters, old, plane = self._entered(ends, ways, time, asked, (old, was))
+        return old, np.where(enters, plane - dot(ways, old), was)
+
+    def _carried(self, places: np.ndarray, time: float) -> np.ndarray:
+        """The normals where the step started, (n, d), as the wall has turned them since; the places
+        are carried along with it, (n, d)."""
+        start, was = self._start  # type: ignore[misc]
+        if not self._wall.moving:
+            return start
+        # just over the face, and not over its very edge
+        above = places + (self._near - was)[:, None] * start + self._near * self._inward(places)
+        carried = self._wall.normals(above, time)
+        return np.where((dot(carried, start) > SHARP)[:, None], carried, start)
+
+    def _by(
+        self,
+        points: np.ndarray,
+        ways: np.ndarray,
+        time: float,
+        normals: np.ndarray,
+        distance: np.ndarray,
+        old: np.ndarray,
+        plane: np.ndarray,
+    ) -> np.ndarray:
+        """Whether points get inside by the faces before which they were, are on them, or slide as
+        far as their edges or rest there, (n,)."""
+        was = self._start[1]  # type: ignore[index]
+        outside = was > self._near
+        ahead = np.where(outside, plane / np.where(plane < was, plane - was, 1.0), 0.0)
+        foot = points - np.clip(ahead, 0.0, 1.0)[:, None] * ways
+        foot -= np.where(outside, 0.0, plane)[:, None] * old
+        # over the face, and not beside it, is that whose facets go back from its edge
+        over = dot(self._inward(points), normals) < -RIGHT
+        aside = np.where(over, -1.0, 1.0)[:, None] * normals
+        beside = foot + self._near * (old + aside)
+        on = np.abs(self._wall.distance(foot, time)) <= self._near
+        on &= (np.abs(self._wall.normals(beside, time) - old) <= RIGHT).all(axis=1)
+        # what goes along an edge may be beyond it by round-off
+        there = self._wall.normals(points - SAME * ways, time)
+        goes = (np.abs(there - old) <= RIGHT).all(axis=1)
+        goes |= (np.abs(distance) <= self._near) & (np.abs(ways).max(axis=1) <= self._near)
+        return np.asarray(on | (goes & (plane >= -self._near)))
+
+    def _entered(
+        self,
+        points: np.ndarray,
+        ways: np.ndarray,
+        time: float,
+        asked: np.ndarray,
+        known: tuple[np.ndarray, np.ndarray],
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Which of the points that are asked get inside by a plane that they are still behind, (n,)
+        of bool; there its normals, (n, d), and distances, (n,) in m, elsewhere those known."""
+
+        def places(share: np.ndarray) -> np.ndarray:
+            return points - (1 - share)[:, None] * ways
+
+        share = first_of(lambda at: self._wall.distance(places(at), time) < 0, np.ones(len(points)))
+        entry, off = (of(places(share), time) for of in (self._wall.normals, self._wall.distance))
+        deep = off + (1 - share) * dot(ways, entry)
+        # what is round is not level there
+        foot = self._wall.distance(points - deep[:, None] * entry, time)
+        enters, (old, plane) = asked & (np.abs(foot) <= self._near), known
+        return enters, np.where(enters[:, None], entry, old), np.where(enters, deep, plane)
 
     def _grazed(
         self,
@@ -94,31 +172,6 @@ class Faces:
         asked &= (np.abs(level) <= self._near) & (dot(ways, behind) >= -far)
         asked &= lowest >= -self._near
         return asked, np.where(asked[:, None], behind, normals)
-
-    def _by(
-        self,
-        points: np.ndarray,
-        ways: np.ndarray,
-        time: float,
-        normals: np.ndarray,
-        start: np.ndarray,
-        was: np.ndarray,
-        now: np.ndarray,
-    ) -> np.ndarray:
-        """Whether points get inside by the faces before which they were, or are on them, (n,)."""
-        asked = (now <= self._near) & (dot(start, normals) > -RIGHT)
-        if not asked.any():
-            return asked
-        ahead = np.where(was > self._near, now / np.where(now < was, now - was, 1.0), 0.0)
-        foot = points - np.clip(ahead, 0.0, 1.0)[:, None] * ways
-        foot -= np.where(was > self._near, 0.0, now)[:, None] * start
-        # over the face, and not beside it, is that whose facets go back from its edge
-        over = dot(self._inward(points), normals) < -RIGHT
-        aside = np.where(over, -1.0, 1.0)[:, None] * normals
-        beside = foot + self._near * (start + aside)
-        on = np.abs(self._wall.distance(foot, time)) <= self._near
-        same = (np.abs(self._wall.normals(beside, time) - start) <= RIGHT).all(axis=1)
-        return np.asarray(asked & on & same)
 
     def _inward(self, points: np.ndarray) -> np.ndarray:
         """From nodes into the facets around them, (n, d), at most of length 1."""

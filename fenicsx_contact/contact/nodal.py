@@ -51,6 +51,7 @@ class NodalJump(Coupling):
         self._shape = equations.fields.surface.points.shape
         self._everywhere = np.ones(self._shape[0], dtype=bool)
         self._step: Step | None = None
+        self._ahead = 0.0
         self._ride = Ride(self.wall, self._shape)
         self._start_positions = self.traces[0].positions()
         self._seen: np.ndarray | None = None  # depths in the followed state, once asked for
@@ -62,6 +63,7 @@ class NodalJump(Coupling):
 
     def begin(self, step: Step) -> None:
         self._forget()
+        self._ahead = 0.0 if step.dt else step.horizon  # s: who comes by then may be struck now
         if not self.driven:
             return
         super().begin(step)
@@ -106,8 +108,10 @@ class NodalJump(Coupling):
         way = (x := self.traces[0].positions()) - self._start_positions
         if (step := self._step) and step.dt:
             way -= step.dt * self.wall.velocity(x, step.start, step.end)
-        self._way = way
-        outward, distance = self._by_way.meet(x, way, self.time)
+        self._way, look = way, self._by_way.meet
+        if self._ahead:
+            way, look = self._ahead * self.jump("velocity"), self._by_way.ahead
+        outward, distance = look(x, way, self.time)
         self._normals, self._seen = -outward, -distance - self.bulge
         return self._normals, self._seen
 
@@ -148,21 +152,17 @@ class NodalJump(Coupling):
         return super().turns(old, new, step) & (off <= np.minimum(before, behind))
 
     def to_jump(self, velocities: np.ndarray) -> np.ndarray:
-        jump = velocities.reshape(self._shape)
-        return jump - self._ride.end if self.driven else jump
+        return velocities.reshape(self._shape) - self._ride.end
 
     def jump(self, which: str) -> np.ndarray:
-        jump = self.velocities(which).reshape(self._shape)
-        if not self.driven:
-            return jump
-        return jump - (self._ride.start if which == "velocity" else self._ride.end)
+        own = self._ride.start if which == "velocity" else self._ride.end  # 0 of what stands
+        return self.velocities(which).reshape(self._shape) - own
 
     def fastest(self, which: str) -> float:
         return longest(self.jump(which))
 
     def struck_jump(self) -> np.ndarray:
-        jump = self.velocities("velocity").reshape(self._shape)
-        return jump - self._ride.struck if self.driven else jump
+        return self.velocities("velocity").reshape(self._shape) - self._ride.struck
 
     def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
         jump = self.traces[0].mean_jump(means[id(self.solids[0])]).reshape(self._shape)
@@ -282,7 +282,7 @@ class NodalJump(Coupling):
         return {"time": np.array(self.time), **carried, **met}
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
-        self._step, self.time = None, float(state["time"])
+        self._step, self._ahead, self.time = None, 0.0, float(state["time"])
         self._start_normals = np.array(state["normal"])
         if self._by_faces:
             self._by_way.start(-self._start_normals, np.array(state["distance"]))

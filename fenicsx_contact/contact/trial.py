@@ -58,7 +58,8 @@ def violation(contact: Contact, step: Step, force: np.ndarray) -> float:
     values[: e.jumps] = contact.trial_jump.ravel()
     if share:
         way = step.gap_rate * dot(contact.trial_jump, contact.normal)
-        e.gap[:] = (1 - share) * contact.gap + share * (contact.coupling.gaps() - way)
+        begun = contact.coupling.begun_gaps(contact.gap, step)
+        e.gap[:] = (1 - share) * begun + share * (contact.coupling.gaps() - way)
         contact.candidates.renew()
     over = contact.candidates.passed_over(contact.trial_jump, step)
     if not len(e.candidates):
@@ -117,7 +118,8 @@ def astray(contact: Contact, step: Step, resolution: float) -> np.ndarray:
     if most is not None:
         speed = np.where(np.abs(speed - most) <= resolution, most, speed)
     way = step.gap_rate * speed + (step.dt - step.gap_rate) * contact.start_jump_n
-    return np.asarray(contact.coupling.gaps() - contact.gap - way)
+    begun = contact.coupling.begun_gaps(contact.gap, step)
+    return np.asarray(contact.coupling.gaps() - begun - way)
 
 
 def farthest(contact: Contact) -> float:

@@ -12,7 +12,7 @@ from ..base.vectors import dot
 from .wall import Wall
 
 #: Which points, by their shares of the ways, (k,) of bool.
-_Asked = Callable[[np.ndarray], np.ndarray]
+Asked = Callable[[np.ndarray], np.ndarray]
 
 
 class Ways:
@@ -69,12 +69,12 @@ class Ways:
         if len(points):
             ends = np.zeros(len(points)), np.ones(len(points))
             points = points[~self._leaves(points, ends[0]) & self._leaves(points, ends[1])]
-            share[points] = _first(lambda at: self._leaves(points, at), share[points])
+            share[points] = first_of(lambda at: self._leaves(points, at), share[points])
         return share
 
     def entries(self, points: np.ndarray, share: np.ndarray) -> np.ndarray:
         """After which shares of their ways points get in that are within after these, (k,)."""
-        return _first(lambda at: self.depth(points, at) > 0, share)
+        return first_of(lambda at: self.depth(points, at) > 0, share)
 
     def _times(self, share: np.ndarray) -> list[tuple[np.ndarray, float]]:
         times = self._start + share * self._length
@@ -103,7 +103,7 @@ def heights(ways: np.ndarray, old: np.ndarray, new: np.ndarray) -> np.ndarray:
     return np.where(dot(old, new) > SHARP, height, 0.0)
 
 
-def _first(holds: _Asked, last: np.ndarray) -> np.ndarray:
+def first_of(holds: Asked, last: np.ndarray) -> np.ndarray:
     """Shares from which on something holds that does at the last ones, (k,), found by halving."""
     near, far = np.zeros(len(last)), last
     if len(last):

@@ -229,3 +229,25 @@ def test_what_own_obstacles_say_of_themselves_is_not_believed(told, words):
     assert scene.run(0.05, 5e-3, progress=False).finished
     with pytest.raises(InputError, match=f"'bowl': {words} of its obstacle along .* must be"):
         tangents(scene, 0.05, 5e-3, by)
+
+
+@pytest.mark.parametrize("law, theta", [("velocity", 0.5), ("velocity", 1.0), ("gap", 1.0)])
+def test_over_joints_of_flush_boxes(law, theta):
+    """What meets another face than where the step started depends on the places by that one."""
+
+    def slides(speed):
+        mesh = rectangle((1, 1), (0.2, 0.1))
+        mesh.mesh.geometry.x[:, 1] += 0.02
+        block = RigidSolid(mesh, mass=2.0, gravity=(0, -10.0), velocity=(speed, 0))
+        contacts = [
+            Contact(block, "base", Box((0.8 * i - 0.4, -0.2), (0.8, 0.4)), law, name=f"box {i}")
+            for i in range(-1, 3)
+        ]
+        return block, Scene([block], contacts, ThetaScheme(theta))
+
+    block, scene = slides(1.0)
+    by, of = {"v": Start(block, velocity=(1, 0))}, {"x": (1, 0), "y": (0, 1)}
+    quantities = {name: Centre(block, way) for name, way in of.items()}
+    found = tangents(scene, 0.6, 7e-3, by, quantities)
+    assert found["x"][-1][0] == pytest.approx(0.602, rel=1e-9)
+    assert abs(found["y"][-1][0]) < 1e-12

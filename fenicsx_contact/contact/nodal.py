@@ -25,8 +25,6 @@ from .ways import Ways, heights
 class NodalJump(Coupling):
     """Nodes of a solid before an obstacle: their velocities less the obstacle's are the jumps.
 
-    How an obstacle moves that does: :class:`~.ride.Ride`.
-
     Args:
         solid, obstacle: what may touch.
         equations: of the solid's surface.
@@ -58,7 +56,7 @@ class NodalJump(Coupling):
         self._normals: np.ndarray | None = None
         self._start_normals: np.ndarray | None = None
         surface = equations.fields.surface
-        self._by_faces = self.wall.edged and not (self.fixed_normal or self.encloses)
+        self.by_faces = self.wall.edged and not (self.fixed_normal or self.encloses)
         self._by_way = Faces(self.wall, surface.cell_nodes, surface.extent)
 
     def begin(self, step: Step) -> None:
@@ -68,7 +66,7 @@ class NodalJump(Coupling):
             return
         super().begin(step)
         self._step = step
-        met = self._start_normals if self._by_faces else None
+        met = self._start_normals if self.by_faces else None
         self._ride.begin(step, self._start_positions, met)
 
     def _forget(self) -> None:
@@ -90,14 +88,14 @@ class NodalJump(Coupling):
             self._ride.accept()
 
     def _depths(self) -> np.ndarray:
-        if self._seen is None and self._by_faces:
+        if self._seen is None and self.by_faces:
             return self._meet()[1]
         if self._seen is None:
             self._seen = -self.wall.distance(self.traces[0].positions(), self.time) - self.bulge
         return self._seen
 
     def normals(self) -> np.ndarray:
-        if self._normals is None and self._by_faces:
+        if self._normals is None and self.by_faces:
             return self._meet()[0]
         if self._normals is None:
             self._normals = -self.wall.normals(self.traces[0].positions(), self.time)
@@ -117,7 +115,7 @@ class NodalJump(Coupling):
 
     def keep_normals(self) -> np.ndarray:
         self._start_normals = self.normals()
-        if self._by_faces:
+        if self.by_faces:
             self._by_way.start(-self._start_normals, -self._depths() - self.bulge)
         return self._start_normals
 
@@ -134,13 +132,17 @@ class NodalJump(Coupling):
         return along + dot(ride.start, normals) - ride.start_speed(self.positions(), normals)
 
     def begun_gaps(self, gap: np.ndarray, step: Step) -> np.ndarray:
-        if not self._by_faces:
+        if not (other := self.other_faces(step)).any():
             return gap
+        return np.where(other, self.gaps() - dot(self._way, self.normals()), gap)
+
+    def other_faces(self, step: Step) -> np.ndarray:
+        """Points that meet another face now than where the step started, (n,) of bool."""
+        if not self.by_faces:
+            return ~self._everywhere
         old, new = self.start_normals(), self.normals()
-        if not (other := (np.abs(new - old) > SAME).any(axis=1)).any():
-            return gap
-        other &= ~self.turns(old, new, step)
-        return np.where(other, self.gaps() - dot(self._way, new), gap)
+        other = (np.abs(new - old) > SAME).any(axis=1)
+        return other & ~self.turns(old, new, step) if other.any() else other
 
     def turns(self, old: np.ndarray, new: np.ndarray, step: Step) -> np.ndarray:
         places = 0.5 * (self._start_positions + self.traces[0].positions())
@@ -208,7 +210,7 @@ class NodalJump(Coupling):
         e.values = values
         curvature = self.wall.curvature(self.traces[0].positions(), self.time)
         if curvature is not None:
-            if self._by_faces:  # of a plane there is none
+            if self.by_faces:  # of a plane there is none
                 curvature = np.where(self._by_way.kept[:, None, None], 0.0, curvature)
             # n = -(outward normal); the gap read is that of the end less gap_rate w . n
             turn = -step.gap_rate * curvature
@@ -240,14 +242,13 @@ class NodalJump(Coupling):
         return np.where(back, np.minimum(deep, arcs), deep)
 
     def dips(self) -> np.ndarray | float:
-        if self.fixed_normal or self._start_normals is None:
+        if self.fixed_normal or (old := self._start_normals) is None:
             return 0.0
-        way = self.positions() - self._start_positions
-        return heights(way, self._start_normals, self.normals())
+        return heights(self.positions() - self._start_positions, old, self.normals())
 
     def other_side(self, asked: np.ndarray) -> np.ndarray:
         other = np.zeros(len(asked), dtype=bool)
-        asked = asked & ~self._by_way.kept if self._by_faces else asked
+        asked = asked & ~self._by_way.kept if self.by_faces else asked
         if not self.fixed_normal and (points := asked.nonzero()[0]).size:
             ways = self._ways()
             entries = ways.entries(points, ways.deepest(asked)[points])
@@ -276,15 +277,14 @@ class NodalJump(Coupling):
         return self.traces[0].mobility().reshape(self._shape)
 
     def state(self) -> dict[str, np.ndarray]:
-        before = self._ride.before
-        carried = {} if before is None else {"carried": before}
-        met = {"distance": -self._depths() - self.bulge} if self._by_faces else {}
-        return {"time": np.array(self.time), **carried, **met}
+        before, state = self._ride.before, {"time": np.array(self.time)}
+        state |= {} if before is None else {"carried": before}
+        return state | ({"distance": -self._depths() - self.bulge} if self.by_faces else {})
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         self._step, self._ahead, self.time = None, 0.0, float(state["time"])
         self._start_normals = np.array(state["normal"])
-        if self._by_faces:
+        if self.by_faces:
             self._by_way.start(-self._start_normals, np.array(state["distance"]))
         self._ride.restore(np.array(state["carried"]) if "carried" in state else None)
         super().restore(state)

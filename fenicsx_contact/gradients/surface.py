@@ -22,6 +22,7 @@ from ..contact.nodal import NodalJump
 from ..solids import MonolithicTrace
 from ..theory.scheme import Step
 from .edge import Edge
+from .faces import slopes
 from .kinematics import square
 from .laws import refuse_law
 from .motion import Motion
@@ -141,16 +142,12 @@ class ContactRows:
 
     def _normals(self, start: np.ndarray) -> None:
         """What the obstacle is at the start and the end, and how that depends on the places."""
-        wall = self.contact.coupling.wall  # type: ignore[attr-defined]
         self.normal, self.old_places = self.contact.normal, start
-        self.slope, self.old_slope = (-wall.slopes(x, 0.0) for x in (self.places, start))
+        new, old = slopes(self.contact, self.step, self.places, start)
+        self.slope, self.old_slope, self.bend = new.gap, old.gap, new.bend
         self.turns = self._turns()
-        old = self.normal if wall.flat else -wall.normals(start, 0.0)
-        self.old_normal = np.where(self.turns[:, None], old, self.normal)
-        bends = (wall.curvature(x, 0.0) for x in (self.places, start))
-        flat = np.zeros((*start.shape, self._d))
-        self.bend, old_bend = (flat if bend is None else -bend for bend in bends)
-        self.old_bend = np.where(self.turns[:, None, None], old_bend, 0.0)
+        self.old_normal = np.where(self.turns[:, None], old.normal, self.normal)
+        self.old_bend = np.where(self.turns[:, None, None], old.bend, 0.0)
 
     def _turns(self) -> np.ndarray:
         """Where the jump at the start counts along the normal there, (n,) of bool."""

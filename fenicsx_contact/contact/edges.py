@@ -45,7 +45,7 @@ class Faces:
 
         Args:
             points: (n, d) in m.
-            ways: by which they got there, as seen from the wall, (n, d) in m.
+            ways: by which they got there, as seen from the wall where it started, (n, d) in m.
             time: s.
         """
         normals, distance = self._wall.normals(points, time), self._wall.distance(points, time)
@@ -57,8 +57,8 @@ class Faces:
         other = ~grazes & (np.abs(normals - start) > SAME).any(axis=1)
         if not other.any():
             return normals, distance
-        old = self._carried(points - ways, time)
-        plane = was + dot(ways, old)
+        plane = was + dot(ways, start)  # as far above that of the face, wherever that is now
+        old = self._carried(points, plane, time)
         turned = other & (plane <= self._near)
         if turned.any():
             self.kept = turned & self._by(points, ways, time, normals, distance, old, plane)
@@ -88,14 +88,14 @@ class Faces:
         enters, old, plane = self._entered(ends, ways, time, asked, (old, was))
         return old, np.where(enters, plane - dot(ways, old), was)
 
-    def _carried(self, places: np.ndarray, time: float) -> np.ndarray:
-        """The normals where the step started, (n, d), as the wall has turned them since; the places
-        are carried along with it, (n, d)."""
-        start, was = self._start  # type: ignore[misc]
+    def _carried(self, points: np.ndarray, plane: np.ndarray, time: float) -> np.ndarray:
+        """The normals where the step started, (n, d), as the wall has turned them since, from how
+        far points are above their planes, (n,) in m."""
+        start, _ = self._start  # type: ignore[misc]
         if not self._wall.moving:
             return start
         # just over the face, and not over its very edge
-        above = places + (self._near - was)[:, None] * start + self._near * self._inward(places)
+        above = points + (self._near - plane)[:, None] * start + self._near * self._inward(points)
         carried = self._wall.normals(above, time)
         return np.where((dot(carried, start) > SHARP)[:, None], carried, start)
 

@@ -5,8 +5,9 @@ A material's number may be a number, a ``fem.Constant``, a ``fem.Function``, an 
 the place x of a point at rest, or a function of x; a load may be each of these for d components,
 and a function of x and t, or of t alone. Functions of x are called with the coordinates of UFL,
 where ``x[0]`` is a scalar; one that UFL cannot take (``np.where``, ``np.sin``) is called with x as
-an array (3, n), gives n numbers for each component, and is interpolated with degree 2. With
-functions of x and t it is the other way round: ``math.sin(t)`` of a constant of UFL never ends.
+an array (3, n), gives n numbers for each component, and is interpolated with degree 2 in each cell.
+With functions of x and t it is the other way round: ``math.sin(t)`` of a constant of UFL never
+ends.
 """
 
 from __future__ import annotations

@@ -54,7 +54,7 @@ class Faces:
             return self._lain_on(points, normals, distance, time), distance
         grazes, normals = self._grazed(points, ways, time, normals, distance)
         start, was = self._start
-        other = ~grazes & (np.abs(normals - start) > SAME).any(axis=1)
+        other = ~grazes & (np.abs(normals - start) > RIGHT).any(axis=1)
         if not other.any():
             return normals, distance
         plane = was + dot(ways, start)  # as far above that of the face, wherever that is now
@@ -145,9 +145,11 @@ class Faces:
         share = first_of(lambda at: self._wall.distance(places(at), time) < 0, np.ones(len(points)))
         entry, off = (of(places(share), time) for of in (self._wall.normals, self._wall.distance))
         deep = off + (1 - share) * dot(ways, entry)
-        # what is round is not level there
-        foot = self._wall.distance(points - deep[:, None] * entry, time)
-        enters, (old, plane) = asked & (np.abs(foot) <= self._near), known
+        foot = points - deep[:, None] * entry
+        level = np.abs(self._wall.distance(foot, time)) <= self._near  # what is round is not
+        there = self._wall.normals(foot + self._near * entry, time)
+        level &= (np.abs(there - entry) <= RIGHT).all(axis=1)
+        enters, (old, plane) = asked & level, known
         return enters, np.where(enters[:, None], entry, old), np.where(enters, deep, plane)
 
     def _grazed(

@@ -8,7 +8,7 @@ from math import inf
 
 import numpy as np
 
-from ..base.constants import SAME, SHARP
+from ..base.constants import RIGHT, SHARP
 from ..base.vectors import dot, longest
 from ..solids import Solid, Trace
 from ..solids.trace import DeformableTrace
@@ -141,7 +141,7 @@ class NodalJump(Coupling):
         if not self.by_faces:
             return ~self._everywhere
         old, new = self.start_normals(), self.normals()
-        other = (np.abs(new - old) > SAME).any(axis=1)
+        other = (np.abs(new - old) > RIGHT).any(axis=1)
         return other & ~self.turns(old, new, step) if other.any() else other
 
     def turns(self, old: np.ndarray, new: np.ndarray, step: Step) -> np.ndarray:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..base.constants import SAME
+from ..base.constants import RIGHT
 from ..contact.wall import Wall
 from ..theory.scheme import Step
 
@@ -39,7 +39,7 @@ def slopes(contact: Any, step: Step, places: np.ndarray, start: np.ndarray) -> t
     if not by_faces:
         return tuple(ends)
     for (gap, normal, bend), met in zip(ends, (contact.normal, contact.start_normal)):
-        kept = (np.abs(met - normal) > SAME).any(axis=1)
+        kept = (np.abs(met - normal) > RIGHT).any(axis=1)
         gap[kept], normal[kept], bend[kept] = met[kept], met[kept], 0.0
     other = contact.coupling.other_faces(
         step

@@ -8,12 +8,25 @@ it up to its very edge, however deep it is by then; what slides over the edge is
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..base.constants import RIGHT, SAME, SHARP
 from ..base.vectors import dot, largest
 from .wall import Wall
 from .ways import first_of
+
+
+class _Now(NamedTuple):
+    """Points (n, d) in m and their ways, as seen from the wall where it started, at a time, s; what
+    is nearest there: normals, (n, d), and distances, (n,) in m."""
+
+    points: np.ndarray
+    ways: np.ndarray
+    time: float
+    normals: np.ndarray
+    distance: np.ndarray
 
 
 class Faces:
@@ -52,7 +65,8 @@ class Faces:
         self.kept = np.zeros(len(points), dtype=bool)
         if self._start is None:
             return self._lain_on(points, normals, distance, time), distance
-        grazes, normals = self._grazed(points, ways, time, normals, distance)
+        grazes, normals = self._grazed(_Now(points, ways, time, normals, distance))
+        now = _Now(points, ways, time, normals, distance)
         start, was = self._start
         other = ~grazes & (np.abs(normals - start) > RIGHT).any(axis=1)
         if not other.any():
@@ -61,7 +75,7 @@ class Faces:
         old = self._carried(points, plane, time)
         turned = other & (plane <= self._near)
         if turned.any():
-            self.kept = turned & self._by(points, ways, time, normals, distance, old, plane)
+            self.kept = turned & self._by(now, old, plane)
         enters = other & ~self.kept & (was > self._near) & (distance < -self._near)
         if enters.any():
             enters, old, plane = self._entered(points, ways, time, enters, (old, plane))
@@ -82,7 +96,7 @@ class Faces:
         asked = (was > self._near) & (distance < -self._near)
         if asked.any():
             plane = was + dot(ways, old)
-            asked &= ~self._by(ends, ways, time, normals, distance, old, plane)
+            asked &= ~self._by(_Now(ends, ways, time, normals, distance), old, plane)
         if not asked.any():
             return old, was
         enters, old, plane = self._entered(ends, ways, time, asked, (old, was))
@@ -99,19 +113,10 @@ class Faces:
         carried = self._wall.normals(above, time)
         return np.where((dot(carried, start) > SHARP)[:, None], carried, start)
 
-    def _by(
-        self,
-        points: np.ndarray,
-        ways: np.ndarray,
-        time: float,
-        normals: np.ndarray,
-        distance: np.ndarray,
-        old: np.ndarray,
-        plane: np.ndarray,
-    ) -> np.ndarray:
+    def _by(self, now: _Now, old: np.ndarray, plane: np.ndarray) -> np.ndarray:
         """Whether points get inside by the faces before which they were, are on them, or slide as
         far as their edges or rest there, (n,)."""
-        was = self._start[1]  # type: ignore[index]
+        (points, ways, time, normals, distance), (_, was) = now, self._start  # type: ignore[misc]
         outside = was > self._near
         ahead = np.where(outside, plane / np.where(plane < was, plane - was, 1.0), 0.0)
         foot = points - np.clip(ahead, 0.0, 1.0)[:, None] * ways
@@ -152,17 +157,11 @@ class Faces:
         enters, (old, plane) = asked & level, known
         return enters, np.where(enters[:, None], entry, old), np.where(enters, deep, plane)
 
-    def _grazed(
-        self,
-        points: np.ndarray,
-        ways: np.ndarray,
-        time: float,
-        normals: np.ndarray,
-        distance: np.ndarray,
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def _grazed(self, now: _Now) -> tuple[np.ndarray, np.ndarray]:
         """Where points come to an edge within the plane of the face behind it, and no facet beside
         them reaches below that, (n,) of bool; there its normals, elsewhere those given, (n, d): so
         no joint of flush faces is a wall."""
+        points, ways, time, normals, distance = now
         far = RIGHT * np.sqrt(dot(ways, ways))
         if not (asked := (np.abs(distance) <= self._near) & (dot(ways, normals) < -far)).any():
             return asked, normals

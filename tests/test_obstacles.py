@@ -33,6 +33,7 @@ from fenicsx_contact import (
     ThetaScheme,
     Turned,
     Union,
+    name_facets,
 )
 from fenicsx_contact.base import compat
 from fenicsx_contact.contact.leaps import leap
@@ -125,6 +126,31 @@ def test_a_level_set_is_asked_from_several_threads():
     finally:
         sys.setswitchinterval(before)
     assert not wrong
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-3])
+@pytest.mark.parametrize("square", [False, True], ids=["distance", "square"])
+def test_a_bowl_whose_middle_is_a_corner(square, size):
+    """A level set has no gradient in the middle of a ball: what starts with a corner there falls
+    as in a `Circle`."""
+
+    def inside(x, t):
+        return 1 - ufl.dot(x, x) / size**2 if square else size - ufl.sqrt(ufl.dot(x, x))
+
+    def fall(bowl):
+        block = moved(rectangle((2, 1), (0.4 * size, 0.2 * size)), -0.2 * size, -0.2 * size)
+        skin = name_facets(block.mesh, {"all": lambda x: x[0] == x[0]})
+        body = RigidSolid(skin, mass=1.0, gravity=(0.0, -G), velocity=(np.sqrt(size), 0.0))
+        contact = Contact(body, "all", bowl, friction=0.2)
+        history = Scene([body], [contact]).run(until=0.6 * size**0.5, dt=4e-3 * size**0.5)
+        assert history.finished
+        return body.velocity / size**0.5
+
+    level_set = LevelSet(inside, dim=2)
+    assert np.isfinite(level_set.curvature(np.zeros((1, 2)))).all()
+    assert level_set.distance(np.zeros((1, 2)))[0] > 0.9 * size
+    circle = Circle((0.0, 0.0), size, inside=True)
+    np.testing.assert_allclose(fall(level_set), fall(circle), atol=1e-3 if square else 1e-9)
 
 
 @pytest.mark.parametrize("name", OBSTACLES)

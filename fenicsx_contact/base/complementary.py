@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.linalg.blas import dger
 
 from .constants import ROUND_OFF, SAME
 
@@ -34,7 +35,7 @@ def complementary(matrix: np.ndarray, constant: np.ndarray) -> np.ndarray | None
     # multiples of the golden section are as unlike each other as can be
     cover = 1.0 + (np.sqrt(5) - 1) / 2 * np.arange(1, n + 1) % 1.0
     # each row: a number that is not 0, by those that are (the columns): w is i, z is n + i
-    table = np.concatenate([matrix, cover[:, None], constant[:, None]], axis=1)
+    table = np.asfortranarray(np.column_stack([matrix, cover, constant]))
     noise = 10 * ROUND_OFF * np.abs(constant).max()
     rows, columns = np.arange(n), np.append(np.arange(n, 2 * n), added)
     place, enters = int(np.argmin(constant / cover)), n
@@ -43,7 +44,7 @@ def complementary(matrix: np.ndarray, constant: np.ndarray) -> np.ndarray | None
         row = table[place] / -pivot
         row[enters] = 1.0 / pivot
         table[:, enters] = 0.0
-        table += column[:, None] * row
+        table = dger(1.0, column, row, a=table, overwrite_a=True)
         table[place] = row
         left, rows[place] = rows[place], columns[enters]
         columns[enters] = left

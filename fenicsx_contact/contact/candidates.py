@@ -39,7 +39,7 @@ class Candidates:
     ) -> None:
         self._equations, self._coupling, self._formulation = equations, coupling, formulation
         self.anywhere = not (formulation.multipliers or only_pushes(formulation))
-        self.allowed = self._asked = np.ones(len(equations.weight), dtype=bool)
+        self.allowed = self._asked = self._found = np.ones(len(equations.weight), dtype=bool)
         self._limit: np.ndarray | None = None
         self.renew()
 
@@ -58,7 +58,7 @@ class Candidates:
             approach = self._coupling.coming(self._coupling.struck_jump(), gap >= -tolerance)
             allowed = allowed & (gap + step.within * approach >= -tolerance)
         self.allowed, self._gap = allowed, gap
-        self._asked = np.ones(len(allowed), dtype=bool)
+        self._asked, self._found = np.ones(len(allowed), dtype=bool), np.zeros(len(allowed), bool)
         if step.dt and self._formulation.multipliers:
             self._refuse_held(tolerance)
 
@@ -87,10 +87,13 @@ class Candidates:
         return near & ~self._coupling.held() if self._formulation.multipliers else near
 
     def narrow(self, bore: np.ndarray, free: np.ndarray, step: Step) -> None:
-        """Ask only what bore, (n,) of bool, and what velocities of the traces' points without
-        contact, flat, ask for; what falls alike meets or parts by round-off."""
+        """Ask only what bore, (n,) of bool, what velocities of the traces' points without contact,
+        flat, ask for, and what was found in the step before; what falls alike meets or parts by
+        round-off, and in a crowd meets once one of both is stopped."""
         noise = ROUND_OFF * largest(free)
-        self._asked = bore | self._violate(self._coupling.to_jump(free), step, noise)
+        if not self._coupling.by_means:
+            noise = noise + self._coupling.loaded(free, self._coupling.jump("velocity"))
+        self._asked = bore | self._found | self._violate(self._coupling.to_jump(free), step, noise)
         self.choose()
 
     def widen(self, jump: np.ndarray, step: Step) -> bool:
@@ -100,7 +103,7 @@ class Candidates:
         more = self._violate(jump, step) & ~self._asked
         if not more.any() or not (more & self.allowed & self.near()).any():
             return False
-        self._asked = self._asked | more
+        self._asked, self._found = self._asked | more, self._found | more
         self.choose()
         return True
 
@@ -149,7 +152,9 @@ class Candidates:
         )
         return self._limit
 
-    def _violate(self, jump: np.ndarray, step: Step, noise: float = 0.0) -> np.ndarray:
+    def _violate(
+        self, jump: np.ndarray, step: Step, noise: float | np.ndarray = 0.0
+    ) -> np.ndarray:
         """Points whose jump (n, d) is more than the law allows less ``noise``, (n,) of bool."""
         e, limit = self._equations, self.limit(step)
         if self.anywhere:

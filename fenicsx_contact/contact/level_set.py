@@ -13,6 +13,7 @@ from dolfinx import fem
 from ufl.corealg.traversal import unique_pre_traversal
 
 from ..base import checks
+from ..base.constants import SAME
 from ..base.expressions import symbolic, wrong_number
 from ..base.point_cloud import PointCloud
 from ..base.quoted import quoted
@@ -38,7 +39,8 @@ class LevelSet:
     differentiated (:class:`~fenicsx_contact.gradients.Shape`), stand in it as ``fem.Constant`` of
     any mesh: what counts are their values when it is asked. Nothing else of a mesh can stand in it,
     as an obstacle is none. Where the surface moves it does so along its normals unless a velocity
-    tells of the material (a belt, a drum that turns), in which Constants may stand, too.
+    tells of the material (a belt, a drum that turns), in which Constants may stand, too. Where phi
+    has no gradient, as in the middle of a ball, it is asked beside that point.
 
     Args:
         phi: from a position x (a UFL vector) and the time t [s] to a UFL scalar, positive outside.
@@ -118,7 +120,11 @@ class LevelSet:
             cloud.place(points, time)
             for field, number in zip(fields, self._every):
                 field.x.array[:] = float(number.value)
-            return compiled()
+            values = compiled()
+            if not np.isfinite(values).all():  # no gradient there, as in the middle of a ball
+                cloud.place(_beside(points, ~np.isfinite(values).all(axis=1)), time)
+                values = compiled()
+            return values
 
     def distance(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Signed distance of the points (n, d), positive outside, to first order."""
@@ -150,6 +156,12 @@ class LevelSet:
     def __repr__(self) -> str:
         drift = "" if self._drift is None else f", velocity={shown(self._drift)}"
         return f"LevelSet({shown(self._phi)}, dim={self.dim}{drift})"
+
+
+def _beside(points: np.ndarray, which: np.ndarray) -> np.ndarray:
+    """The points, some moved by what is no distance: any direction tells as much of them."""
+    shift = SAME * (np.abs(points).max() or 1.0)
+    return points + shift * which[:, None]
 
 
 #: Terminals of UFL that are of no mesh: numbers, indices, the labels of variables.

@@ -23,7 +23,8 @@ from scipy.linalg import lapack
 from ..base.vectors import largest, worst
 from ..contact.part import Part
 from .by_points import ByPoints, Place
-from .factored import Factored, by_factors, factored_sparsely
+from .crowds import CrowdTangent
+from .factored import Factored, by_factors
 from .statuses import Statuses
 from .yielding import COMPLIANCE, FIRM, Yielding
 
@@ -70,6 +71,7 @@ class SurfaceSystem(Statuses):
         self._firm = COMPLIANCE if hyperstatic else FIRM
         self._compliance, self._centre = self._firm, np.empty(0)
         self._tangent: Factored | None = None
+        self._crowd: CrowdTangent | None = None
 
     def arrange(self) -> np.ndarray:
         """Take up which points are active; their velocities' indices among all."""
@@ -227,9 +229,9 @@ class SurfaceSystem(Statuses):
         """The tangent of all unknowns; None where it is singular."""
         nw, scales = len(self.active), (self._rows, self._columns)
         if self.crowded and self.size > MANY[1]:
-            softened = bool(self._centre.size)
-            given = self._yields, scales, self.active, self._compliance, softened
-            return factored_sparsely(self.placed, *given)
+            if not (self._crowd and self._crowd.of(self.placed, self._yields)):
+                self._crowd = CrowdTangent(self.placed, self._yields, scales)
+            return self._crowd.factored(self.active, self._compliance, bool(self._centre.size))
         if len(self.placed) == 1:
             A = self.placed[0].part.active_tangent().copy()  # which is used again
         else:

@@ -6,12 +6,24 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import dolfinx
 import numpy as np
 import pytest
+from mpi4py import MPI
 from scipy.spatial import cKDTree
 from test_mesh_files import area, flux, volume
 
-from fenicsx_contact import InputError, NamedMesh, mesh_from_gmsh
+from fenicsx_contact import (
+    Contact,
+    ElasticSolid,
+    HalfSpace,
+    InputError,
+    NamedMesh,
+    QuasiStatic,
+    Scene,
+    mesh_from_gmsh,
+    name_facets,
+)
 from fenicsx_contact.base import compat
 
 MESHES = Path(__file__).parents[1] / "meshes"
@@ -219,3 +231,25 @@ def test_scripts_leave_no_options_behind(tmp_path):
     assert len(before) > 30
     mesh_from_gmsh(MESHES / "cylinder.geo", h=0.3, coarse=0.4)
     np.testing.assert_array_equal(mesh_from_gmsh(script).mesh.geometry.x, before)
+
+
+def test_a_part_that_is_cut_out_of_a_mesh(tmp_path):
+    """A submesh knows no numbers of cells as it was given: files of runs ask for them, and so do
+    pieces that lie apart."""
+    whole = dolfinx.mesh.create_rectangle(
+        MPI.COMM_WORLD, [(0.0, 0.0), (3.0, 1.0)], [12, 4], dolfinx.mesh.CellType.quadrilateral
+    )
+
+    def outside(x):
+        return (x[0] < 1.01) | (x[0] > 1.99)
+
+    part = dolfinx.mesh.create_submesh(whole, 2, dolfinx.mesh.locate_entities(whole, 2, outside))
+    mesh = name_facets(part[0], {"base": lambda x: np.isclose(x[1], 0.0)})
+    solid = ElasticSolid(
+        mesh, youngs_modulus=1e6, poisson_ratio=0.3, density=1e3, gravity=(0.0, -9.81)
+    )
+    contact = Contact(solid, "base", HalfSpace((0.0, 0.0), (0.0, 1.0)), "gap", friction=0.3)
+    scene = Scene([solid], [contact], QuasiStatic())
+    assert "2 pieces" in scene.describe()
+    assert scene.run(until=1.0, dt=1.0, directory=tmp_path / "run").finished
+    assert contact.force.sum(axis=0)[1] == pytest.approx(2e3 * 9.81)

@@ -15,6 +15,7 @@ from dolfinx import fem
 from scenes import FLOOR, G, box, energy_size, rectangle, total_energy
 
 from fenicsx_contact import (
+    Box,
     Circle,
     Contact,
     Cylinder,
@@ -644,6 +645,46 @@ def test_located_impacts_of_a_moving_wall():
     struck = history.time[np.flatnonzero(history["dt"][1:] == 0) + 1]
     np.testing.assert_allclose(struck, [0.0246], rtol=1e-6)
     assert np.abs(contact.gap).max() < 1e-9
+
+
+@pytest.mark.parametrize("name", ["box", "circle", "plane"])
+def test_a_step_that_failed_leaves_nothing_in_the_state(name):
+    """The state after a run that stopped is that of its last good step, wherever an obstacle was
+    to go in the step that failed, and asks it nothing: where the obstacle raised then, no
+    checkpoint was left, and what had stopped the run was not told."""
+    wall = {
+        "box": Box((-0.2, -0.15), (0.6, 0.3)),
+        "circle": Circle((0.0, -1.0), 1.0),
+        "plane": HalfSpace((0.0, 0.0), (0.0, 1.0)),
+    }[name]
+    refuses = []
+
+    def motion(t):
+        if refuses and t > 0.05:
+            raise ValueError("no more")
+        return 0.3 * t, 0.05 * np.sin(20 * t)
+
+    def start():
+        body = rectangle((4, 2), (0.4, 0.2))
+        solid = RigidSolid(body, mass=1.0, gravity=(0, -G), velocity=(0.5, -0.3))
+        return Scene([solid], [Contact(solid, "base", Moved(wall, motion), friction=0.3)])
+
+    whole, good = start(), start()
+    whole.run(until=0.15, dt=5e-3)
+    good.run(until=0.05, dt=5e-3)
+    refuses.append(True)
+    stopped = start()
+    reason = stopped.run(until=0.15, dt=5e-3).reason
+    assert "no more" in reason and "steps down to" in reason
+    state = stopped.state()
+    refuses.clear()
+    for key, array in good.state().items():
+        if key.split(".")[-1] not in ("units", "octave", "most"):  # of what is tried
+            np.testing.assert_array_equal(state[key], array, err_msg=key)
+    again = start()
+    again.restore(state)
+    again.run(until=0.15, dt=5e-3)
+    np.testing.assert_array_equal(again.solids[0].velocity, whole.solids[0].velocity)
 
 
 def test_a_run_goes_on_where_it_was():

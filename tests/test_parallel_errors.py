@@ -175,6 +175,77 @@ for each, name in zip(told, names):
 assert refused(scenes.elastic_block()) == refused(scenes.rubbed_block()) == "nothing"
 """
 
+LATE = """
+from fenicsx_contact import (
+    Contact, ElasticSolid, HalfSpace, Moved, RigidSolid, Scene, base
+)
+base.processes.PATIENCE = 1.0
+
+def late(t):
+    if t > 0.02 and world.rank == world.size - 1:
+        raise RuntimeError("only here")
+    return 0.0, 0.0
+
+def in_space(x, t):
+    return 0 * x[0] + late(t)[0], 0 * x[0]
+
+def run(wall=None, rigid=False, **given):
+    mesh = scenes.rectangle((6, 3), comm=world)
+    if rigid:
+        solid = RigidSolid(mesh, mass=1.0, **given)
+    else:
+        solid = ElasticSolid(mesh, youngs_modulus=1e6, poisson_ratio=0.3, density=1e3, **given)
+    plane = HalfSpace((0, 0), (0, 1))
+    contact = Contact(solid, "base", wall(plane) if wall else plane)
+    history = Scene([solid], [contact], allow_free=True).run(0.05, 1e-2)
+    assert "raises RuntimeError: only here" in history.reason, history.reason
+    assert history["time"][-1] == 0.02, history["time"]
+
+run(tractions={{"top": in_space}})
+run(body_force=in_space)
+run(prescribed={{"top": in_space}})
+run(prescribed={{"top": late}})
+run(wall=lambda plane: Moved(plane, late))
+run(rigid=True, force=late)
+print("told")
+"""
+
+
+def test_what_fails_on_one_process_in_a_later_step_stops_all(tmp_path):
+    """Functions of the user's: loads and supports, in space and not, motions of obstacles, forces
+    on rigid bodies. That step failed on one process, which cut it, and the others waited."""
+    assert output_of(mpirun(code(LATE, tmp_path), 2)).count("told") == 2
+
+
+BROKEN_OFF = """
+from fenicsx_contact import Contact, Scene, base
+base.processes.PATIENCE = 1.0
+
+class Own:
+    dim = 2
+    asked = 0
+    def distance(self, x, t):
+        return x[:, 1]
+    def normals(self, x, t):
+        Own.asked += 1
+        if t and Own.asked > 20 and world.rank == world.size - 1:
+            raise RuntimeError("only here")
+        return 0 * x + [0.0, 1.0]
+
+(solid,) = scenes.elastic_block().solids
+Scene([solid], [Contact(solid, "base", Own())]).run(1e-2, 1e-3)
+"""
+
+
+def test_what_fails_within_a_step_where_others_wait_ends_all(tmp_path):
+    process = mpirun(code(BROKEN_OFF, tmp_path), 2)
+    try:
+        output, _ = process.communicate(timeout=HANGS)
+    finally:
+        process.terminate()
+    assert process.returncode != 0
+    assert "process 1 stops, and others wait for it: an obstacle raises RuntimeError" in output
+
 
 def test_processes_that_are_given_other_arguments_refuse_them(tmp_path):
     output_of(mpirun(code(UNLIKE, tmp_path), 2))

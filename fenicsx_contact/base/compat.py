@@ -32,8 +32,7 @@ def create_mesh(
 ) -> Any:
     """A mesh of cells of a degree: ``cells`` (m, k), all their nodes in basix's order, index
     ``points`` (n, gdim)."""
-    gdim = points.shape[1]
-    cells = np.ascontiguousarray(cells, dtype=np.int64)
+    gdim, cells = points.shape[1], np.ascontiguousarray(cells, dtype=np.int64)
     points = np.ascontiguousarray(points, dtype=np.float64)
     if not MODERN:
         element = ufl.VectorElement("Lagrange", ufl.Cell(cell, geometric_dimension=gdim), degree)
@@ -66,8 +65,7 @@ def cell_name(mesh: Any) -> str:
 
 def gmsh_order(cell: str, nodes: int) -> np.ndarray:
     """Where the nodes of a cell of dolfinx stand among those of gmsh."""
-    kind = getattr(dolfinx.mesh.CellType, cell)
-    return np.asarray(dolfinx.cpp.io.perm_gmsh(kind, nodes))
+    return np.asarray(dolfinx.cpp.io.perm_gmsh(getattr(dolfinx.mesh.CellType, cell), nodes))
 
 
 def cell_geometry(mesh: Any) -> np.ndarray:
@@ -90,8 +88,10 @@ def num_local_cells(mesh: Any) -> int:
 
 
 def given_cells(mesh: Any) -> np.ndarray:
-    """Numbers of the owned cells in the mesh as it was given, the same on any processes, (m,)."""
-    return np.asarray(mesh.topology.original_cell_index, dtype=np.int64)[: num_local_cells(mesh)]
+    """Numbers of the owned cells, (m,): as given, the same on any processes; a submesh's own."""
+    first, end = mesh.topology.index_map(mesh.topology.dim).local_range
+    given = mesh.topology.original_cell_index[: end - first]
+    return np.asarray(given if len(given) else range(first, end), dtype=np.int64)
 
 
 def given_nodes(mesh: Any) -> np.ndarray:

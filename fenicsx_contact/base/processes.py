@@ -5,14 +5,19 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping
+from functools import cache
+from time import monotonic, sleep
 from types import TracebackType
 from typing import Any, TypeVar
 
+import numpy as np
 from mpi4py import MPI
 
 from .checks import InputError, StepFailed
 
 T = TypeVar("T")
+#: Cost: seconds for which a process on which something failed waits for the others to end.
+PATIENCE = 60.0
 
 
 def on_first(comm: Any, action: Callable[[], T]) -> T:
@@ -47,6 +52,57 @@ def together(comm: Any, action: Callable[[], T], kind: type[Exception] = StepFai
     if failed:
         raise failed[0]
     return result
+
+
+@cache
+def _aside_of_all() -> Any:
+    return MPI.COMM_WORLD.Dup()
+
+
+class _Known(StepFailed):
+    """A step failed by what all processes know."""
+
+
+class Meeting:
+    """Where processes meet after each has done its share of something that they do together, apart
+    from the messages of that: what one of them broke off may wait for it.
+
+    Args:
+        comm: the processes.
+    """
+
+    def __init__(self, comm: Any) -> None:
+        self._comm = comm
+        if comm.size > 1:  # communicators are few
+            all_of_them = MPI.Comm.Compare(comm, MPI.COMM_WORLD) <= MPI.CONGRUENT
+            self._comm = _aside_of_all() if all_of_them else comm.Dup()
+
+    def after(self, action: Callable[[], T]) -> T:
+        """What an action returns. A step that fails on one process does so on all; where these do
+        not come to know, for they wait for it within, all are ended with its message. Where they
+        meet within the action, too, nobody is told again what all know since."""
+        if self._comm.size == 1:
+            return action()
+        failure, result = None, None
+        try:
+            result = action()
+        except _Known:
+            raise
+        except StepFailed as problem:
+            failure = problem
+        failed = np.zeros(self._comm.size, dtype=np.int32)
+        request = self._comm.Iallgather(np.array([failure is not None], dtype=np.int32), failed)
+        end = monotonic() + PATIENCE
+        while failure and not request.Test():
+            if monotonic() > end:
+                told = f"process {self._comm.rank} stops, and others wait for it: {failure}"
+                print(told, file=sys.stderr, flush=True)
+                MPI.COMM_WORLD.Abort(1)
+            sleep(1e-3)
+        request.Wait()
+        if failed.any():
+            raise _Known(self._comm.bcast(str(failure), root=int(failed.argmax()))) from failure
+        return result  # type: ignore[return-value]
 
 
 def any_of(comm: Any, *truths: bool) -> list[bool]:

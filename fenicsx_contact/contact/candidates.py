@@ -90,7 +90,7 @@ class Candidates:
         """Ask only what bore, (n,) of bool, what velocities of the traces' points without contact,
         flat, ask for, and what was found in the step before; what falls alike meets or parts by
         round-off, and in a crowd meets once one of both is stopped."""
-        noise = ROUND_OFF * largest(free)
+        noise: float | np.ndarray = ROUND_OFF * largest(free)
         if not self._coupling.by_means:
             noise = noise + self._coupling.loaded(free, self._coupling.jump("velocity"))
         self._asked = bore | self._found | self._violate(self._coupling.to_jump(free), step, noise)
@@ -152,9 +152,7 @@ class Candidates:
         )
         return self._limit
 
-    def _violate(
-        self, jump: np.ndarray, step: Step, noise: float | np.ndarray = 0.0
-    ) -> np.ndarray:
+    def _violate(self, jump: np.ndarray, step: Step, noise: float | np.ndarray = 0.0) -> np.ndarray:
         """Points whose jump (n, d) is more than the law allows less ``noise``, (n,) of bool."""
         e, limit = self._equations, self.limit(step)
         if self.anywhere:

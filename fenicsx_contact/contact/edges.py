@@ -8,6 +8,7 @@ it up to its very edge, however deep it is by then; what slides over the edge is
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -50,6 +51,15 @@ class Faces:
     def start(self, normals: np.ndarray, distance: np.ndarray) -> None:
         """Keep what there is where a step starts, (n, d) and (n,) in m."""
         self._start = normals, distance
+
+    def state(self) -> dict[str, np.ndarray]:
+        """The same, as arrays: not what a step that failed may have met."""
+        return dict(zip(("outward", "distance"), self._start or ()))
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Take up what :meth:`state` gave; these normals."""
+        self.start(np.array(state["outward"]), np.array(state["distance"]))
+        return np.array(state["outward"])
 
     def meet(
         self, points: np.ndarray, ways: np.ndarray, time: float

@@ -277,16 +277,14 @@ class NodalJump(Coupling):
         return self.traces[0].mobility().reshape(self._shape)
 
     def state(self) -> dict[str, np.ndarray]:
-        before, state = self._ride.before, {"time": np.array(self.time)}
-        state |= {} if before is None else {"carried": before}
-        return state | ({"distance": -self._depths() - self.bulge} if self.by_faces else {})
+        return self._ride.state() | (self._by_way.state() if self.by_faces else {})
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
-        self._step, self._ahead, self.time = None, 0.0, float(state["time"])
+        self._ride.restore(state)
+        self._step, self._ahead, self.time = None, 0.0, self._ride.time
         self._start_normals = np.array(state["normal"])
         if self.by_faces:
-            self._by_way.start(-self._start_normals, np.array(state["distance"]))
-        self._ride.restore(np.array(state["carried"]) if "carried" in state else None)
+            self._start_normals = -self._by_way.restore(state)
         super().restore(state)
 
     def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:

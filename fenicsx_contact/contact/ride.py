@@ -11,6 +11,7 @@ turns into itself.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import inf
 
 import numpy as np
@@ -36,13 +37,14 @@ class Ride:
         points: (n, d), how many.
 
     Attributes:
-        before: with which the last step ended, or None.
+        before: with which the last step ended, or None; ``time``: when that was, s.
         start, end: in the begun step; ``struck``: at its start, if it starts with a percussion.
     """
 
     def __init__(self, wall: Wall, points: tuple[int, ...]) -> None:
         self._wall = wall
         self.before: np.ndarray | None = None
+        self.time = 0.0
         self.start = self.end = self.struck = np.zeros(points)
         self._step: Step | None = None
         self._start_normal: np.ndarray | None = None
@@ -76,11 +78,18 @@ class Ride:
 
     def accept(self) -> None:
         """What the step ended with is what the next one starts with."""
-        self.before = self.end if self._step else self.before
+        if self._step:
+            self.before, self.time = self.end, self._step.end
 
-    def restore(self, before: np.ndarray | None) -> None:
-        """Take up the velocity with which the last step ended."""
-        self._step, self.before = None, before
+    def state(self) -> dict[str, np.ndarray]:
+        """That as arrays, and when it was: not what a step that failed has begun."""
+        before = {} if self.before is None else {"carried": self.before}
+        return {"time": np.array(self.time), **before}
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Take up what :meth:`state` gave."""
+        before = np.array(state["carried"]) if "carried" in state else None
+        self._step, self.before, self.time = None, before, float(state["time"])
         self.start = self.end = np.zeros_like(self.end) if before is None else before
 
     def _last_velocity(self, x: np.ndarray) -> np.ndarray:

@@ -27,6 +27,7 @@ from ..base.checks import is_function
 from ..base.compiling import quiet
 from ..base.expressions import symbolic, terminals_off, wrong_number
 from ..base.mesh import NamedMesh
+from ..base.processes import together
 from ..base.quoted import quoted
 from ..base.told import written
 
@@ -86,7 +87,7 @@ class Sampled:
     def __init__(
         self, what: str, function: Callable, mesh: Any, shape: tuple[int, ...], steady: bool
     ) -> None:
-        self._what, self._function, self.steady = what, function, steady
+        self._what, self._function, self.steady, self._comm = what, function, steady, mesh.comm
         space = compat.cellwise_space(mesh, sum(shape), 2)
         self.expression = fem.Function(space)
         x, cells = space.tabulate_dof_coordinates(), compat.cell_dofs(space)
@@ -96,6 +97,9 @@ class Sampled:
         self._values = self.expression.x.array.reshape(-1, *shape)
 
     def at(self, time: float) -> None:
+        together(self._comm, lambda: self._ask(time), checks.InputError)
+
+    def _ask(self, time: float) -> None:
         with checks.naming(self._what):
             given = self._function(self._x, *([] if self.steady else [time]))
             components = [given] if self._values.ndim == 1 else list(given)

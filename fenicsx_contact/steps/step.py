@@ -11,23 +11,22 @@ from math import inf
 import numpy as np
 
 from ..base.checks import StepFailed
+from ..base.processes import Meeting
 from ..base.vectors import largest
 from ..contact.arrivals import arrives, missed
 from ..contact.bounds import statuses
 from ..contact.contact import Contact
 from ..contact.percussion import approaching, strikes
 from ..contact.work import counts, work
-from ..solids import DeformableSolid, Solid
-from ..solve.condensed import Condensed
-from ..solve.krylov import Krylov
+from ..solids import DeformableSolid, Solid, communicator
 from ..solve.loop import GEOMETRY_TOLERANCE, StepSolver
 from ..solve.newton import Newton
 from ..solve.problem import Assembly, Clock
-from ..solve.surface_problem import SurfaceSystem
 from ..theory.scheme import Step
 from .certificate import ACCEPTED, Books, Certificate, certify
 from .frames import Frames
 from .hold import hold_gaps
+from .insight import Insight
 from .neighbours import Neighbours
 from .trial import Trial
 
@@ -36,7 +35,7 @@ from .trial import Trial
 LOOSE = 10.0
 
 
-class Stepper:
+class Stepper(Insight):
     """Takes the steps of a scene and keeps its books.
 
     Args:
@@ -67,6 +66,7 @@ class Stepper:
         self._solver = partial(
             StepSolver, newton=newton, geometry=geometry, solver=solver, loose=list(loose)
         )
+        self._meeting = Meeting(communicator(self.solids))
         self._neighbours = Neighbours(self._every)
         self._arrange()
         self._linear = not any(s.shiftable for s in solids)
@@ -115,35 +115,41 @@ class Stepper:
 
     def _attempt(self, step: Step, closing: bool, rates: Sequence[np.ndarray] | None) -> Trial:
         clock = Clock(self.times)
-        self._begin(step)
+        self._meeting.after(lambda: self._begin(step))
         self._begun = None  # the prediction is left
         before = [(contact.equations.values, contact.moved) for contact in self.contacts]
         try:
-            for contact in self.contacts:
-                contact.predict(step, closing)
-            if rates is not None:
-                self._guess(step, rates)
-            clock("pairing")
-            trial, moved = self._solved(step, closing, clock)
-            # a flight beyond an arrival errs by the impact that it missed
-            moved = moved and (closing or self._paired or not any(map(arrives, self.contacts)))
-            while moved and trial.errors.worst > self._again:  # as long as it gains
-                tried, last = trial, trial.errors
-                for look in self.rounds:
-                    look(tried)
-                try:
-                    trial, moved = self._solved(step, closing, clock)
-                except StepFailed as failure:
-                    raise StepFailed(last.refusal or str(failure)) from failure
-                trial = tried.then(trial)
-                moved = moved and trial.errors.worst < last.worst
-            if refusal := trial.errors.refusal:
-                raise StepFailed(refusal)
-            return trial
+            return self._meeting.after(lambda: self._sound(step, closing, rates, clock))
         except BaseException:  # an interrupt, too
             for contact, was in zip(self.contacts, before):
                 contact.equations.values, contact.moved = was
             raise
+
+    def _sound(
+        self, step: Step, closing: bool, rates: Sequence[np.ndarray] | None, clock: Clock
+    ) -> Trial:
+        """The begun step solved, about where solids are put back, too, and certified."""
+        for contact in self.contacts:
+            contact.predict(step, closing)
+        if rates is not None:
+            self._guess(step, rates)
+        clock("pairing")
+        trial, moved = self._solved(step, closing, clock)
+        # a flight beyond an arrival errs by the impact that it missed
+        moved = moved and (closing or self._paired or not any(map(arrives, self.contacts)))
+        while moved and trial.errors.worst > self._again:  # as long as it gains
+            tried, last = trial, trial.errors
+            for look in self.rounds:
+                look(tried)
+            try:
+                trial, moved = self._solved(step, closing, clock)
+            except StepFailed as failure:
+                raise StepFailed(last.refusal or str(failure)) from failure
+            trial = tried.then(trial)
+            moved = moved and trial.errors.worst < last.worst
+        if refusal := trial.errors.refusal:
+            raise StepFailed(refusal)
+        return trial
 
     def _solved(self, step: Step, closing: bool, clock: Clock) -> tuple[Trial, bool]:
         """The step solved about where solids are put; whether they are put elsewhere after it."""
@@ -172,6 +178,9 @@ class Stepper:
         are watched otherwise."""
         if not (step.scheme.inertia and any(c.formulation.percussive for c in self._every)):
             return False
+        return self._meeting.after(lambda: self._comes(step, touching))
+
+    def _comes(self, step: Step, touching: bool) -> bool:
         # what touches is asked as a percussion would stop it: where it is, not where it slides to
         self._begin(replace(step, dt=0.0, ahead=step.horizon) if touching else step)
         percussive = [c for c in self.contacts if c.formulation.percussive]  # some woke up
@@ -193,8 +202,8 @@ class Stepper:
         for solid in self.solids:
             solid.patient = self._method.patient  # whatever other scenes it is in
             solid.predict(step)
-        for contact in self.contacts:
-            contact.begin(step)
+        for contact in self.contacts:  # which asks obstacles where they are
+            self._meeting.after(partial(contact.begin, step))
         self._begun = step
 
     def _guess(self, step: Step, rates: Sequence[np.ndarray]) -> None:
@@ -243,30 +252,6 @@ class Stepper:
         attempted last."""
         reached = max(self._tolerance, self._method.reached)
         return LOOSE * reached * self._method.speed
-
-    @property
-    def krylov(self) -> list[int]:
-        """Iterations of the last linear solves, at most 100, if the solver is iterative."""
-        system = self._method.system
-        return list(system.counts) if isinstance(system, Krylov) else []
-
-    @property
-    def solve_times(self) -> dict[str, float]:
-        """Seconds of the linear solves by part, if the solver is iterative."""
-        system = self._method.system
-        return dict(system.times) if isinstance(system, Krylov) else {}
-
-    @property
-    def surfaces(self) -> SurfaceSystem:
-        """The surface problem of the step that was attempted last; the solver is condensed."""
-        system = self._method.system
-        assert isinstance(system, Condensed)
-        return system.surfaces
-
-    @property
-    def errors(self) -> list[float]:
-        """Relative errors in the course of the last step."""
-        return self._method.errors
 
     def state(self) -> dict[str, np.ndarray]:
         """What a run continues from, beside the solids and contacts."""

@@ -650,6 +650,21 @@ class OwnFloor:
         return np.tile([0.0, 1.0], (len(points), 1))
 
 
+class Around:
+    """An obstacle around another one."""
+
+    dim = 2
+
+    def __init__(self, inner):
+        self.inner = inner
+
+    def distance(self, points):
+        return self.inner.distance(points)
+
+    def normals(self, points):
+        return self.inner.normals(points)
+
+
 @pytest.mark.parametrize(
     "ground",
     [
@@ -657,8 +672,14 @@ class OwnFloor:
         lambda depth: Box((0, -1 - depth / 2), (4, 2 + depth)),
         lambda depth: Triangulated(slab(1 + depth)),
         OwnFloor,
+        lambda depth: Around(Box((0, -1 - depth / 2), (4, 2 + depth))),
+        lambda depth: Moved(Around(Box((0, -1 - depth / 2), (4, 2 + depth))), lambda t: (t, 0)),
+        lambda depth: Around(OwnFloor(depth)),
+        lambda depth: Around(
+            SimpleNamespace(normals=FLOOR.normals, distance=OwnFloor(depth).distance)
+        ),
     ],
-    ids=["curve", "box", "triangulated", "own"],
+    ids=["curve", "box", "triangulated", "own", "around", "moved", "own around", "method"],
 )
 def test_grounds_of_other_points_are_told_apart(ground):
     """Only how many points there are was told, and of an own obstacle its class."""

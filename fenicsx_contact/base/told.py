@@ -146,18 +146,31 @@ def _told(given: Any, whole: _Whole | None, fields: bool) -> str:
         return repr(given)
     if isinstance(given, Real):
         return str(given) if isinstance(given, int) else f"{float(given):.9g}"
+    given = vars(given) if isinstance(given, SimpleNamespace) else given
     if isinstance(given, (Mapping, list, tuple, Set)):
         return _many(given, whole, fields)
-    name = name_of(given)
-    parts = _parts(given)
-    if parts is not None:
-        place = whole.place(given, parts) if whole else MARK + digits(given, fields=fields)
-        return f"{name} {place}"
     if is_expression(given) and not isinstance(given, fem.Constant):
-        return f"{name} {MARK}{in_ufl(given, fields)}"
-    # an array, or a Constant
+        return f"{name_of(given)} {MARK}{in_ufl(given, fields)}"
+    parts = _parts(given)
+    return _thing(given, whole, fields) if parts is None else _by_parts(given, parts, whole, fields)
+
+
+def _thing(given: Any, whole: _Whole | None, fields: bool) -> str:
+    """What is no function: of this package as it says, of a user's class by what it holds, of
+    others by their names and values, as arrays and Constants have them."""
+    kind = type(given)
+    if kind.__module__.partition(".")[0] == _PACKAGE and kind.__repr__ is not object.__repr__:
+        return repr(given)
+    if _users(kind.__module__) and (things := held(given)):
+        return _by_parts(given, (things,), whole, fields)
     values = given if isinstance(given, np.ndarray) else getattr(given, "value", None)
+    name = name_of(given)
     return name if values is None else f"{name} {_array(np.asarray(values))}"
+
+
+def _by_parts(given: Any, parts: tuple[Any, ...], whole: _Whole | None, fields: bool) -> str:
+    place = whole.place(given, parts) if whole else MARK + digits(given, fields=fields)
+    return f"{name_of(given)} {place}"
 
 
 def _many(given: Any, whole: _Whole | None, fields: bool) -> str:
@@ -198,6 +211,12 @@ def _parts(given: Any) -> tuple[Any, ...] | None:
     if is_function(given) and not isinstance(given, type):
         return type(given).__call__, held(given)
     return None
+
+
+def _users(module: str) -> bool:
+    """Whether that is a module of a user's: not Python's own, and not installed."""
+    file = str(getattr(sys.modules.get(module), "__file__", ""))
+    return module.partition(".")[0] not in _KNOWN and "-packages" not in file
 
 
 def _content(cell: Any) -> Any:

@@ -5,7 +5,8 @@ problem of friction in cones, on frozen geometry."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from copy import copy
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import qr
@@ -28,7 +29,7 @@ class ConePoints:
         limit: how fast the law lets each approach, (n,) in m/s.
         slope: of the cones, (n,); 0: without friction.
         back: -a of the law (3'), (n, d - 1) in m/s.
-        group: to which contact each belongs, (n,) of int.
+        group: to which contact each belongs, (n,) of int; ``bore``: those that did, (n,) of bool.
         compliance: (v, v) in m/s/N; ``free``: velocities without contact, (v,) in m/s.
     """
 
@@ -39,20 +40,24 @@ class ConePoints:
     slope: np.ndarray
     back: np.ndarray
     group: np.ndarray
+    bore: np.ndarray
     compliance: np.ndarray
     free: np.ndarray
 
     def __post_init__(self) -> None:
         #: what of a speed and of a force counts as one, m/s and m/s/N
         self.speed = float(np.abs(self.jumps(self.free)).max(initial=0.0))
-        yields = np.einsum("nv,vu,nu->n", self.see[:, 0], self.compliance, self.do[:, 0])
+        yields = ((self.see[:, 0] @ self.compliance) * self.do[:, 0]).sum(axis=1)
         #: how far each point yields alone along its normal, (n,) in m/s/N
         self.yields = np.where(yields > 0, yields, 1.0)
 
     def of(self, among: np.ndarray) -> ConePoints:
         """Some of the points, (n,) of bool, alone."""
-        names = ("see", "do", "given", "limit", "slope", "back", "group")
-        return replace(self, **{name: getattr(self, name)[among] for name in names})
+        some = copy(self)
+        for name in ("see", "do", "given", "limit", "slope", "back", "group", "bore", "yields"):
+            setattr(some, name, getattr(self, name)[among])
+        some.speed = float(np.abs(some.jumps(some.free)).max(initial=0.0))
+        return some
 
     def foremost(self, forces: np.ndarray, least: float, many: int = 1) -> np.ndarray:
         """Of each contact so many points that approach most above their limits, m/s, if that is
@@ -66,7 +71,8 @@ class ConePoints:
 
     def velocities(self, forces: np.ndarray) -> np.ndarray:
         """Of what bears so much along the normals and tangents, (n, d) in N."""
-        return np.asarray(self.free - self.compliance @ np.einsum("nd,ndv->v", forces, self.do))
+        sums = forces.ravel() @ self.do.reshape(forces.size, -1)
+        return np.asarray(self.free - self.compliance @ sums)
 
     def jumps(self, velocities: np.ndarray) -> np.ndarray:
         return np.asarray(self.see @ velocities + self.given)
@@ -117,7 +123,7 @@ class _Points:
         n, d = shape = len(self._at), contact.normal.shape[1]
         law = contact.friction_law
         self.slope = np.full(n, (getattr(law, "slope", None) or 0.0) if law else 0.0)
-        self.limit = limit[self._at]
+        self.limit, self.bore = limit[self._at], contact.status[self._at] > 0
         rows = np.repeat(bears, d)
         J, S = (
             (np.eye(len(place)) if each is None else each)[rows].reshape(*shape, len(place))
@@ -198,13 +204,13 @@ class Places:
             np.concatenate(each)
             for each in zip(*(p.reduced(does, back, system.free) for p in self._each))
         )
-        limit, slope, back = (
+        limit, slope, back, bore = (
             np.concatenate([getattr(p, name) for p in self._each])
-            for name in ("limit", "slope", "back")
+            for name in ("limit", "slope", "back", "bore")
         )
         group = np.repeat(np.arange(len(self._each)), [len(p.limit) for p in self._each])
         self.points = ConePoints(
-            see, do, jumps, limit, slope, back, group, np.eye(rank), np.zeros(rank)
+            see, do, jumps, limit, slope, back, group, bore, np.eye(rank), np.zeros(rank)
         )
 
     def take(self, forces: np.ndarray) -> None:

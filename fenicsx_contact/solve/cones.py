@@ -62,7 +62,7 @@ def in_cones(points: ConePoints) -> np.ndarray | None:
     that was found; None where there are none."""
     n, k = points.back.shape
     rubs, best, forces = bool(points.slope.any()), np.inf, None
-    among = points.foremost(np.zeros((n, 1 + k)), 0.0)
+    among = points.foremost(np.zeros((n, 1 + k)), 0.0) | points.bore
     sides, lasting = np.tile(_ring(k + 1), (n, 1, 1)), np.zeros((n, k))
     for turn in range(ROUNDS):
         many = SIDES * 2 ** (turn // 2)

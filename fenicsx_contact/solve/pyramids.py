@@ -46,7 +46,7 @@ class Pyramids:
         m, k, own = len(rubs), sides.shape[1], sides[rubs]
 
         def stacked(operator: np.ndarray) -> np.ndarray:
-            along = np.einsum("mkj,mjv->mkv", own, operator[rubs, 1:])
+            along = own @ operator[rubs, 1:]
             return np.concatenate([operator[:, 0], along.reshape(m * k, len(points.free))])
 
         jumps = points.jumps(points.free)
@@ -122,11 +122,9 @@ class Pyramids:
         for _ in range(STEPS):
             against, turns = self._against(velocities, slip)
             rubs = p.slope[slip, None] * against
-            do = np.concatenate(
-                [p.do[slip, 0] + np.einsum("sk,skv->sv", rubs, p.do[slip, 1:]), holds]
-            )
+            do = np.concatenate([p.do[slip, 0] + (rubs[:, None] @ p.do[slip, 1:])[:, 0], holds])
             turns *= (p.slope[slip] * weights[:m])[:, None, None]
-            turning = np.einsum("skv,skj,sju->vu", p.do[slip, 1:], turns, p.see[slip, 1:])
+            turning = p.do[slip, 1:].reshape(-1, v).T @ (turns @ p.see[slip, 1:]).reshape(-1, v)
             matrix[:v, :v] = np.eye(v) + p.compliance @ turning
             matrix[:v, v:end] = p.compliance @ do.T / stiff
             left = p.free - velocities - p.compliance @ (weights @ do)

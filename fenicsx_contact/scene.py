@@ -43,7 +43,7 @@ class Scene:
         geometry: "newton": geometry, contact and solids in one Newton loop; "fixed point": the
             paper's loop around contact with frozen geometry. Default: "newton" where two solids
             meet of which one is deformable, not by springs, where its surfaces are large, and in
-            statics of what only contact holds.
+            statics of what only contact holds, or before what is curved.
         solver: of the linear systems: "condensed" on the surfaces, "monolithic" (one
             sparse matrix, factored) or "iterative" (GMRES and multigrid; deformable solids only).
             Default: condensed if the surfaces are small (smaller between nonlinear solids) and,

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from ..base import checks
 from ..contact.contact import Contact
+from ..contact.nodal import NodalJump
 from ..solids import DeformableSolid, MonolithicSolid, Solid
 from ..theory.scheme import Scheme
 from .loop import SYSTEMS
@@ -52,7 +53,9 @@ def choose(
         # between solids full Newton begins with springs as deep as a step goes, along normals that
         # move: stiff ones are settled on normals at rest
         yields = any(len(contact.solids) > 1 for contact in springs)
-        whole = (large and deformable) or (not yields and (pairs or floats))
+        # without inertia little else turns the fixed point round along what is curved
+        winds = not scheme.inertia and any(map(_curved, contacts))
+        whole = (large and deformable) or (not yields and (pairs or floats or winds))
         geometry = "newton" if whole else "fixed point"
     if solver is None:
         nonlinear = any(not solid.linear for solid in deformable)
@@ -80,3 +83,9 @@ def choose(
                 f"solver = {solver!r}: {alone} cannot be part of such a system; use {other}"
             )
     return geometry, solver
+
+
+def _curved(contact: Contact) -> bool:
+    """Whether it is before an obstacle that is curved, and not by its edges alone."""
+    other = contact.coupling
+    return isinstance(other, NodalJump) and not (other.fixed_normal or other.by_faces)

@@ -216,9 +216,10 @@ class Scene:
         ``step_error``, by steps that are halved and doubled within these as the motion asks.
 
         A step that fails is tried again at half its length, down to ``shortest`` of it; below
-        that the run stops and its history says why. An interrupt, and what a function of yours
-        raises, passes on; the scene is then as at the last checkpoint, of which one is made every
-        two seconds.
+        that the run stops and its history says why. So it is if a load, a motion or an obstacle of
+        yours raises; what a probe or ``stop_when`` does is an InputError, whose cause it is. These
+        and an interrupt pass on; the scene is then as at the last checkpoint, of which one is made
+        every two seconds.
 
         Args:
             until: the end, s.

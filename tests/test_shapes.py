@@ -227,6 +227,12 @@ def test_a_smooth_drum_has_sharp_rims():
     error = np.abs(drum.distance(p) - exact.distance(p))
     assert error[near & ~beyond & ~between].max() < 1e-12
     assert error[near].max() < 1.01 * chord
+    assert f"bulges by up to {chord:.3g} m over sharp edges" in drum.remark
+    assert not Triangulated(bricks((1, 1, 1)), smooth=True).remark
+    rim = np.array([0.0, 0.0, high]) + x[:n] * [1, 1, 0]
+    beside = rim + chord * np.random.default_rng(1).uniform(-1, 1, (20, n, 3))
+    with pytest.raises(InputError, match=r"its distance grows.*\(a smooth surface bulges"):
+        Wall(drum).check(beside.reshape(-1, 3))
 
 
 def triangulated_drum(x, n):

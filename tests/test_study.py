@@ -498,6 +498,33 @@ def test_a_process_that_dies_names_its_case(tmp_path):
     assert len((tmp_path / "lines").read_text().splitlines()) == 1
 
 
+class TwoArguments(Exception):
+    def __init__(self, what, value):
+        super().__init__(f"{what} = {value}")
+
+
+def ending(how):
+    if how == "raise":
+        raise TwoArguments("load", 3.0)
+    if how == "leave":
+        sys.exit(5)
+    return {"y": how}
+
+
+@pytest.mark.parametrize(
+    ("how", "told"), [("raise", "TwoArguments: load = 3.0"), ("leave", r"ends by sys.exit\(5\)")]
+)
+def test_what_ends_a_case_is_told(how, told, tmp_path):
+    """An error that cannot be made again from its message was told as a process that died, and
+    results beside it were lost; one that left took the caller along, without a word."""
+    cases = [{"how": "well"}, {"how": how}]
+    with pytest.raises(RuntimeError, match=told) as raised:
+        batch(ending, cases, tmp_path / "lines", processes=1)
+    assert f"function(**{{'how': '{how}'}}) failed" in str(raised.value.__cause__)
+    (line,) = (tmp_path / "lines").read_text().splitlines()
+    assert json.loads(line)["results"] == {"y": "well"}
+
+
 def test_of_an_axis_without_values_none_is_left():
     assert Axis("a", [1, 2, 3], "").thinned(2).values == [1, 3]
     assert Axis("a", [1, 2], "").thinned(5).values == [1, 2]

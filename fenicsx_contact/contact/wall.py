@@ -160,11 +160,11 @@ class Wall:
         except checks.StepFailed as problem:
             raise checks.InputError(f"{refused}: {problem}") from problem.__cause__
         if wrong.any():
-            at = int(wrong.argmax())
+            at, more = int(wrong.argmax()), getattr(self.obstacle, "remark", "")
             raise checks.InputError(
                 f"{refused}: its normals must point the way on which its distance grows, by as much"
                 f" as that is long; at {feet[at].tolist()} it grows by {growth[at]:.3g} of a way "
-                f"along {across[at].tolist()}"
+                f"along {across[at].tolist()}" + (f" ({more})" if more else "")
             )
         turned = np.abs(normals - normals[0]).max(axis=1)
         if self.flat and turned.max() > RIGHT:

@@ -13,9 +13,10 @@ from .history import History
 _WORKS = ("kinetic", "strain", "impact", "friction", "drive", "damping", "scheme")
 
 
-def unexplained(history: History, moved: float) -> str:
+def unexplained(history: History, moved: float, rounded: float) -> str:
     """What to say of a run whose column ``balance`` is more than round-off of what took part, or of
-    what forces of contacts might at most do in a step, ``moved`` in J; or nothing.
+    what forces of contacts might at most do in a step, ``moved`` in J, and more than what that of
+    forces within solids may work, ``rounded`` in J; or nothing.
 
     All that moves works on the velocities that the scheme takes, and what works is told where it
     works: for the parts of the package the sum is zero, whatever the steps. A part of one's own
@@ -24,10 +25,10 @@ def unexplained(history: History, moved: float) -> str:
     potential = history["potential"] - history["potential"][0]  # a constant of it takes no part
     terms = [potential, *(history[name] for name in _WORKS)]
     size = max(moved, float(np.abs(terms).max()))
-    off = np.abs(history["balance"])
-    if not off.max() > MADE * size:
+    off, least = np.abs(history["balance"]), MADE * size + rounded
+    if not off.max() > least:
         return ""
-    first = history["time"][int((off > MADE * size).argmax())]
+    first = history["time"][int((off > least).argmax())]
     return (
         f"the energy balance leaves {off.max():.3g} J unexplained, {off.max() / (size or 1.0):.3g} "
         f"of what took part, from t = {first:.6g} s on: a part of one's own has forces that work "

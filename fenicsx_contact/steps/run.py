@@ -198,7 +198,8 @@ class _Course:
             takes = sunk(history, contact.name) / GIVEN
             told.append(went_inside(contact, depth, scene.deepest, takes))
             told.append(struck_apart(contact, scene.deepest))
-        told.append(unexplained(history, scene.stepper.rounding[0]))
+        rounded = sum(solid.rounded_work for solid in scene.solids)
+        told.append(unexplained(history, scene.stepper.rounding[0], rounded))
         rubbing = [contact for contact in scene.contacts if contact.friction_law]
         size = max((contact.surface.extent for contact in rubbing), default=0.0)
         names = [contact.name for contact in rubbing]

@@ -9,6 +9,7 @@ import multiprocessing
 import os
 import pickle
 import sys
+import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -186,7 +187,7 @@ def _check_case(function: Callable[..., Any], i: int, case: Mapping[str, Any]) -
 
 def _line(name: str, function: Callable[..., Any], case: Mapping[str, Any]) -> str:
     """Of a file; in a process of the batch."""
-    results = function(**case)
+    results = _called(function, case)
     what = f"function(**{dict(case)}) = {results!r}"
     if not isinstance(results, Mapping):
         raise checks.InputError(f"{what}: must be results by their names, a dict")
@@ -199,6 +200,21 @@ def _line(name: str, function: Callable[..., Any], case: Mapping[str, Any]) -> s
         raise checks.InputError(
             f"{what}: must be of numbers, texts and lists of them ({problem})"
         ) from None
+
+
+def _called(function: Callable[..., Any], case: Mapping[str, Any]) -> Any:
+    """What the function says of a case, or an error that another process can be told."""
+    try:
+        return function(**case)
+    except SystemExit as end:  # which would end that one, without a word
+        raise RuntimeError(f"function(**{dict(case)}) ends by sys.exit({end.code!r})") from None
+    except Exception as error:
+        try:
+            pickle.loads(pickle.dumps(error))
+        except Exception:  # of whatever kind
+            kind = type(error).__name__
+            raise RuntimeError(f"{kind}: {error}\n{traceback.format_exc()}") from None
+        raise
 
 
 def _key(case: Mapping[str, Any]) -> str:

@@ -85,7 +85,8 @@ def _nonsense(problem: Problem, history: History, size: float) -> str:
     if not _finite(history):
         return "a number that is not finite"
     unexplained = float(np.abs(history["balance"]).max())
-    if unexplained > max(MADE, problem.round_off) * size:
+    rounded = sum(solid.rounded_work for solid in problem.scene.solids)
+    if unexplained > max(MADE, problem.round_off) * size + rounded:
         told = f"energy balance leaves {unexplained:.3g} J unexplained, of {size:.3g} J"
         return told if problem.energy_size else f"{told} (energy_size tells that of a body at rest)"
     for column in history.columns:

@@ -25,13 +25,13 @@ class Revolution:
 
     Args:
         section: in the plane of (z, r), z along the axis from the centre, r away from it. Where it
-            reaches the axis it must be symmetric about that, r < 0 as r > 0.
+            reaches the axis it must be symmetric about that, r < 0 as r > 0: of a half the inside
+            is off there.
         center: a point of the axis, m: z = 0.
         axis: the way on which z grows, of any length but zero.
 
     Raises:
-        InputError: no obstacle of the plane, or one that is not symmetric about an axis that it
-            reaches (seen where it is asked).
+        InputError: no obstacle of the plane.
     """
 
     flat = False

@@ -53,7 +53,7 @@ def choose(
         # between solids full Newton begins with springs as deep as a step goes, along normals that
         # move: stiff ones are settled on normals at rest
         yields = any(len(contact.solids) > 1 for contact in springs)
-        # without inertia little else turns the fixed point round along what is curved
+        # without inertia the fixed point winds along what is curved, but springs are settled first
         winds = not scheme.inertia and any(map(_curved, contacts))
         whole = (large and deformable) or (not yields and (pairs or floats or winds))
         geometry = "newton" if whole else "fixed point"
@@ -86,6 +86,8 @@ def choose(
 
 
 def _curved(contact: Contact) -> bool:
-    """Whether it is before an obstacle that is curved, and not by its edges alone."""
+    """Whether it is before an obstacle that is curved, and not by its edges alone, nor by springs."""
     other = contact.coupling
-    return isinstance(other, NodalJump) and not (other.fixed_normal or other.by_faces)
+    if not (isinstance(other, NodalJump) and contact.formulation.multipliers):
+        return False
+    return not (other.fixed_normal or other.by_faces)

@@ -86,7 +86,7 @@ def choose(
 
 
 def _curved(contact: Contact) -> bool:
-    """Whether it is before an obstacle that is curved, and not by its edges alone, nor by springs."""
+    """Whether it is before an obstacle that is curved, not by edges alone, and not by springs."""
     other = contact.coupling
     if not (isinstance(other, NodalJump) and contact.formulation.multipliers):
         return False

@@ -27,7 +27,7 @@ from .surface_problem import SurfaceSystem
 #: Cost: pyramids that are tried, and their sides in space.
 ROUNDS, SIDES = 6, 8
 #: Cost: of more sides of all pyramids in all a search by pivots takes longer than it saves.
-MOST = 400
+MOST = 800
 #: Cost: an error, as a share of the speeds, from which Newton's method goes on.
 SOLVED = 1e-12
 #: Cost: of more velocities, of solids and of points, nobody searches. (60 boxes in a bin, 180: 35

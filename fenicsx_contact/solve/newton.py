@@ -12,6 +12,9 @@ import numpy as np
 from ..base import checks
 from .multipliers import ROUGH, STALLS, Softened, method_of_multipliers
 
+#: Cost: damped steps of many bodies before one that solves is searched for by pivots.
+FEW = 8
+
 
 class ContactProblem(Softened, Protocol):
     """A contact problem on frozen geometry: condensed on the surfaces, or with all solids.
@@ -110,6 +113,10 @@ class Newton:
         if hopeless and (reason := hopeless()):
             raise NotConverged(reason)
         flips = system.flips()
+        if elsewhere and system.crowded:  # of many a search takes longer than some steps
+            iterations += self._damped(system, start, rough, FEW)
+            if system.worst <= rough:
+                return Solution(system.force(), iterations, system.worst)
         if elsewhere and elsewhere():
             enough = self.tolerance
             if not system.error() > first:
@@ -167,17 +174,19 @@ class Newton:
             last = key
         return self.max_iterations, self.tolerance
 
-    def _damped(self, system: ContactProblem, start: list[np.ndarray], rough: float) -> int:
-        """Newton steps from there, each halved until the error falls; how many. The rows are smooth
-        in pieces (stick, slip, open, a slip that turns round): along a step the error falls with
-        the way, up to the end of the piece that it begins in. A full step may leap over the piece
-        in which the solution is, back and forth between its neighbours; one cut short ends in it.
-        From where full steps ended, far from any solution, they would be cut to nothing; there
-        the system is again where this leads nowhere."""
+    def _damped(
+        self, system: ContactProblem, start: list[np.ndarray], rough: float, most: int = 0
+    ) -> int:
+        """Newton steps from there, at most so many, each halved until the error falls; how many.
+        The rows are smooth in pieces (stick, slip, open, a slip that turns round): along a step the
+        error falls with the way, up to the end of the piece that it begins in. A full step may leap
+        over the piece in which the solution is, back and forth between its neighbours; one cut
+        short ends in it. From where full steps ended, far from any solution, they would be cut to
+        nothing; there the system is again where this leads nowhere."""
         end, steps = system.state(), 0
         system.go_back(start)
         error = system.error()
-        while steps < self.max_iterations:
+        while steps < (most or self.max_iterations):
             steps += 1
             before, halvings = system.state(), 0
             if not (np.isfinite(error) and system.iterate(self.tolerance)):

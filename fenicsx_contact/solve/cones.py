@@ -74,9 +74,10 @@ def in_cones(points: ConePoints) -> np.ndarray | None:
             continue
         now = min(found, key=points.error)
         error = points.error(now)
+        gained = 2 * error < best
         if error < best:
             best, forces = error, now
-        if best <= SOLVED or not rubs:
+        if best <= SOLVED or not rubs or (k < 2 and not gained):  # in the plane sides stay
             break
         jumps = points.jumps(points.velocities(now))
         sides = _turned_to(points.slips(jumps), many)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 
@@ -13,10 +14,10 @@ from .history import History
 _WORKS = ("kinetic", "strain", "impact", "friction", "drive", "damping", "scheme")
 
 
-def unexplained(history: History, moved: float, rounded: float) -> str:
+def unexplained(history: History, moved: float, least: float) -> str:
     """What to say of a run whose column ``balance`` is more than round-off of what took part, or of
     what forces of contacts might at most do in a step, ``moved`` in J, and more than what that of
-    forces within solids may work, ``rounded`` in J; or nothing.
+    forces within solids may work, ``least`` in J; or nothing.
 
     All that moves works on the velocities that the scheme takes, and what works is told where it
     works: for the parts of the package the sum is zero, whatever the steps. A part of one's own
@@ -25,7 +26,7 @@ def unexplained(history: History, moved: float, rounded: float) -> str:
     potential = history["potential"] - history["potential"][0]  # a constant of it takes no part
     terms = [potential, *(history[name] for name in _WORKS)]
     size = max(moved, float(np.abs(terms).max()))
-    off, least = np.abs(history["balance"]), MADE * size + rounded
+    off, least = np.abs(history["balance"]), MADE * size + least
     if not off.max() > least:
         return ""
     first = history["time"][int((off > least).argmax())]
@@ -34,6 +35,11 @@ def unexplained(history: History, moved: float, rounded: float) -> str:
         f"of what took part, from t = {first:.6g} s on: a part of one's own has forces that work "
         "otherwise than its works, or its jump, say"
     )
+
+
+def rounded(solids: Iterable[Any]) -> float:
+    """What round-off of forces within solids may have worked, J, of those that tell it."""
+    return sum(float(getattr(solid, "rounded_work", 0.0)) for solid in solids)
 
 
 def sunk(history: History, contact: str) -> float:

@@ -142,8 +142,8 @@ class BalancedSolid(MonolithicSolid):
         return damper.force(step, self.displacement, self.trial_displacement, rate)
 
     @property
-    def rounded_work(self) -> float:  # type: ignore[override]
-        """By round-off of K u along u."""
+    def rounded_work(self) -> float:
+        """What round-off of K u may have worked along u so far, J."""
         own = largest(self.vectors.diagonal(self.last_stiffness)), largest(self.displacement)
         stiffest, way = np.max(self.comm.allgather(own), axis=0)
         return ROUND_OFF * float(stiffest) * float(way) ** 2

@@ -104,7 +104,6 @@ class Solid(ABC):
         supported: something holds it even without contact.
         velocity, trial_velocity: at the start and at the end of the step.
         memory: what the scheme remembers of earlier steps, None before the first one.
-        rounded_work: what round-off of its own forces may have worked so far, J.
     """
 
     name: str
@@ -119,7 +118,6 @@ class Solid(ABC):
     velocity: np.ndarray
     trial_velocity: np.ndarray
     memory: np.ndarray | None = None
-    rounded_work = 0.0
 
     @abstractmethod
     def trace(self, points: np.ndarray) -> Trace:

@@ -18,7 +18,7 @@ from ..base.overflow import diverging
 from ..base.processes import any_of, refuse_unlike
 from ..base.quoted import quoted
 from ..contact.arrivals import starts_inside, struck_apart, went_inside
-from ..output.books import sunk, unexplained, unresolved
+from ..output.books import rounded, sunk, unexplained, unresolved
 from ..output.history import History
 from ..output.stops import hint
 from ..output.storage import NotWritten, RunDirectory
@@ -198,8 +198,8 @@ class _Course:
             takes = sunk(history, contact.name) / GIVEN
             told.append(went_inside(contact, depth, scene.deepest, takes))
             told.append(struck_apart(contact, scene.deepest))
-        rounded = sum(solid.rounded_work for solid in scene.solids)
-        told.append(unexplained(history, scene.stepper.rounding[0], rounded))
+        moved, off = scene.stepper.rounding[0], rounded(scene.solids)
+        told.append(unexplained(history, moved, off))
         rubbing = [contact for contact in scene.contacts if contact.friction_law]
         size = max((contact.surface.extent for contact in rubbing), default=0.0)
         names = [contact.name for contact in rubbing]

@@ -12,6 +12,7 @@ import numpy as np
 from ..base.checks import InputError
 from ..base.constants import MADE
 from ..base.quoted import quoted
+from ..output.books import rounded
 from ..output.history import History
 from .problem import Problem, energy_size, total_energy
 
@@ -85,8 +86,8 @@ def _nonsense(problem: Problem, history: History, size: float) -> str:
     if not _finite(history):
         return "a number that is not finite"
     unexplained = float(np.abs(history["balance"]).max())
-    rounded = sum(solid.rounded_work for solid in problem.scene.solids)
-    if unexplained > max(MADE, problem.round_off) * size + rounded:
+    least = max(MADE, problem.round_off) * size + rounded(problem.scene.solids)
+    if unexplained > least:
         told = f"energy balance leaves {unexplained:.3g} J unexplained, of {size:.3g} J"
         return told if problem.energy_size else f"{told} (energy_size tells that of a body at rest)"
     for column in history.columns:

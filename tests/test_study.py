@@ -132,6 +132,7 @@ def judged(error=0.0, reason="finished", **columns):
 
     class Fake:
         bound, energy_size, supplied, round_off, deepest = 0.1, 0.0, 0.0, 0.0, 1e-3
+        scene = SimpleNamespace(solids=[])
 
         def run(self):
             return history
@@ -539,6 +540,7 @@ def test_impacts_are_no_steps():
     built = SimpleNamespace(
         run=lambda: history,
         error=lambda _: 0.0,
+        scene=SimpleNamespace(solids=[]),
         **dict.fromkeys(("bound", "energy_size", "deepest"), 1.0),
         **dict.fromkeys(("round_off", "supplied"), 0.0),
     )

@@ -199,7 +199,7 @@ class _Course:
             told.append(went_inside(contact, depth, scene.deepest, takes))
             told.append(struck_apart(contact, scene.deepest))
         moved, off = scene.stepper.rounding[0], rounded(scene.solids)
-        told.append(unexplained(history, moved, off))
+        told += [unexplained(history, moved, off), *scene.stepper.pierced.told(scene.comm)]
         rubbing = [contact for contact in scene.contacts if contact.friction_law]
         size = max((contact.surface.extent for contact in rubbing), default=0.0)
         names = [contact.name for contact in rubbing]

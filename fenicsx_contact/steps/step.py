@@ -17,6 +17,7 @@ from ..contact.arrivals import arrives, missed
 from ..contact.bounds import statuses
 from ..contact.contact import Contact
 from ..contact.percussion import approaching, strikes
+from ..contact.pierced import Pierced
 from ..contact.work import counts, work
 from ..solids import DeformableSolid, Solid, communicator
 from ..solve.loop import GEOMETRY_TOLERANCE, StepSolver
@@ -81,6 +82,7 @@ class Stepper(Insight):
         self.watchers: list[Callable[[Trial], None]] = []
         self.rounds: list[Callable[[Trial], None]] = []
         self._begun: Step | None = None
+        self.pierced = Pierced(self._every)
         # the largest force at a point so far, N, and what rounds the works, J, see Books
         self._pushed, self.rounding = 0.0, (0.0, 0.0)
         # contacts may have stored energy before the start, of which the books do not know
@@ -241,6 +243,7 @@ class Stepper(Insight):
         self.work += (impact, friction, supports + tractions + driven, damped, scheme)
         self.balance += momentum - loads - impact - friction - supports - driven
         self.time += step.dt
+        self.pierced.see(self.time)
         self._neighbours.accept()
         row = self.row(step.dt, trial.newton, trial.geometry, trial.certificate)
         clock("history")

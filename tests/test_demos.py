@@ -136,6 +136,18 @@ def test_heap(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.startswith("6 boxes: finished")
 
 
+@pytest.mark.long
+def test_a_hundred_boxes_come_to_rest():
+    """In minutes: they had never been run to rest."""
+    found, history, _ = load("heap").fall(100, 2.4)
+    assert found["reason"] == "finished"
+    assert found["speed_at_the_end_m_per_s"] < 1e-9
+    assert found["largest_gain_of_energy"] < 1e-12
+    assert found["deepest_overlap_of_a_side"] < 1e-2
+    assert found["bearing_points"] >= 200
+    assert (history["newton"][-20:] <= 1).all()  # at rest a step is one look
+
+
 def test_interface_laws(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     demo = load("interface_laws")

@@ -302,6 +302,9 @@ def test_what_is_not_a_number_has_not_converged():
         def go_back(self, state, share=1.0):
             pass
 
+        def turn(self, careful):
+            return False
+
         def soften(self, compliance):
             pass
 

@@ -52,6 +52,7 @@ def begin_from_cones(system: SurfaceSystem, contacts: Sequence[Contact], step: S
     if places.points is None or (forces := in_cones(places.points)) is None:
         return False
     places.take(forces)
+    system.turn(False)  # rows as the search had them
     system.restart()
     system.update()
     return True
@@ -62,8 +63,10 @@ def in_cones(points: ConePoints) -> np.ndarray | None:
     that was found; None where there are none."""
     n, k = points.back.shape
     rubs, best, forces = bool(points.slope.any()), np.inf, None
-    among = points.foremost(np.zeros((n, 1 + k)), 0.0) | points.bore
+    among = points.foremost(np.zeros((n, 1 + k)), 0.0)
     sides, lasting = np.tile(_ring(k + 1), (n, 1, 1)), np.zeros((n, k))
+    if 3 * points.bore.sum() * sides.shape[1] <= 2 * MOST:  # with room for others
+        among |= points.bore
     for turn in range(ROUNDS):
         many = SIDES * 2 ** (turn // 2)
         if (found := _bearing(points, among, sides, lasting)) is None:

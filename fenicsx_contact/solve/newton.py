@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from ..base import checks
+from ..base.constants import ROUND_OFF
 from .multipliers import ROUGH, STALLS, Softened, method_of_multipliers
 
 #: Cost: damped steps of many bodies before one that solves is searched for by pivots.
@@ -107,8 +108,8 @@ class Newton:
         # where many bodies stick their points contradict each other by how they lie
         rough = ROUGH * self.tolerance if system.crowded else self.tolerance
         stalled = ROUGH * self.tolerance if system.rounded else rough
-        iterations, enough = self._iterate(system, stalled, elsewhere is None)
-        if system.worst <= enough:
+        iterations, enough = self._iterated(system, stalled, elsewhere is None)
+        if system.worst <= max(enough, rough):
             return Solution(system.force(), iterations, system.worst, system.worst <= rough)
         if hopeless and (reason := hopeless()):
             raise NotConverged(reason)
@@ -118,12 +119,14 @@ class Newton:
             if system.worst <= rough:
                 return Solution(system.force(), iterations, system.worst)
         if elsewhere and elsewhere():
-            enough = self.tolerance
-            if not system.error() > first:
-                start = system.state()
-            if system.error() > enough:
-                more, enough = self._iterate(system, stalled)
+            found, there = system.error(), system.state()
+            start, enough = start if found > first else there, self.tolerance
+            if found > ROUND_OFF:
+                more, enough = self._iterated(system, stalled)
                 iterations += more
+            if enough < system.worst and found <= rough:  # of which steps make nothing better
+                system.go_back(there)
+                enough = max(system.error(), rough)
             if system.worst <= enough:
                 return Solution(system.force(), iterations, system.worst, system.worst <= rough)
         iterations += self._damped(system, start, rough)
@@ -136,6 +139,15 @@ class Newton:
             return Solution(system.force(), iterations, system.worst, remarks=[told])
         last = Solution(system.force(), iterations, system.worst, False, [told], False)
         raise NotConverged(f"{system.stall()}; {told}", last)
+
+    def _iterated(
+        self, system: ContactProblem, rough: float, patient: bool = True
+    ) -> tuple[int, float]:
+        """The same as :meth:`_iterate`, the error being that of the usual rows."""
+        steps, enough = self._iterate(system, rough, patient)
+        if system.turn(False):
+            system.error()
+        return steps, enough
 
     def _iterate(
         self, system: ContactProblem, rough: float, patient: bool = True

@@ -157,6 +157,7 @@ class Stepper(Insight):
         """The step solved about where solids are put; whether they are put elsewhere after it."""
         solution = self._method.solve(step, clock)
         for contact in self.contacts:
+            contact.equations.turn(False)  # rows of a search are none to be judged by
             contact.trial_status = statuses(contact)
         moved = not self._linear and hold_gaps(self.contacts, step, self.resolution)
         for solid in self.solids:

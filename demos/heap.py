@@ -206,6 +206,7 @@ if __name__ == "__main__":
 # ## What to try next
 #
 # - `ThetaScheme(0.5)`: energy is kept between impacts, and the last slips take many iterations.
+# - `fall(100, 2.4)`: a hundred boxes, which rest after 2.1 s; it takes some minutes.
 # - `locate_impacts=True` with a few boxes: nothing overlaps.
 # - Boxes in space, `dolfinx.mesh.create_box`: corners, faces, and edges that cross.
 #

@@ -91,7 +91,7 @@ class Candidates:
         flat, ask for, and what was found in the step before; what falls alike meets or parts by
         round-off, and in a crowd meets once one of both is stopped."""
         noise: float | np.ndarray = ROUND_OFF * largest(free)
-        if not self._coupling.by_means:
+        if len(self._coupling.solids) > 1 and not self._coupling.by_means:
             noise = noise + self._coupling.loaded(free, self._coupling.jump("velocity"))
         self._asked = bore | self._found | self._violate(self._coupling.to_jump(free), step, noise)
         self.choose()

@@ -863,3 +863,15 @@ def test_who_meets_within_a_step_alone_is_not_passed(dt, tilt, e):
         return np.array([body.velocity for body in bodies])
 
     np.testing.assert_allclose(flight(dt), flight(1e-4), atol=1e-6)
+
+
+def test_rows_of_a_search_are_none_to_be_judged_by():
+    """Eight cubes flush on a floor: friction was augmented by what corrections did, at last 2e5
+    times as much, and the certificate, told by such rows, refused every step."""
+    corners = list(product((0.0, 0.1), repeat=3))
+    cubes = [body(low, np.array(low) + 0.1, f"cube {i}", mass=1.0) for i, low in enumerate(corners)]
+    ground = body((-1.0, -1.0, -1.0), (2.0, 2.0, 0.0), "floor", held=True)
+    history = heap([*cubes, ground], 0.3, ThetaScheme(1.0), "gap").run(until=4e-3, dt=2e-3)
+    assert history.finished and history.steps == 2, history.reason
+    assert max(np.abs(cube.velocity).max() for cube in cubes) < 1e-8
+    assert history["certificate"].max() < 1e-6

@@ -8,6 +8,7 @@ from scenes import FLOOR, box, rectangle
 
 from fenicsx_contact import (
     Archard,
+    Box,
     Circle,
     Contact,
     Discrete,
@@ -17,6 +18,7 @@ from fenicsx_contact import (
     Moved,
     QuasiStatic,
     Scene,
+    ThetaScheme,
     name_facets,
     neo_hookean,
 )
@@ -319,3 +321,38 @@ def test_weak_springs_change_nothing_where_friction_holds(dim, spring):
         return contact.force.sum(axis=0)
 
     np.testing.assert_allclose(drawn(spring), drawn(0.0), rtol=10 * spring, atol=10 * spring * 2e-2)
+
+
+@pytest.mark.parametrize(
+    ("wall", "law", "theta", "geometry"),
+    [
+        (Circle((0, -0.1), 0.1), "gap", None, "newton"),
+        (Circle((0, -0.1), 0.1), "velocity", None, "newton"),
+        (Circle((0, -0.1), 0.1), Discrete(1e10), None, "fixed point"),
+        (Circle((0, -0.1), 0.1), "gap", 1.0, "fixed point"),
+        (HalfSpace((0, 0), (0, 1)), "gap", None, "fixed point"),
+        (Box((0, -0.5), (0.4, 1.0)), "gap", None, "fixed point"),
+    ],
+    ids=["gap", "velocity", "springs", "in motion", "flat", "edges"],
+)
+def test_geometry_within_newtons_method_where_statics_are_before_what_is_curved(
+    wall, law, theta, geometry
+):
+    block = ElasticSolid(
+        rectangle((4, 2)), youngs_modulus=1e6, poisson_ratio=0.3, density=1.0, fixed="top"
+    )
+    scheme = QuasiStatic() if theta is None else ThetaScheme(theta)
+    assert Scene([block], [Contact(block, "base", wall, law)], scheme).geometry == geometry
+
+
+def test_a_block_drawn_over_a_drum_takes_few_iterations():
+    """By fixed point it took 2584, or stopped."""
+    solid = HyperelasticSolid(
+        rectangle((24, 12), (1.0, 0.5)),
+        energy=neo_hookean(1e6, 0.3),
+        density=1e-3,
+        prescribed={"top": lambda t: (0.3 * max(0.0, t - 0.2), -0.08 * min(1.0, 5 * t))},
+    )
+    contact = Contact(solid, "base", Circle((0.0, -0.1), 0.1), "gap", friction=0.3)
+    history = Scene([solid], [contact], QuasiStatic()).run(until=1.0, dt=0.02)
+    assert history.finished and history["newton"].sum() < 250

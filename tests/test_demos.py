@@ -153,7 +153,7 @@ def test_a_hundred_boxes_come_to_rest():
     assert found["speed_at_the_end_m_per_s"] < 1e-9
     assert found["largest_gain_of_energy"] < 1e-12
     assert found["deepest_overlap_of_a_side"] < 1e-2
-    assert found["bearing_points"] >= 200
+    assert found["bearing_points"] >= 150  # three unknowns each, two forces a point
     assert (history["newton"][-20:] <= 1).all()  # at rest a step is one look
 
 

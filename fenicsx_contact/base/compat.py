@@ -90,7 +90,10 @@ def num_local_cells(mesh: Any) -> int:
 def given_cells(mesh: Any) -> np.ndarray:
     """Numbers of the owned cells, (m,): as given, the same on any processes; a submesh's own."""
     first, end = mesh.topology.index_map(mesh.topology.dim).local_range
-    given = mesh.topology.original_cell_index[: end - first]
+    try:
+        given = mesh.topology.original_cell_index[: end - first]
+    except RuntimeError:  # of a submesh in 0.9
+        given = ()
     return np.asarray(given if len(given) else range(first, end), dtype=np.int64)
 
 
@@ -217,8 +220,7 @@ class MatrixAssembler(_Assembler):
         self._matrix = (fem if MODERN else fem.assemble).create_matrix(self._form)
         self._cpp_matrix = self._matrix._cpp_object if MODERN else self._matrix
         self._data = self._matrix.data
-        self.indptr = np.asarray(self._matrix.indptr)
-        self.indices = np.asarray(self._matrix.indices)
+        self.indptr, self.indices = map(np.asarray, (self._matrix.indptr, self._matrix.indices))
 
     def __call__(self) -> np.ndarray:
         """Values of the matrix, in the order of its pattern."""
@@ -231,8 +233,7 @@ class PointExpression:
     """A UFL expression evaluated at the nodes of a space, one row per cell."""
 
     def __init__(self, expression: Any, space: Any) -> None:
-        mesh = space.mesh
-        points = space.element.interpolation_points
+        mesh, points = space.mesh, space.element.interpolation_points
         if not isinstance(points, np.ndarray):
             points = points()  # a method before 0.10
         # with constants that a derivative does not hold 0.5.2 reads others in their stead
@@ -265,8 +266,7 @@ class PointValues:
     def __init__(self, function: Any, points: np.ndarray, *others: np.ndarray) -> None:
         if function.ufl_shape:
             raise ValueError("it is no scalar")
-        mesh = function.function_space.mesh
-        self._function = function
+        self._function, mesh = function, function.function_space.mesh
         self._points, within = (
             np.pad(each, ((0, 0), (0, 3 - each.shape[1]))) for each in (points, *others, points)[:2]
         )

@@ -94,7 +94,7 @@ def given_cells(mesh: Any) -> np.ndarray:
         given = mesh.topology.original_cell_index[: end - first]
     except RuntimeError:  # of a submesh in 0.9
         given = ()
-    return np.asarray(given if given else range(first, end), dtype=np.int64)
+    return np.asarray(given if np.size(given) else range(first, end), dtype=np.int64)
 
 
 def given_nodes(mesh: Any) -> np.ndarray:

@@ -88,7 +88,7 @@ class Candidates:
 
     def narrow(self, bore: np.ndarray, free: np.ndarray, step: Step) -> None:
         """Ask only what bore, (n,) of bool, what velocities of the traces' points without contact,
-        flat, ask for, and what was found in the step before; what falls alike meets or parts by
+        flat, ask for, and what was found earlier in this step; what falls alike meets or parts by
         round-off, and in a crowd meets once one of both is stopped."""
         noise: float | np.ndarray = ROUND_OFF * largest(free)
         if len(self._coupling.solids) > 1 and not self._coupling.by_means:

@@ -14,7 +14,7 @@ from ..base.constants import ROUND_OFF
 from .multipliers import ROUGH, STALLS, Softened, method_of_multipliers
 
 #: Cost: damped steps of many bodies before one that solves is searched for by pivots.
-FEW = 8
+TRIED = 8
 
 
 class ContactProblem(Softened, Protocol):
@@ -115,7 +115,7 @@ class Newton:
             raise NotConverged(reason)
         flips = system.flips()
         if elsewhere and system.crowded:  # of many a search takes longer than some steps
-            iterations += self._damped(system, start, rough, FEW)
+            iterations += self._damped(system, start, rough, TRIED)
             if system.worst <= rough:
                 return Solution(system.force(), iterations, system.worst)
         if elsewhere and elsewhere():

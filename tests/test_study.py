@@ -39,6 +39,7 @@ from fenicsx_contact.study import (
     summary,
     table,
 )
+from fenicsx_contact.study.judge import Verdict
 from fenicsx_contact.study.names import named
 from fenicsx_contact.study.workers import each
 
@@ -226,11 +227,12 @@ def test_maps_are_resumed(tmp_path):
     assert [v.kind for v in again["slope"]] == kinds
     assert len(file.read_text().splitlines()) == 4
     assert summary(first["slope"])["cells"] == 4
-    # what a limit of time ended says of the machine, not of the cell
-    late = json.loads(lines[2]) | {"kind": "stopped", "reason": "time limit of 1 s passed"}
-    file.write_text("\n".join([*lines[:2], json.dumps(late), lines[3]]) + "\n")
-    again = run_maps([chart], file, limit=60, processes=1, progress=False)
-    assert [v.kind for v in again["slope"]] == kinds
+    # what a limit of time ended says of the machine, what raised of the script: not of the cell
+    for kind, why in ("stopped", "time limit of 1 s passed"), ("nonsense", "NameError: x"):
+        late = json.loads(lines[2]) | dataclasses.asdict(Verdict(kind, reason=why))
+        file.write_text("\n".join([*lines[:2], json.dumps(late), lines[3]]) + "\n")
+        again = run_maps([chart], file, limit=60, processes=1, progress=False)
+        assert [v.kind for v in again["slope"]] == kinds
 
 
 UNGUARDED = """

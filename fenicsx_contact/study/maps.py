@@ -132,8 +132,9 @@ def run_maps(
 ) -> dict[str, list[Verdict]]:
     """Judge all cells of some maps that a file does not hold yet.
 
-    A process that passes its time limit is ended, and its cell counts as stopped for this reason,
-    until the file is taken up again: then it is judged again. One that dies counts as nonsense.
+    A process that passes its time limit is ended, and its cell counts as stopped for this reason;
+    one that dies, or whose problem raises other than an ``InputError``, counts as nonsense. Both
+    are judged again when the file is taken up again.
     Processes import the calling script: what it runs stands below ``if __name__ == "__main__":``.
 
     Args:
@@ -156,7 +157,7 @@ def run_maps(
     if twice := [name for name, n in Counter(m.name for m in maps).items() if n > 1]:
         raise checks.InputError(f"maps: two are called {twice[0]!r}; each needs a name of its own")
     found = records(file, START, _record, "maps")
-    known = {key: verdict for key, verdict in found if not _cut(verdict.reason)}
+    known = {key: verdict for key, verdict in found if _judged(verdict)}
     todo = [(m, cell) for m in maps for cell in m.cells() if m.key(cell) not in known]
     file.parent.mkdir(parents=True, exist_ok=True)
     with file.open("a") as out:
@@ -178,6 +179,11 @@ def _failed(reason: Any) -> Verdict:
 def _cut(reason: str) -> bool:
     """Whether a cell was ended by its time limit, which tells of the machine."""
     return reason.startswith("time limit")
+
+
+def _judged(verdict: Verdict) -> bool:
+    """Whether it tells of a run, or of a refusal: what was cut, died or raised may be mended."""
+    return verdict.kind == "refused" or bool(np.isfinite(verdict.run_time_s))
 
 
 def _record(row: Any) -> tuple[str, Verdict]:

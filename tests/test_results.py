@@ -20,6 +20,7 @@ from fenicsx_contact import (
     ElasticSolid,
     HyperelasticSolid,
     LevelSet,
+    Moved,
     QuasiStatic,
     RigidSolid,
     Scene,
@@ -263,3 +264,20 @@ def test_a_run_that_stops_says_why_and_gives_advice(tmp_path):
     assert read_history(tmp_path).reason == history.reason
     whole = Scene([RigidSolid(mesh, mass=1.0)], [], allow_free=True).run(1, 1)
     assert whole.reason == "finished" and whole.advice == ""
+
+
+def late(time):
+    if time > 0.05:
+        raise ZeroDivisionError("no pump")
+    return (0.0, 0.0)
+
+
+@pytest.mark.parametrize("where", ["load", "motion"])
+def test_a_function_that_raises_is_named_with_advice(where):
+    solid = RigidSolid(
+        rectangle((1, 1), (1.0, 1.0)), mass=1.0, force=late if where == "load" else None
+    )
+    floor = Moved(FLOOR, late) if where == "motion" else FLOOR
+    history = Scene([solid], [Contact(solid, "base", floor, "gap")]).run(0.1, 0.01, shortest=0.5)
+    assert "its function late at test_results.py" in history.reason and "no pump" in history.reason
+    assert history.advice.startswith("function raises: a function of time")

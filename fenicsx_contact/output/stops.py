@@ -227,9 +227,9 @@ STOPS = {
             "define its distance, normals and velocity everywhere near",
         ),
         Stop(
-            "obstacle raises",
-            "an obstacle raises ...: ...",
-            "a function of an own obstacle, or of a motion, failed at that time",
+            "function raises",
+            "... raises ...: ...",
+            "a function of time, of a motion, or of an own obstacle failed at that time",
             "let it give its values at all times of the run",
         ),
         Stop(

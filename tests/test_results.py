@@ -280,4 +280,4 @@ def test_a_function_that_raises_is_named_with_advice(where):
     floor = Moved(FLOOR, late) if where == "motion" else FLOOR
     history = Scene([solid], [Contact(solid, "base", floor, "gap")]).run(0.1, 0.01, shortest=0.5)
     assert "its function late at test_results.py" in history.reason and "no pump" in history.reason
-    assert history.advice.startswith("function raises: a function of time")
+    assert history.advice.startswith("function raises: a load or a motion")

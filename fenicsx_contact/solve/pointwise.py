@@ -13,14 +13,14 @@ its gap and its normal.) ::
     (C W + D) df = c + C r_w
 
 Where points stick the matrix is W's, where they slip it turns little from step to step. So factors
-are made of rounded C and D, and kept: corrections with them, which converge fast, solve the system.
-What is kept is a matter of time only: the same rounded blocks give the same factors.
+are made of rounded C and D, in single precision, and kept: corrections with them, which converge
+fast, solve the system. What is kept is a matter of time only: the same rounded blocks give the same
+factors.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 from scipy.linalg import lapack
@@ -29,9 +29,13 @@ from ..base.constants import ROUND_OFF
 from ..base.vectors import largest
 
 #: Cost: C and D are rounded to these decimals in the factors.
-DECIMALS = 1
+DECIMALS = 2
 #: Cost: so many factors are kept: Newton's method passes through some states in each step.
 KEPT = 4
+
+
+#: From right sides (n,) to solutions.
+Inverse = Callable[[np.ndarray], np.ndarray]
 
 
 class PointwiseStep:
@@ -82,8 +86,8 @@ class PointwiseSolver:
 
     def __init__(self, compliance: float) -> None:
         self._compliance = compliance
-        self._W = np.empty((0, 0))
-        self._kept: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
+        self._W = self._single = np.empty((0, 0))
+        self._kept: dict[bytes, Inverse] = {}
 
     def solve(
         self,
@@ -112,39 +116,54 @@ class PointwiseSolver:
             moved = (W @ (sizes * x).ravel()).reshape(len(b), -1)
             return (_times(C, moved) + _times(D, x)).ravel()
 
-        exact, rounded = (C, D), (_rounded(C), _rounded(D))
-        for blocks in (rounded, exact) if keeps else (exact,):
-            factors = self._factors(*blocks, W, sizes)
-            if factors is not None:
-                x, left = refined(partial(_backwards, factors), product, flat)
-            if left <= 10 * ROUND_OFF:  # else the rounded factors have not served
-                break
+        if keeps:
+            inverse = self._rounded(C.round(DECIMALS) + 0.0, D.round(DECIMALS) + 0.0, W, sizes)
+            if inverse is not None:
+                x, left = refined(inverse, product, flat)
+        if left > 10 * ROUND_OFF:  # nothing is kept, or it has not served
+            inverse = _inverse(C, D, W, sizes, self._compliance)
+            if inverse is not None:
+                x, left = refined(inverse, product, flat)
         return x.reshape(b.shape) if np.isfinite(left) else None
 
-    def _factors(
+    def _rounded(
         self, C: np.ndarray, D: np.ndarray, W: np.ndarray, sizes: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray] | None:
+    ) -> Inverse | None:
+        """Of rounded blocks, with one kind of zero, kept or made."""
         if W is not self._W and not np.array_equal(W, self._W):
             self._kept.clear()
+            with np.errstate(over="ignore"):  # infinities serve nobody
+                self._single = W.astype(np.float32)
         self._W = W
         key = b"".join(array.tobytes() for array in (C, D, sizes))
         if key not in self._kept:
-            n, d = sizes.shape
-            matrix = np.matmul(C, W.reshape(n, -1, n * d)).reshape(n, d, n, d)
-            matrix *= sizes
-            each = np.arange(n)
-            matrix[each, :, each, :] += D + self._compliance * C[:, :, :d]
-            factors, pivots, singular = lapack.dgetrf(matrix.reshape(n * d, n * d))
-            if singular:
+            with np.errstate(over="ignore", invalid="ignore"):
+                found = _inverse(C, D, self._single, sizes, self._compliance)
+            if found is None:
                 return None
             if len(self._kept) == KEPT:
                 self._kept.pop(next(iter(self._kept)))
-            self._kept[key] = factors, pivots
+            self._kept[key] = found
         return self._kept[key]
 
 
+def _inverse(
+    C: np.ndarray, D: np.ndarray, W: np.ndarray, sizes: np.ndarray, compliance: float
+) -> Inverse | None:
+    """By factors of W's precision; None if there are none."""
+    kind, (n, d), each = W.dtype, sizes.shape, np.arange(len(sizes))
+    matrix = np.matmul(C.astype(kind), W.reshape(n, -1, n * d)).reshape(n, d, n, d)
+    matrix *= sizes.astype(kind)
+    matrix[each, :, each, :] += D + compliance * C[:, :, :d]
+    getrf, getrs = lapack.get_lapack_funcs(("getrf", "getrs"), dtype=kind)
+    factors, pivots, singular = getrf(matrix.reshape(n * d, n * d).T, overwrite_a=True)
+    if singular:
+        return None
+    return lambda b: np.asarray(getrs(factors, pivots, b, trans=1)[0], dtype=float)
+
+
 def refined(
-    inverse: Callable[[np.ndarray], np.ndarray],
+    inverse: Inverse,
     product: Callable[[np.ndarray], np.ndarray],
     b: np.ndarray,
 ) -> tuple[np.ndarray, float]:
@@ -160,15 +179,6 @@ def refined(
             x, left = new, now
         if left <= ROUND_OFF or not gained:
             return x, left
-
-
-def _backwards(factors: tuple[np.ndarray, np.ndarray], b: np.ndarray) -> np.ndarray:
-    return np.asarray(lapack.dgetrs(*factors, b)[0])
-
-
-def _rounded(blocks: np.ndarray) -> np.ndarray:
-    """With one kind of zero."""
-    return blocks.round(DECIMALS) + 0.0
 
 
 def _times(blocks: np.ndarray, vectors: np.ndarray) -> np.ndarray:

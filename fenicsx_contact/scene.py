@@ -41,9 +41,9 @@ class Scene:
             impact as a step of no length; for VELOCITY only. Smooth motion between impacts is then
             of second order (a slip that turns round is not), and steps can be long.
         geometry: "newton": geometry, contact and solids in one Newton loop; "fixed point": the
-            paper's loop around contact with frozen geometry. Default: "newton" where two solids
-            meet of which one is deformable, not by springs, where its surfaces are large, and in
-            statics of what only contact holds, or before what is curved.
+            paper's loop around contact with frozen geometry, ended by Newton's method where solids
+            slide far. Default: "newton" for large surfaces of deformable solids, and for these in
+            statics: where they meet, not by springs, or curves, or contact alone holds them.
         solver: of the linear systems: "condensed" on the surfaces, "monolithic" (one
             sparse matrix, factored) or "iterative" (GMRES and multigrid; deformable solids only).
             Default: condensed if the surfaces are small (smaller between nonlinear solids) and,

@@ -3,9 +3,11 @@
 
 from itertools import product
 
+import meshio
 import numpy as np
 import pytest
 from scenes import box, rectangle
+from scipy.spatial import ConvexHull
 
 from fenicsx_contact import (
     Box,
@@ -19,6 +21,7 @@ from fenicsx_contact import (
     RigidSolid,
     Scene,
     ThetaScheme,
+    Triangulated,
     Turned,
     Union,
     Wedge,
@@ -349,3 +352,30 @@ def test_what_rides_on_a_table_that_rocks_stays_on_its_face(located):
         return block.place
 
     np.testing.assert_allclose(rides(1e-4), rides(1e-2), atol=2e-5)
+
+
+@pytest.mark.parametrize("law, theta, located", FALLS)
+@pytest.mark.parametrize("stl", [True, False])
+def test_nodes_in_the_middle_of_a_base_land_on_an_edge(stl, law, theta, located):
+    """Of an STL, whose normals beyond an edge are those of no face, they were not borne."""
+    corners = np.array(list(product((-0.5, 0.5), (-0.5, 0.5), (-1.0, 0.0))))
+    hull = ConvexHull(corners)
+    turned = (
+        np.einsum(
+            "ij,ij->i",
+            np.cross(*np.diff(corners[hull.simplices], axis=1).swapaxes(0, 1)),
+            hull.equations[:, :3],
+        )
+        < 0
+    )
+    hull.simplices[turned] = hull.simplices[turned, ::-1]
+    cube = Triangulated(meshio.Mesh(corners, [("triangle", hull.simplices)]))
+    mesh = box((3, 2, 3), (0.3, 0.2, 0.4))
+    mesh.mesh.geometry.x[:] += 0.5 - mesh.mesh.geometry.x[:, 0].min() - 0.2, 0.0, 0.01
+    block = RigidSolid(mesh, mass=1.0, gravity=(0, 0, -G))
+    contact = Contact(
+        block, "base", cube if stl else Box((0, 0, -0.5), (1, 1, 1)), law, friction=0.4
+    )
+    scene = Scene([block], [contact], ThetaScheme(theta), locate_impacts=located)
+    assert scene.run(until=0.1, dt=2e-3).finished
+    np.testing.assert_allclose(block.velocity, 0, atol=1e-9)

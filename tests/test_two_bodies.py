@@ -632,7 +632,7 @@ def sliding(monkeypatch, fresh):
                 "linearise",
                 lambda self, *args: see(self, *args[:4], False, *args[5:]),
             )
-        history = Scene([upper, lower], [contact]).run(0.01, 5e-4)
+        history = Scene([upper, lower], [contact], geometry="newton").run(0.01, 5e-4)
     assert history.finished
     return history, upper.displacement, made[0]
 

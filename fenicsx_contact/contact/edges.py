@@ -131,8 +131,11 @@ class Faces:
         ahead = np.where(outside, plane / np.where(plane < was, plane - was, 1.0), 0.0)
         foot = points - np.clip(ahead, 0.0, 1.0)[:, None] * ways
         foot -= np.where(outside, 0.0, plane)[:, None] * old
-        # over the face, and not beside it, is that whose facets go back from its edge
-        over = dot(self._inward(points), normals) < -RIGHT
+        # over the face, and not beside it, is that whose facets go back from its edge, in the mean
+        # or, where they go to both sides alike, one of them
+        lowest, size = self._lowest(points, normals)
+        mean = dot(self._inward(points), normals)
+        over = (mean < -RIGHT) | ((np.abs(mean) <= RIGHT) & (lowest < -RIGHT * size))
         aside = np.where(over, -1.0, 1.0)[:, None] * normals
         beside = foot + self._near * (old + aside)
         on = np.abs(self._wall.distance(foot, time)) <= self._near
@@ -177,12 +180,18 @@ class Faces:
             return asked, normals
         ahead = points + SAME * ways
         behind, level = self._wall.normals(ahead, time), self._wall.distance(ahead, time)
-        corners, lowest = points[self._cells], np.zeros(len(points))
-        into = corners.mean(axis=1)[:, None] - corners
-        np.minimum.at(lowest, self._cells, (into * behind[self._cells]).sum(axis=2))
+        lowest, _ = self._lowest(points, behind)
         asked &= (np.abs(level) <= self._near) & (dot(ways, behind) >= -far)
         asked &= lowest >= -self._near
         return asked, np.where(asked[:, None], behind, normals)
+
+    def _lowest(self, points: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, float]:
+        """How far the middles of the facets around nodes are above their planes, the least of each,
+        (n,) in m, or 0; and how far any is from its nodes."""
+        corners, lowest = points[self._cells], np.zeros(len(points))
+        into = corners.mean(axis=1)[:, None] - corners
+        np.minimum.at(lowest, self._cells, (into * normals[self._cells]).sum(axis=2))
+        return lowest, largest(into)
 
     def _inward(self, points: np.ndarray) -> np.ndarray:
         """From nodes into the facets around them, (n, d), at most of length 1."""

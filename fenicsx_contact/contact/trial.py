@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..base.vectors import components, dot, largest
+from ..solids import DeformableSolid
 from ..theory.scheme import Step
 from .contact import Contact
 
@@ -46,6 +47,13 @@ def in_round_hole(contact: Contact) -> bool:
     """Whether a guide is around it in space: what moves along the wall turns the normal. Those of a
     guide in the plane are as predicted."""
     return contact.coupling.encloses and contact.surface.dim == 3
+
+
+def slides_far(contact: Contact) -> bool:
+    """Whether sweeps may follow slowly, or not at all, what slides far along what is curved: in a
+    round hole, and along another solid where one deforms, but not by springs."""
+    pair = len(contact.solids) > 1 and any(isinstance(s, DeformableSolid) for s in contact.solids)
+    return (pair and contact.formulation.multipliers) or in_round_hole(contact)
 
 
 def violation(contact: Contact, step: Step, force: np.ndarray) -> float:

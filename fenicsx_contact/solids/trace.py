@@ -211,10 +211,12 @@ class DeformableTrace(MonolithicTrace):
         size = self._spreading.shape[1]
         if size <= FEW and not self._floats:
             return self.compliance(np.arange(size), self, np.arange(size)).diagonal()
-        diagonal = self._solid.factorisation.matrix.getDiagonal()
-        alone = self._sum(self._spreading.power(2).T @ (1 / diagonal.array_r))
-        diagonal.destroy()
-        return alone * self._yielding()
+        if self._answers.mobility is None:
+            diagonal = self._solid.factorisation.matrix.getDiagonal()
+            alone = self._sum(self._spreading.power(2).T @ (1 / diagonal.array_r))
+            diagonal.destroy()
+            self._answers.mobility = alone * self._yielding()
+        return self._answers.mobility
 
     def _yielding(self) -> float:
         """How much more the nodes yield together with what is about them than alone: the least of a
@@ -251,12 +253,14 @@ class _Answers:
         columns: of A^-1 J', (unknowns, components); ``known``: which are computed.
         compliance: by traces of the solid, J A^-1 J' with these, and which columns of it are known.
         asked: by traces, the last part of it.
+        mobility: of the components, told by what is about them.
     """
 
     def __init__(self, size: int) -> None:
         self.columns, self.known = np.empty((0, 0)), np.zeros(size, dtype=bool)
         self.compliance: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         self.asked: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
+        self.mobility: np.ndarray | None = None
 
 
 def _picked(matrix: scipy.sparse.csr_matrix) -> np.ndarray | None:

@@ -11,6 +11,9 @@ from scipy.linalg import lapack
 
 from ..contact.mortar.matrices import Matrix
 
+#: From right sides (n,) or (n, k) to solutions.
+Inverse = Callable[[np.ndarray], np.ndarray]
+
 
 class Factored(NamedTuple):
     """The tangent, scaled, and factors of it made regular.
@@ -26,7 +29,7 @@ class Factored(NamedTuple):
 
     stiffness: Matrix
     matrix: Matrix | None
-    inverse: Callable[[np.ndarray], np.ndarray]
+    inverse: Inverse
     rows: np.ndarray
     columns: np.ndarray
     active: np.ndarray
@@ -46,6 +49,11 @@ class Factored(NamedTuple):
         return step * self.columns
 
 
-def by_factors(factors: np.ndarray, pivots: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """The inverse of what LAPACK has factored, dense."""
-    return lambda values: lapack.dgetrs(factors, pivots, values)[0]
+def by_factors(matrix: np.ndarray) -> Inverse | None:
+    """The inverse of a dense matrix (n, n) by factors of its precision, which take its place; None
+    if it is singular."""
+    getrf, getrs = lapack.get_lapack_funcs(("getrf", "getrs"), dtype=matrix.dtype)
+    factors, pivots, singular = getrf(matrix.T, overwrite_a=True)  # in the order of LAPACK
+    if singular:
+        return None
+    return lambda b: np.asarray(getrs(factors, pivots, b, trans=1)[0], dtype=float)

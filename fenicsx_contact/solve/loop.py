@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Newton's method for a step: solids, geometry and contact, in one loop.
 
-Each round linearises the solids and the geometry and then corrects the contact: once, which is
-Newton's method for everything ("newton"), or until it has settled on the frozen geometry, which is
-the paper's geometric fixed point ("fixed point"); in a narrow hole Newton's method ends it. Where
+Each round linearises solids and geometry and then corrects the contact: once, which is Newton's
+method for everything ("newton"), or until it has settled on the frozen geometry: the paper's
+geometric fixed point, which Newton's method ends where it gains little (:func:`slides_far`). Where
 supports alone do not hold every solid the first round of a step settles too: where nothing touches
 one correction knows nothing of what will. So do rounds after corrections that gain no more.
 """
@@ -19,7 +19,7 @@ from ..base.checks import StepFailed
 from ..base.constants import ROUND_OFF
 from ..base.overflow import diverging
 from ..base.vectors import worst
-from ..contact.trial import in_round_hole, nonlinearity
+from ..contact.trial import nonlinearity, slides_far
 from ..solids import DeformableSolid
 from ..theory.scheme import Step
 from .condensed import Condensed
@@ -44,6 +44,8 @@ SYSTEMS: dict[str, type[Condensed] | type[Monolithic]] = {
 }
 #: Relative error of the linearised operator, gaps and momentum at which the fixed point ends.
 GEOMETRY_TOLERANCE = 1e-8
+#: Cost: sweeps within which the fixed point ends, by what the last one gained; else Newton may.
+SWEEPS = 3
 #: How often a correction is halved that inverts an element, or makes the error so many times worse.
 HALVINGS, WORSE = 5, 10.0
 
@@ -74,7 +76,7 @@ class StepSolver:
         solver: str,
         loose: list[DeformableSolid],
     ) -> None:
-        self._all, self._newton = problem, newton
+        self._all, self._newton, self._loose = problem, newton, bool(loose)
         self._settles = problem.settles(geometry == "fixed point")
         self._floating = floating = [solid for solid in loose if not stands(solid)]
         self._speeds = Speeds(problem.solids, problem.contacts, floating, newton.tolerance)
@@ -83,9 +85,7 @@ class StepSolver:
         self.system = SYSTEMS[solver](problem)
         # whether velocities without contact are known, which deformable solids have to solve for
         self._foresees = isinstance(self.system, Condensed) or not self._speeds.bodies
-        # sweeps follow slowly what slides along a narrow hole, or not at all
-        self._turns = self._foresees and any(map(in_round_hole, problem.contacts))
-        self._loose = bool(loose)
+        self._turns = self._foresees and any(map(slides_far, problem.contacts))
         if loose:
             self.system.hold(floating, loose)
         self.patient = self._settles or self.system.patient
@@ -135,7 +135,7 @@ class StepSolver:
             stalled = solution.found and last <= error <= ROUGH * self._newton.tolerance
             if stalled or (error <= GEOMETRY_TOLERANCE and (deforms or solution.exact)):
                 return solution.force, iterations, sweep, remarks
-            if self._turns and error**2 > last * GEOMETRY_TOLERANCE:  # nor by one more
+            if self._turns and error * (error / last) ** SWEEPS > GEOMETRY_TOLERANCE:
                 force, more, _, told = self._full(step, clock)
                 iterations, remarks = iterations + more, remarks + told
                 if not any([contact.grow(step) for contact in self._all.contacts]):

@@ -20,11 +20,11 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.linalg import lapack
 
 from ..base.constants import ROUND_OFF
 from ..contact.mortar.matrices import by_point
 from ..contact.tangent import PointRows
+from .factored import Inverse, by_factors
 from .pointwise import refined
 from .yielding import FIRM
 
@@ -97,7 +97,6 @@ class _Inverse:
 
     Attributes:
         shape: how many velocities and forces.
-        singular: whether there is none.
     """
 
     def __init__(self, system: PairedSystem) -> None:
@@ -111,33 +110,45 @@ class _Inverse:
         for mine, _ in turning:
             turns[mine] = True
         self._turns, self._others = np.flatnonzero(turns), np.flatnonzero(~turns)
-        self.singular = False
+        self._onto: Inverse | None = None
+        self._gains: np.ndarray | None = None
         if turning:
             turned = np.concatenate([W[:, mine] @ G for mine, G in turning], axis=1)  # W G
             self._turned = turned[self._others]
             stiff = turned[self._turns]
             stiff.flat[:: len(stiff) + 1] += 1.0
-            *self._stiff, self.singular = lapack.dgetrf(stiff)
-        if not self.singular:
-            self._gains = self._yielding(gains)
-            self.renew(system)
+            if (inverse := by_factors(stiff)) is None:
+                return
+            self._stiff = inverse
+        self._gains = self._yielding(gains)
+        self.renew(system)
 
-    def renew(self, system: PairedSystem) -> None:
-        """Take up the blocks of a system, that is statuses, and leave what concerns the solids."""
+    def renew(self, system: PairedSystem, kind: type = np.float32) -> None:
+        """Take up the blocks of a system, that is statuses, and leave what concerns the solids; by
+        factors of this precision."""
         D, C = system.blocks
-        self._parts, matrix = system.parts, np.empty((self.shape[1],) * 2)
-        for mine, forces, _, look, _ in system.parts:
-            matrix[forces] = sp.csr_matrix(look) @ self._gains[mine]
-        each, (n, d, _) = np.arange(len(D)), D.shape
-        matrix.reshape(n, d, n, d)[each, :, each] += D + FIRM * C
-        *self._factors, self.singular = lapack.dgetrf(matrix)
+        if self._gains is None:  # H is singular
+            return
+        self._parts = system.parts
+        matrix: np.ndarray = np.empty((self.shape[1],) * 2, kind)
+        with np.errstate(over="ignore", invalid="ignore"):  # infinities serve nobody
+            for mine, forces, _, look, _ in system.parts:
+                matrix[forces] = sp.csr_matrix(look) @ self._gains[mine]
+            each, (n, d, _) = np.arange(len(D)), D.shape
+            matrix.reshape(n, d, n, d)[each, :, each] += D + FIRM * C
+        self._onto = by_factors(matrix)
+
+    @property
+    def singular(self) -> bool:
+        """Whether there is none."""
+        return self._onto is None
 
     def _yielding(self, velocities: np.ndarray) -> np.ndarray:
         """H times velocities (v, ...)."""
         if not self._turns.size:
             return velocities
         result = np.empty_like(velocities)
-        result[self._turns] = turned = lapack.dgetrs(*self._stiff, velocities[self._turns])[0]
+        result[self._turns] = turned = self._stiff(velocities[self._turns])
         result[self._others] = velocities[self._others] - self._turned @ turned
         return result
 
@@ -147,7 +158,8 @@ class _Inverse:
         y, right = self._yielding(b[:v]), b[v:].copy()
         for mine, forces, _, look, _ in self._parts:
             right[forces] -= look @ y[mine]
-        dq = lapack.dgetrs(*self._factors, right)[0]
+        assert self._onto and self._gains is not None
+        dq = self._onto(right)
         return np.concatenate([y + self._gains @ dq, dq])
 
 
@@ -168,16 +180,16 @@ class PairedSolver:
             b: right sides, b_y and b_q.
         """
         kept, v = self._inverse, len(system.W)
-        for way in ("as it is", "renewed", "made anew"):
+        for way in ("as it is", "renewed", "made anew", "made in full"):
             if way == "made anew":
                 self._inverse = kept = _Inverse(system)
             elif kept is None or kept.shape != (v, len(b) - v):
                 continue
-            elif way == "renewed":
-                kept.renew(system)
+            elif way != "as it is":
+                kept.renew(system, np.float32 if way == "renewed" else np.float64)
             if not kept.singular:
                 x, left = refined(kept, lambda x: system.rows(x[:v], x[v:]), b)
-                if left <= 10 * ROUND_OFF or (way == "made anew" and np.isfinite(left)):
+                if left <= 10 * ROUND_OFF or (way == "made in full" and np.isfinite(left)):
                     return x[:v], x[v:]
         self.forget()
         return None

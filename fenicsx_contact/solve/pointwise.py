@@ -23,19 +23,15 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.linalg import lapack
 
 from ..base.constants import ROUND_OFF
 from ..base.vectors import largest
+from .factored import Inverse, by_factors
 
 #: Cost: C and D are rounded to these decimals in the factors.
 DECIMALS = 2
 #: Cost: so many factors are kept: Newton's method passes through some states in each step.
 KEPT = 4
-
-
-#: From right sides (n,) to solutions.
-Inverse = Callable[[np.ndarray], np.ndarray]
 
 
 class PointwiseStep:
@@ -155,11 +151,7 @@ def _inverse(
     matrix = np.matmul(C.astype(kind), W.reshape(n, -1, n * d)).reshape(n, d, n, d)
     matrix *= sizes.astype(kind)
     matrix[each, :, each, :] += D + compliance * C[:, :, :d]
-    getrf, getrs = lapack.get_lapack_funcs(("getrf", "getrs"), dtype=kind)
-    factors, pivots, singular = getrf(matrix.reshape(n * d, n * d).T, overwrite_a=True)
-    if singular:
-        return None
-    return lambda b: np.asarray(getrs(factors, pivots, b, trans=1)[0], dtype=float)
+    return by_factors(matrix.reshape(n * d, n * d))
 
 
 def refined(

@@ -18,7 +18,6 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.linalg import lapack
 
 from ..base.vectors import largest, worst
 from ..contact.part import Part
@@ -249,11 +248,10 @@ class SurfaceSystem(Statuses):
         weight = np.maximum(1.0, np.abs(A[nw:, :nw]).max(axis=1, initial=0.0))
         softer = self._compliance * (1.0 if self._centre.size else weight**2)
         regular.flat[nw * (self.size + 1) :: self.size + 1] -= softer
-        factors, pivots, singular = lapack.dgetrf(regular)
-        if singular:
+        if (inverse := by_factors(regular)) is None:
             return None
         matrix = None if self._centre.size else A
-        return Factored(stiffness, matrix, by_factors(factors, pivots), *scales, self.active)
+        return Factored(stiffness, matrix, inverse, *scales, self.active)
 
     def error(self, slow: float = SLOW) -> float:
         """The largest error that the residual of any row stands for; speeds are resolved down to

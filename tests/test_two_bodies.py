@@ -668,8 +668,9 @@ def test_a_fine_rigid_plate_lands_flat(rigid, elastic, place):
 @pytest.mark.parametrize("iterations", range(6, 11))
 def test_spent_iterations_go_on_from_settled_contact(iterations):
     """It takes 15 of them at once: with fewer the run stopped."""
-    scene = plate_on_block((4, 4, 1), (2, 2, 1), (0.013, -0.027), newton=Newton(1e-10, iterations))
-    enough = plate_on_block((4, 4, 1), (2, 2, 1), (0.013, -0.027))
+    settings, newton = {"geometry": "newton"}, Newton(1e-10, iterations)
+    scene = plate_on_block((4, 4, 1), (2, 2, 1), (0.013, -0.027), newton=newton, **settings)
+    enough = plate_on_block((4, 4, 1), (2, 2, 1), (0.013, -0.027), **settings)
     few, many = (each.run(1e-3, 1e-3, shortest=1.0, progress=False) for each in (scene, enough))
     assert few.finished and many.finished, few.reason
     np.testing.assert_allclose(few["kinetic"], many["kinetic"], rtol=1e-7)
@@ -680,7 +681,8 @@ def test_what_stalls_is_told_of_the_state(iterations, monkeypatch):
     """A row was named that was solved, to 5.5e-16: forces still changed, or the row was that of
     one more correction, which nobody had judged."""
     monkeypatch.setattr(Turns, "settles", lambda *given, **spent: False)
-    scene = plate_on_block((4, 4, 1), (2, 2, 1), (0.013, -0.027), newton=Newton(1e-10, iterations))
+    full = {"newton": Newton(1e-10, iterations), "geometry": "newton"}
+    scene = plate_on_block((4, 4, 1), (2, 2, 1), (0.013, -0.027), **full)
     reason = scene.run(until=1e-3, dt=1e-3, shortest=1.0, progress=False).reason
     told = float(reason.split(";")[0].split(" of ")[-1])
     assert told == pytest.approx(scene.stepper.errors[-1], rel=1e-2) and told > 1e-10

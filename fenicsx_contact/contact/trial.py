@@ -49,11 +49,15 @@ def in_round_hole(contact: Contact) -> bool:
     return contact.coupling.encloses and contact.surface.dim == 3
 
 
+def meets(contact: Contact) -> bool:
+    """Whether two solids meet there of which one deforms, but not by springs."""
+    pair = len(contact.solids) > 1 and contact.formulation.multipliers
+    return pair and any(isinstance(solid, DeformableSolid) for solid in contact.solids)
+
+
 def slides_far(contact: Contact) -> bool:
-    """Whether sweeps may follow slowly, or not at all, what slides far along what is curved: in a
-    round hole, and along another solid where one deforms, but not by springs."""
-    pair = len(contact.solids) > 1 and any(isinstance(s, DeformableSolid) for s in contact.solids)
-    return (pair and contact.formulation.multipliers) or in_round_hole(contact)
+    """Whether sweeps may follow slowly, or not at all, what slides far along what is curved."""
+    return meets(contact) or in_round_hole(contact)
 
 
 def violation(contact: Contact, step: Step, force: np.ndarray) -> float:

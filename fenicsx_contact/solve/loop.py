@@ -19,7 +19,7 @@ from ..base.checks import StepFailed
 from ..base.constants import ROUND_OFF
 from ..base.overflow import diverging
 from ..base.vectors import worst
-from ..contact.trial import nonlinearity, slides_far
+from ..contact.trial import meets, nonlinearity, slides_far
 from ..solids import DeformableSolid
 from ..theory.scheme import Step
 from .condensed import Condensed
@@ -37,12 +37,10 @@ from .surface_problem import SLOW
 from .turns import Turns
 
 #: The linear systems, by name.
-SYSTEMS: dict[str, type[Condensed] | type[Monolithic]] = {
-    "condensed": Condensed,
-    "monolithic": Sparse,
-    "iterative": Krylov,
-}
-#: Relative error of the linearised operator, gaps and momentum at which the fixed point ends.
+SYSTEMS: dict[str, type[Condensed] | type[Monolithic]]
+SYSTEMS = {"condensed": Condensed, "monolithic": Sparse, "iterative": Krylov}
+#: Relative error of the linearised operator, gaps and momentum at which the fixed point ends where
+#: solids do not meet.
 GEOMETRY_TOLERANCE = 1e-8
 #: Cost: sweeps within which the fixed point ends, by what the last one gained; else Newton may.
 SWEEPS = 3
@@ -86,6 +84,8 @@ class StepSolver:
         # whether velocities without contact are known, which deformable solids have to solve for
         self._foresees = isinstance(self.system, Condensed) or not self._speeds.bodies
         self._turns = self._foresees and any(map(slides_far, problem.contacts))
+        sharp = any(map(meets, problem.contacts))
+        self._within = newton.tolerance if sharp else GEOMETRY_TOLERANCE
         if loose:
             self.system.hold(floating, loose)
         self.patient = self._settles or self.system.patient
@@ -119,7 +119,7 @@ class StepSolver:
             clock("solids")
             speed = self._linearise(step, first=sweep == 1)
             clock("pairing")
-            solution = self._settle(step, sweep == 1, deforms or last > GEOMETRY_TOLERANCE)
+            solution = self._settle(step, sweep == 1, deforms or last > self._within)
             iterations += solution.iterations
             remarks += solution.remarks
             clock("newton")
@@ -133,9 +133,9 @@ class StepSolver:
             if any(grown):
                 continue
             stalled = solution.found and last <= error <= ROUGH * self._newton.tolerance
-            if stalled or (error <= GEOMETRY_TOLERANCE and (deforms or solution.exact)):
+            if stalled or (error <= self._within and (deforms or solution.exact)):
                 return solution.force, iterations, sweep, remarks
-            if self._turns and error * (error / last) ** SWEEPS > GEOMETRY_TOLERANCE:
+            if self._turns and error * (error / last) ** SWEEPS > self._within:
                 force, more, _, told = self._full(step, clock)
                 iterations, remarks = iterations + more, remarks + told
                 if not any([contact.grow(step) for contact in self._all.contacts]):

@@ -41,9 +41,9 @@ class Scene:
             impact as a step of no length; for VELOCITY only. Smooth motion between impacts is then
             of second order (a slip that turns round is not), and steps can be long.
         geometry: "newton": geometry, contact and solids in one Newton loop; "fixed point": the
-            paper's loop around contact with frozen geometry, ended by Newton's method where solids
-            slide far. Default: "newton" for large surfaces of deformable solids, and for these in
-            statics: where they meet, not by springs, or curves, or contact alone holds them.
+            paper's loop around contact with frozen geometry; "mixed": this, ended by Newton's
+            method as soon as it gains little. Default: "newton" for large deformable surfaces and
+            statics that meet what is curved or deforms; else "mixed" where normals may turn.
         solver: of the linear systems: "condensed" on the surfaces, "monolithic" (one
             sparse matrix, factored) or "iterative" (GMRES and multigrid; deformable solids only).
             Default: condensed if the surfaces are small (smaller between nonlinear solids) and,

@@ -585,7 +585,7 @@ subject(
     scheme=fixed(None, fc.GeneralisedAlpha(), fc.EnergyMomentum()),
     newton=fixed(None, fc.Newton()),
     locate_impacts=TRUTH,
-    geometry=fixed(None, "newton", "fixed point"),
+    geometry=fixed(None, "newton", "fixed point", "mixed"),
     solver=fixed(None),
     allow_free=fixed(True),
     allow_growth=TRUTH,

@@ -329,11 +329,12 @@ def test_weak_springs_change_nothing_where_friction_holds(dim, spring):
         (Circle((0, -0.1), 0.1), "gap", None, "newton"),
         (Circle((0, -0.1), 0.1), "velocity", None, "newton"),
         (Circle((0, -0.1), 0.1), Discrete(1e10), None, "fixed point"),
-        (Circle((0, -0.1), 0.1), "gap", 1.0, "fixed point"),
+        (Circle((0, -0.1), 0.1), "gap", 1.0, "mixed"),
         (HalfSpace((0, 0), (0, 1)), "gap", None, "fixed point"),
-        (Box((0, -0.5), (0.4, 1.0)), "gap", None, "fixed point"),
+        (Box((0, -0.5), (0.4, 1.0)), "gap", None, "mixed"),
+        (Box((0, -0.5), (0.4, 1.0), rounding=0.1), "gap", None, "mixed"),
     ],
-    ids=["gap", "velocity", "springs", "in motion", "flat", "edges"],
+    ids=["gap", "velocity", "springs", "in motion", "flat", "edges", "round edges"],
 )
 def test_geometry_within_newtons_method_where_statics_are_before_what_is_curved(
     wall, law, theta, geometry

@@ -6,7 +6,6 @@ from __future__ import annotations
 import numpy as np
 
 from ..base.vectors import components, dot, largest
-from ..solids import DeformableSolid
 from ..theory.scheme import Step
 from .contact import Contact
 
@@ -47,17 +46,6 @@ def in_round_hole(contact: Contact) -> bool:
     """Whether a guide is around it in space: what moves along the wall turns the normal. Those of a
     guide in the plane are as predicted."""
     return contact.coupling.encloses and contact.surface.dim == 3
-
-
-def meets(contact: Contact) -> bool:
-    """Whether two solids meet there of which one deforms, but not by springs."""
-    pair = len(contact.solids) > 1 and contact.formulation.multipliers
-    return pair and any(isinstance(solid, DeformableSolid) for solid in contact.solids)
-
-
-def slides_far(contact: Contact) -> bool:
-    """Whether sweeps may follow slowly, or not at all, what slides far along what is curved."""
-    return meets(contact) or in_round_hole(contact)
 
 
 def violation(contact: Contact, step: Step, force: np.ndarray) -> float:

@@ -64,7 +64,7 @@ class Linearisation:
         of = {id(m.solid): m for m in self.motions}
         self.contacts = []
         for contact in scene.contacts:
-            settles = scene.geometry == "fixed point"
+            settles = scene.geometry != "newton"
             motions = [of[id(solid)] for solid in contact.solids]
             self.contacts.append(rows_of(contact, motions, settles, located))
         check_together(self.contacts)

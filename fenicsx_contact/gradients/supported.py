@@ -77,7 +77,7 @@ def rows_of(
     Args:
         contact: the contact.
         motions: of its solids.
-        settles: whether steps settle on frozen geometry ("fixed point").
+        settles: whether steps settle on frozen geometry.
         moving_time: whether instants depend on parameters.
 
     Raises:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from ..base import checks
 from ..contact.contact import Contact
 from ..contact.nodal import NodalJump
+from ..contact.trial import in_round_hole
 from ..solids import DeformableSolid, MonolithicSolid, Solid
 from ..theory.scheme import Scheme
 from .loop import SYSTEMS
@@ -21,6 +22,10 @@ LARGE_SURFACE = 1500
 SMALL_SURFACE = 1000
 #: Cost: unknowns of solids in space above which nothing is factored (demos/benchmark_iterative.py).
 LARGE_SOLIDS = 10_000
+
+#: How a step follows the geometry: within each iteration, or by sweeps on frozen geometry, which
+#: Newton's method ends as soon as they gain little.
+GEOMETRIES = "newton", "fixed point", "mixed"
 
 
 def choose(
@@ -36,7 +41,7 @@ def choose(
         InputError: an unknown name, or a solver that cannot take one of the solids.
     """
     if geometry is not None:
-        checks.choice("geometry", geometry, ["newton", "fixed point"])
+        checks.choice("geometry", geometry, list(GEOMETRIES))
     if solver is not None:
         checks.choice("solver", solver, list(SYSTEMS))
     places = sum(contact.part.places for contact in contacts)
@@ -58,7 +63,8 @@ def choose(
         # without inertia the fixed point winds along what is curved, but springs are settled first
         winds = not scheme.inertia and any(map(_curved, contacts))
         whole = (large and deformable) or (not yields and (pairs or floats or winds))
-        geometry = "newton" if whole else "fixed point"
+        turns = any(map(_turns, contacts))
+        geometry = "newton" if whole else "mixed" if turns else "fixed point"
     if solver is None:
         nonlinear = any(not solid.linear for solid in deformable)
         # what only contact holds in equilibrium has no compliance of its own, or, on weak springs,
@@ -68,7 +74,7 @@ def choose(
         rubs = not scheme.inertia and any(contact.friction_law for contact in springs)
         in_space = sum(solid.unknowns for solid in deformable if solid.dim == 3)
         # the tangent of a nonlinear solid in motion serves for many steps, and so does a compliance
-        keeps = scheme.inertia and (geometry == "fixed point" or places <= SMALL_SURFACE)
+        keeps = scheme.inertia and (geometry != "newton" or places <= SMALL_SURFACE)
         if not large and not floats and not rubs and (keeps or not nonlinear):
             solver = "condensed"
         elif len(deformable) == len(solids) and in_space > LARGE_SOLIDS:
@@ -93,3 +99,12 @@ def _curved(contact: Contact) -> bool:
     if not (isinstance(other, NodalJump) and contact.formulation.multipliers):
         return False
     return not (other.fixed_normal or other.by_faces)
+
+
+def _turns(contact: Contact) -> bool:
+    """Whether its normals may turn in a step, so that sweeps gain little: of what deforms, not on
+    springs nor before a plane, and in a round hole. Those of rigid solids may jam."""
+    if contact.coupling.encloses:
+        return in_round_hole(contact)
+    deforms = any(isinstance(solid, DeformableSolid) for solid in contact.solids)
+    return deforms and contact.formulation.multipliers and not contact.coupling.fixed_normal

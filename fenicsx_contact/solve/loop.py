@@ -3,7 +3,7 @@
 
 Each round linearises solids and geometry and then corrects the contact: once, which is Newton's
 method for everything ("newton"), or until it has settled on the frozen geometry: the paper's
-geometric fixed point, which Newton's method ends where it gains little (:func:`slides_far`). Where
+"fixed point", which Newton's method ends as soon as it gains little where they are "mixed". Where
 supports alone do not hold every solid the first round of a step settles too: where nothing touches
 one correction knows nothing of what will. So do rounds after corrections that gain no more.
 """
@@ -19,7 +19,7 @@ from ..base.checks import StepFailed
 from ..base.constants import ROUND_OFF
 from ..base.overflow import diverging
 from ..base.vectors import worst
-from ..contact.trial import meets, nonlinearity, slides_far
+from ..contact.trial import nonlinearity
 from ..solids import DeformableSolid
 from ..theory.scheme import Step
 from .condensed import Condensed
@@ -39,10 +39,9 @@ from .turns import Turns
 #: The linear systems, by name.
 SYSTEMS: dict[str, type[Condensed] | type[Monolithic]]
 SYSTEMS = {"condensed": Condensed, "monolithic": Sparse, "iterative": Krylov}
-#: Relative error of the linearised operator, gaps and momentum at which the fixed point ends where
-#: solids do not meet.
+#: Relative error of the linearised operator, gaps and momentum at which the fixed point ends.
 GEOMETRY_TOLERANCE = 1e-8
-#: Cost: sweeps within which the fixed point ends, by what the last one gained; else Newton may.
+#: Cost: sweeps within which a mixed one is to end, by what the last one gained, without Newton.
 SWEEPS = 3
 #: How often a correction is halved that inverts an element, or makes the error so many times worse.
 HALVINGS, WORSE = 5, 10.0
@@ -54,7 +53,7 @@ class StepSolver:
     Args:
         problem: solids and contacts.
         newton: settings.
-        geometry: "newton" or "fixed point".
+        geometry: "newton", "fixed point" or "mixed".
         solver: the linear systems, a key of SYSTEMS.
         loose: solids that only contact holds, or their springs, in a scene without inertia.
 
@@ -75,7 +74,7 @@ class StepSolver:
         loose: list[DeformableSolid],
     ) -> None:
         self._all, self._newton, self._loose = problem, newton, bool(loose)
-        self._settles = problem.settles(geometry == "fixed point")
+        self._settles = problem.settles(geometry != "newton")
         self._floating = floating = [solid for solid in loose if not stands(solid)]
         self._speeds = Speeds(problem.solids, problem.contacts, floating, newton.tolerance)
         self.errors: list[float] = []
@@ -83,9 +82,8 @@ class StepSolver:
         self.system = SYSTEMS[solver](problem)
         # whether velocities without contact are known, which deformable solids have to solve for
         self._foresees = isinstance(self.system, Condensed) or not self._speeds.bodies
-        self._turns = self._foresees and any(map(slides_far, problem.contacts))
-        sharp = any(map(meets, problem.contacts))
-        self._within = newton.tolerance if sharp else GEOMETRY_TOLERANCE
+        self._mixed = geometry == "mixed"
+        self._within = newton.tolerance if self._mixed else GEOMETRY_TOLERANCE
         if loose:
             self.system.hold(floating, loose)
         self.patient = self._settles or self.system.patient
@@ -135,7 +133,7 @@ class StepSolver:
             stalled = solution.found and last <= error <= ROUGH * self._newton.tolerance
             if stalled or (error <= self._within and (deforms or solution.exact)):
                 return solution.force, iterations, sweep, remarks
-            if self._turns and error * (error / last) ** SWEEPS > self._within:
+            if self._mixed and error * (error / last) ** SWEEPS > self._within:
                 force, more, _, told = self._full(step, clock)
                 iterations, remarks = iterations + more, remarks + told
                 if not any([contact.grow(step) for contact in self._all.contacts]):

@@ -42,7 +42,7 @@ class Stepper(Insight):
     Args:
         solids, contacts: of the scene.
         newton: settings of the Newton loop.
-        geometry, solver: "newton" or "fixed point"; "condensed", "monolithic" or "iterative".
+        geometry, solver: "newton", "fixed point", "mixed"; "condensed", "monolithic", "iterative".
         inertia, loose: that of the scheme, and without any solids that at most springs hold.
 
     Attributes:

@@ -346,6 +346,35 @@ def test_a_batch_takes_no_results_of_another_function(tmp_path):
     assert [line["sum"] for line in batch(summed, [{"a": 1}, {"a": 2}], file)] == [12, 12]
 
 
+class Assumed:
+    shift = 10
+
+
+FACTOR = 1
+
+
+def assuming(a):
+    return {"sum": FACTOR * a + Assumed.shift}
+
+
+def test_results_count_as_long_as_a_function_does_the_same(tmp_path, monkeypatch):
+    """A reader changed a number above it, and got the old results without a word."""
+    file, here = tmp_path / "lines.jsonl", sys.modules[__name__]
+
+    def found():
+        (line,) = batch(assuming, [{"a": 1}], file, processes=1)
+        return line["sum"], len(file.read_text().splitlines())
+
+    assert found() == (11, 1) and found() == (11, 1)
+    monkeypatch.setattr(here, "FACTOR", 2)
+    assert found() == (12, 2) and found() == (12, 2)
+    monkeypatch.setattr(Assumed, "shift", 20)
+    assert found() == (22, 3)
+    monkeypatch.setattr(here, "FACTOR", 1)
+    monkeypatch.setattr(Assumed, "shift", 10)
+    assert found() == (11, 3)
+
+
 class Scaled:
     def __init__(self, by):
         self.by = by

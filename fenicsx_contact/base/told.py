@@ -95,8 +95,12 @@ def held(thing: Any) -> dict[str, Any]:
 def methods(thing: Any) -> dict[str, Any]:
     """What classes of a user's make an object do and be, by name: their functions, and the data
     among their attributes. Nothing of this package, what it stands on and Python's own."""
+    return _methods(type(thing))
+
+
+def _methods(whose: type) -> dict[str, Any]:
     found: dict[str, Any] = {}
-    for kind in type(thing).__mro__:
+    for kind in whose.__mro__:
         if kind.__module__.partition(".")[0] in _KNOWN:
             continue
         for name, value in sorted(vars(kind).items()):
@@ -202,8 +206,10 @@ def _parts(given: Any) -> tuple[Any, ...] | None:
         has = {**{n: around[n] for n in sorted(used) if n in around}, **dict(inside)}
         spaces = [s for s in has.values() if isinstance(s, (ModuleType, SimpleNamespace))]
         data = [[n, vars(s)[n]] for s in spaces for n in sorted(named) if n in vars(s)]
-        data = [pair for pair in data if isinstance(pair[1], _DATA)]
+        data = [[n, v] for n, v in data if isinstance(v, _DATA) or _of_users(v)]
         return _code(code), given.__defaults__, given.__kwdefaults__, has, data
+    if isinstance(given, type) and _of_users(given):
+        return (_methods(given),)
     if isinstance(given, MethodType):
         return given.__func__, held(given.__self__)
     if isinstance(given, partial):
@@ -211,6 +217,11 @@ def _parts(given: Any) -> tuple[Any, ...] | None:
     if is_function(given) and not isinstance(given, type):
         return type(given).__call__, held(given)
     return None
+
+
+def _of_users(thing: Any) -> bool:
+    """Whether it is a function or class of a user's."""
+    return isinstance(thing, (FunctionType, type)) and _users(str(thing.__module__))
 
 
 def _users(module: str) -> bool:

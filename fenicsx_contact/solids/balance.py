@@ -160,7 +160,9 @@ class BalancedSolid(MonolithicSolid):
         strained = strained[self.fixed_unknowns] if self.floats(step) else strained
         # nor is it less than where the step starts, to which velocities add what they change
         strained = np.append(strained, stiffness * np.abs(self.displacement))
-        round_off = ROUND_OFF * (np.abs(self._momentum) / step.span)
+        # M v of the whole rounds that of any node
+        momentum = max(self.comm.allgather(largest(self._momentum)))
+        round_off = ROUND_OFF * momentum / step.span
         bent = ROUND_OFF * strained.max(initial=0.0) if step.loaded else 0.0
         left = np.sum(terms, axis=0)
         reaction = left[self.fixed_unknowns]

@@ -10,6 +10,7 @@ one correction knows nothing of what will. So do rounds after corrections that g
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -22,6 +23,7 @@ from ..base.vectors import worst
 from ..contact.trial import nonlinearity
 from ..solids import DeformableSolid
 from ..theory.scheme import Step
+from .before import Before
 from .condensed import Condensed
 from .cones import begin_from_cones, few_in_cones
 from .jams import hopeless
@@ -45,6 +47,10 @@ GEOMETRY_TOLERANCE = 1e-8
 SWEEPS = 3
 #: How often a correction is halved that inverts an element, or makes the error so many times worse.
 HALVINGS, WORSE = 5, 10.0
+
+#: Forces on all points (flat, N), Newton iterations, linearisations, remarks.
+Solved = tuple[np.ndarray, int, int, list[str]]
+Way = Callable[[Step, Clock], Solved]
 
 
 class StepSolver:
@@ -89,27 +95,33 @@ class StepSolver:
             self.system.hold(floating, loose)
         self.patient = self._settles or self.system.patient
 
-    def solve(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
-        """Solve a step.
+    def solve(self, step: Step, clock: Clock) -> Solved:
+        """Solve a step, or raise a ``StepFailed`` with the reason."""
+        if not self._mixed:
+            return self._by(self._fixed_point if self._settles else self._full, step, clock)
+        start = Before(self._all)
+        try:
+            return self._by(self._fixed_point, step, clock)
+        except StepFailed as failure:  # sweeps that find no state gain least of all
+            start.restore(step)
+            try:
+                return self._by(self._full, step, clock)
+            except StepFailed:
+                raise failure from None
 
-        Returns:
-            Forces on all points (flat, N), Newton iterations, linearisations, remarks.
-
-        Raises:
-            StepFailed: with the reason.
-        """
+    def _by(self, way: Way, step: Step, clock: Clock) -> Solved:
         self.errors = []
         self._contradicted = float(self._settles and self._all.jams)  # of speeds
         self.system.restart()
-        if not (self._settles and self._foresees):  # by which they are screened
+        if not (way == self._fixed_point and self._foresees):  # by which they are screened
             for contact in self._all.contacts:
                 contact.candidates.choose()
         with diverging():
-            return (self._fixed_point if self._settles else self._full)(step, clock)
+            return way(step, clock)
 
     # -- contact settled on frozen geometry, which is then renewed --------------------------------
 
-    def _fixed_point(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
+    def _fixed_point(self, step: Step, clock: Clock) -> Solved:
         iterations, remarks, last = 0, [], 1.0
         deforms = bool(self._speeds.bodies)  # their solves are rounded
         for sweep in range(1, self._newton.max_iterations + 1):
@@ -201,11 +213,10 @@ class StepSolver:
             errors += [jump / size, gap / (size * step.span)]
         return worst(errors)
 
-    # -- everything at once -----------------------------------------------------------------------
-
-    def _full(self, step: Step, clock: Clock) -> tuple[np.ndarray, int, int, list[str]]:
+    def _full(self, step: Step, clock: Clock) -> Solved:
         settled, halved, last, turns = 0, 0, np.inf, Turns(self._loose)
         plain, kept, sound = False, False, True  # a correction; its tangent is old; state asked
+        before = Before(self._all)
         errors, remarks, most = self.errors, list[str](), self._newton.max_iterations
         for iteration in range(2 * most + 1):  # and again from contact that has settled
             for solid in self._all.solids:
@@ -236,7 +247,7 @@ class StepSolver:
                 break
             if error > WORSE * max(last, 1.0) and halved < HALVINGS:
                 halved += 1
-                self._halve(step)
+                before.halve(step)
                 plain = kept = False
                 continue
             # a tangent is kept if one more correction as good as the last one is enough
@@ -248,8 +259,7 @@ class StepSolver:
             if error <= near < np.inf:
                 self._see(step, exact=True)
                 clock("pairing")
-            velocities = [solid.trial_velocity.copy() for solid in self._all.solids]
-            self._before = velocities, [contact.equations.values for contact in self._all.contacts]
+            before = Before(self._all)
             if turns.settles(error, spent=iteration == most):
                 self._see(step, exact=False)
                 solution = self._settle(step, first=iteration == 0)
@@ -259,7 +269,7 @@ class StepSolver:
                 self._follow()
                 plain = kept = sound = False
                 continue
-            self._advance(step, clock, careful=rises)
+            self._advance(step, clock, before, careful=rises)
             plain, sound = isinstance(self.system, Condensed), True
         told = f"{self.system.stall()} after {len(errors) - 1} Newton iterations"
         raise StepFailed(told + free_motion(self._floating, step))
@@ -270,7 +280,7 @@ class StepSolver:
         for contact in self._all.contacts:
             contact.linearise(step, single if len(contact.solids) == 1 else exact, kept)
 
-    def _advance(self, step: Step, clock: Clock, careful: bool) -> None:
+    def _advance(self, step: Step, clock: Clock, before: Before, careful: bool) -> None:
         """One correction, shortened where it would invert an element."""
         if not self.system.iterate(step):
             raise StepFailed("the linearised problem is singular: is a body without support?")
@@ -278,7 +288,7 @@ class StepSolver:
         for _ in range(HALVINGS):
             if not any(solid.broken() for solid in self._all.solids):
                 break
-            self._halve(step)
+            before.halve(step)
         else:
             self._all.refuse_broken()
         self._follow(careful)
@@ -288,12 +298,3 @@ class StepSolver:
         for contact in self._all.contacts:
             contact.follow()
             contact.equations.turn(careful and not self._all.hyperstatic)
-
-    def _halve(self, step: Step) -> None:
-        """Go back half of the last correction."""
-        velocities, unknowns = self._before
-        for solid, old in zip(self._all.solids, velocities):
-            solid.go(0.5 * (old + solid.trial_velocity), step)
-        for contact, values in zip(self._all.contacts, unknowns):
-            contact.equations.values = 0.5 * (values + contact.equations.values)
-            contact.follow()

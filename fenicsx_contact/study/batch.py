@@ -22,6 +22,7 @@ from typing import Any
 
 from ..base import checks
 from ..base.quoted import quoted
+from ..base.told import digits
 from .names import named
 from .records import listed, records
 
@@ -46,8 +47,9 @@ def batch(
         function: at the top of a module; from a case, by name, to results, by other names.
         cases: numbers or texts, by the same names each; what stands there twice is run once.
         file: of JSON lines, appended to: a case, its results and the function each, by its name
-            and by what a ``partial``, a method or an object binds to it; older ones have no name,
-            and are taken to be of this function.
+            and by what a ``partial``, a method or an object binds to it. Results count as long as
+            the function does the same: with other code, or other values around it that it reads,
+            its cases are run again. Lines that do not tell are taken to be of this function.
         processes: how many; default: one for each core.
         progress: show a bar; default: if a person watches.
 
@@ -77,12 +79,13 @@ def batch(
             )
         _check_case(function, i, case)
     found, name = records(file, START, _record, "a batch"), named(function)
-    if others := sorted({of for *_, of in found} - {name, ""}):
+    version = digits(function)
+    if others := sorted({of for *_, of, _ in found} - {name, ""}):
         raise checks.InputError(
             f"file = {str(file)!r}: holds results of {others[0]}, not of {name}; each function "
             "needs a file of its own"
         )
-    known = {_key(case): results for case, results, _ in found}
+    known = {_key(case): results for case, results, _, of in found if of in (version, "")}
     todo = list({_key(case): case for case in cases if _key(case) not in known}.values())
     file.parent.mkdir(parents=True, exist_ok=True)
     show = sys.stderr.isatty() if progress is None else progress
@@ -91,7 +94,7 @@ def batch(
     bar = tqdm(total=len(cases), initial=len(cases) - len(todo), disable=not show)
     pool = ProcessPoolExecutor(count, fork, _ends_with, (os.getpid(),))
     with pool, bar, file.open("a") as out:
-        for case, done in _each(pool, count, partial(_line, name, function), todo):
+        for case, done in _each(pool, count, partial(_line, name, version, function), todo):
             if failure := done.exception():
                 failures.append((dict(case), failure))
                 continue
@@ -185,7 +188,7 @@ def _check_case(function: Callable[..., Any], i: int, case: Mapping[str, Any]) -
         ) from None
 
 
-def _line(name: str, function: Callable[..., Any], case: Mapping[str, Any]) -> str:
+def _line(name: str, version: str, function: Callable[..., Any], case: Mapping[str, Any]) -> str:
     """Of a file; in a process of the batch."""
     results = _called(function, case)
     what = f"function(**{dict(case)}) = {results!r}"
@@ -194,7 +197,7 @@ def _line(name: str, function: Callable[..., Any], case: Mapping[str, Any]) -> s
     if both := sorted(set(case) & set(map(str, results))):
         raise checks.InputError(f"{what}: {both} are of the case; results need other names")
     try:
-        line = {"case": case, "results": results, "function": name}
+        line = {"case": case, "results": results, "function": name, "version": version}
         return json.dumps(line, default=listed)
     except (TypeError, ValueError) as problem:
         raise checks.InputError(
@@ -221,5 +224,6 @@ def _key(case: Mapping[str, Any]) -> str:
     return json.dumps(case, sort_keys=True, default=listed)
 
 
-def _record(line: Any) -> tuple[dict[str, Any], dict[str, Any], str]:
-    return dict(line["case"]), dict(line["results"]), str(line.get("function", ""))
+def _record(line: Any) -> tuple[dict[str, Any], dict[str, Any], str, str]:
+    function, version = (str(line.get(name, "")) for name in ("function", "version"))
+    return dict(line["case"]), dict(line["results"]), function, version

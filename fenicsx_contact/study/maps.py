@@ -12,13 +12,14 @@ import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..base import checks
+from ..base.told import digits
 from .judge import CLASSES, Verdict, judge
 from .names import named
 from .problem import Problem
@@ -111,10 +112,14 @@ class Map:
 
     def key(self, cell: dict[str, Any]) -> str:
         """What a cell is found by in a file of results: the map's name, the problem with what is
-        bound to it, and where the cell is."""
-        whole = [self.name, named(self.problem), cell]
+        bound to it and what it does, and where the cell is."""
+        whole = [self.name, named(self.problem), self._version, cell]
         text = json.dumps(whole, sort_keys=True, default=listed)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    @cached_property
+    def _version(self) -> str:
+        return digits(self.problem)
 
 
 def judge_cell(problem: Callable[..., Problem], cell: dict[str, Any]) -> Verdict:
@@ -134,7 +139,8 @@ def run_maps(
 
     A process that passes its time limit is ended, and its cell counts as stopped for this reason;
     one that dies, or whose problem raises other than an ``InputError``, counts as nonsense. Both
-    are judged again when the file is taken up again.
+    are judged again when the file is taken up again; so are all cells of a problem that does
+    something else by then: that has other code, or reads other values from around it.
     Processes import the calling script: what it runs stands below ``if __name__ == "__main__":``.
 
     Args:

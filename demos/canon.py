@@ -322,8 +322,8 @@ if __name__ == "__main__":
 # %% [markdown]
 # ## What to try next
 #
-# - `twist(16, 16, friction=0.9)`: how far does it turn before all of it slips?
-# - `indent(24, 40, 0.5, depth=1.5)`: where do elements give up?
+# - `twist(16, 16, friction=0.9, turn=0.1)`: how far does it turn before all of it slips?
+# - `indent(24, 40, 0.5, depth=1.8)`: a tenth of the block is left below. Which elements turn most?
 # - `o_ring(0.025, 0.25, 20, wall=1.08)`: the groove is nearly full.
 #
 # ## Sources

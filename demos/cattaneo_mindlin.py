@@ -91,8 +91,9 @@ def push(
 # half-way between the last one that sticks and the first that slips. The shear of a node is its
 # tangential force over its area; the error of the shear curve is that of the nodal values in L2.
 #
-# The VELOCITY formulation does the same if it presses in several steps: what it takes to be closed
-# is decided at the start of each, so pressed in one it leaves shear behind.
+# The VELOCITY formulation does the same: a point may approach as fast as it would arrive by the end
+# of the step. By the printed law, `"printed"`, what is closed is decided at the start of a step:
+# pressed in one, a single node bears.
 
 
 # %%

@@ -123,8 +123,9 @@ if __name__ == "__main__":
 # %% [markdown]
 # ## What to try next
 #
-# - A ladder of your own: `ladder("theta", [0.5, 0.6, 0.7], share=1e-3)` for the block.
-# - `bar_at_wall` with a `cfl` other than 1: a wave is no longer carried from node to node.
+# - A study of your own beside those of `problems/studies.py`, by another ladder (it is of
+#   `fenicsx_contact.study`): `ladder("theta", [0.5, 0.6, 0.7], share=1e-3)` for the block.
+# - There, `bar_at_wall` with a `cfl` other than 1: a wave is no longer carried from node to node.
 #
 # ## Sources
 #

@@ -394,7 +394,8 @@ if __name__ == "__main__":
 # ## What to try next
 #
 # - Swap slave and master in `Pressed`: the pressure then lives on the block's nodes.
-# - `degree=2`: quadratic displacements; on a plane middles of facets bear, too.
+# - `degree=2`: quadratic displacements; on a plane middles of facets bear, too. On straight facets
+#   pressures have kinks, and errors grow: `order=2` in the mesh makes them round.
 # - `line(20, 0.2 * R)`, pressed deeper: where Hertz himself is 2 % off.
 #
 # ## Sources

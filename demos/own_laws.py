@@ -110,7 +110,6 @@ class Penalty:
     pushes = True  # and only inside: open points need not be asked
     points = None
     gap_share = 1.0
-    pushes = True  # and never pulls
 
     def form(self, k: Any) -> tuple[Any, Any]:
         """Contact terms of (7), without friction, and the status."""

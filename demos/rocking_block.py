@@ -358,7 +358,7 @@ if __name__ == "__main__":
 # - `(GAP, ThetaScheme(0.5))`: the corner that lands bounces; look at the reaction, column
 #   `block.base.force_y`.
 # - `located=True` with a tenth of the steps: what is the error of the tenth impact?
-# - `(Discrete(STIFFNESS), ThetaScheme(0.5))`, no dashpots: the second maximum is 48 % too high, for
+# - `(Discrete(STIFFNESS), ThetaScheme(0.5))`, no dashpots: the second maximum is 45 % too high, for
 #   the springs give energy back.
 # - `mesh_from_gmsh("block.geo", n_width=10)`: more points, the same motion.
 #

@@ -401,7 +401,8 @@ if __name__ == "__main__":
 # - An earthquake: `Guide(..., motion=lambda t: (2e-3 * np.sin(30 * t), 0.0))`.
 # - The drive rod guided, too: a second `GuideContact(rod, "drive", Guide([Card(-4.5, 2e-3), ...]))`
 #   in the scene; the total is then up to 0.1 % longer, T5 is not.
-# - Another water: any object with `buoyancy`, `added_mass(z)` and `drag(z)` in `Fall(...)`.
+# - Another water: any object with `buoyancy` [kg], `added_mass(z)` [kg] and `drag(z)`, both C and
+#   dC/dz of the force C v² [kg/m, kg/m²], in `Fall(...)`.
 # - `Assumed(kinked=True, amplitude=0.022)`: the rod jams, and the history says that what it was to
 #   stop at did not happen.
 # - `ThetaScheme(0.5)`: nothing damps the rattling, and T5 hardly changes, with either inlet. With

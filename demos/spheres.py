@@ -211,6 +211,8 @@ def main(quick: bool = False) -> dict[str, Any]:
             f"buckles at {1e3 * each['buckles_at']:.1f} mm"
             if each["buckles"]
             else "does not buckle"
+            if each["finished"]
+            else "has not buckled"
         )
         + ("" if each["finished"] else f" (stopped at {1e3 * each['way']:.1f} mm)")
         for name, each in summary["plates"].items()
@@ -227,7 +229,7 @@ if __name__ == "__main__":
 # ## What to try next
 #
 # - `pressed(1.0, 24, 100)`: how much friction holds the lining?
-# - `pressed(0.5, 32, 100, 0.0078)`: a thin lining snaps sooner, and farther.
+# - `pressed(0.5, 16, 40, 0.0078)`: a thin lining. How far does it come before a run stops?
 #
 # ## Source
 #

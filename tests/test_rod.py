@@ -6,6 +6,7 @@ import re
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -591,3 +592,11 @@ def test_a_drive_that_gives_no_number_stops_the_run():
     history = scene.run(0.2, 5e-3)
     assert not history.finished and "force 'lost'" in history.reason
     assert "3 finite numbers" in history.reason and np.isfinite(history.rows()).all()
+
+
+@pytest.mark.parametrize("drag", [lambda z: 3.0, lambda z: (1.0, "x"), lambda z: 1 / 0])
+def test_water_whose_drag_is_no_pair_is_refused_at_once(drag):
+    """A rod's own function was blamed, in the run."""
+    water = SimpleNamespace(buoyancy=0.0, added_mass=lambda z: 0.0, drag=drag)
+    with pytest.raises(InputError, match=r"water\.drag\(0\)"):
+        Fall(water=water)

@@ -91,6 +91,7 @@ class Fall:
     def __post_init__(self) -> None:
         if self.water is not None:
             checks.instance("water", self.water, Water, "an object with buoyancy, added_mass, drag")
+            checks.vector("water.drag(0)", checks.called("water.drag(0)", self.water.drag, 0.0), 2)
         checks.keep(self, "drive_friction", at_least=0)
         checks.keep(self, "stop_stiffness", above=0)
         checks.keep(self, "stop_at", at_least=0)

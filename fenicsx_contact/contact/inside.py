@@ -51,14 +51,7 @@ def inside_each_other(
 ) -> str:
     """How far one of two solids lies inside the other, with nodes at these places (N, d), unseen by
     the pairing and by more than ``most``, m; or nothing."""
-    last = len(pair.slave.nodes)
-    seen = np.zeros(pair.total, dtype=bool)
-    seen[: pair.n] = ~pair.alone
-    here = np.asarray((abs(pair.means[:, last:]) > 0).sum(axis=0)).ravel()
-    seen[last:] = pair.shared.sum(here) > 0  # each process has the rows of its nodes
-    for side, first in ((pair.slave, 0), (pair.master, last)):  # middles as their corners
-        faces = seen[first + side.corners].any(axis=1)
-        seen[first + side.cells[faces, side.corners.shape[1] :]] = True
+    seen, last = seen_in(pair), len(pair.slave.nodes)
     # of what faces something gaps tell, but not what lies between
     size = max(most, pair.slave.size, pair.master.size)
     limits = np.where(seen, size, most)
@@ -69,11 +62,29 @@ def inside_each_other(
     return ""
 
 
+def seen_in(pair: Pairing) -> np.ndarray:
+    """Which nodes of both sides have partners, (N,) of bool."""
+    last = len(pair.slave.nodes)
+    seen = np.zeros(pair.total, dtype=bool)
+    seen[: pair.n] = ~pair.alone
+    here = np.asarray((abs(pair.means[:, last:]) > 0).sum(axis=0)).ravel()
+    seen[last:] = pair.shared.sum(here) > 0  # each process has the rows of its nodes
+    for side, first in ((pair.slave, 0), (pair.master, last)):  # middles as their corners
+        faces = seen[first + side.corners].any(axis=1)
+        seen[first + side.cells[faces, side.corners.shape[1] :]] = True
+    return seen
+
+
 def within(points: np.ndarray, simplices: np.ndarray) -> np.ndarray:
     """Whether points (n, d) lie within the closed surface of simplices (m, d, d), (n,) of bool: a
     ray to one side meets it an odd number of times."""
+    return crossed(points, simplices) % 2 == 1
+
+
+def crossed(points: np.ndarray, simplices: np.ndarray) -> np.ndarray:
+    """How often rays from points (n, d) to one side meet simplices (m, d, d), (n,)."""
     if not len(points):
-        return np.zeros(0, dtype=bool)
+        return np.zeros(0, dtype=int)
     d = points.shape[1]
     frame = np.linalg.qr(np.column_stack([LOOK[:d], np.eye(d)[:, 1:]]))[0]
     x, corners = points @ frame, simplices @ frame  # the rays run along the first coordinate
@@ -87,7 +98,7 @@ def within(points: np.ndarray, simplices: np.ndarray) -> np.ndarray:
     shares = np.zeros(along.shape)
     shares[whole] = np.linalg.inv(arm[whole])[:, :, 0]
     hit = whole & (shares > 0).all(axis=1) & ((shares * along).sum(axis=1) > 0)
-    return np.bincount(ray[hit], minlength=len(x)) % 2 == 1
+    return np.bincount(ray[hit], minlength=len(x))
 
 
 def swallowed(solid: Solid, wall: Wall, most: float) -> str:

@@ -17,7 +17,9 @@ STOPS = {
             "no equilibrium",
             "no equilibrium: contacts cannot hold ... against ...",
             "in statics: contacts cannot bear the loads on a body that no support holds so",
-            "less load, more friction or a support; with inertia (`ThetaScheme(1.0)`) it moves",
+            "less load, more friction or a support; if the body would find its place on the way, a "
+            "load that grows from none (a `body_force` in time); with inertia (`ThetaScheme(1.0)`) "
+            "it moves",
         ),
         Stop(
             "buckles",
@@ -61,7 +63,8 @@ STOPS = {
             "contact stalls",
             "the contact problem stalls at a relative error of ...",
             "on frozen geometry the contact has no solution that the method of multipliers finds",
-            "smaller steps; in statics a `ThetaScheme(1.0)`, or a spring that holds the body",
+            "smaller steps; in statics loads that grow from none, a `ThetaScheme(1.0)`, or a spring "
+            "that holds the body",
         ),
         Stop(
             "fixed point stalls",

@@ -63,8 +63,8 @@ STOPS = {
             "contact stalls",
             "the contact problem stalls at a relative error of ...",
             "on frozen geometry the contact has no solution that the method of multipliers finds",
-            "smaller steps; in statics loads that grow from none, a `ThetaScheme(1.0)`, or a spring "
-            "that holds the body",
+            "smaller steps; in statics loads that grow from none, a `ThetaScheme(1.0)`, or a "
+            "spring that holds the body",
         ),
         Stop(
             "fixed point stalls",

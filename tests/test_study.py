@@ -689,7 +689,7 @@ def test_a_hundred_thousand_steps_keep_their_memory(tmp_path):
     history = scene.run(scene.time + 1.0, 1e-5, progress=False)
     kept = tracemalloc.get_traced_memory()[0] - before
     tracemalloc.stop()
-    assert len(history) == 100_001
+    assert (history["dt"] > 0).sum() == 100_000  # beside them impacts
     table_size = 8 * len(history.columns) * 2 * len(history)  # it grows by doubling
     assert kept < table_size + 1e6
     assert _resident() - resident < 3 * table_size + 20e6

@@ -50,7 +50,7 @@ HALVINGS, WORSE = 5, 10.0
 
 #: Forces on all points (flat, N), Newton iterations, linearisations, remarks.
 Solved = tuple[np.ndarray, int, int, list[str]]
-Way = Callable[[Step, Clock], Solved]
+Together = Callable[[Callable[[], Solved]], Solved]
 
 
 class StepSolver:
@@ -95,31 +95,30 @@ class StepSolver:
             self.system.hold(floating, loose)
         self.patient = self._settles or self.system.patient
 
-    def solve(self, step: Step, clock: Clock) -> Solved:
-        """Solve a step, or raise a ``StepFailed`` with the reason."""
+    def solve(self, step: Step, clock: Clock, together: Together) -> Solved:
+        """Solve a step, or raise a ``StepFailed`` with the reason; what one of several processes
+        meets all shall know ``together``."""
         if not self._mixed:
-            return self._by(self._fixed_point if self._settles else self._full, step, clock)
+            return self._by(self._settles, step, clock)
         start = Before(self._all)
         try:
-            return self._by(self._fixed_point, step, clock)
+            return together(lambda: self._by(True, step, clock))
         except StepFailed as failure:  # sweeps that find no state gain least of all
             start.restore(step)
             try:
-                return self._by(self._full, step, clock)
+                return together(lambda: self._by(False, step, clock))
             except StepFailed:
                 raise failure from None
 
-    def _by(self, way: Way, step: Step, clock: Clock) -> Solved:
+    def _by(self, sweeps: bool, step: Step, clock: Clock) -> Solved:
         self.errors = []
         self._contradicted = float(self._settles and self._all.jams)  # of speeds
         self.system.restart()
-        if not (way == self._fixed_point and self._foresees):  # by which they are screened
+        if not (sweeps and self._foresees):  # by which they are screened
             for contact in self._all.contacts:
                 contact.candidates.choose()
         with diverging():
-            return way(step, clock)
-
-    # -- contact settled on frozen geometry, which is then renewed --------------------------------
+            return (self._fixed_point if sweeps else self._full)(step, clock)
 
     def _fixed_point(self, step: Step, clock: Clock) -> Solved:
         iterations, remarks, last = 0, [], 1.0

@@ -155,7 +155,7 @@ class Stepper(Insight):
 
     def _solved(self, step: Step, closing: bool, clock: Clock) -> tuple[Trial, bool]:
         """The step solved about where solids are put; whether they are put elsewhere after it."""
-        solution = self._method.solve(step, clock)
+        solution = self._method.solve(step, clock, self._meeting.after)
         for contact in self.contacts:
             contact.equations.turn(False)  # rows of a search are none to be judged by
             contact.trial_status = statuses(contact)

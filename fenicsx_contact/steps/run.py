@@ -198,7 +198,9 @@ class _Course:
             depth = float(history[f"{contact.name}.penetration"].max())
             takes = sunk(history, contact.name) / GIVEN
             told.append(went_inside(contact, depth, scene.deepest, takes))
-            told += [struck_apart(contact, scene.deepest), overlaps(contact)]
+            told.append(struck_apart(contact, scene.deepest))
+            if history.finished:  # else places are those of a step that failed
+                told.append(overlaps(contact))
         moved, off = scene.stepper.rounding[0], rounded(scene.solids)
         told += [unexplained(history, moved, off), *scene.stepper.pierced.told(scene.comm)]
         rubbing = [contact for contact in scene.contacts if contact.friction_law]

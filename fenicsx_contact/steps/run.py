@@ -18,7 +18,7 @@ from ..base.overflow import diverging
 from ..base.processes import any_of, refuse_unlike
 from ..base.quoted import quoted
 from ..contact.arrivals import starts_inside, struck_apart, went_inside
-from ..contact.overlaps import overlaps
+from ..contact.unmet import unmet
 from ..output.books import rounded, sunk, unexplained, unresolved
 from ..output.history import History
 from ..output.stops import hint
@@ -200,7 +200,7 @@ class _Course:
             told.append(went_inside(contact, depth, scene.deepest, takes))
             told.append(struck_apart(contact, scene.deepest))
             if history.finished:  # else places are those of a step that failed
-                told.append(overlaps(contact))
+                told.append(unmet(contact))
         moved, off = scene.stepper.rounding[0], rounded(scene.solids)
         told += [unexplained(history, moved, off), *scene.stepper.pierced.told(scene.comm)]
         rubbing = [contact for contact in scene.contacts if contact.friction_law]

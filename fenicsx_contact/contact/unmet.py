@@ -18,7 +18,7 @@ from .pierced import RISE
 from .simplices import split
 
 
-def overlaps(contact: Contact) -> str:
+def unmet(contact: Contact) -> str:
     """What a reader should know of such facets, deeper than coarse ones of what is round may be, or
     nothing; all processes ask together."""
     pair = getattr(contact.coupling, "pairing", None)

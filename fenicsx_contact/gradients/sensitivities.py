@@ -47,8 +47,8 @@ def tangents(
 ) -> Tangents:
     """Run a scene by uniform steps, with the derivatives of quantities by parameters in each row.
 
-    They are those of the discrete solution, exact but for the tolerance of the steps: 1e-10 of what
-    is linearised in each where two solids meet and by ``geometry="newton"``, else 1e-8. With
+    They are those of the discrete solution, exact but for the tolerance of the steps: 1e-8 of what
+    is linearised in each by ``geometry="fixed point"`` and in guides, else 1e-10. With
     located impacts a row belongs to an instant, which depends on the parameters, too: derivatives
     are along with it; that of the instant is the column ``"time"``.
 

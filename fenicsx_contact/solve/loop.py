@@ -89,8 +89,8 @@ class StepSolver:
         # whether velocities without contact are known, which deformable solids have to solve for
         self._foresees = isinstance(self.system, Condensed) or not self._speeds.bodies
         self._mixed = geometry == "mixed"
-        meet = self._mixed and any(len(contact.solids) > 1 for contact in problem.contacts)
-        self._within = newton.tolerance if meet else GEOMETRY_TOLERANCE
+        guided = any(contact.coupling.encloses for contact in problem.contacts)
+        self._within = newton.tolerance if self._mixed and not guided else GEOMETRY_TOLERANCE
         if loose:
             self.system.hold(floating, loose)
         self.patient = self._settles or self.system.patient

@@ -259,9 +259,10 @@ def test_what_is_drawn_along_a_drum_goes_round_it(lift, law, scheme, step):
     # by theta = 1 a step of 30 mrad gives twice what moves, for which it may be halved
     told = [text for _, text in history.remarks if "certificate: contacts would" not in text]
     assert history.finished and not told and (len(history.time) == 3 or history.remarks)
-    # by a velocity law each step goes along a tangent, off by its height above the arc
+    # by a velocity law each step goes along a tangent, off by its height above the arc; of a way
+    # Newton's method leaves 1e-10
     off = np.linalg.norm(contact.coupling.positions(), axis=1) - 1
-    within = step**2 if law == "velocity" else 1e-12
+    within = step**2 if law == "velocity" else max(1e-12, 1e-10 * step)
     assert -within < off.min() and off.max() < 1.1 * lift + within
 
 

@@ -18,7 +18,6 @@ from ..base.overflow import diverging
 from ..base.processes import any_of, refuse_unlike
 from ..base.quoted import quoted
 from ..contact.arrivals import starts_inside, struck_apart, went_inside
-from ..contact.unmet import unmet
 from ..output.books import rounded, sunk, unexplained, unresolved
 from ..output.history import History
 from ..output.stops import hint
@@ -199,8 +198,8 @@ class _Course:
             takes = sunk(history, contact.name) / GIVEN
             told.append(went_inside(contact, depth, scene.deepest, takes))
             told.append(struck_apart(contact, scene.deepest))
-            if history.finished:  # else places are those of a step that failed
-                told.append(unmet(contact))
+        if history.finished:  # else places are those of a step that failed
+            told += scene.stepper.unmet.told()
         moved, off = scene.stepper.rounding[0], rounded(scene.solids)
         told += [unexplained(history, moved, off), *scene.stepper.pierced.told(scene.comm)]
         rubbing = [contact for contact in scene.contacts if contact.friction_law]

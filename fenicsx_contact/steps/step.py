@@ -18,6 +18,7 @@ from ..contact.bounds import statuses
 from ..contact.contact import Contact
 from ..contact.percussion import approaching, strikes
 from ..contact.pierced import Pierced
+from ..contact.unmet import Unmet
 from ..contact.work import counts, work
 from ..solids import DeformableSolid, Solid, communicator
 from ..solve.loop import GEOMETRY_TOLERANCE, StepSolver
@@ -82,7 +83,7 @@ class Stepper(Insight):
         self.watchers: list[Callable[[Trial], None]] = []
         self.rounds: list[Callable[[Trial], None]] = []
         self._begun: Step | None = None
-        self.pierced = Pierced(self._every)
+        self.pierced, self.unmet = Pierced(self._every), Unmet(self._every)
         # the largest force at a point so far, N, and what rounds the works, J, see Books
         self._pushed, self.rounding = 0.0, (0.0, 0.0)
         # contacts may have stored energy before the start, of which the books do not know

@@ -49,10 +49,10 @@ def choose(
     deformable = [solid for solid in solids if isinstance(solid, DeformableSolid)]
     springs = [contact for contact in contacts if not contact.formulation.multipliers]
     if geometry is None:
-        # rigid solids are hyperstatic: there the fixed point has a solver to fall back on. In
-        # motion the geometry of a step changes little
-        held = scheme.inertia and solver in (None, "condensed")
-        pairs = not held and any(
+        # in motion the geometry of a step changes little, and is followed on the surfaces alone;
+        # rigid solids are hyperstatic: there the fixed point has a solver to fall back on
+        follows = scheme.inertia and solver in (None, "condensed")
+        pairs = not follows and any(
             len(contact.solids) > 1 and any(s in deformable for s in contact.solids)
             for contact in contacts
         )

@@ -166,3 +166,20 @@ def test_faces_by_pivots_and_newtons_method(slope, slipped):
         forces = in_cones(points)
         errors.append(np.inf if forces is None else points.error(forces))
     assert np.quantile(errors, 0.95) < 1e-11
+
+
+def test_cubes_upon_each_other_come_to_rest():
+    """Each by all four corners alike, of which the search finds two, down to round-off."""
+    solids, contacts = [], []
+    for i in range(5):
+        mesh = box((1, 1, 1), (0.1, 0.1, 0.1))
+        mesh.mesh.geometry.x[:] += [0.05, 0.05, 0.1 * i]
+        below = (solids[-1], "top") if solids else HalfSpace((0, 0, 0), (0, 0, 1))
+        weight = {"density": 1000.0, "gravity": (0, 0, -9.81)}
+        solids.append(RigidSolid(mesh, **weight, name=f"{i}"))
+        contacts.append(Contact(solids[-1], "base", below, friction=0.5, name=f"base {i}"))
+    scene = Scene(solids, contacts)
+    scene.run(5e-3, 1e-3)
+    for i, contact in enumerate(contacts):
+        np.testing.assert_allclose(contact.multiplier, -981.0 * (5 - i), rtol=1e-6)
+    assert max(np.abs(solid.velocity).max() for solid in solids) < 1e-14

@@ -50,3 +50,11 @@ def test_the_smallest_of_those_with_the_same_sums():
         assert found.min() >= 0 and found @ found <= some @ some * (1 + 1e-9)
         y = np.linalg.lstsq(rows[:, found > 0].T, found[found > 0], rcond=None)[0]
         np.testing.assert_allclose(rows[:, found > 0].T @ y, found[found > 0], atol=1e-8)
+
+
+def test_those_that_are_near_sums_that_none_has():
+    """One that lacks them by a little of where there are some, and ends."""
+    rows = np.array([[1.0, 1.0, 1.0], [0.0, 1e-3, 2e-3]])
+    for lack in (1e-12, 1e-6, 1e-3):
+        found = smallest(rows, np.array([1.0, -lack]), np.ones(2))
+        np.testing.assert_allclose(rows @ found, [1.0, 0.0], atol=2e-3)

@@ -75,11 +75,11 @@ def smallest(rows: np.ndarray, sums: np.ndarray, start: np.ndarray) -> np.ndarra
         start: y to begin with, (m,).
     """
     near = PROXIMAL * float(np.square(rows).sum(axis=0).max(initial=0.0))
-    y, last = start, np.inf
+    y, last = start, float("inf")
     while True:
         y = _proximal(rows, sums, y, near)
         g = np.maximum(y @ rows, 0.0)
-        lacks = np.linalg.norm(sums - rows @ g)
+        lacks = float(np.linalg.norm(sums - rows @ g))
         if not 2 * lacks < last:
             return g
         last = lacks

@@ -43,7 +43,7 @@ class Scene:
         geometry: "newton": geometry, contact and solids in one Newton loop; "fixed point": the
             paper's loop around contact with frozen geometry; "mixed": this, ended by Newton's
             method as soon as it gains little. Default: "newton" for large deformable surfaces and
-            statics that meet what is curved or deforms; else "mixed" where normals may turn.
+            statics that meet what is curved or deforms; else "mixed" of what is not linear.
         solver: of the linear systems: "condensed" on the surfaces, "monolithic" (one
             sparse matrix, factored) or "iterative" (GMRES and multigrid; deformable solids only).
             Default: condensed if the surfaces are small (smaller between nonlinear solids) and,

@@ -48,7 +48,6 @@ class MortarJump(Coupling):
     _chords: np.ndarray | float = 0.0
     _deep: tuple[Pieces | None, float] = None, 0.0  # how deep it is inside, at these
     _first: Matrix  # the operator where a step starts, and the normals of what had a partner there
-    _faced: np.ndarray
 
     def __init__(
         self,
@@ -66,10 +65,9 @@ class MortarJump(Coupling):
         self.pairing = self._ending = self._made()
         self._standing = Standing(*sides)
         self.part = self._part = PairedEquations(equations, self.pairing)
-        self._shape = (self.pairing.total, sides[0].dim)
-        self._n = self.pairing.n
+        self._shape, self._n = (self.pairing.total, sides[0].dim), self.pairing.n
         self._start = self._end = self._places()
-        self._foreseen, self._strikes = 0.0, Strikes(solids, self._n)
+        self._sunk, self._foreseen, self._strikes = 0.0, 0.0, Strikes(solids, self._n)
         self._mean: Matrix | None = None  # that of which forces act by the mean with the last one
         self.faces = self._find() or faces_anywhere(*sides, *self._split())
         self.follow()
@@ -93,6 +91,7 @@ class MortarJump(Coupling):
 
     def begin(self, step: Step) -> None:
         super().begin(step)
+        self.pairing.sunk = self._ending.sunk = self._sunk
         self._share = step.place_share if self._moves else 1.0
         if self._share < 1 and self._ending is self.pairing:
             self._ending = self._made()
@@ -249,10 +248,9 @@ class MortarJump(Coupling):
             self._back.start(self._end)
             self._ending.update(self._worn(self._end), self._way)
         self._start_here()
-        gap, inside = float(self.gaps().max()), self.inside()
-        self.pairing.sunk = self._ending.sunk = inside
+        gap, self._sunk = float(self.gaps().max()), self.inside()
         self.deepest_gap = max(self.deepest_gap, gap)
-        self.by_means_alone = max(self.by_means_alone, (gap - inside, self.time))
+        self.by_means_alone = max(self.by_means_alone, (gap - self._sunk, self.time))
 
     def arrived(self, jump: np.ndarray) -> np.ndarray:
         if self._ending is self.pairing and not np.ndim(self.recess):
@@ -260,14 +258,16 @@ class MortarJump(Coupling):
         return self._there().jumps(self.velocities("velocity")).reshape(self._n, -1)
 
     def state(self) -> dict[str, np.ndarray]:
-        return {**self.pairing.stance.state(), "sunk": np.array([self.pairing.sunk])}
+        return {**self.pairing.stance.state(), "seen": np.array([self._way, self.pairing.sunk])}
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
-        self._share = 1.0
-        self.pairing.sunk = self._ending.sunk = float(state["sunk"][0])
-        stance = Stance.restored(state)
-        self.pairing.stand(stance)
-        self._ending.stand(stance)
+        for trace in self.traces:
+            trace.follow()
+        # facets see each other as far, and as deep inside, as they did last
+        self._way, sunk = map(float, state["seen"])
+        self._start, self._share, self._foreseen = self._places(), 1.0, self._way
+        self.pairing.sunk = self._ending.sunk = sunk
+        self._stand(Stance.restored(state))
         super().restore(state)
 
     def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:
@@ -283,8 +283,8 @@ class MortarJump(Coupling):
         return np.where(met, mobility, each[: mobility.size]).reshape(self._n, -1)
 
     def describe(self) -> str:
-        many = len(self.pairing.master.cells)
-        return f"{self.solids[1].name!r} (master, its {many} facets {self._facets!r})"
+        own = f"its {len(self.pairing.master.cells)} facets {self._facets!r}"
+        return f"{self.solids[1].name!r} (master, {own})"
 
     def held(self) -> np.ndarray:
         return self.pairing.fixed()

@@ -102,9 +102,10 @@ def _curved(contact: Contact) -> bool:
 
 
 def _turns(contact: Contact) -> bool:
-    """Whether its normals may turn in a step, so that sweeps gain little: of what deforms, not on
-    springs nor before a plane, and in a round hole. Those of rigid solids may jam."""
+    """Whether sweeps may gain little, as normals may turn in a step, or a solid is nonlinear: of
+    what deforms, not on springs, and in a round hole. Those of rigid solids may jam."""
     if contact.coupling.encloses:
         return in_round_hole(contact)
-    deforms = any(isinstance(solid, DeformableSolid) for solid in contact.solids)
-    return deforms and contact.formulation.multipliers and not contact.coupling.fixed_normal
+    deform = [solid for solid in contact.solids if isinstance(solid, DeformableSolid)]
+    plain = contact.coupling.fixed_normal and all(solid.linear for solid in deform)
+    return bool(deform) and contact.formulation.multipliers and not plain

@@ -89,8 +89,9 @@ class StepSolver:
         # whether velocities without contact are known, which deformable solids have to solve for
         self._foresees = isinstance(self.system, Condensed) or not self._speeds.bodies
         self._mixed = geometry == "mixed"
-        guided = any(contact.coupling.encloses for contact in problem.contacts)
-        self._within = newton.tolerance if self._mixed and not guided else GEOMETRY_TOLERANCE
+        meets = [c.coupling for c in problem.contacts if not c.coupling.fixed_normal]
+        fine = self._mixed and meets and not any(each.encloses for each in meets)
+        self._within = newton.tolerance if fine else GEOMETRY_TOLERANCE
         if loose:
             self.system.hold(floating, loose)
         self.patient = self._settles or self.system.patient

@@ -82,9 +82,7 @@ class Meetings:
         nodes = np.zeros((self.n, 3), dtype=np.int64)
         self.features = Features(none, nodes[:, :2], nodes, none, np.ones(self.n), np.zeros(self.n))
         self.features.mine[:] = self.features.theirs[:] = homes[:, None]  # where nothing meets
-        self.normal = np.zeros((self.n, shape.dim))
-        self.normal[:, -1] = 1.0
-        self.gap = np.full(self.n, -np.inf)
+        self.normal, self.gap = np.empty((self.n, shape.dim)), np.full(self.n, -np.inf)
         self.there = np.zeros(self.n, dtype=bool)
 
     def take(self, found: Features, busy: np.ndarray) -> np.ndarray:
@@ -165,10 +163,11 @@ class Meetings:
             alpha[cross] = np.stack([1 - mine, mine], axis=1)
             beta[cross, 0], beta[cross, 1] = 1 - theirs, theirs
             self.normal[cross], self.gap[cross] = normal, dot(a - c, normal)
-        self.gap[~self.there] = -np.inf
+        none = ~self.there
+        self.gap[none], self.normal[none] = -np.inf, np.eye(s.dim)[-1]
         self.alpha, self.beta = alpha, beta
         self.places = (alpha[:, :, None] * x[f.mine]).sum(axis=1)
-        self.places[~self.there] = x[self._homes[~self.there]]
+        self.places[none] = x[self._homes[none]]
         self._operator: Matrix | None = None
 
     @property

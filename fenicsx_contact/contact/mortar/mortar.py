@@ -120,7 +120,7 @@ class Pairing:
         )
         self.brink: Brink | None = None
         self.stance = Stance.none(slave)
-        self.places, self._way = np.empty((0, slave.dim)), np.nan
+        self.places, self._seen = np.empty((0, slave.dim)), (np.nan, 0.0)
         self._rule = rule = whole(slave)
         phi, (values, self.rule_slopes) = slave.linear_shape(rule.xi), slave.shape(rule.xi)
         measure = slave.reference_measure(rule.facet, self.rule_slopes)
@@ -163,14 +163,14 @@ class Pairing:
     def stand(self, stance: Stance) -> None:
         """Let the slave's facets stand so on the master's from the next update on."""
         if not stance.same(self.stance):
-            self.stance, self._way = stance, np.nan
+            self.stance, self._seen = stance, (np.nan, 0.0)
 
     def update(self, places: np.ndarray, way: float) -> None:
         """Take up new places (N, d) of the nodes, whose longest ``way`` [m] to each other in the
         step tells how far partners are sought."""
-        if way == self._way and np.array_equal(places, self.places):  # at rest
+        if (way, self.sunk) == self._seen and np.array_equal(places, self.places):  # at rest
             return
-        self._way, self.admits.way = way, way + self.sunk
+        self._seen, self.admits.way = (way, self.sunk), way + self.sunk
         reach = FACETS * self.slave.sizes + 4 * way
         self.reach = FACETS * self._sizes + 4 * way
         self.places = places

@@ -251,7 +251,7 @@ def test_processes_that_are_given_other_arguments_refuse_them(tmp_path):
     output_of(mpirun(code(UNLIKE, tmp_path), 2))
 
 
-SHARED = """
+MODULI = """
 from fenicsx_contact import ElasticSolid, Scene
 from fenicsx_contact.gradients import Centre, Modulus, tangents
 moduli = {{"youngs_modulus": 1e6, "poisson_ratio": 0.3}}
@@ -268,7 +268,7 @@ else:
 
 def test_derivatives_by_moduli_of_shared_solids_are_refused(tmp_path):
     """numpy stopped first, at the cells of other processes."""
-    output_of(mpirun(code(SHARED, tmp_path), 2))
+    output_of(mpirun(code(MODULI, tmp_path), 2))
 
 
 OVERLAP = """
@@ -294,3 +294,28 @@ def test_an_overlap_is_refused_by_all_processes(n, tmp_path):
     """Each asked what it saw itself: some refused, for another reason, and the rest waited."""
     output = output_of(mpirun(code(OVERLAP, tmp_path), n))
     assert output.count("refused") == n
+
+
+STUDY = """
+from fenicsx_contact.study import Axis, Map, batch, run_maps
+
+def case(mu, x=1.0):
+    return {{"product": x * mu}}
+
+one = Map("m", "a map", case, Axis("mu", [0.1], "mu"), Axis("x", [1.0], "x"))
+for start in (
+    lambda: batch(case, [{{"mu": 0.1}}], "file"),
+    lambda: run_maps([one], "file"),
+):
+    try:
+        start()
+    except InputError as error:
+        assert "without mpirun, here with 2 processes" in str(error), error
+    else:
+        raise AssertionError("not refused")
+"""
+
+
+def test_a_study_is_refused(tmp_path):
+    """Each process began one of its own: forks of what MPI runs, which never ended."""
+    output_of(mpirun(code(STUDY, tmp_path), 2))

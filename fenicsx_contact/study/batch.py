@@ -25,6 +25,7 @@ from ..base.quoted import quoted
 from ..base.told import digits
 from .names import named
 from .records import listed, records
+from .workers import how_many
 
 #: How a line of a batch begins.
 START = '{"case": {'
@@ -59,7 +60,8 @@ def batch(
     Raises:
         InputError: no such function; no list of cases, or of names that differ or are none of its
             arguments; a file of something else, or of another function, which stays as it is; no
-            processes; results that a file of JSON cannot hold, or by names of the case.
+            processes, or under mpirun; results that a file of JSON cannot hold, or by names of the
+            case.
         RuntimeError: a process died; the message names the cases that were under way.
         Exception: what the function raised first; its cause tells the case. Those that ran beside
             it are done and on file, and no other is begun.
@@ -69,8 +71,7 @@ def batch(
     file = checks.path("file", file)
     cases = checks.sequence("cases", cases, Mapping, "dicts")
     _check_function(function)
-    if processes is not None:
-        checks.whole_number("processes", processes, at_least=1)
+    count = how_many(processes)
     for i, case in enumerate(cases):
         if set(case) != set(cases[0]):
             raise checks.InputError(
@@ -89,7 +90,7 @@ def batch(
     todo = list({_key(case): case for case in cases if _key(case) not in known}.values())
     file.parent.mkdir(parents=True, exist_ok=True)
     show = sys.stderr.isatty() if progress is None else progress
-    fork, count = multiprocessing.get_context("fork"), processes or os.cpu_count() or 1
+    fork = multiprocessing.get_context("fork")
     failures: list[tuple[dict[str, Any], BaseException]] = []
     bar = tqdm(total=len(cases), initial=len(cases) - len(todo), disable=not show)
     pool = ProcessPoolExecutor(count, fork, _ends_with, (os.getpid(),))

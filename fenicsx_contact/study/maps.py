@@ -24,7 +24,7 @@ from .judge import CLASSES, Verdict, judge
 from .names import named
 from .problem import Problem
 from .records import listed, records
-from .workers import each
+from .workers import each, how_many
 
 #: How a line of a file of maps begins.
 START = '{"key": "'
@@ -154,11 +154,12 @@ def run_maps(
         For each map its verdicts in the order of its cells.
 
     Raises:
-        InputError: no maps; two of one name; a limit that is not > 0; a file of something else,
-            which stays as it is.
+        InputError: no maps; two of one name; a limit that is not > 0; no processes, or under
+            mpirun; a file of something else, which stays as it is.
         RuntimeError: a process ends as it begins, or does not find the problem.
     """
     checks.number("limit", limit, above=0)
+    how_many(processes)
     maps, file = checks.sequence("maps", maps, Map, "Maps"), checks.path("file", file)
     if twice := [name for name, n in Counter(m.name for m in maps).items() if n > 1]:
         raise checks.InputError(f"maps: two are called {twice[0]!r}; each needs a name of its own")

@@ -12,12 +12,30 @@ from multiprocessing.connection import Connection, wait
 from time import monotonic
 from typing import Any
 
+from mpi4py import MPI
+
 from ..base import checks
 
 #: A process imports the package anew, so that nothing of MPI or PETSc is shared.
 _SPAWN = multiprocessing.get_context("spawn")
 
 Call = tuple[Callable[..., Any], tuple[Any, ...]]
+
+
+def how_many(processes: int | None) -> int:
+    """Processes that a study starts: so many or, by default, one for each core.
+
+    Raises:
+        InputError: no number, or the script itself runs on several, each of which would.
+    """
+    if MPI.COMM_WORLD.size > 1:
+        raise checks.InputError(
+            "processes: a study starts its own, one for each core; run it without mpirun, here "
+            f"with {MPI.COMM_WORLD.size} processes"
+        )
+    if processes is not None:
+        checks.whole_number("processes", processes, at_least=1)
+    return processes or os.cpu_count() or 1
 
 
 @dataclass(frozen=True)
@@ -111,13 +129,12 @@ def each(
         The index of a call, and its value; a text if it raised, passed its limit or died.
 
     Raises:
+        InputError: no number of processes, or under mpirun.
         RuntimeError: a process cannot begin, or read its call.
     """
     from tqdm import tqdm
 
-    if processes is not None:
-        checks.whole_number("processes", processes, at_least=1)
-    count = min(processes or os.cpu_count() or 1, len(calls))
+    count = min(how_many(processes), len(calls))
     queue = iter(enumerate(calls))
     workers: list[_Worker] = []
     show = sys.stderr.isatty() if progress is None else progress

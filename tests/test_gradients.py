@@ -841,3 +841,55 @@ def test_what_is_no_solid_contact_or_name_is_refused():
     ):
         with pytest.raises(InputError, match=word):
             make()
+
+
+@pytest.mark.parametrize("value", [1e5, 2.1e5, 0.0])
+def test_in_space_an_energy_of_other_moduli_is_refused(value):
+    """Where all strains are alike shear moduli of an energy without volume tell nothing."""
+
+    def split(mu):
+        def energy(F):
+            J = ufl.det(F)
+            return mu / 2 * (J ** (-2 / 3) * ufl.tr(F.T * F) - 3) + 1e6 * (J - 1) ** 2
+
+        return energy
+
+    block = HyperelasticSolid(box((1, 1, 1)), energy=split(2e5), density=1e3)
+    Material(block, split, 2e5)
+    with pytest.raises(InputError, match=f"{value:g} does not make the energy"):
+        Material(block, split, value)
+
+
+@pytest.mark.parametrize("theta", [0.5, 0.6, 1.0])
+@pytest.mark.parametrize("law", ["gap", "velocity"])
+@pytest.mark.parametrize(("law_of", "h"), [(None, 1e-7), (Tresca, 1e-4)])
+def test_from_no_friction_at_all(law_of, h, law, theta):
+    """Of a block that spreads and springs back some slips turn round: there a small friction does
+    nothing, and none at all has no direction but that of round-off."""
+
+    def build(bound):
+        mesh = rectangle((3, 3), (0.4, 0.4))
+        build.bound = fem.Constant(mesh.mesh, bound)
+        block = ElasticSolid(
+            mesh, youngs_modulus=1e6, poisson_ratio=0.3, density=1000.0, gravity=(1.0, -G)
+        )
+        friction = law_of(build.bound) if law_of else build.bound
+        contact = Contact(block, "base", FLOOR, law, friction=friction)
+        return Scene([block], [contact], ThetaScheme(theta))
+
+    def asked(scene):
+        return {"x": Centre(scene.solids[0], (1, 0)), "F": Force(scene.contacts[0], (1, 0))}
+
+    def ends(bound):
+        scene = build(bound)
+        scene.run(0.015, 5e-3)
+        return np.array([each.value() for each in asked(scene).values()])
+
+    scene = build(0.0)
+    found = tangents(
+        scene, 0.015, 5e-3, {"bound": Law(scene.contacts[0], build.bound)}, asked(scene)
+    )
+    found = [found[name][-1, 0] for name in ("x", "F")]
+    plateau = (ends(h) - ends(0.0)) / h
+    np.testing.assert_allclose(found[0], plateau[0], rtol=1e-5)
+    np.testing.assert_allclose(found[1], plateau[1], rtol=1e-5, atol=1e-4)

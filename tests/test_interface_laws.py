@@ -181,10 +181,12 @@ def test_a_default_is_no_time():
         np.testing.assert_allclose(slide(friction, 0.1)[1]["v"], plain["v"], rtol=1e-12)
 
 
-def test_friction_of_a_constant_is_read_in_each_step():
+@pytest.mark.parametrize("one", [True, False])
+def test_friction_of_a_constant_is_read_in_each_step(one):
+    """Or of a component of it."""
     solid = thrown()
-    mu = fem.Constant(solid.mesh.mesh, 0.3)
-    contact = Contact(solid, "base", FLOOR, friction=mu)
+    mu = fem.Constant(solid.mesh.mesh, 0.3 if one else (0.0, 0.3))
+    contact = Contact(solid, "base", FLOOR, friction=mu if one else mu[1])
     scene = Scene([solid], [contact])
     scene.run(0.1, 0.01)
     mu.value = 0.1

@@ -8,7 +8,7 @@ every step from then on. What no law asks for does not exist.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, partial
 from numbers import Real
 from typing import Any, Protocol
 
@@ -213,9 +213,14 @@ class FedFields:
         if is_coordinate(other):
             return self.x
         if hasattr(other, "value"):
-            now = self._constant(lambda contact, step: float(other.value), float(other.value))
-            self.numbers[other] = now
-            return now
+            now = np.empty(other.ufl_shape, dtype=object)
+            for at in np.ndindex(now.shape):
+                number = partial(lambda at, *_: float(other.value[at]), at)
+                now[at] = self._constant(number, number())
+            if now.shape:
+                return ufl.as_tensor(now.tolist())
+            self.numbers[other] = now[()]
+            return now[()]
         values, mirror = NodalValues(other, self.surface), self.surface.scalar()
         mirror.x.array[:] = values()
         return self._function(lambda contact, step: values(), mirror)

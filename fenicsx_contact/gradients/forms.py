@@ -13,6 +13,8 @@ import numpy as np
 import ufl
 
 from ..base import compat
+from ..base.constants import ROUND_OFF
+from ..base.vectors import dot, orthogonal
 from ..contact.contact import Contact
 
 
@@ -21,7 +23,8 @@ class ByConstant:
 
     def __init__(self, contact: Contact, constant: Any) -> None:
         fields = contact.equations.fields
-        self._constant, self._field = constant, contact.surface.scalar()
+        self._contact, self._constant = contact, constant
+        self._field = contact.surface.scalar()
         form = ufl.replace(contact.equations.tangents.form, {constant: self._field})
         one = contact.surface.scalar()
         one.x.array[:] = 1.0
@@ -36,4 +39,24 @@ class ByConstant:
             return np.zeros(self._shape)
         self._field.x.array[:] = float(self._constant.value)
         self._assemble.refresh_constants()
-        return self._assemble()[self._order]
+        rows = self._assemble()[self._order]
+        d, idle = self._contact.normal.shape[1], undirected(self._contact)
+        normal = self._contact.equations.fields.mean_normal()[idle]
+        rows[idle, :d] = dot(rows[idle, :d], normal)[:, None] * normal
+        rows[idle, d + 1 :] = 0.0
+        return rows
+
+
+def undirected(contact: Contact) -> np.ndarray:
+    """Points without friction that slip in no direction but that of round-off: not at all, or back
+    by a part of the way that they came, against which a small friction would do nothing, (n,)."""
+    e, back = contact.equations, contact.equations.fields.back
+    if e.size == e.tractions:
+        return np.zeros(len(back), dtype=bool)
+    tau = e.values[e.tractions :].reshape(-1, len(back))
+    slip = orthogonal(contact.normal, contact.trial_jump)
+    size = dot(back, back)
+    share = np.clip(dot(slip, back) / np.where(size > 0, size, 1.0), 0.0, 1.0)
+    left = np.linalg.norm(slip - share[:, None] * back, axis=1)
+    noise = ROUND_OFF * np.linalg.norm(contact.trial_jump, axis=1)
+    return np.asarray(~tau.any(axis=0) & (left <= noise))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Everything with everything: each kind of solid on each kind of master, in the plane and in space,
-by every law, geometry, solver and scheme. A scene runs and makes sense, or it is refused when it is
+by every law, geometry, solver and scheme. A scene runs, makes sense and goes on from its state to
+the same end, to the last bit, or it is refused when it is
 built, by an argument that its user gave; nothing else. By default a sample; all with -m long."""
 
 from __future__ import annotations
@@ -111,12 +112,19 @@ def fault(*what):  # noqa: PLR0911
         return f"built: {type(error).__name__}: {error}"
     try:
         history = scene.run(3 * DT, DT, progress=False)
+        before, again = build(*what), build(*what)
+        before.run(2 * DT, DT, progress=False)
+        again.restore(before.state())
+        again.run(3 * DT, DT, progress=False)
     except Exception as error:
         return f"run: {type(error).__name__}: {error}"
     if not history.finished:
         return history.reason
     if not np.isfinite(history.rows()).all():
         return "a number that is not finite"
+    end, other = scene.state(), again.state()
+    if unlike := [name for name in end if not np.array_equal(end[name], other[name])]:
+        return f"resumed it ends otherwise: {unlike}"
     total = total_energy(history)
     rise = (total - total[0]).max() / energy_size(history)
     if rise > allowed(*what):

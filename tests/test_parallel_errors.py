@@ -319,3 +319,25 @@ for start in (
 def test_a_study_is_refused(tmp_path):
     """Each process began one of its own: forks of what MPI runs, which never ended."""
     output_of(mpirun(code(STUDY, tmp_path), 2))
+
+
+APART = """
+from fenicsx_contact import Contact, HalfSpace, Moved, RigidSolid, Scene
+
+def reason(force=None, motion=lambda t: (0.0, 0.0)):
+    mesh = scenes.rectangle((2, 2), (0.4, 0.4))
+    rigid = RigidSolid(mesh, mass=1.0, gravity=(0, -9.81), force=force, name="r")
+    floor = Moved(HalfSpace((0, 0), (0, 1)), motion)
+    history = Scene([rigid], [Contact(rigid, "base", floor, name="c")]).run(0.02, 1e-3)
+    return history.reason
+
+late = lambda t: world.rank * max(t - 5.2e-3, 0.0)
+assert "loads of solid 'r': other on process 1" in reason(force=lambda t: (late(t), 0.0))
+assert "obstacle of contact 'c': other on process 1" in reason(motion=lambda t: (late(t), 0.0))
+assert reason() == "finished"
+"""
+
+
+def test_functions_that_give_something_else_on_one_process_stop_all(tmp_path):
+    """Each process went its own way, until one waited for a message that never came."""
+    output_of(mpirun(code(APART, tmp_path), 2))

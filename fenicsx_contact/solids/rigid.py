@@ -55,6 +55,7 @@ class RigidSolid(RigidMotion):
 
     linear = False
     shiftable = True
+    given: np.ndarray  # what loads and memory give in the step, as a mean force, N and N m
     _driving: np.ndarray  # the mean of what is applied, if anything is
 
     def __init__(
@@ -132,11 +133,11 @@ class RigidSolid(RigidMotion):
     def predict(self, step: Step) -> None:
         self.memory = step.recall(self.memory, lambda: self._force_at_start(step))
         carried = step.carried(self.memory)
-        self._given = step.loaded * (step.load_weight * self._load + carried)
+        self.given = step.loaded * (step.load_weight * self._load + carried)
         self.shifted = None
         for applied in self.applied:
             self._driving = step.mean_load(applied.at) / step.load_weight
-            self._given = self._given + step.loaded * step.load_weight * self._driving
+            self.given = self.given + step.loaded * step.load_weight * self._driving
         self.go(self.velocity, step)
 
     def _force_at_start(self, step: Step) -> np.ndarray:
@@ -185,10 +186,10 @@ class RigidSolid(RigidMotion):
         self.trial_velocity = velocity
         self._move(step)
         self._trial_momentum = self._momentum_of(self.trial_velocity, self.trial_turn)
-        self._acting = self._given
+        self._acting = self.given
         if self.springs:
             old, new = (self._place, self._turn), (self.trial_place, self.trial_turn)
-            self._acting = self._given + pull(self.springs, step, old, new)
+            self._acting = self.given + pull(self.springs, step, old, new)
 
     def _balance_spin(self, step: Step) -> None:
         """Turn until the spin belongs to the inertia where it leads: the outer loop, which is

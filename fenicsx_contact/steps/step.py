@@ -25,6 +25,7 @@ from ..solve.loop import GEOMETRY_TOLERANCE, StepSolver
 from ..solve.newton import Newton
 from ..solve.problem import Assembly, Clock
 from ..theory.scheme import Step
+from .alike import refuse_other_givens
 from .certificate import ACCEPTED, Books, Certificate, certify
 from .frames import Frames
 from .hold import hold_gaps
@@ -68,7 +69,8 @@ class Stepper(Insight):
         self._solver = partial(
             StepSolver, newton=newton, geometry=geometry, solver=solver, loose=list(loose)
         )
-        self._meeting = Meeting(communicator(self.solids))
+        self._comm = communicator(self.solids)
+        self._meeting = Meeting(self._comm)
         self._neighbours = Neighbours(self._every)
         self._arrange()
         self._linear = not any(s.shiftable for s in solids)
@@ -134,6 +136,7 @@ class Stepper(Insight):
         """The begun step solved, about where solids are put back, too, and certified."""
         for contact in self.contacts:
             contact.predict(step, closing)
+        refuse_other_givens(self._comm, self.solids, self.contacts)
         if rates is not None:
             self._guess(step, rates)
         clock("pairing")

@@ -7,6 +7,7 @@ The solids enter by the compliance of their active points; for linear solids it 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -37,12 +38,13 @@ class Condensed:
         self._all = assembly
         self.surfaces = assembly.surface_system()
         self._force: np.ndarray | float = 0.0  # of the last state
-        self._carried: np.ndarray | float = 0.0  # under which the solids moved last
+        self._carried: Any = 0.0  # under which the solids moved last
+        self._moved: list[np.ndarray] = []  # as fast
 
     def restart(self) -> None:
         """A step begins: what is kept between iterations is that of the state."""
         self.surfaces.forget()
-        self._force = self._carried = 0.0
+        self._force, self._carried, self._moved = 0.0, 0.0, []
 
     def free(self) -> np.ndarray:
         """Velocities of all points without contact, flat, as the solids are linearised now."""
@@ -61,6 +63,7 @@ class Condensed:
         self._all.spread(force)
         for solid in self._all.solids:
             solid.correct(step)
+        self._moved = [solid.trial_velocity for solid in self._all.solids]
 
     def settle(self, step: Step, force: np.ndarray, tolerance: float) -> bool:
         """Move the solids under the forces of the solution, unless linearised ones that are the
@@ -102,7 +105,21 @@ class Condensed:
     def _take_up(self) -> None:
         """Solids and geometry as they are linearised now."""
         active = self.surfaces.arrange()
-        self.surfaces.begin(self._free[active], self._all.compliance(active))
+        compliance = self._all.compliance(active)
+        self.surfaces.begin(self._apart(active, compliance), compliance)
+
+    def _apart(self, active: np.ndarray, compliance: np.ndarray) -> np.ndarray:
+        """Velocities of the active points without contact: of linear solids those that they have
+        less what contact does to these. That of a belt without its drum is so much larger that in
+        what is left of it round-off would be seen."""
+        solids, carried = self._all.solids, self._carried
+        known = len(self._moved) == len(solids) and all(
+            solid.linear and solid.trial_velocity is moved
+            for solid, moved in zip(solids, self._moved)
+        )
+        if not known or np.count_nonzero(carried) > np.count_nonzero(carried[active]):
+            return self._free[active]
+        return np.asarray(self._all.moved()[active] - compliance @ carried[active])
 
     def _changed(self, force: np.ndarray) -> float:
         """By how much the last correction changed the forces, over the largest. Where a fine mesh
@@ -122,6 +139,7 @@ class Condensed:
         for solid, old in zip(self._all.solids, before):
             solid.go(old + share * (solid.trial_velocity - old), step)
         self._carried = carried + share * (force - carried)
+        self._moved = [solid.trial_velocity for solid in self._all.solids]
         return True
 
     def stall(self) -> str:

@@ -105,6 +105,10 @@ class Assembly:
         free = [trace.free_jump() for _, trace in self.sides]
         return free[0] if len(free) == 1 else np.concatenate([*free, np.empty(0)])
 
+    def moved(self) -> np.ndarray:
+        """Those in the trial state."""
+        return np.concatenate([trace.jump(s.trial_velocity) for s, trace in self.sides])
+
     def fastest(self, velocities: np.ndarray, noise: float) -> float:
         """The largest of these velocities at points that are active, between solids the largest
         difference; at least the share of a velocity that is ``noise``."""

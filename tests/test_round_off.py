@@ -492,6 +492,7 @@ def test_a_belt_that_its_drum_keeps_from_flying_away(wrap, thick, friction):
         named,
         youngs_modulus=1e9,
         poisson_ratio=0.3,
+        density=1.0,
         fixed=["fixed"],
         tractions={"end": lambda t: tuple(t * way)},
     )

@@ -37,8 +37,8 @@ STOPS = {
             "processes differ",
             "...: other on process ... than on process 0; functions of time must give the same "
             "on every process",
-            "a function of time reads what each process has for itself: its rank, a random number, a "
-            "file that another writes",
+            "a function of time reads what each process has for itself: its rank, a random "
+            "number, a file that another writes",
             "a function that depends on the time alone; let one process find it and `bcast` it",
         ),
         Stop(

@@ -357,3 +357,24 @@ def test_a_block_drawn_over_a_drum_takes_few_iterations():
     contact = Contact(solid, "base", Circle((0.0, -0.1), 0.1), "gap", friction=0.3)
     history = Scene([solid], [contact], QuasiStatic()).run(until=1.0, dt=0.02)
     assert history.finished and history["newton"].sum() < 250
+
+
+@pytest.mark.parametrize("law", ["gap", "velocity"])
+@pytest.mark.parametrize("gap, exchanged", [(0.08, False), (0.2, False), (1.0, False), (0.2, True)])
+def test_what_is_held_by_another_solid_alone_comes_from_afar(gap, law, exchanged):
+    """Partners were sought over one and a half facets: "no equilibrium", beyond."""
+
+    def block(cells, size, up, name, **solid):
+        mesh = rectangle(cells, size)
+        mesh.mesh.geometry.x[:, 1] += up
+        return ElasticSolid(
+            mesh, youngs_modulus=1e6, poisson_ratio=0.3, density=1.0, name=name, **solid
+        )
+
+    low = block((40, 5), (2.0, 0.5), -0.5, "low", fixed=["base"])
+    up = block((10, 10), (0.5, 0.5), gap, "up", body_force=lambda t: (0, -1e3 * t))
+    sides = [(up, "base"), (low, "top")][:: -1 if exchanged else 1]
+    contact = Contact(*sides[0], sides[1], law, friction=0.3, name="pair")
+    history = Scene([low, up], [contact], QuasiStatic()).run(until=1, dt=0.2)
+    assert history.finished, history.reason
+    assert abs(history["pair.force_y"][-1]) == pytest.approx(250.0, rel=1e-9)

@@ -12,13 +12,14 @@ import numpy as np
 from ..base.checks import StepFailed
 from ..base.vectors import dot
 from ..solids import Solid, communicator
+from ..solids.motions import floats
 from ..theory.scheme import Step
 from .clearance import Clearance, apart_at
 from .equations import SurfaceEquations
 from .inside import inside_each_other
 from .jump import Coupling
 from .mortar import Pairing, Side, supported
-from .mortar.facing import faces_anywhere
+from .mortar.facing import faces_anywhere, sought
 from .mortar.matrices import Matrix, dense, square
 from .mortar.passing import gone_through
 from .mortar.pieces import Pieces
@@ -69,7 +70,8 @@ class MortarJump(Coupling):
         self._start = self._end = self._places()
         self._sunk, self._foreseen, self._strikes = 0.0, 0.0, Strikes(solids, self._n)
         self._mean: Matrix | None = None  # that of which forces act by the mean with the last one
-        self.faces = self._find() or faces_anywhere(*sides, *self._split())
+        found = sought(self.pairing, self._start) < np.inf
+        self.faces = found or faces_anywhere(*sides, *self._split())
         self.follow()
         self._start_here()
 
@@ -80,15 +82,6 @@ class MortarJump(Coupling):
         """Places of the slave's nodes and of the master's at the start."""
         return np.split(self._start, [len(self.pairing.slave.nodes)])
 
-    def _find(self) -> bool:
-        """Whether the sides face each other anywhere, near or, at last, far apart."""
-        way, farthest = 0.0, float(np.ptp(self._start, axis=0).sum())
-        while True:
-            self.pairing.update(self._start, way)
-            if self.pairing.paired.any() or way > farthest:
-                return bool(self.pairing.paired.any())
-            way = max(4 * way, 0.01 * farthest)
-
     def begin(self, step: Step) -> None:
         super().begin(step)
         self.pairing.sunk = self._ending.sunk = self._sunk
@@ -98,14 +91,18 @@ class MortarJump(Coupling):
             self._ending.stand(self.pairing.stance)
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
-        way = step.horizon * self.fastest("velocity")
+        way, far = step.horizon * self.fastest("velocity"), 0.0
+        if not (step.scheme.inertia or bears.any()) and floats(self.solids):  # what else stops it?
+            far = sought(self.pairing, self._worn(self._start))
+            way = max(way, far := far if far < np.inf else 0.0)  # or it moves aside first
         self._strikes.see(bears, self.pairing, self._start, way)
         self.apart, self.late = self._strikes.apart, self._strikes.inside
         # an impact is seen as far away as the step that it precedes, if that is far
-        self._foreseen = way if 2 * sqrt(self._shape[1]) * way > self.pairing.sight else 0.0
+        sees = far > 0 or 2 * sqrt(self._shape[1]) * way > self.pairing.sight
+        self._foreseen = way if sees else 0.0
         stance = self._standing.find(self._start, way, bears)
         if stance.same(self.pairing.stance):
-            return self._look(way)
+            return self._look(way, far > 0)
         self._end, self._way, was = self._start, way, self.pairing.stance
         self._stand(was)  # a step that failed has led it elsewhere
         before = self._depths()
@@ -115,11 +112,11 @@ class MortarJump(Coupling):
             raise StepFailed("two solids are folded into each other, deeper than one is large")
         return True
 
-    def _look(self, way: float) -> bool:
+    def _look(self, way: float, sure: bool) -> bool:
         """Seek partners so far away as nodes that are about to go a way, m, may meet them in the
-        step; whether that is farther than they were sought. What has none there is not met."""
+        step; whether that is farther than they were, or ``sure``. What has none is not met."""
         pair = self.pairing
-        if not pair.alone.any() or 2 * sqrt(self._shape[1]) * way <= pair.reach.min():
+        if not (sure or (pair.alone.any() and 2 * sqrt(self._shape[1]) * way > pair.reach.min())):
             return False
         self._end, self._way = self._start, way
         pair.update(self._worn(self._start), way)

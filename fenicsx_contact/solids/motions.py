@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -105,3 +106,10 @@ class Motions:
         free = np.zeros((len(self.names), found.shape[1]))
         free[which] = found
         return free
+
+
+def floats(solids: Sequence[Any]) -> bool:
+    """Whether, of several solids that deform, one may move rigidly for nothing but its springs,
+    which may be weak."""
+    several = len({id(solid) for solid in solids}) > 1
+    return several and not all(Motions(solid).stand(springs=False) for solid in solids)

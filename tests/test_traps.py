@@ -190,7 +190,8 @@ def test_10_hyperstatic_landing(friction):
     moment = arm[:, 0] @ contact.force[:, 1] - arm[:, 1] @ contact.force[:, 0]
     assert abs(moment) < 1e-9 * vertical * 0.36
     assert (contact.force[:, 1] >= -1e-9 * vertical).all()
-    assert abs(scene.solids[0].velocity[2]) < 1e-12
+    left = Newton().tolerance * 9.81 * 1e-3  # of what gravity does in a step
+    assert abs(scene.solids[0].velocity[2]) * 0.18 < left
     left = 0.0 if friction else 0.3
     assert scene.solids[0].velocity[0] == pytest.approx(left, abs=1e-12)
 

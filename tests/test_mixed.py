@@ -9,9 +9,11 @@ from scenes import FLOOR, rectangle
 
 from fenicsx_contact import (
     Contact,
+    Discrete,
     ElasticSolid,
     HalfSpace,
     HyperelasticSolid,
+    QuasiStatic,
     RigidSolid,
     Scene,
     ThetaScheme,
@@ -142,3 +144,30 @@ def test_before_a_plane_newtons_method_ends_what_sweeps_cannot():
         history = scene.run(1.0, 0.1 * length / cells / c)
         assert scene.geometry == (geometry or "mixed")
         assert history.finished == ends, history.reason
+
+
+def dragged(stiffness, geometry=None):
+    """A block over a softer one, on springs with friction."""
+    solids = []
+    for i, (cells, size, up) in enumerate([((23, 6), (2.0, 0.5), -0.5), ((9, 7), (0.6, 0.5), 0.0)]):
+        mesh = rectangle(cells, size, "triangle")
+        mesh.mesh.geometry.x[:, 1] += up
+        drawn = {"top": lambda t: (0.2 * max(0, t - 0.4), -0.05 * min(1, 2.5 * t))}
+        held = {"prescribed": drawn} if i else {"fixed": ["base"]}
+        energy = neo_hookean((1 + i) * 1e6, 0.3)
+        solids.append(HyperelasticSolid(mesh, energy=energy, density=1.0, name=f"{i}", **held))
+    law = Discrete(stiffness)
+    contact = Contact(solids[1], "base", (solids[0], "top"), law, friction=0.3, name="pair")
+    scene = Scene(solids, [contact], QuasiStatic(), geometry=geometry)
+    return scene, scene.run(until=1, dt=0.2)
+
+
+@pytest.mark.parametrize("stiffness", [1e6, 1e7])
+def test_in_statics_it_ends_what_springs_between_solids_begin(stiffness):
+    """Sweeps alone stall at 5e-8 on the stiffer ones."""
+    scene, history = dragged(stiffness)
+    assert scene.geometry == "mixed"
+    assert history.finished and not history.remarks, history.reason
+    _, exact = dragged(stiffness, "newton")
+    for force in ("pair.force_x", "pair.force_y"):
+        np.testing.assert_allclose(history[force], exact[force], rtol=0, atol=1e-6 * 5e4)

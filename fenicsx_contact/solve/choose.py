@@ -48,6 +48,8 @@ def choose(
     large = places > LARGE_SURFACE
     deformable = [solid for solid in solids if isinstance(solid, DeformableSolid)]
     springs = [contact for contact in contacts if not contact.formulation.multipliers]
+    # of stiff springs with friction points turn round in a narrow window in which they stick
+    rubs = not scheme.inertia and any(contact.friction_law for contact in springs)
     if geometry is None:
         # in motion the geometry of a step changes little, and is followed on the surfaces alone;
         # rigid solids are hyperstatic: there the fixed point has a solver to fall back on
@@ -58,20 +60,18 @@ def choose(
         )
         floats = not scheme.inertia and not all(stands(solid) for solid in solids)
         # between solids full Newton begins with springs as deep as a step goes, along normals that
-        # move: stiff ones are settled on normals at rest
+        # move: stiff ones are settled on normals at rest, with friction for a beginning
         yields = any(len(contact.solids) > 1 for contact in springs)
         # without inertia the fixed point winds along what is curved, but springs are settled first
         winds = not scheme.inertia and any(map(_curved, contacts))
         whole = (large and deformable) or (not yields and (pairs or floats or winds))
-        turns = any(map(_turns, contacts))
+        turns = any(map(_turns, contacts)) or (yields and rubs)
         geometry = "newton" if whole else "mixed" if turns else "fixed point"
     if solver is None:
         nonlinear = any(not solid.linear for solid in deformable)
         # what only contact holds in equilibrium has no compliance of its own, or, on weak springs,
         # one in which that of its points is lost
         floats = not scheme.inertia and not all(stands(s, springs=False) for s in solids)
-        # of stiff springs with friction points turn round in a narrow window in which they stick
-        rubs = not scheme.inertia and any(contact.friction_law for contact in springs)
         in_space = sum(solid.unknowns for solid in deformable if solid.dim == 3)
         # the tangent of a nonlinear solid in motion serves for many steps, and so does a compliance
         keeps = scheme.inertia and (geometry != "newton" or places <= SMALL_SURFACE)

@@ -37,6 +37,26 @@ def unexplained(history: History, moved: float, least: float) -> str:
     )
 
 
+def gave(history: History, moved: float, most: float) -> str:
+    """What to say of a run whose contacts, which are to take energy, gave more than ``most`` of the
+    largest that there was, as a share, all in all; or nothing. Of what their forces might at most
+    do in a step, ``moved`` in J, round-off is none; a step may give a share of that, too.
+    """
+    given = history["impact"] + history["friction"] + np.minimum(history["scheme"], 0.0)
+    fallen = np.abs(history["potential"] - history["potential"][0])
+    size = float((history["kinetic"] + history["strain"] + fallen).max())
+    least = max(most * size, MADE * moved)
+    if not given.max() > least:
+        return ""
+    first = history["time"][int((given > least).argmax())]
+    return (
+        f"contacts gave {given.max() / size:.2g} of the energy in sum, from t = {first:.6g} s on: "
+        "as normals, or means over facets, leap where few facets turn on each other. A law of "
+        "velocities, shorter steps, finer facets of the slave or slave and master exchanged give "
+        "less"
+    )
+
+
 def rounded(solids: Iterable[Any]) -> float:
     """What round-off of forces within solids may have worked, J, of those that tell it."""
     return sum(float(getattr(solid, "rounded_work", 0.0)) for solid in solids)

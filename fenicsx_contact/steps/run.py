@@ -18,7 +18,7 @@ from ..base.overflow import diverging
 from ..base.processes import any_of, refuse_unlike
 from ..base.quoted import quoted
 from ..contact.arrivals import starts_inside, struck_apart, went_inside
-from ..output.books import rounded, sunk, unexplained, unresolved
+from ..output.books import gave, rounded, sunk, unexplained, unresolved
 from ..output.history import History
 from ..output.stops import hint
 from ..output.storage import NotWritten, RunDirectory
@@ -202,6 +202,7 @@ class _Course:
             told += scene.stepper.unmet.told()
         moved, off = scene.stepper.rounding[0], rounded(scene.solids)
         told += [unexplained(history, moved, off), *scene.stepper.pierced.told(scene.comm)]
+        told += [gave(history, moved, GIVEN)] if scene.stepper.takes else []
         rubbing = [contact for contact in scene.contacts if contact.friction_law]
         size = max((contact.surface.extent for contact in rubbing), default=0.0)
         names = [contact.name for contact in rubbing]

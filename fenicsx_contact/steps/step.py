@@ -172,10 +172,14 @@ class Stepper(Insight):
                 raise StepFailed(reason)
         return Trial(step, *solution, self._certify(step)), moved
 
+    @property
+    def takes(self) -> bool:
+        """Whether contacts are to take energy, and solids have any that is known."""
+        nothing = all(contact.gives_nothing for contact in self.contacts)
+        return nothing and bool(self._inertia) and not self._charged
+
     def _certify(self, step: Step) -> Certificate:
-        takes = all(contact.gives_nothing for contact in self.contacts)
-        asked = takes and step.scheme.inertia and not self._charged
-        energy = self._frames.energy(self.energies) + abs(self.work[2]) if asked else inf
+        energy = self._frames.energy(self.energies) + abs(self.work[2]) if self.takes else inf
         books = Books(self.work[:2].sum() + min(self.work[4], 0.0), energy, *self.rounding)
         return certify(self._assembly, step, books, self._pushed)
 

@@ -129,21 +129,20 @@ def test_what_an_impact_does_not_touch_is_in_balance(lands, geometry, located):
 
 
 def test_before_a_plane_newtons_method_ends_what_sweeps_cannot():
-    """A neo-Hookean bar thrown at a wall as fast as its own waves, a tenth of a cell a step: sweeps
-    on frozen elasticity find no state once it springs back."""
+    """A neo-Hookean bar thrown at a wall as fast as its own waves, a tenth of a cell a step: once it
+    springs back sweeps on frozen elasticity may find no state, as round-off has it."""
     length, c, cells = 10.0, 30.0, 20
-    for geometry, ends in ((None, True), ("fixed point", False)):
-        bar = HyperelasticSolid(
-            rectangle((cells, 1), (length, length / cells)),
-            energy=neo_hookean(c**2, 0.0),
-            density=1.0,
-            velocity=lambda x: np.stack([-c + 0 * x[0], 0 * x[1]]),
-        )
-        wall = HalfSpace((-length / 2 - 0.2 * length, 0), (1, 0))
-        scene = Scene([bar], [Contact(bar, "left", wall)], geometry=geometry)
-        history = scene.run(1.0, 0.1 * length / cells / c)
-        assert scene.geometry == (geometry or "mixed")
-        assert history.finished == ends, history.reason
+    bar = HyperelasticSolid(
+        rectangle((cells, 1), (length, length / cells)),
+        energy=neo_hookean(c**2, 0.0),
+        density=1.0,
+        velocity=lambda x: np.stack([-c + 0 * x[0], 0 * x[1]]),
+    )
+    wall = HalfSpace((-length / 2 - 0.2 * length, 0), (1, 0))
+    scene = Scene([bar], [Contact(bar, "left", wall)])
+    assert scene.geometry == "mixed"
+    history = scene.run(1.0, 0.1 * length / cells / c)
+    assert history.finished, history.reason
 
 
 def dragged(stiffness, geometry=None):

@@ -129,7 +129,7 @@ def test_what_an_impact_does_not_touch_is_in_balance(lands, geometry, located):
 
 
 def test_before_a_plane_newtons_method_ends_what_sweeps_cannot():
-    """A neo-Hookean bar thrown at a wall as fast as its own waves, a tenth of a cell a step: once it
+    """A neo-Hookean bar thrown at a wall as fast as its waves, by a tenth of a cell a step: once it
     springs back sweeps on frozen elasticity may find no state, as round-off has it."""
     length, c, cells = 10.0, 30.0, 20
     bar = HyperelasticSolid(

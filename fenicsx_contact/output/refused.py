@@ -25,8 +25,10 @@ REFUSED = [
         "energy",
         "no certificate: contacts would have given ... of the energy",
         "a law that makes energy: an own one, `Restitution` in oblique impacts with friction "
-        "(Kane's paradox), slip that turns round in a long step, a pivot by theta = 1",
-        "smaller dt from the start; theta = 1/2; no restitution with friction; check your law",
+        "(Kane's paradox), slip that turns round in a long step, a pivot by theta = 1; few facets "
+        "that turn on each other by a law of positions",
+        "smaller dt from the start; theta = 1/2; no restitution with friction; check your law; "
+        "a law of velocities; finer facets of the slave, or slave and master exchanged",
     ),
     Stop(
         "inverted",

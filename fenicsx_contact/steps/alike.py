@@ -26,6 +26,8 @@ def refuse_other_givens(comm: Any, solids: Sequence[Solid], contacts: Sequence[C
         return
     given = {f"loads of solid {s.name!r}": s.given for s in solids if isinstance(s, RigidSolid)}
     given |= {f"motion of the obstacle of contact {c.name!r}": c.jump for c in contacts}
+    if not given:
+        return
     sums = np.array([[np.abs(each).sum(), each.sum()] for each in given.values()])
     every = np.array(comm.allgather(sums))
     size = np.abs(every).max(axis=(0, 2))[:, None]

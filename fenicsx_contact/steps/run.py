@@ -202,7 +202,8 @@ class _Course:
             told += scene.stepper.unmet.told()
         moved, off = scene.stepper.rounding[0], rounded(scene.solids)
         told += [unexplained(history, moved, off), *scene.stepper.pierced.told(scene.comm)]
-        told += [gave(history, moved, GIVEN)] if scene.stepper.takes else []
+        driven = any(contact.coupling.driven for contact in scene.contacts)
+        told += [gave(history, moved, GIVEN)] if scene.stepper.takes and not driven else []
         rubbing = [contact for contact in scene.contacts if contact.friction_law]
         size = max((contact.surface.extent for contact in rubbing), default=0.0)
         names = [contact.name for contact in rubbing]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Everything with everything: each kind of solid on each kind of master, in the plane and in space,
 by every law, geometry, solver and scheme. A scene runs, makes sense and goes on from its state to
-the same end, to the last bit, or it is refused when it is
-built, by an argument that its user gave; nothing else. By default a sample; all with -m long."""
+the same end, to the last bit, or it is refused when it is built, by an argument that its user gave;
+nothing else. By default a sample; all with -m long."""
 
 from __future__ import annotations
 

@@ -91,18 +91,19 @@ class MortarJump(Coupling):
             self._ending.stand(self.pairing.stance)
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
-        way, far = step.horizon * self.fastest("velocity"), 0.0
+        way, afar = step.horizon * self.fastest("velocity"), False
         if not (step.scheme.inertia or bears.any()) and floats(self.solids):  # what else stops it?
-            far = sought(self.pairing, self._worn(self._start))
-            way = max(way, far := far if far < np.inf else 0.0)  # or it moves aside first
+            found = sought(self.pairing, self._worn(self._start))
+            afar = found < np.inf  # else it moves aside first
+            way = max(way, found) if afar else way
         self._strikes.see(bears, self.pairing, self._start, way)
         self.apart, self.late = self._strikes.apart, self._strikes.inside
         # an impact is seen as far away as the step that it precedes, if that is far
-        sees = far > 0 or 2 * sqrt(self._shape[1]) * way > self.pairing.sight
-        self._foreseen = way if sees else 0.0
+        foreseen = afar or 2 * sqrt(self._shape[1]) * way > self.pairing.sight
+        self._foreseen = way if foreseen else 0.0
         stance = self._standing.find(self._start, way, bears)
         if stance.same(self.pairing.stance):
-            return self._look(way, far > 0)
+            return self._look(way, afar)
         self._end, self._way, was = self._start, way, self.pairing.stance
         self._stand(was)  # a step that failed has led it elsewhere
         before = self._depths()
@@ -112,11 +113,11 @@ class MortarJump(Coupling):
             raise StepFailed("two solids are folded into each other, deeper than one is large")
         return True
 
-    def _look(self, way: float, sure: bool) -> bool:
+    def _look(self, way: float, afar: bool) -> bool:
         """Seek partners so far away as nodes that are about to go a way, m, may meet them in the
-        step; whether that is farther than they were, or ``sure``. What has none is not met."""
+        step; whether that is farther than they were, or ``afar``. What has none is not met."""
         pair = self.pairing
-        if not (sure or (pair.alone.any() and 2 * sqrt(self._shape[1]) * way > pair.reach.min())):
+        if not (afar or (pair.alone.any() and 2 * sqrt(self._shape[1]) * way > pair.reach.min())):
             return False
         self._end, self._way = self._start, way
         pair.update(self._worn(self._start), way)

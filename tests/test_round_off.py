@@ -466,15 +466,19 @@ def test_what_a_wall_drives_on_goes_with_it(dt, speed):
     assert body.velocity[0] == pytest.approx(speed, rel=1e-9)
 
 
-@pytest.mark.parametrize(("wrap", "thick", "friction"), [(0.5, 2e-3, 0.3), (0.98, 1e-2, 0.0)])
-def test_a_belt_that_its_drum_keeps_from_flying_away(wrap, thick, friction):
-    """What is linear was taken about where it would be without contact: of that round-off was more
-    than what is left, and a row stalled at 1e-7. Newton's method takes it about where it is."""
+@pytest.mark.parametrize(
+    ("wrap", "thick", "facets", "friction"),
+    [(0.5, 2e-3, 60, 0.3), (0.98, 1e-2, 60, 0.0), (0.5, 1e-3, 240, 0.3), (0.5, 3e-4, 120, 0.3)],
+)
+def test_a_belt_that_its_drum_keeps_from_flying_away(wrap, thick, facets, friction):
+    """What is linear was taken about where it would be without contact, and moved by all of the
+    forces: of that round-off was more than what is left, and a row stalled at 1e-7. Newton's
+    method takes it about where it is, and moves it by what changes."""
     radius, pull = 0.1, 1e3
     mesh = dolfinx.mesh.create_rectangle(
         MPI.COMM_SELF,
         [np.array([0.0, radius]), np.array([np.pi * wrap, radius + thick])],
-        [60, 2],
+        [facets, 2],
         dolfinx.mesh.CellType.quadrilateral,
     )
     angle, r = mesh.geometry.x[:, :2].T.copy()
@@ -501,4 +505,4 @@ def test_a_belt_that_its_drum_keeps_from_flying_away(wrap, thick, friction):
     assert (scene.geometry, scene.solver) == ("newton", "condensed")
     history = scene.run(until=1, dt=0.2)
     assert history.finished, history.reason
-    assert history["newton"].sum() < 30 and not history.remarks
+    assert (history["newton"][2:] <= 3).all() and not history.remarks

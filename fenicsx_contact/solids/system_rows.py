@@ -7,6 +7,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ..base.vectors import largest
+from ..theory.scheme import Step
 from .balance import BalancedSolid
 from .factor import Factorisation
 
@@ -33,13 +34,21 @@ class SystemRows(BalancedSolid):
     def load_size(self) -> float:
         free = self.free_load.copy()
         free[self.fixed_unknowns] = 0.0
-        return float(max(largest(free), largest(self._force)))
+        own = float(max(largest(free), largest(self._force)))
+        return own if self.comm.size == 1 else max(self.comm.allgather(own))
 
     def load_speed(self) -> float:
         free = self.free_load / self.factorisation.diagonal
         free[self.fixed_unknowns] = 0.0
         own = largest(free)
         return own if self.comm.size == 1 else max(self.comm.allgather(own))
+
+    def respond(self, step: Step) -> None:
+        """Move on from the trial state by what the forces spread so far do alone: so no digits are
+        lost where loads and contact undo each other."""
+        load = self._force
+        load[self.fixed_unknowns] = 0.0
+        self.go(self.trial_velocity + self.factorisation.solve(load), step)
 
     def linear_residual(self) -> np.ndarray:
         moved = self.vectors.multiply(self.factorisation.matrix, self.trial_velocity)

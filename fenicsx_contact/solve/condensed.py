@@ -40,6 +40,9 @@ class Condensed:
         self._force: np.ndarray | float = 0.0  # of the last state
         self._carried: Any = 0.0  # under which the solids moved last
         self._moved: list[np.ndarray] = []  # as fast
+        self._near = False  # and are taken about there
+        self._able: list[Any] = [s for s in assembly.solids if hasattr(s, "respond")]
+        self._others = [s for s in assembly.solids if not hasattr(s, "respond")]
 
     def restart(self) -> None:
         """A step begins: what is kept between iterations is that of the state."""
@@ -54,7 +57,7 @@ class Condensed:
     def freeze(self, step: Step, first: bool) -> SurfaceSystem:
         """The contact problem with solids and geometry linearised as they are, after `free`."""
         self.surfaces.restart()
-        self._take_up()
+        self._take_up(frozen=True)
         return self.surfaces
 
     def carry(self, step: Step, force: np.ndarray) -> None:
@@ -65,13 +68,28 @@ class Condensed:
             solid.correct(step)
         self._moved = [solid.trial_velocity for solid in self._all.solids]
 
+    def _go_on(self, step: Step, change: np.ndarray) -> None:
+        """Move linear solids on by what changes the forces carried, to all digits of this."""
+        self._all.spread(change)
+        for solid in self._able:
+            solid.respond(step)
+        self._carried = self._carried + change
+        self._all.spread(self._carried)
+        for other in self._others:
+            other.correct(step)
+        self._moved = [solid.trial_velocity for solid in self._all.solids]
+
     def settle(self, step: Step, force: np.ndarray, tolerance: float) -> bool:
         """Move the solids under the forces of the solution, unless linearised ones that are the
         same have; whether they moved. Of points that hardly press both may differ by all they are
         where speeds are resolved, and no solid would balance them."""
-        if not largest(force - self._carried) > tolerance * largest(force):
+        change = force - self._carried
+        if not largest(change) > tolerance * largest(force):
             return False
-        self.carry(step, force)
+        if self._near:
+            self._go_on(step, change)
+        else:
+            self.carry(step, force)
         return True
 
     def hold(self, floating: Sequence[Solid], loose: Sequence[Solid]) -> None:
@@ -90,7 +108,7 @@ class Condensed:
         errors = self._all.imbalances(step, asked)
         self._errors = [(f"the momentum balance of {s.name!r}", e) for s, e in zip(asked, errors)]
         if self.surfaces.size:
-            errors.append(self.surfaces.error(slow=0.0))
+            errors.append(self.surfaces.error(0.0, self._balance(force)))
             errors.append(change := SETTLED * self._changed(force))
             self._errors.append(("the change of the contact forces", change))
             self.surfaces.remember()
@@ -100,26 +118,37 @@ class Condensed:
         """Take up the derivatives of the geometry, which have been seen since `begin`."""
         self._take_up()
         if self.surfaces.size:
-            self.surfaces.error(slow=0.0)
+            self.surfaces.error(0.0, self._balance(self.surfaces.force()))
 
-    def _take_up(self) -> None:
-        """Solids and geometry as they are linearised now."""
+    def _take_up(self, frozen: bool = False) -> None:
+        """Solids and geometry as they are linearised now. Linear solids are taken as they move now:
+        without contact a belt would fly so far from its drum that round-off of that were seen."""
         active = self.surfaces.arrange()
-        compliance = self._all.compliance(active)
-        self.surfaces.begin(self._apart(active, compliance), compliance)
+        compliance, carried = self._all.compliance(active), self._carried
+        self._near = self._knows() and not np.delete(carried, active).any()
+        if not self._near:
+            self.surfaces.begin(self._free[active], compliance)
+            return
+        moved, borne = self._all.moved()[active], carried[active]
+        if frozen:
+            self.surfaces.begin(moved - compliance @ borne, compliance)
+        else:
+            self.surfaces.begin(moved, compliance, borne)
 
-    def _apart(self, active: np.ndarray, compliance: np.ndarray) -> np.ndarray:
-        """Velocities of the active points without contact: of linear solids those that they have
-        less what contact does to these. That of a belt without its drum is so much larger that in
-        what is left of it round-off would be seen."""
-        solids, carried = self._all.solids, self._carried
-        known = len(self._moved) == len(solids) and all(
+    def _knows(self) -> bool:
+        """Whether all solids are linear, and move as the forces carried let them."""
+        solids = self._all.solids
+        return len(self._moved) == len(solids) and all(
             solid.linear and solid.trial_velocity is moved
             for solid, moved in zip(solids, self._moved)
         )
-        if not known or np.count_nonzero(carried) > np.count_nonzero(carried[active]):
-            return self._free[active]
-        return np.asarray(self._all.moved()[active] - compliance @ carried[active])
+
+    def _balance(self, force: np.ndarray) -> float:
+        """Error of the momentum balances of linear solids, as far as it is known."""
+        if not self._near:
+            return np.inf
+        size = max(largest(force), *(solid.load_size() for solid in self._able))
+        return largest(self.surfaces.unbalanced) / size if size > self._all.noise() else np.inf
 
     def _changed(self, force: np.ndarray) -> float:
         """By how much the last correction changed the forces, over the largest. Where a fine mesh
@@ -133,12 +162,16 @@ class Condensed:
         surfaces = self.surfaces
         if surfaces.size and not surfaces.iterate(by_pieces=True):
             return False
-        share, carried, force = surfaces.share, self._carried, surfaces.linear_force()
+        share, carried, change = surfaces.share, self._carried, surfaces.linear_change()
         before = [solid.trial_velocity.copy() for solid in self._all.solids if share < 1]
-        self.carry(step, force)
+        if self._near:
+            self._go_on(step, change)
+        else:
+            self.carry(step, change)
         for solid, old in zip(self._all.solids, before):
             solid.go(old + share * (solid.trial_velocity - old), step)
-        self._carried = carried + share * (force - carried)
+        if share < 1:
+            self._carried = carried + share * (self._carried - carried)
         self._moved = [solid.trial_velocity for solid in self._all.solids]
         return True
 

@@ -46,7 +46,8 @@ class SurfaceSystem(Statuses):
 
     Attributes:
         parts, names: of the contacts; ``placed``: those that have unknowns, and where these stand.
-        W, free: compliance of the active points and their velocities without contact.
+        W, free: compliance of the active points, and velocities without contact or as begun with.
+        unbalanced: forces on them that are carried less those of the contacts, N.
         worst: the largest error of any row, after :meth:`error`.
         share: of the last step that was gone.
     """
@@ -64,7 +65,8 @@ class SurfaceSystem(Statuses):
         self._total = sum(p.places for p in self.parts)
         self._revision = -1
         self._sizes = np.empty(0), np.empty(0)
-        self.W, self.free, self._many = np.empty((0, 0)), np.empty(0), False
+        self.W, self.free, self._carried = np.empty((0, 0)), np.empty(0), np.empty(0)
+        self._many = False
         self._yields: Any = self.W
         self.worst, self.share, self._judged = 0.0, 1.0, np.empty(0)
         self._firm = COMPLIANCE if hyperstatic else FIRM
@@ -80,11 +82,12 @@ class SurfaceSystem(Statuses):
             self._arrange()
         return self.active
 
-    def begin(self, free: np.ndarray, compliance: np.ndarray) -> None:
-        """Take up the free velocities (flat) and W of the active points, after `arrange`."""
+    def begin(self, free: np.ndarray, compliance: np.ndarray, carried: Any = 0.0) -> None:
+        """Take up the velocities (flat) of the active points without contact, or under forces that
+        are carried (flat, N), and W, after `arrange`."""
         few = self.hyperstatic or self.size <= MANY[0]
         self._many = not few and self.size > MANY[self._renewed(compliance)]
-        self.W, self.free = compliance, free
+        self.W, self.free, self._carried = compliance, free, carried
         # of many bodies each yields alone
         self._yields = sp.csr_matrix(compliance) if self.crowded else compliance
         self.worst, self.share = 0.0, 1.0
@@ -131,9 +134,10 @@ class SurfaceSystem(Statuses):
         """Assemble the residual from the unknowns that the parts hold."""
         nw = len(self.active)
         self.assembled = self._gather([part.active_residual() for part, _ in self.placed])
+        self.unbalanced = self.assembled[:nw] + self._carried
         w = self._gather(self.state())[:nw]
         self.residual = self.assembled.copy()
-        self.residual[:nw] = w - self.free + self._yields @ self.assembled[:nw]
+        self.residual[:nw] = w - self.free + self._yields @ self.unbalanced
         self.residual *= self._rows
         if self._centre.size:
             self.residual[nw:] -= self._compliance * (self._multipliers() - self._centre)
@@ -201,16 +205,11 @@ class SurfaceSystem(Statuses):
         if found is None:
             return False
         step, change = found
-        self._linear_force = change - self.assembled[: len(self.active)]
-        step *= self._columns
-        for part, place in self.placed:
-            part.move(step[place])
-        self.update()
-        return True
+        return self._go(step * self._columns, change)
 
     def _iterate_all(self) -> bool:
         """By all unknowns together; if two solids keep their tangent, so do the others."""
-        tangent, nw = self._tangent, len(self.active)
+        tangent = self._tangent
         pairs = [part for part in self.parts if part is not part.equations]
         kept = bool(pairs) and all(part.keeps for part in pairs)
         if not (kept and tangent and tangent.of(self.active, self.size)):
@@ -218,9 +217,13 @@ class SurfaceSystem(Statuses):
         if tangent is None:
             return False
         step = tangent.solve(self.residual, self._rows)
-        self._linear_force = tangent.stiffness @ step - self.assembled[:nw]
+        return self._go(-step, tangent.stiffness @ step)
+
+    def _go(self, step: np.ndarray, change: np.ndarray) -> bool:
+        """A step of the unknowns, and how the forces of the contacts change along it; True."""
+        self._linear_change = change - self.unbalanced
         for part, place in self.placed:
-            part.move(-step[place])
+            part.move(step[place])
         self.update()
         return True
 
@@ -250,22 +253,21 @@ class SurfaceSystem(Statuses):
         regular.flat[nw * (self.size + 1) :: self.size + 1] -= softer
         if (inverse := by_factors(regular)) is None:
             return None
-        matrix = None if self._centre.size else A
-        return Factored(stiffness, matrix, inverse, *scales, self.active)
+        return Factored(stiffness, None if self._centre.size else A, inverse, *scales, self.active)
 
-    def error(self, slow: float = SLOW) -> float:
+    def error(self, slow: float = SLOW, balance: float = np.inf) -> float:
         """The largest error that the residual of any row stands for; speeds are resolved down to
-        the share ``slow`` of those that the forces stand for."""
+        the share ``slow`` of those that the forces stand for, and their errors no larger than that
+        of the momentum ``balance``."""
         if self._judged is self.residual and slow == SLOW:
             return self.worst
-        nw, scaled = len(self.active), self.residual
+        nw, scaled = len(self.active), self.residual.copy()
         if slow:
-            scaled = scaled.copy()
             resolved = slow * (self._absolute() @ np.abs(self.assembled[:nw])) * self._rows[:nw]
             scaled[:nw] /= np.maximum(1.0, resolved)
+        np.clip(scaled[:nw], -balance, balance, out=scaled[:nw])
         errors = [largest(part.equations.natural(scaled[place])) for part, place in self.placed]
-        self.worst = worst(errors)
-        self.worst = self.worst if np.isfinite(self.worst) else np.inf
+        self.worst = most if np.isfinite(most := worst(errors)) else np.inf
         self._judged = self.residual if slow == SLOW else np.empty(0)
         return self.worst
 
@@ -279,9 +281,9 @@ class SurfaceSystem(Statuses):
         """Forces on the solids at all points, flat, N."""
         return self._spread(-self.assembled[: len(self.active)] if self.size else np.empty(0))
 
-    def linear_force(self) -> np.ndarray:
-        """The same after :meth:`iterate` as the linearised equations have them."""
-        return self._spread(self._linear_force if self.size else np.empty(0))
+    def linear_change(self) -> np.ndarray:
+        """After :meth:`iterate`: how those that are carried change by the linearised equations."""
+        return self._spread(self._linear_change if self.size else np.empty(0))
 
     def _spread(self, force: np.ndarray) -> np.ndarray:
         result = np.zeros(self._total)

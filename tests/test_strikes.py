@@ -366,3 +366,21 @@ def test_what_a_pivot_gives_by_implicit_steps_is_explained(tmp_path):
         assert history.finished
         given = history["impact"] + history["friction"]
         assert given.max() <= (1e-5 if theta == 0.5 else 4e-3) * history["kinetic"][0]
+
+
+@pytest.mark.parametrize("common", [0.0, -3.0, 3.0, 20.0])
+def test_what_goes_along_together_is_no_deeper_inside(common):
+    """Where a solid was as a step began was compared with where the other would be as it ends: told
+    to be 3 mm inside, which nobody saw who went along."""
+
+    def block(cells, size, place, velocity, name):
+        mesh = rectangle(cells, size)
+        mesh.mesh.geometry.x[:, :2] += place
+        velocity = np.array(velocity) + (0, common)
+        return RigidSolid(mesh, density=1000.0, velocity=velocity, name=name)
+
+    upper = block((3, 2), (0.4, 0.3), (0.0, 0.505), (1.0, -1.0), "upper")
+    lower = block((5, 3), (1.0, 0.5), (0.0, 0.0), (0.0, 0.5), "lower")
+    contact = Contact(upper, "base", (lower, "top"), name="c")
+    history = Scene([upper, lower], [contact]).run(0.05, 2e-3)
+    assert history["c.bearing"].max() > 0 and not history.remarks

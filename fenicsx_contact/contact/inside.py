@@ -5,6 +5,7 @@ obstacle, only near surfaces, and what lies deeper looks as if it were apart."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -23,12 +24,13 @@ from .wall import Wall
 LOOK = (1.0, 0.41421356, 0.73205081)
 
 
-def deepest(points: np.ndarray, solid: Solid, limits: np.ndarray) -> float:
+def deepest(points: np.ndarray, solid: Solid, limits: np.ndarray, places: Any = None) -> float:
     """How far below the boundary of a solid the deepest is of the points (n, d) that lie farther
-    inside than their limits (n,), in m; 0 if none does."""
+    inside than their limits (n,), in m; 0 if none does. ``places``: where those of its skin are, if
+    not in the trial state."""
     nodes, cells, cell = solid.mesh.skin()
     cells = split(cells[:, : NODES[cell][0]], cell)
-    places = solid.trace(nodes).positions()
+    places = solid.trace(nodes).positions() if places is None else places
     low, high = places.min(axis=0), places.max(axis=0)
     near = ((points - low > limits[:, None]) & (high - points > limits[:, None])).all(axis=1)
     asked = np.flatnonzero(near)

@@ -5,10 +5,10 @@ each facet from each, the truth that means over facets miss where corners meet."
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
-from ..solids import Solid
 from .inside import deepest
 from .mortar import Pairing
 from .simplices import edges, nearest, passing, split
@@ -26,7 +26,7 @@ class Strikes:
             deforms nobody asks.
     """
 
-    def __init__(self, solids: Sequence[Solid], points: int) -> None:
+    def __init__(self, solids: Sequence[Any], points: int) -> None:
         self._solids, self._asked = solids, all(solid.shiftable for solid in solids)
         self._bore, self._way = np.zeros(points, dtype=bool), 0.0
         self.apart = self.inside = 0.0
@@ -48,8 +48,9 @@ class Strikes:
         np.maximum.at(points, pieces.facet, pairing.deepest(pieces))
         depth = float(shared.sum(points)[struck].max())
         for k, faces in enumerate((struck, met)):
-            x = at[k][np.unique(sides[k].corners[faces])]
-            depth = max(depth, deepest(x, self._solids[1 - k], np.full(len(x), gone)))
+            x, other = at[k][np.unique(sides[k].corners[faces])], self._solids[1 - k]
+            skin = other.places(other.mesh.skin()[0])
+            depth = max(depth, deepest(x, other, np.full(len(x), gone), skin))
         if depth > gone:
             self.inside = max(self.inside, depth - gone)
             return

@@ -135,10 +135,13 @@ class RigidMotion(MonolithicSolid):
         return self._place.copy()
 
     def fields(self) -> dict[str, np.ndarray]:
-        x = self.mesh.mesh.geometry.x[:, : self.dim]
-        arm = (x - self.centre) @ self._turn.T
-        spin = self.velocity[self.dim :]
+        x, spin = self.mesh.mesh.geometry.x[:, : self.dim], self.velocity[self.dim :]
+        here = self.places(x)
         return {
-            "displacement": self._place + arm - x,
-            "velocity": self.velocity[: self.dim] + by_spins(arm) @ spin,
+            "displacement": here - x,
+            "velocity": self.velocity[: self.dim] + by_spins(here - self._place) @ spin,
         }
+
+    def places(self, points: np.ndarray) -> np.ndarray:
+        """Where points (n, d) of the mesh are in the state, as a step begins, m."""
+        return np.asarray(self._place + (points - self.centre) @ self._turn.T)

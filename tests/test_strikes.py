@@ -376,7 +376,7 @@ def test_what_goes_along_together_is_no_deeper_inside(common):
     def block(cells, size, place, velocity, name):
         mesh = rectangle(cells, size)
         mesh.mesh.geometry.x[:, :2] += place
-        velocity = np.array(velocity) + (0, common)
+        velocity = np.add(velocity, (0, common))
         return RigidSolid(mesh, density=1000.0, velocity=velocity, name=name)
 
     upper = block((3, 2), (0.4, 0.3), (0.0, 0.505), (1.0, -1.0), "upper")

@@ -21,6 +21,7 @@ from problems.studies import STUDIES
 from test_demos import load
 
 from fenicsx_contact import InputError
+from fenicsx_contact.gradients import Centre
 from fenicsx_contact.output.history import COLUMNS, History
 from fenicsx_contact.study import (
     CLASSES,
@@ -373,6 +374,23 @@ def test_results_count_as_long_as_a_function_does_the_same(tmp_path, monkeypatch
     monkeypatch.setattr(here, "FACTOR", 1)
     monkeypatch.setattr(Assumed, "shift", 10)
     assert found() == (11, 3)
+    # nine digits counted, so differences by such a number were 0
+    monkeypatch.setattr(here, "FACTOR", 1 + 1e-12)
+    assert found() == (11 + 1e-12, 4)
+
+
+THINGS = np.empty(2, dtype=object)
+THINGS[:] = [THINGS, 1.0]  # holds itself
+
+
+def naming(a):
+    return {"named": [Centre.__name__, len(THINGS)]}
+
+
+def test_functions_may_name_classes_of_the_package_and_arrays_that_hold_themselves(tmp_path):
+    """What looks like the value of a class, its property, was gone into without an end."""
+    (line,) = batch(naming, [{"a": 1}], tmp_path / "lines", processes=1)
+    assert line["named"] == ["Centre", 2]
 
 
 class Scaled:

@@ -149,7 +149,9 @@ def _told(given: Any, whole: _Whole | None, fields: bool) -> str:
     if given is None or isinstance(given, (str, bytes, bool, range, complex, PurePath)):
         return repr(given)
     if isinstance(given, Real):
-        return str(given) if isinstance(given, int) else f"{float(given):.9g}"
+        if isinstance(given, int):
+            return str(given)
+        return repr(float(given)) if whole else f"{float(given):.9g}"  # a text is to be read
     given = vars(given) if isinstance(given, SimpleNamespace) else given
     if isinstance(given, (Mapping, list, tuple, Set)):
         return _many(given, whole, fields)
@@ -163,13 +165,20 @@ def _thing(given: Any, whole: _Whole | None, fields: bool) -> str:
     """What is no function: of this package as it says, of a user's class by what it holds, of
     others by their names and values, as arrays and Constants have them."""
     kind = type(given)
+    if isinstance(given, type):
+        return f"{given.__module__}.{given.__qualname__}"
     if kind.__module__.partition(".")[0] == _PACKAGE and kind.__repr__ is not object.__repr__:
         return repr(given)
     if _users(kind.__module__) and (things := held(given)):
         return _by_parts(given, (things,), whole, fields)
     values = given if isinstance(given, np.ndarray) else getattr(given, "value", None)
     name = name_of(given)
-    return name if values is None else f"{name} {_array(np.asarray(values))}"
+    if values is None:
+        return name
+    values = np.asarray(values)
+    if whole and values.dtype.hasobject:  # it may hold itself
+        return f"{name} {values.shape} {whole.place(given, tuple(values.ravel()))}"
+    return f"{name} {_array(values)}"
 
 
 def _by_parts(given: Any, parts: tuple[Any, ...], whole: _Whole | None, fields: bool) -> str:

@@ -55,7 +55,8 @@ def batch(
         progress: show a bar; default: if a person watches.
 
     Returns:
-        The cases with their results, in their order, as they are on file (tuples are lists).
+        The cases with their results, in their order, as they are on file (tuples are lists, numbers
+        that name something texts).
 
     Raises:
         InputError: no such function; no list of cases, or of names that differ or are none of its

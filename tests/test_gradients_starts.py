@@ -376,3 +376,51 @@ def asked_for(functional):
     quantities = {"y": Centre(block, (0, 1))}
     given = {"functionals": {"f": functional}}
     return adjoints(scene, 0.05, 5e-3, {"mass": Mass(block)}, quantities, **given)
+
+
+class Momentum:
+    """A quantity of a user's own."""
+
+    def __init__(self, solid, by):
+        self.solid, self._by = solid, by
+
+    def value(self):
+        return float(self.solid.velocity[0])
+
+    def gradient(self):
+        return self._by
+
+    def explicit(self, parameter):
+        return 0.0
+
+
+@pytest.mark.parametrize(
+    ("by", "words"),
+    [
+        ((np.zeros(3), np.zeros(2)), r"Momentum\.gradient: v: gives .*must be 3 finite numbers"),
+        ((np.zeros(3), np.zeros(1)), r"Momentum\.gradient: v: gives .*must be 3 finite numbers"),
+        ((np.full(3, np.nan), np.zeros(3)), r"Momentum\.gradient: q: gives .*3 finite numbers"),
+        (np.zeros(3), r"Momentum\.gradient: gives .*derivatives by q and by v"),
+        (None, r"Momentum\.gradient: gives None"),
+    ],
+)
+@pytest.mark.parametrize("way", [tangents, adjoints])
+def test_what_own_quantities_say_is_checked(way, by, words):
+    """One number in a list was taken for all, NaN was handed on."""
+    body = RigidSolid(rectangle(), mass=1.0, gravity=(0, -G))
+    scene = Scene([body], [Contact(body, "base", FLOOR)])
+    asked = {"v": Start(body, velocity=(1, 0))}
+    with pytest.raises(InputError, match=words):
+        way(scene, 0.02, 0.01, asked, {"p": Momentum(body, by)})
+
+
+@pytest.mark.parametrize("load", [None, np.zeros(5), np.nan, "1"])
+def test_what_own_parameters_say_is_checked(load):
+    class Pull(Mass):
+        def load(self, solid):
+            return load
+
+    body = RigidSolid(rectangle(), mass=1.0, gravity=(0, -G))
+    scene = Scene([body], [Contact(body, "base", FLOOR)])
+    with pytest.raises(InputError, match=r"Pull\.load: gives .*must be 3 finite numbers"):
+        tangents(scene, 0.02, 0.01, {"pull": Pull(body)}, {"x": Centre(body, (1, 0))})

@@ -28,6 +28,7 @@ from .duals import Dual, Sided, variables
 from .kinks import alike
 from .motion import Motion, Row
 from .parameters import Parameter
+from .said import said
 
 
 class BeamMotion(Motion):
@@ -146,7 +147,7 @@ class BeamMotion(Motion):
         solid = self.solid
         rows = np.zeros(self.size) + parameter.momentum(solid, self._change) * step.inertia_rate
         if step.loaded:
-            rows = rows - step.load_weight * parameter.load(solid)
+            rows = rows - step.load_weight * said(parameter, "load", self.size, solid)
             start, end = solid.displacement, solid.velocity + self._change
             end = start + step.increment(solid.velocity, end, None)
             rows = rows + parameter.internal(solid, step.linear_mean(start, end))

@@ -28,6 +28,7 @@ from .blocks import InnerSolver
 from .inner import Factor, Inner
 from .kinematics import Kinematics
 from .parameters import Parameter
+from .said import said
 
 
 class Row(NamedTuple):
@@ -182,7 +183,7 @@ class DeformableMotion(Motion):
         change = parameter.momentum(solid, solid.trial_velocity - solid.velocity)
         rows = np.zeros(self.size) + change * step.inertia_rate
         if step.loaded:
-            rows -= step.load_weight * parameter.load(solid)
+            rows -= step.load_weight * said(parameter, "load", self.size, solid)
             for weight, place in self._places:
                 rows += weight * parameter.internal(solid, place)
             rows += parameter.damped(solid, step)

@@ -152,7 +152,8 @@ class OfSolid(Parameter):
 
 
 class Start(OfSolid):
-    """A change of the initial state of a solid.
+    """A change of the initial state of a solid, as if it were restored to another: where a contact
+    has a ``clearance``, which is that of the state that a scene is made with, this stays as it was.
 
     Args:
         solid: the solid.
@@ -188,10 +189,11 @@ class Start(OfSolid):
             if isinstance(solid, BeamSolid):
                 self._place, self._velocity = (_of_beam(solid, f) for f in (place, velocity))
                 return
-            fields = [solid.vectors.interpolate("Start", f) for f in (place, velocity)]
-            for each in fields:
+            fields = {"place": place, "velocity": velocity}
+            given = [solid.vectors.interpolate(f"Start: {n}", f) for n, f in fields.items()]
+            for each in given:
                 each[solid.fixed_unknowns] = 0.0
-            self._place, self._velocity = fields
+            self._place, self._velocity = given
             return
         _check_rigid("Start", solid)
         d, zero = solid.dim, np.zeros(solid.dim)

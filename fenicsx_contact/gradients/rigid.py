@@ -16,6 +16,7 @@ from ..solids.rotations import rotation_matrix, turned_tensor, turning
 from ..theory.scheme import Step
 from .motion import Motion, Row
 from .parameters import Parameter
+from .said import said
 
 
 class RigidMotion(Motion):
@@ -131,7 +132,7 @@ class RigidMotion(Motion):
         for sign, turn, velocity in zip((-1, 1), self.turn, self.velocity):
             rows += sign * step.inertia_rate * self.heavier(parameter, turn, velocity)
         if step.loaded:
-            rows = rows - step.load_weight * parameter.load(solid)
+            rows = rows - step.load_weight * said(parameter, "load", self.size, solid)
         return self._hold(rows)
 
     def heavier(self, parameter: Parameter, turn: np.ndarray, velocity: np.ndarray) -> np.ndarray:

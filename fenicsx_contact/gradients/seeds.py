@@ -9,11 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ..base import checks
+from ..base.quoted import quoted
+from ..base.told import name_of
 from ..output.history import History
 from .bearing import OfContact
 from .linearise import Linearisation
 from .parameters import Parameter
 from .quantities import Quantity
+from .said import numbers
 
 #: From the history of a run: a value, and its derivatives by the rows (rows,) of quantities, and of
 #: ``"time"``, by their names.
@@ -22,9 +25,13 @@ Functional = Callable[[History], tuple[float, Mapping[str, np.ndarray]]]
 
 def gradient(linear: Linearisation, quantity: Quantity, unknowns: int = 0) -> np.ndarray:
     """Of a quantity by the state, or by as many unknowns of the step that was linearised last."""
-    result, (q, v) = np.zeros(unknowns or linear.size), quantity.gradient()
-    result[linear.part("q", quantity.solid)] = q
-    result[linear.part("v", quantity.solid)] = v
+    result, given = np.zeros(unknowns or linear.size), quantity.gradient()
+    what = f"{name_of(quantity)}.gradient"
+    if not isinstance(given, (tuple, list)) or len(given) != 2:
+        raise checks.InputError(f"{what}: gives {quoted(given)}; must be derivatives by q and by v")
+    for kind, each in zip(("q", "v"), given):
+        part = result[linear.part(kind, quantity.solid)]
+        part[:] = numbers(f"{what}: {kind}", each, len(part))
     if unknowns and isinstance(quantity, OfContact):
         points, pressures, forces = linear.bearing(quantity.contact)
         by_pressure, by_force = quantity.borne(points)

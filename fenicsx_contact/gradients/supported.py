@@ -117,7 +117,7 @@ def rows_of(
     if moving_time and contact.coupling.driven:
         raise checks.InputError(
             f"gradients: contact {contact.name!r} has an obstacle that moves, in a scene with "
-            "located impacts"
+            "located impacts; if it does not but is asked with the time, let it say moving = False"
         )
     _refuse_hinged(contact, motions)
     rows = ContactRows(contact, motion)

@@ -43,7 +43,8 @@ class EnergyMomentum(ThetaScheme):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        checks.keep(self, "theta", at_least=0.5, at_most=0.5)
+        if checks.number("theta", self.theta) != 0.5:
+            raise checks.InputError(f"theta = {self.theta}: must be 1/2, or take ThetaScheme")
         checks.choice("forces", self.forces, ["theta"])
 
     @property

@@ -43,6 +43,8 @@ class Archard:
     def __post_init__(self) -> None:
         keep_parameter(self, "coefficient")
         keep_parameter(self, "hardness", above=0)
+        if isinstance(self.friction, Archard):
+            raise checks.InputError(f"friction = {quoted(self.friction)}: wears already")
         if friction_bound(self.friction) is None:
             raise checks.InputError(
                 f"friction = {quoted(self.friction)}: must be > 0, or a law: without "

@@ -165,3 +165,24 @@ def test_what_is_symmetric_stays_so(where):
     assert history.finished and history["floor.force_y"].max() > 1e3
     v = solid.velocity.reshape(-1, 2)
     np.testing.assert_allclose(v[mirrored] * (-1, 1), v, atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", [ElasticSolid, HyperelasticSolid])
+@pytest.mark.parametrize("side", ["left", "base"])
+def test_a_body_falls_without_turning(kind, side):
+    """Its weight acted where mass had been: it turned, and was strained from the start."""
+    material = {"youngs_modulus": 1e6, "poisson_ratio": 0.3}
+    if kind is HyperelasticSolid:
+        material = {"energy": neo_hookean(1e6, 0.3)}
+    solid = kind(
+        rectangle((2, 4), (0.5, 1.0)),
+        density=1000.0,
+        gravity=(3.0, -10.0),
+        mass_redistribution=[side],
+        **material,
+    )
+    contact = Contact(solid, side, HalfSpace((-5, -5), (0.6, 0.8)), "gap")
+    history = Scene([solid], [contact]).run(0.5, 5e-3)
+    u = solid.displacement.reshape(-1, 2)
+    np.testing.assert_allclose(u, np.tile((0.375, -1.25), (len(u), 1)), atol=1e-9)
+    assert history["strain"].max() < 1e-9 * history["kinetic"].max()

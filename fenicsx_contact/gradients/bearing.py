@@ -23,7 +23,7 @@ class OfContact:
 
     def gradient(self) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives by q and v: nothing."""
-        nothing = np.zeros(1)
+        nothing = np.zeros(())
         return nothing, nothing
 
     def explicit(self, parameter: Parameter) -> float:

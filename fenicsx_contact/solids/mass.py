@@ -54,12 +54,15 @@ class Mass:
         u, v = ufl.TrialFunction(vectors.space), ufl.TestFunction(vectors.space)
         self.matrix = assembly.assemble_petsc_matrix(self._rho * ufl.dot(u, v) * self._dx)
         nodes = vectors.nodes_of(massless, "mass_redistribution")
-        if vectors.comm.allreduce(len(nodes)):
+        self._moved = vectors.comm.allreduce(len(nodes)) > 0
+        if self._moved:
             move_mass_inwards(vectors, self.matrix, nodes, fixed)
         self.massless = vectors.at(nodes)
 
     def weight(self, acceleration: np.ndarray) -> np.ndarray:
-        """The load of a uniform acceleration, (owned,) in N."""
+        """The load of a uniform acceleration, (owned,) in N; it acts where mass is."""
+        if self._moved:
+            return self.times(np.tile(acceleration, self._vectors.owned // self._vectors.dim))
         g, v = fem.Constant(self._vectors.mesh.mesh, acceleration), self._vectors.space
         load = np.zeros(self._vectors.owned)
         form = self._rho * ufl.dot(g, ufl.TestFunction(v)) * self._dx

@@ -6,7 +6,8 @@ impact, and makes the pressure oscillate. Without mass it cannot: the motion of 
 quasi-static, the semi-discrete problem well posed, and the energy is kept (H.B. Khenous, P.
 Laborde, Y. Renard, "Mass redistribution method for finite element contact problems in
 elastodynamics", Eur. J. Mech. A/Solids 27, 918-932, 2008). The total mass stays what it was, its
-centre and moments up to O(h²). A boundary without mass is in equilibrium with what is behind it, at
+centre and moments up to O(h²), and weight acts where it is: a body falls without turning or
+deforming. A boundary without mass is in equilibrium with what is behind it, at
 the start too.
 """
 

@@ -24,6 +24,7 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.gradients import (
     Centre,
+    Force,
     Law,
     Mass,
     NoDerivative,
@@ -424,3 +425,61 @@ def test_what_own_parameters_say_is_checked(load):
     scene = Scene([body], [Contact(body, "base", FLOOR)])
     with pytest.raises(InputError, match=r"Pull\.load: gives .*must be 3 finite numbers"):
         tangents(scene, 0.02, 0.01, {"pull": Pull(body)}, {"x": Centre(body, (1, 0))})
+
+
+def in_a_corner(speed=0.0):
+    block = ElasticSolid(
+        rectangle((3, 2), (0.4, 0.3)),
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1000.0,
+        gravity=(0, -G),
+        velocity=lambda x: np.stack([0.5 + speed + 0 * x[0], -0.3 + 0 * x[0]]),
+    )
+    floor, wall = HalfSpace((0, -0.002), (0.05, 1)), HalfSpace((0.205, 0), (-1, 0.1))
+    contacts = [
+        Contact(block, "base", floor, friction=0.3, name="a"),
+        Contact(block, "right", wall, friction=0.3, name="b"),
+    ]
+    return Scene([block], contacts, locate_impacts=True, deepest=1.0)
+
+
+def test_how_a_corner_is_shared_has_no_derivative():
+    """A node that rubs on two walls has more forces than components: the derivative of each was
+    that of one way to share, a quarter off differences, without a word. Of the sum it is right."""
+
+    def both(history):
+        last = np.eye(len(history))[-1]
+        return history["a"][-1] + history["b"][-1], {"a": last, "b": last}
+
+    def asked(scene):
+        forces = {contact.name: Force(contact, (0, 1)) for contact in scene.contacts}
+        return {**forces, "x": Centre(scene.solids[0], (1, 0))}
+
+    scene = in_a_corner()
+    parameters = {"speed": Start(scene.solids[0], velocity=sideways)}
+    forward = tangents(scene, 0.03, 1e-3, parameters, asked(scene))
+    scene = in_a_corner()
+    parameters = {"speed": Start(scene.solids[0], velocity=sideways)}
+    back = adjoints(scene, 0.03, 1e-3, parameters, asked(scene), functionals={"both": both})
+    for name in ("a", "b"):
+        for each in (forward, back):
+            with pytest.raises(NoDerivative, match=f"'{name}', t = 0.0.* how contacts share"):
+                each[name]
+    with pytest.raises(NoDerivative, match=r"'a\.force_y', t = .* how contacts share"):
+        forward["a.force_y"]
+    assert not (forward.kinks or back.kinks) and set(back.shared) == {"a", "b"}
+    ends = []
+    for change in (1e-5, -1e-5):
+        scene = in_a_corner(change)
+        scene.run(0.03, 1e-3)
+        ends.append(
+            [
+                sum(c.force[:, 1].sum() for c in scene.contacts),
+                scene.solids[0].mean(scene.solids[0].displacement)[0],
+            ]
+        )
+    force, place = (np.array(ends[0]) - ends[1]) / 2e-5
+    assert back["both"][0] == pytest.approx(force, rel=1e-5)
+    assert back["x"][0] == pytest.approx(place, rel=1e-5)
+    assert forward["x"][-1, 0] == pytest.approx(back["x"][0], rel=1e-9)

@@ -172,6 +172,8 @@ class LinearStep:
         """A change of the unknowns, (unknowns,), which no row tells, of those that are not inner;
         None if there is none. Softness alone then holds it: ``(A - S) x = S z`` gives -z back."""
         soft, share = self._soft > 0, 0.0
+        if not soft.any():
+            return None
         z = soft * np.cos(np.arange(len(soft)))
         for _ in range(3):
             z = z / (np.abs(z[soft]).max(initial=0.0) or 1.0)

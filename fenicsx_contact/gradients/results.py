@@ -16,6 +16,7 @@ class _OneSided(ABC):
     """Derivatives that may be of one side only."""
 
     kinks: list[Kink]
+    shared: dict[str, float]
 
     @abstractmethod
     def one_sided(self, name: str) -> np.ndarray:
@@ -30,6 +31,11 @@ class _OneSided(ABC):
         if self.kinks:
             more = f"; and {len(self.kinks) - 1} more" if len(self.kinks) > 1 else ""
             raise NoDerivative(f"{self.kinks[0]}{more}")
+        if name in self.shared:
+            raise NoDerivative(
+                f"{name!r}, t = {self.shared[name]:.9g} s: how contacts share what they bear "
+                "together is not unique; that of their sum may exist"
+            )
         return self.one_sided(name)
 
 
@@ -41,11 +47,14 @@ class Tangents(_OneSided):
         history: of the run; its probes are the quantities.
         parameters: their names.
         kinks: where the derivatives do not exist; they are then those of one side.
+        shared: columns that hang on how contacts share what they bear together, which is not
+            unique, and since when, s; their derivatives are then those of one way to share it.
     """
 
     history: History
     parameters: tuple[str, ...]
     kinks: list[Kink]
+    shared: dict[str, float]
     _columns: dict[str, np.ndarray]
 
     def one_sided(self, name: str) -> np.ndarray:
@@ -69,7 +78,8 @@ class Adjoints(_OneSided):
         history: of the run; its probes are the quantities.
         values: of the quantities, at its end, and of the functionals.
         parameters: their names.
-        kinks: where the derivatives do not exist, as tangents tell them; then they are of one side.
+        kinks, shared: where the derivatives do not exist, as tangents tell them; then they are of
+            one side, or of one way to share.
         kept: states that were kept on the way.
     """
 
@@ -77,6 +87,7 @@ class Adjoints(_OneSided):
     values: dict[str, float]
     parameters: tuple[str, ...]
     kinks: list[Kink]
+    shared: dict[str, float]
     kept: int
     _gradients: dict[str, np.ndarray]
 

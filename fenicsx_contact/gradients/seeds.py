@@ -13,6 +13,7 @@ from ..base.quoted import quoted
 from ..base.told import name_of
 from ..output.history import History
 from .bearing import OfContact
+from .kinks import alike
 from .linearise import Linearisation
 from .parameters import Parameter
 from .quantities import Quantity
@@ -51,10 +52,13 @@ class Row(NamedTuple):
         by: derivatives by the unknowns of its step, of the start by the state, (unknowns,
             quantities).
         explicit: by the parameters at a fixed state, (parameters, quantities).
+        shared: by how much, and of what, quantities change by another way to share what contacts
+            bear, by name.
     """
 
     by: np.ndarray | None
     explicit: np.ndarray | None
+    shared: Mapping[str, tuple[float, float]] = {}
 
 
 def _asked(
@@ -84,6 +88,7 @@ class Seeds:
     Attributes:
         values: of quantities at the end and of functionals, (k of them), after :meth:`weigh`.
         unknowns: of the step that was linearised last, 0 at the start of a run.
+        shared: by how much quantities change there, as in :class:`Row`.
         found: the rows since the last :meth:`begin`.
 
     Raises:
@@ -102,6 +107,8 @@ class Seeds:
         self._linear, self._parameters = linear, parameters
         self._quantities, self._functionals = quantities, functionals
         self._weights: np.ndarray | None = None
+        self.shared: dict[str, tuple[float, float]] = {}
+        self._since: dict[str, int] = {}
         for name in functionals:
             if name in quantities:
                 raise checks.InputError(f"functionals: {name!r} is a quantity, too")
@@ -130,7 +137,7 @@ class Seeds:
 
     def begin(self, row: int) -> None:
         """Begin at a row of the history."""
-        self._row, self.unknowns = row, 0
+        self._row, self.unknowns, self.shared = row, 0, {}
         self.found: list[Row] = []
 
     def __call__(self) -> float:
@@ -149,7 +156,11 @@ class Seeds:
         told = [explicit(self._parameters, quantity) for quantity in every]
         if not by:  # the time alone is asked for
             return Row(None, None)
-        return Row(np.array(by).T, np.array(told).T)
+        return Row(np.array(by).T, np.array(told).T, self.shared)
+
+    def since(self, time: np.ndarray) -> dict[str, float]:
+        """What hangs on how contacts share what they bear, and since when, s."""
+        return {name: float(time[row]) for name, row in self._since.items()}
 
     def of(self, row: int, found: Row, unknowns: int) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives of the k by the unknowns of a row's step and by the parameters, (unknowns, k)
@@ -161,5 +172,9 @@ class Seeds:
             seed, by = np.zeros((unknowns, count)), np.zeros((len(self._parameters), count))
         else:
             seed, by = found.by @ weights[:-1], found.explicit @ weights[:-1]
+            change, terms = np.array([found.shared.get(n, (0.0, 0.0)) for n in self._quantities]).T
+            hang = ~alike(change @ weights[:-1], terms @ np.abs(weights[:-1]))
+            for name in (name for name, so in zip(self.values, hang) if so):
+                self._since[name] = min(row, self._since.get(name, row))
         seed[self._linear.time] += weights[-1]
         return seed, by

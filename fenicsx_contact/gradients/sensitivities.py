@@ -30,6 +30,7 @@ from .quantities import Quantity
 from .recording import ROOM, Along, Part, Room, finite
 from .results import Adjoints, Tangents
 from .seeds import Functional, Seeds, explicit, gradient
+from .shares import Shares, hangs
 
 #: The column of a run that the seeds of an adjoint write, and no one reads.
 _SEEDS = "seeds of the adjoint"
@@ -72,6 +73,7 @@ def tangents(
         columns[name] = [start + explicit(parameters, quantity)]
     names = [_forces(rows.contact) for rows in linear.contacts]
     columns |= {name: [np.zeros(size)] for each in names for name in each}
+    shares, since = Shares(linear, quantities, names), dict[str, float]()
     x: np.ndarray | None = None
 
     def watch(trial: Trial) -> None:
@@ -83,6 +85,9 @@ def tangents(
         for each, at in zip(names, linear.last.forces):
             for i, name in enumerate(each):  # point by point
                 columns[name].append(x[at][i :: len(each)].sum(axis=0))
+        for name, change in shares().items():
+            if hangs(*change):
+                since.setdefault(name, trial.step.end)
 
     def probe(name: str, quantity: Quantity) -> Callable[[], float]:
         def measure() -> float:
@@ -98,7 +103,7 @@ def tangents(
         history = scene.run(until, dt, probes=probes, stop_when=stop_when)
     _refuse_halved(scene, history, first, dt)
     arrays = {name: np.array(rows) for name, rows in columns.items()}
-    return Tangents(history, tuple(parameters), edges.met, arrays)
+    return Tangents(history, tuple(parameters), edges.met, since, arrays)
 
 
 def adjoints(
@@ -153,6 +158,7 @@ def adjoints(
     edges = Edges(scene, linear, along)
     seeds, left = Seeds(linear, parameters, quantities, functionals), Room(room)
     seeds.begin(0)
+    shares = Shares(linear, quantities)
     part: Part
 
     def watch(trial: Trial) -> None:
@@ -162,6 +168,7 @@ def adjoints(
     def keep(trial: Trial, step: LinearStep) -> None:
         part.steps.append((trial, step))
         seeds.unknowns = len(step)
+        seeds.shared = shares()
 
     def runs(probes: dict[str, Callable[[], float]]) -> History:
         """Run to the end of the part."""
@@ -211,8 +218,9 @@ def adjoints(
     seed, more = seeds.of(0, parts[0].seeds[0], linear.size)
     scene.restore(last)
     by = by + more + begin.T @ (after + seed)
-    gradients = dict(zip(seeds.values, by.T))
-    return Adjoints(history, seeds.values, tuple(parameters), edges.met, len(parts), gradients)
+    gradients, since = dict(zip(seeds.values, by.T)), seeds.since(history.time)
+    names, count = tuple(parameters), len(parts)
+    return Adjoints(history, seeds.values, names, edges.met, since, count, gradients)
 
 
 def _checked(

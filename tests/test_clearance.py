@@ -12,12 +12,14 @@ from fenicsx_contact import (
     Contact,
     ElasticSolid,
     HalfSpace,
+    HyperelasticSolid,
     InputError,
     QuasiStatic,
     RigidSolid,
     Scene,
     ThetaScheme,
     Velocity,
+    neo_hookean,
 )
 
 E, NU, INNER, SEAT, OUTER = 2.1e11, 0.3, 0.05, 0.1, 0.2  # Pa, 1, m
@@ -178,3 +180,25 @@ def test_an_obstacle_has_none():
     upper = RigidSolid(rectangle(), mass=1.0)
     with pytest.raises(InputError, match=r"clearance = 0.1: .* move the obstacle instead"):
         Contact(upper, "base", HalfSpace((0, 0), (0, 1)), clearance=0.1)
+
+
+@pytest.mark.parametrize("overlap", [0.3, 0.6, 0.9])
+def test_what_fits_though_its_meshes_end_far_apart_stays(overlap):
+    """Partners were sought as far as facets are large, from surfaces that touch when their meshes
+    are this far apart: in the third step none was found, and the run stopped."""
+
+    def block(up, cells, held, name):
+        mesh = rectangle(cells, (1.0, 1.0))
+        mesh.mesh.geometry.x[:, 1] += up
+        return HyperelasticSolid(
+            mesh, energy=neo_hookean(1e6, 0.3), density=1.0, fixed=[held], name=name
+        )
+
+    low, up = block(0.0, (3, 3), "base", "low"), block(1.0, (4, 4), "top", "up")
+    contact = Contact(up, "base", (low, "top"), "gap", clearance=-overlap, name="fit")
+    scene = Scene([low, up], [contact], QuasiStatic(), deepest=1.0)
+    history = scene.run(until=1.0, dt=0.1)
+    assert history.finished, history.reason
+    force = history["fit.force_y"]
+    np.testing.assert_allclose(force[2:], force[1], rtol=1e-6)
+    assert force[1] > 1e5 * overlap and history["newton"][4:].max() <= 2

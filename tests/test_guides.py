@@ -863,3 +863,18 @@ def test_a_slope_that_is_that_of_another_line_is_refused():
     ):
         with pytest.raises(InputError, match="derivative: must be that of its function"):
             Tube(-2.0, 2.0, 1e-3, AnyCurve(right.function, slope))
+
+
+@pytest.mark.parametrize("law", ["velocity", "gap"])
+def test_one_rod_falls_alike_by_every_geometry(law):
+    """By Newton's method a rod alone, of whose momentum balance nothing was known, stopped within
+    the package."""
+    ends = []
+    for geometry in ("newton", "fixed point"):
+        mesh = axis_mesh((0, -0.2), (0, 1), a=(2.0, 12))
+        rod = BeamSolid(mesh, Section(3.0, 200.0), gravity=(0.3, -9.81), law=Fall())
+        contact = GuideContact(rod, "a", Guide([Tube(-3.0, 3.0, 1e-3)]), law, friction=0.2)
+        history = Scene([rod], [contact], ThetaScheme(0.6), geometry=geometry).run(0.2, 1e-3)
+        assert history.finished, history.reason
+        ends.append([rod.travel, rod.speed])
+    np.testing.assert_allclose(ends[0], ends[1], rtol=1e-6)

@@ -88,6 +88,7 @@ class MortarJump(Coupling):
         self._share = step.place_share if self._moves else 1.0
         if self._share < 1 and self._ending is self.pairing:
             self._ending = self._made()
+            self._ending.apart = self.pairing.apart
             self._ending.stand(self.pairing.stance)
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
@@ -183,6 +184,7 @@ class MortarJump(Coupling):
         if clearance is not None:
             apart = apart_at(self.pairing.places[: self._n], clearance)
             self._chords = np.where(self.pairing.paired, self.pairing.gap + apart, 0.0)
+            self.pairing.apart = max(0.0, -float(self._chords.min(initial=0.0)))
 
     def deepest(self, asked: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         # nobody knows how deep a point was that went through and has no partner now

@@ -147,7 +147,7 @@ class Condensed:
         """Error of the momentum balances of linear solids, as far as it is known."""
         if not self._near:
             return np.inf
-        size = max(largest(force), *(solid.load_size() for solid in self._able))
+        size = max([largest(force), *(solid.load_size() for solid in self._able)])
         return largest(self.surfaces.unbalanced) / size if size > self._all.noise() else np.inf
 
     def _changed(self, force: np.ndarray) -> float:

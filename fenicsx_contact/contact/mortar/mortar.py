@@ -80,14 +80,13 @@ class Pairing:
             int phi, (m, corners).
         shares: psi_i w / a_i at the points, (p, g, corners), and share: 1 / a_i, (n,).
         reach: how far from each node partners were sought, (n,) in m; ``sight``: at least.
-        stance: how the slave's facets stand on the master's.
-        admits: which of these may meet.
+        stance, admits: how the slave's facets stand on the master's; which of these may meet.
         carries: whether forces on a node of the slave act on those beside it, too.
         recess: how far places of the slave have worn back from its nodes, (n,) in m, or 0.
-        sunk: how deep they were in each other where the step began, m.
+        sunk, apart: how deep in each other they began the step; how far apart those touch, m.
     """
 
-    carries, sunk = False, 0.0
+    carries, sunk, apart = False, 0.0, 0.0
     recess: np.ndarray | float = 0.0
 
     def __init__(
@@ -171,8 +170,9 @@ class Pairing:
         if (way, self.sunk) == self._seen and np.array_equal(places, self.places):  # at rest
             return
         self._seen, self.admits.way = (way, self.sunk), way + self.sunk
-        reach = FACETS * self.slave.sizes + 4 * way
-        self.reach = FACETS * self._sizes + 4 * way
+        reach, self.reach = (
+            FACETS * s + 4 * way + self.apart for s in (self.slave.sizes, self._sizes)
+        )
         self.places = places
         xs, xm = places[: len(self.slave.nodes)], places[len(self.slave.nodes) :]
         pieces, brink = self.shared.together(
@@ -265,7 +265,7 @@ class Pairing:
     @property
     def near(self) -> np.ndarray:
         """Nodes that may close in the step: those with a partner that is not far, (n,)."""
-        return self.paired & (self.gap > -0.5 * self.reach)
+        return self.paired & (self.gap > -0.5 * (self.reach + self.apart))
 
     def _dual(self, pieces: Pieces) -> np.ndarray:
         """The functions psi_i dual to phi_j on the paired part of each facet, at the points: there

@@ -37,6 +37,8 @@ def arrival(contact: Contact) -> Arrival:
     # What is there already and leaves all the way is not struck: no blow turns round what only the
     # mean over a part does that turns below a corner.
     free &= (contact.gap < -contact.tolerance) | (np.maximum(came, rate) > 0)
+    if contact.coupling.encloses:
+        free &= contact.coupling.met(contact.gap)  # type: ignore[attr-defined]
     if not free.any():
         return Arrival()
     gap = np.where(free, contact.coupling.gaps(), -np.inf)

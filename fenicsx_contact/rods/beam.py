@@ -265,7 +265,15 @@ class BeamSolid(BeamState):
         self.velocity, self.displacement = self.trial_velocity, self.trial_displacement
         self._seen = None
         self._momentum, self._internal = self._trial_momentum, self._trial_internal
+        if step.is_part:  # however short: what has no mass came by where it is, not how fast
+            self.velocity = self.trial_velocity = self._following()
         self.axial.accept(before, (self.travel, self.speed))
+
+    def _following(self) -> np.ndarray:
+        """The velocity, of what has no mass that with which it follows what has."""
+        velocity, momentum = self.velocity.copy(), self.split(self._momentum)[0]
+        self.split(velocity)[0][:] = momentum @ self.matrices.flexibilities(1.0, 0.0)[0]
+        return velocity
 
     def trace(self, points: np.ndarray) -> BeamTrace:
         return self.sight(self.axis.along(points))

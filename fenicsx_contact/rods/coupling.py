@@ -190,6 +190,11 @@ class GuideCoupling(NodalJump):
             there &= self._lengths(self._own.material, self._own.void) > 0
         return there
 
+    def met(self, gap: np.ndarray) -> np.ndarray:
+        """Which points, of these gaps, have a wall beside them: what comes to be inside one as the
+        rod reaches it has not arrived there."""
+        return gap > -0.5 * self._guide.far
+
     @property
     def area(self) -> np.ndarray:
         """Lengths of the rod for which the points stood in the last step, (n,) in m."""

@@ -31,6 +31,8 @@ from .tube import RodInTube
 
 #: Cost: growth of the stiffness of the walls by which their forces are sought.
 STIFFER = 10.0
+#: Cost: how often steps that do not come to rest are doubled; each goes four times as far.
+LONGER = 10
 #: Cost: rounds after which a search ends that has not come to its end; some ten are common.
 MOST = 100
 
@@ -71,7 +73,8 @@ def settle(
         guide: around it.
         tolerance: what is left of the motion in a step (``BeamMatrices.longest_step``, or as short
             as the rod's axial force asks for), as a share of the smallest clearance.
-        steps: after which there is no hope.
+        steps: after which twice as long ones are tried: a short stiff rod has a fast period, and
+            far to go by it.
 
     Returns:
         The contact at rest, with its ``force`` and ``status``.
@@ -116,7 +119,9 @@ def _relax(
     """Steps from rest, until one moves nothing; the lateral forces in it, (n, d) in N."""
     trace = (touch := GuideContact(solid, stretch, guide, Velocity(), deepest=LARGEST)).trace
     d, clearance = solid.dim, float(guide.clearance().min())
-    for _ in range(steps):
+    for count in range(LONGER * steps):
+        if count and count % steps == 0:
+            step = Step(2 * step.dt, step.scheme, 0.0)
         solid.rest()
         solid.predict(step)
         solid.linearise(step)

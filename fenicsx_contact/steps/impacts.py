@@ -31,6 +31,7 @@ from math import inf, nan, sqrt
 
 import numpy as np
 
+from ..base.constants import RIGHT, SAME
 from ..contact.arrivals import Arrival, arrival
 from ..contact.leaps import no_velocity
 from ..contact.percussion import first_arrival, rebounding, until_sudden
@@ -137,7 +138,7 @@ class LocatedImpacts(Impacts):
     def _cross(self, stepper: StepTaker, dt: float, remarks: list[str]) -> Iterator[list[float]]:
         left = dt
         tolerance = min((contact.tolerance for contact in stepper.contacts), default=0.0)
-        while left > 1e-9 * dt:
+        while left > SAME * dt:
             while stepper.struck(Step(left, self._scheme, stepper.time, dt), touching=True):
                 yield self._strike(stepper, dt, left, remarks)
             flight = self._fly(stepper, left, dt)
@@ -145,7 +146,7 @@ class LocatedImpacts(Impacts):
                 contact.blows.fly(contact, left)
             arrives = flight[1].gap > tolerance  # what is nearer touches, and may strike at once
             fly = partial(self._fly, stepper, whole=dt)
-            trial = _arrive(fly, flight, tolerance) if arrives else flight[0]
+            trial = _arrive(fly, flight, tolerance, RIGHT * dt) if arrives else flight[0]
             remarks.extend(trial.remarks)
             left -= trial.step.dt
             yield stepper.accept(trial)
@@ -177,13 +178,17 @@ class LocatedImpacts(Impacts):
         self._rates = [np.array(state[f"rate.{i}"]) for i in range(len(state))] or None
 
 
-def _arrive(fly: Callable[[float], Flight], flight: Flight, tolerance: float) -> Trial:
+def _arrive(
+    fly: Callable[[float], Flight], flight: Flight, tolerance: float, brief: float
+) -> Trial:
     """The step to the instant at which the first point arrives, from a flight beyond it.
 
     The gap is nearly a parabola in the length of the step. It is followed to where it rises: first
     the one through the gaps at the start and at the end with the rate at the start, then those
     through the last three gaps; where this leaves the bracket, which it does not in smooth motion,
-    the bracket is halved, down to what the clock tells. What touches at the start leaves, having
+    the bracket is halved, down to what the clock tells, and to what is ``brief`` in the step, s:
+    where contact begins or ends, what has no mass, such as the slopes of a beam, is at once
+    elsewhere, and the shorter the flight the faster. What touches at the start leaves, having
     rebounded, and arrives when it is back where it was.
 
     Raises:
@@ -197,9 +202,10 @@ def _arrive(fly: Callable[[float], Flight], flight: Flight, tolerance: float) ->
     new = _rise(start, came, (gap - start - came * whole) / whole**2)
     low, high = 0.0, whole
     for _ in range(MAX_FLIGHTS):
+        new = max(new, brief)  # NaN stays
         if not clock + low < clock + new < clock + high:
             new = 0.5 * (low + high)
-        if not clock + low < clock + new < clock + high:
+        if high - low <= brief or not clock + low < clock + new < clock + high:
             trial, found = fly(high)
             instant = high - low + 2 * float(np.spacing(clock + high))
             if found.gap - inside - abs(found.rate) * instant > tolerance:

@@ -255,5 +255,6 @@ def refuse_beyond(rod: BeamSolid, stretch: str, guide: Guide, travel: float) -> 
     if end > guide.bottom:
         raise checks.InputError(
             f"solid: the tip of {rod.name!r} reaches the depth {end:.6g} m, beyond the end of its "
-            f"guide at {guide.bottom:.6g} m; the rod is longer than its guide allows"
+            f"guide at {guide.bottom:.6g} m: the rod is longer than its guide allows; where it may "
+            "hang out, let a wide Card end the guide below"
         )

@@ -138,6 +138,8 @@ class RodDrop:
         self._made: BeamSolid | None = None  # the last one
         self.formulation, self.friction = formulation, friction
         self.scheme = ThetaScheme(0.6) if scheme is None else scheme
+        if not getattr(self.scheme, "inertia", True):
+            raise checks.InputError(f"scheme = {self.scheme!r}: must have inertia, for a drop")
         checks.instance("scheme", self.scheme, ThetaScheme, "a ThetaScheme")
 
     def fall(
@@ -218,6 +220,8 @@ class RodDrop:
         for name, value in (("travel", travel), ("speed", speed), ("step", step)):
             if value is not None or name != "speed":
                 checks.number(name, value, above=0)
+        if step > travel * (1 + SAME):
+            raise checks.InputError(f"step = {step!r}: must be <= {travel:g}, the travel")
         rod = self._settled()
         if speed is None:
             speed = step / rod.matrices.longest_step()

@@ -225,7 +225,7 @@ def number(what: str, value: Scalar, *, above: float, below: float = np.inf) -> 
     """
     if is_field(value) and value.ufl_shape == ():
         return value
-    plain = checks.number(what, value, above=above)
+    plain = checks.number(what, value, above=above, also=", or a scalar in UFL")
     if not plain < below:
         raise checks.InputError(f"{what} = {quoted(value)}: must be < {below:g}")
     return plain

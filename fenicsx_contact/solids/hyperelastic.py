@@ -94,8 +94,8 @@ class HyperelasticSolid(DeformableSolid):
         self._predicted = self.trial_velocity
         if self.broken():
             raise checks.InputError(
-                f"displacement: with the initial field an element of solid {self.name!r} is "
-                "inverted; its gradient must keep det(1 + grad u) > 0"
+                f"displacement, prescribed: as the run begins an element of solid {self.name!r} is "
+                "inverted; det(1 + grad u) must be > 0; what is prescribed may grow with t"
             )
         self._begin()
 

@@ -95,6 +95,7 @@ class BeamSolid(BeamState):
         self.supported = not (k.free_bending.all() and k.free_axial.all())
         self.unknowns = unknowns = BeamUnknowns(axis, k)
         self.split = unknowns.split
+        self.swift = bool((k.free_bending & (k.bending_mass == 0)).any())
         self._masses, self._stiffness = unknowns.masses, unknowns.stiffness
         held = len(unknowns.mean) == 1 and not k.free_axial.all()
         g = np.zeros(self.dim) if gravity is None else checks.vector("gravity", gravity, self.dim)

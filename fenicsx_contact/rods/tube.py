@@ -59,6 +59,11 @@ class RodInTube(Solid):
         return np.concatenate([getattr(solid, what) for solid in self._both])
 
     @property
+    def swift(self) -> bool:  # type: ignore[override]
+        """As one of them."""
+        return any(solid.swift for solid in self._both)
+
+    @property
     def velocity(self) -> np.ndarray:  # type: ignore[override]
         """At the start of the step."""
         return self._of("velocity")

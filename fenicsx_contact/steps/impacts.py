@@ -136,7 +136,8 @@ class LocatedImpacts(Impacts):
         self._rates: list[np.ndarray] | None = None  # accelerations in the last flight, m/s²
 
     def _cross(self, stepper: StepTaker, dt: float, remarks: list[str]) -> Iterator[list[float]]:
-        left = dt
+        left, solids = dt, [solid for contact in stepper.contacts for solid in contact.solids]
+        brief = RIGHT * dt * any(getattr(solid, "swift", False) for solid in solids)
         tolerance = min((contact.tolerance for contact in stepper.contacts), default=0.0)
         while left > SAME * dt:
             while stepper.struck(Step(left, self._scheme, stepper.time, dt), touching=True):
@@ -146,7 +147,7 @@ class LocatedImpacts(Impacts):
                 contact.blows.fly(contact, left)
             arrives = flight[1].gap > tolerance  # what is nearer touches, and may strike at once
             fly = partial(self._fly, stepper, whole=dt)
-            trial = _arrive(fly, flight, tolerance, RIGHT * dt) if arrives else flight[0]
+            trial = _arrive(fly, flight, tolerance, brief) if arrives else flight[0]
             remarks.extend(trial.remarks)
             left -= trial.step.dt
             yield stepper.accept(trial)
@@ -186,10 +187,10 @@ def _arrive(
     The gap is nearly a parabola in the length of the step. It is followed to where it rises: first
     the one through the gaps at the start and at the end with the rate at the start, then those
     through the last three gaps; where this leaves the bracket, which it does not in smooth motion,
-    the bracket is halved, down to what the clock tells, and to what is ``brief`` in the step, s:
-    where contact begins or ends, what has no mass, such as the slopes of a beam, is at once
-    elsewhere, and the shorter the flight the faster. What touches at the start leaves, having
-    rebounded, and arrives when it is back where it was.
+    the bracket is halved, down to what the clock tells, or to what is ``brief`` in the step, s,
+    where solids are swift: when contact begins or ends they are at once elsewhere, and the shorter
+    the flight the faster. What touches at the start leaves, having rebounded, and arrives when it
+    is back where it was.
 
     Raises:
         StepFailed: the gap jumps.

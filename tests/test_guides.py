@@ -927,3 +927,19 @@ def test_a_stiff_rod_that_has_far_to_go_settles(length, stiffness):
     np.testing.assert_allclose(contact.force[:, 0].sum(), -3.0 * length * 0.3, rtol=1e-6)
     w = rod.split(rod.displacement)[0][0, ::2]
     np.testing.assert_allclose(np.abs(w), 1e-3, rtol=1e-2)
+
+
+@pytest.mark.parametrize("error", [3e-4, 1e-4])
+def test_a_rod_pressed_at_two_nodes_by_turns_goes_on(error):
+    """Where two nodes side by side touch a bent wall one throws the other back, at once: blows and
+    flights of 1e-10 s went on for ever."""
+    mesh = axis_mesh((0, -0.1), (0, 1), a=(1.0, 10))
+    rod = BeamSolid(mesh, Section(2.0, 50.0), gravity=(0.2, -9.81), law=Fall())
+    guide = Guide([Tube(-1.4, 0.0, 8e-4), Tube(0.0, 2.0, 8e-4, Sine(0.01, 1.3))])
+    settle(rod, "a", guide)
+    contact = GuideContact(rod, "a", guide)
+    scene = Scene([rod], [contact], ThetaScheme(0.5), locate_impacts=True)
+    history = scene.run(0.3, 4e-3, step_error=error)
+    assert history.finished and len(history) < 2000
+    assert rod.travel == pytest.approx(0.43876, rel=1e-4)
+    assert np.abs(history["balance"]).max() < 1e-9

@@ -40,7 +40,8 @@ from .certificate import ACCEPTED
 from .taker import StepTaker
 from .trial import Trial
 
-#: Flights until an arrival is found, at most: the bracket may be halved to round-off.
+#: Flights until an arrival is found, at most: the bracket may be halved to round-off; and parts of
+#: a step after which what is swift and touches stays.
 MAX_FLIGHTS = 50
 
 #: What a reader should know of a wall that starts suddenly, by a scheme whose ends are means.
@@ -139,6 +140,7 @@ class LocatedImpacts(Impacts):
         left, solids = dt, [solid for contact in stepper.contacts for solid in contact.solids]
         brief = RIGHT * dt * any(getattr(solid, "swift", False) for solid in solids)
         tolerance = min((contact.tolerance for contact in stepper.contacts), default=0.0)
+        parts = 0
         while left > SAME * dt:
             while stepper.struck(Step(left, self._scheme, stepper.time, dt), touching=True):
                 yield self._strike(stepper, dt, left, remarks)
@@ -151,6 +153,11 @@ class LocatedImpacts(Impacts):
             remarks.extend(trial.remarks)
             left -= trial.step.dt
             yield stepper.accept(trial)
+            parts += 1
+            # of what is swift what came at once, or that often, stays: it would come for ever
+            if brief and (trial.step.dt <= brief or parts > MAX_FLIGHTS):
+                for contact in stepper.contacts:
+                    contact.blows.settled |= contact.gap >= -contact.tolerance
             if arrives:
                 yield self._strike(stepper, dt, left, remarks)
 

@@ -18,6 +18,7 @@ from ..base.overflow import diverging
 from ..base.processes import any_of, refuse_unlike
 from ..base.quoted import quoted
 from ..contact.arrivals import starts_inside, struck_apart, went_inside
+from ..contact.massless import undamped
 from ..output.books import gave, rounded, sunk, unexplained, unresolved
 from ..output.history import History
 from ..output.stops import hint
@@ -147,6 +148,7 @@ class _Course:
             inertia = bool(self.scene.scheme.inertia)
             for contact in self.scene.contacts:
                 told += starts_inside(contact, inertia), contact.coupling.remark
+                told.append(undamped(contact, self.scene.scheme))
             self.history.remarks += [(self.scene.time, remark) for remark in told if remark]
         if self.files:
             try:

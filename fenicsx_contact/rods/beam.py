@@ -50,6 +50,7 @@ class BeamSolid(BeamState):
         lateral_load: as given.
         unknowns: their masses and stiffness.
         axial: what the law does: the energy that it has ``taken``, the ``drive_force``.
+        swift: slopes have no mass, and are at once where forces put them.
 
     Raises:
         InputError: no mass, no section somewhere, numbers out of range, what a law cannot drive,

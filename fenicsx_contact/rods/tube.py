@@ -59,7 +59,7 @@ class RodInTube(Solid):
         return np.concatenate([getattr(solid, what) for solid in self._both])
 
     @property
-    def swift(self) -> bool:  # type: ignore[override]
+    def swift(self) -> bool:
         """As one of them."""
         return any(solid.swift for solid in self._both)
 

@@ -99,7 +99,6 @@ class Solid(ABC):
         linear: one linearisation serves a whole step.
         shiftable: rigid: can be put elsewhere without a velocity (`shift`, `mobility`).
         massless: some of its boundary has no mass, and so no velocity of its own.
-        swift: some of it has no mass, as the slopes of a beam, and is at once where forces put it.
         patient: an old linearisation may serve as long as corrections converge fast.
         revolution: its mesh is half a section of it, x being the radius.
         supported: something holds it even without contact.
@@ -113,7 +112,6 @@ class Solid(ABC):
     linear: bool
     supported: bool
     massless = False
-    swift = False
     revolution = False
     shiftable = False
     patient = False

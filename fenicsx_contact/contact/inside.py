@@ -5,7 +5,6 @@ obstacle, only near surfaces, and what lies deeper looks as if it were apart."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -24,7 +23,9 @@ from .wall import Wall
 LOOK = (1.0, 0.41421356, 0.73205081)
 
 
-def deepest(points: np.ndarray, solid: Solid, limits: np.ndarray, places: Any = None) -> float:
+def deepest(
+    points: np.ndarray, solid: Solid, limits: np.ndarray, places: np.ndarray | None = None
+) -> float:
     """How far below the boundary of a solid the deepest is of the points (n, d) that lie farther
     inside than their limits (n,), in m; 0 if none does. ``places``: where those of its skin are, if
     not in the trial state."""

@@ -96,7 +96,9 @@ class Film:
 #
 # A penalty: the pressure grows with the penetration. It has no multipliers, and reads the gap as it
 # will be at the end of the step (`gap_share = 1`): `gap + gap_rate * jump_n`. The force of a step
-# is the mean of those at both ends, which with $\theta = 1/2$ conserves the energy of a spring.
+# is that of its end or, as far as the scheme takes forces in the mean (`mean_share`: 1 by
+# $\theta = 1/2$, 0 by $\theta = 1$ and in statics), the mean of those at both ends, which conserves
+# the energy of a spring.
 
 
 # %%
@@ -114,7 +116,7 @@ class Penalty:
     def form(self, k: Any) -> tuple[Any, Any]:
         """Contact terms of (7), without friction, and the status."""
         start, end = (ufl.max_value(d, 0.0) for d in (k.start_gap, k.gap + k.gap_rate * k.jump_n))
-        pressure = self.stiffness * (start + end) / 2
+        pressure = self.stiffness * (end + k.mean_share * (start - end) / 2)
         return k.integral(pressure * k.test_jump_n), ufl.conditional(ufl.gt(pressure, 0), 1.0, 0.0)
 
     def limit(self, data: Any) -> None:

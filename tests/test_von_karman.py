@@ -121,6 +121,32 @@ def test_a_pushed_beam_lies_on_its_floor_in_long_steps(share):
     assert np.abs(beam.split(beam.displacement)[0][0, ::2]).max() < 1e-9
 
 
+@pytest.mark.parametrize("share", [0.2, 0.98, 1.02])
+def test_a_pushed_beam_lies_on_the_bottom_of_a_tube_in_long_steps(share):
+    """Its weight holds it in the round as a bed of w/r: up to the least of EI k² + w/(r k²)."""
+    length, bending, weight, radius, n = 5.0, 1000.0, 20.0, 0.01, np.arange(1, 9)
+    waves = (n * math.pi / length) ** 2
+    limit = (bending * waves + weight / radius / waves).min()
+    assert limit > 7 * bending * waves[0]
+    axis = axis_mesh((0, 0, 0), (1, 0, 0), beam=(length, 40))
+    pins = [Support(0.0, axial=FAST, **PIN), Support(length, **PIN)]
+    section = Section(weight / 9.81, bending, axial=1e6)
+    beam = VonKarmanBeam(axis, section, supports=pins, gravity=(0, 0, -9.81))
+    tube = Guide([Tube(-1, length + 1, radius)], (length, 0, radius), (-1, 0, 0), (0, 1, 0))
+    contact = GuideContact(beam, "beam", tube, "gap")
+    beam.law = Driven(share * limit * length / 1e6)
+    pushed = Scene([beam], [contact], STATIC).run(1.0, 1e-3)
+    assert pushed.finished, pushed.reason
+    beam.law = Driven(0.0)
+    history = Scene([beam], [contact], STATIC).run(1e4, 1e3)
+    if share > 1:
+        assert "'beam' buckles faster than steps of" in history.reason
+        return
+    assert history.finished and history.steps == 10 and not history.remarks
+    assert contact.normal_force() == pytest.approx(0.975 * weight * length, rel=1e-8)
+    assert beam.axial.drive_force == pytest.approx(share * limit, rel=1e-9)
+
+
 @pytest.mark.parametrize("share", [1.0, -0.5])
 @pytest.mark.parametrize("dim", [2, 3])
 def test_a_drive_tunes_a_rod(share, dim):

@@ -72,8 +72,8 @@ class SurfaceEquations(SurfaceUnknowns):
         self.jumps = self.places = n * d
         self.size = k.components * n
         self.tractions = self.jumps + n * lam  # where tau begins
-        self._order = np.concatenate([k.dofs[:d].T.ravel(), k.dofs[d:].ravel()])
-        self.tangents = SurfaceTangent(k, form, self._order)
+        self.order = np.concatenate([k.dofs[:d].T.ravel(), k.dofs[d:].ravel()])
+        self.tangents = SurfaceTangent(k, form, self.order)
         self._z, self._closed, self.gap = (f.x.array for f in (k.unknowns, k.closed, k.gap))
         self.start_jump_n, self.normal = k.start_jump_n.x.array, k.normal.x.array
         self._key, self._rates, self.revision = b"", (0.0, 0.0, 0.0, 0.0), 0
@@ -98,7 +98,7 @@ class SurfaceEquations(SurfaceUnknowns):
         blocks = np.arange(self.jumps, self.size, n)[:, None] + self.candidates
         self.active_multipliers = blocks.ravel()
         self.active = np.concatenate([self.active_jumps, blocks.ravel()]).astype(np.int64)
-        self._active_dofs = self._order[self.active]
+        self._active_dofs = self.order[self.active]
         self._block = None if len(self.active) == self.size else np.ix_(self.active, self.active)
         idle = np.ones(self.size, dtype=bool)
         idle[: self.jumps] = idle[self.active] = False
@@ -204,7 +204,7 @@ class SurfaceEquations(SurfaceUnknowns):
 
     def residual(self) -> np.ndarray:
         """The assembled contact terms of (7)."""
-        return self._residual()[self._order]
+        return self._residual()[self.order]
 
     def forces(self) -> np.ndarray:
         """What the unknowns of the candidates are to the points, (n, d) in N."""

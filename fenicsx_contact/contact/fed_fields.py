@@ -56,15 +56,18 @@ class FedFields:
         surface: where the fields live.
 
     Attributes:
-        numbers: the surface's constants of the parameters that are numbers, by name, and of the
-            constants of UFL that stand in parameters, by these.
+        numbers: the surface's constants of the parameters that are numbers, by name, one for each
+            value (of a second one ``"name of another"``), and of the constants of UFL that stand in
+            parameters, by these.
         located: whether a law reads the place.
+        elsewhere: what parameters read on another mesh, Functions and coordinates, by their names.
     """
 
     def __init__(self, surface: Any) -> None:
         self.surface = surface
         self.located = False
         self.numbers: dict[Any, Any] = {}
+        self.elsewhere: list[tuple[str, Any]] = []
         self._constants: list[tuple[Any, Feed]] = []
         self._functions: list[tuple[Any, Feed]] = []
         self._varying: list[tuple[str, compat.PointExpression]] = []
@@ -179,14 +182,17 @@ class FedFields:
         """The parameter, and its values at the points at the start, which are finite."""
         if isinstance(value, Real):
             number = checks.number(name, value, at_least=at_least)
-            self.numbers[name] = self.surface.constant(number)
-            return self.numbers[name], number
+            if name not in self.numbers:
+                self.numbers[name] = self.surface.constant(number)
+            if float((field := self.numbers[name]).value) != number:  # another of that name
+                return self._read(f"{name} of another", number, at_least)
+            return field, number
         bound = "" if at_least is None else f" >= {at_least:g}"
         refusal = (
             f"{name} = {quoted(value)}: must be a scalar{bound} in UFL at all points of the contact"
         )
         try:
-            field = self._mirrored(value if is_expression(value) else self._call(value))
+            field = self._mirrored(name, value if is_expression(value) else self._call(value))
             start = at_points(self.surface, compat.PointExpression(field, self.surface.scalars))
         except Exception as error:  # of the user's function, of UFL, of the compiler
             raise checks.InputError(f"{refusal}; {error}") from None
@@ -203,9 +209,10 @@ class FedFields:
             raise ValueError(f"it is {given}")  # no compiler takes it
         return ufl.as_ufl(given)
 
-    def _mirrored(self, given: Any) -> Any:
+    def _mirrored(self, name: str, given: Any) -> Any:
         """An expression of another mesh, on the surface."""
         others = terminals_off(self.surface.mesh, given)
+        self.elsewhere += [(name, other) for other in others if not hasattr(other, "value")]
         return ufl.replace(given, {other: self._mirror(other) for other in others})
 
     def _mirror(self, other: Any) -> Any:

@@ -49,6 +49,15 @@ class LawFields(FedFields):
         self.bears: Any = 1.0
         self.worn: Any = None
 
+    def feed(self, contact: Teller, step: Step) -> bool:
+        """As those that are fed; StepFailed, too, where what is remembered is not finite."""
+        for name, values in self.memory.values.items():
+            if strange := self._strange(values, None):
+                raise checks.StepFailed(
+                    f"what a law remembers as {name!r} is not finite; {strange}"
+                )
+        return super().feed(contact, step)
+
     # -- slip, touch ------------------------------------------------------------------------------
 
     @property
@@ -108,7 +117,7 @@ class LawFields(FedFields):
         Raises:
             InputError: they are no scalars, or not finite, or less than that.
         """
-        old = self.memory.field(name, self._read(name, start, at_least)[1])
+        old = self.memory.field(name, *self._read(name, start, at_least)[::-1])
         what = f"state {name!r}: evolve(old, time)"
 
         def after(time: Any) -> Any:
@@ -130,16 +139,15 @@ class LawFields(FedFields):
         if self._weight is not None and not self.surface.slides:
             full = self.surface.scalar()  # what a point weighs that a master covers
             area = self.surface.area
-            full.x.array[:] = np.where(area > 0, area, np.inf) / self.surface.nodal_area
+            # where there is none, as on an axis, nothing wears
+            full.x.array[:] = np.where(area > 0, area / self.surface.nodal_area, 1.0)
             share = self._weight / full
 
-        def worn(depth: Any, time: Any) -> Any:
-            return depth + share * (evolve(depth, time) - depth)
-
-        old = self.memory.field(name, 0.0)
-        self.memory.rule(name, worn(old, self.dt), struck=True)  # impulses wear, too
+        old, one = self.memory.field(name, 0.0), self.surface.constant(1.0)
+        # not old itself: ffcx makes no code of derivatives that cancel
+        self.worn = share * (evolve(old, self.dt) - one * old)
+        self.memory.rule(name, old + self.worn, struck=True)  # impulses wear, too
         self.memory.wear(name)
-        self.worn = worn(old, self.dt) - old
 
     def read(self, form: Any) -> Any:
         """What a formulation or a law has written, as it is to be read: its gap is that of the

@@ -40,39 +40,45 @@ class Memory:
     """The remembered fields of one surface.
 
     Attributes:
+        fields: in UFL, by name.
         values: of each field at the points, (n,), by name; they may be set between two steps.
         recess: how far the surface has worn back at the points, (n,) in m; 0.0 if it never does.
         receding: how fast it did in the last step, (n,) in m/s; 0.0 if it never does.
+        begun, given: what each field is at the very start (None: numbers), and what it becomes when
+            a step is accepted, in UFL, by name.
     """
 
     def __init__(self, surface: Points) -> None:
         self._surface = surface
+        self.fields: dict[str, Any] = {}
         self.values: dict[str, np.ndarray] = {}
         self.recess: np.ndarray | float = 0.0
         self.receding: np.ndarray | float = 0.0
+        self.begun: dict[str, Any] = {}
         self._starts: dict[str, np.ndarray] = {}
-        self._given: dict[str, Any] = {}  # rules in UFL
+        self.given: dict[str, Any] = {}
         self._rules: dict[str, compat.PointExpression] = {}
         self._struck: set[str] = set()
 
-    def field(self, name: str, start: np.ndarray | float) -> Any:
-        """A new field with these values, (n,) or one number; InputError if there is one of that
-        name."""
+    def field(self, name: str, start: np.ndarray | float, given: Any = None) -> Any:
+        """A new field with these values, (n,) or one number, which were given in UFL; InputError if
+        there is one of that name."""
         if name in self.values:
             raise checks.InputError(
                 f"name = {name!r}: two laws of a contact remember something by that name; each "
                 "field needs one of its own"
             )
         field = self._surface.scalar()
-        self.values[name] = field.x.array
+        self.fields[name], self.values[name] = field, field.x.array
         self.values[name][:] = start
+        self.begun[name] = given
         self._starts[name] = self.values[name].copy()
         return field
 
     def rule(self, name: str, new: Any, struck: bool = False) -> None:
         """What a field becomes when a step is accepted, in UFL, or also when an impact is; that
         counts as a step of a second, of which its impulses are the forces."""
-        self._given[name] = new
+        self.given[name] = new
         if struck:
             self._struck.add(name)
 
@@ -82,14 +88,14 @@ class Memory:
 
     def compile(self, read: Callable[[Any], Any]) -> None:
         """All rules, which in the form of the contact are ``read`` so."""
-        for name, new in self._given.items():
+        for name, new in self.given.items():
             self._rules[name] = compat.PointExpression(read(new), self._surface.scalars)
 
     def advance(self, equations: Unknowns, jump: np.ndarray, dt: float) -> None:
         """A step of ``dt`` seconds is accepted, with these jumps (n, d) [m/s] at all points, also
         where there are no equations: all fields become what their rules say; in an impact those
         that it changes."""
-        rules = {name: r for name, r in self._rules.items() if dt or name in self._struck}
+        rules = {name: r for name, r in self._rules.items() if self.changes(name, dt)}
         if not rules:
             return
         with equations.being(np.concatenate([jump.ravel(), equations.values[jump.size :]])):
@@ -99,6 +105,14 @@ class Memory:
             self.values[name][:] = values
         if np.ndim(self.recess) and dt:
             self.receding = (self.recess - before) / dt
+
+    def changes(self, name: str, dt: float) -> bool:
+        """Whether a field does in a step of ``dt`` seconds."""
+        return bool(dt) or name in self._struck
+
+    def fresh(self, name: str) -> bool:
+        """Whether a field is what it was at the very start."""
+        return np.array_equal(self.values[name], self._starts[name])
 
     def reset(self) -> None:
         """All fields as they were at the very start."""

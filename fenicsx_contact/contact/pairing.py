@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+import ufl
 
 from ..base import checks
 from ..base.constants import SAME
@@ -133,6 +134,7 @@ def couple(
             f"facets = {facets!r}: run across the periodic sides of {solid.name!r}, where no other "
             "solid goes on after them; they may only meet an obstacle, or be the master"
         )
+    _refuse_of_master(equations, solid, master)
     side = side_of(solid, facets, surface)
     itself = master is solid and theirs == facets  # may be far from touching, flat even
     sides = side, side if itself else side_of(master, theirs)
@@ -147,6 +149,21 @@ def couple(
         )
     pair.keep_apart(clearance)
     return pair
+
+
+def _refuse_of_master(equations: SurfaceEquations, solid: Solid, master: Solid) -> None:
+    """Refuse a law that reads a field on the mesh of the master, where the slave's places are
+    none."""
+    of = getattr(master.mesh, "mesh", None)
+    own = getattr(solid.mesh, "mesh", None)
+    if of is None or of is own:
+        return
+    for name, terminal in equations.fields.elsewhere:
+        if of.ufl_domain() in ufl.domain.extract_domains(terminal):
+            raise checks.InputError(
+                f"{name}: reads {quoted(terminal)} on the mesh of the master {master.name!r}; must "
+                f"be on that of the slave {solid.name!r}, or a function of the place: lambda x: ..."
+            )
 
 
 def _means(

@@ -17,6 +17,7 @@ class SurfaceUnknowns:
     Attributes:
         jumps, tractions: where lam and where tau begins.
         idle_multipliers: indices of those of the points that are no candidates.
+        order: their degrees of freedom.
         weight: of the points, (n,): what makes a force of a traction.
     """
 
@@ -25,17 +26,17 @@ class SurfaceUnknowns:
     idle_multipliers: np.ndarray
     weight: np.ndarray
     _surface: Surface
-    _order: np.ndarray  # their degrees of freedom
+    order: np.ndarray
     _z: np.ndarray  # their values, in the order of these
 
     @property
     def values(self) -> np.ndarray:
         """The unknowns; setting them sets the fields."""
-        return self._z[self._order]
+        return self._z[self.order]
 
     @values.setter
     def values(self, values: np.ndarray) -> None:
-        self._z[self._order] = values
+        self._z[self.order] = values
 
     @contextmanager
     def being(self, values: np.ndarray) -> Iterator[None]:

@@ -6,6 +6,7 @@ from .beam_parameters import DriveLaw, Stiffness, Widening
 from .bearing import Force, Pressure
 from .kinks import Kink, NoDerivative
 from .materials import Damped, Material, Modulus
+from .memories import Remembered
 from .obstacles import Bend, ObstacleShift, Shape
 from .parameters import Gravity, Law, Mass, Parameter, Start
 from .passing import Instant, Passing, passing
@@ -35,6 +36,7 @@ __all__ = [
     "Passing",
     "Pressure",
     "Quantity",
+    "Remembered",
     "Shape",
     "Start",
     "Stiffness",

@@ -78,6 +78,10 @@ class Pressure(OfContact):
                 f"Pressure: solid {contact.solid.name!r} is not deformable; its pressures are not "
                 "unique, see Force"
             )
+        if contact.multiplier is None:
+            raise checks.InputError(
+                f"Pressure: contact {contact.name!r} is of springs and has none; see Force"
+            )
         surface = contact.surface
         place = checks.vector("point", point, surface.dim)
         (self._point,) = surface.nodes_at(place[None], SAME * surface.extent)

@@ -78,7 +78,7 @@ class Edges:
         moves = not alike(idle[state] / sizes[state], np.ones(linear.size)).all()
         if not moves:
             x, start = self._along.change, self._along.state
-            with shifted(asked, [idle[linear.multipliers(rows)] for rows in asked]) as others:
+            with shifted(asked, [idle[linear.at.multipliers(rows)] for rows in asked]) as others:
                 instead = {id(rows): other for rows, other in zip(asked, others)}
                 contacts = [instead.get(id(rows), rows) for rows in linear.contacts]
                 other = linear.assembled(contacts).tangent(start)
@@ -102,7 +102,7 @@ class Edges:
             for i, parameter in enumerate(self._parameters):
                 if not m.kinked(parameter, trial.step, None):
                     continue
-                start, part = self._along.state[:, i], self._linear.part
+                start, part = self._along.state[:, i], self._linear.at.part
                 each = start[part("q", m.solid)], start[part("v", m.solid)]
                 if m.kinked(parameter, trial.step, each):
                     what = "the law of its drive is on the edge of another branch"
@@ -122,7 +122,7 @@ class Edges:
                 if point == ends:
                     continue
                 row, by = rows.gap_row(point), rows.gap_by(self._parameters, point)
-                way = self._along.change[self._linear.part("q", rows.motion.solid)]
+                way = self._along.change[self._linear.at.part("q", rows.motion.solid)]
                 left, terms = row @ way + by, np.abs(row) @ _largest(way) + np.abs(by)
                 if alike(left, terms).all():
                     continue
@@ -148,7 +148,7 @@ class _Met:
     @cached_property
     def _changes(self) -> dict[str, np.ndarray]:
         """Of the solids' q and v at both ends."""
-        return self._linear.changes(self._rows, self._along.change, self._along.state)
+        return self._linear.at.changes(self._rows, self._along.change, self._along.state)
 
     @cached_property
     def _sizes(self) -> dict[str, np.ndarray]:
@@ -158,10 +158,9 @@ class _Met:
     @cached_property
     def _multipliers(self) -> np.ndarray:
         """Changes of the multipliers, (candidates, kinds, parameters)."""
-        change, rows = self._along.change, self._rows
-        return change[self._linear.multipliers(rows)].reshape(
-            len(rows.points), rows.unknowns // len(rows.points), -1
-        )
+        change, rows = self._along.change[self._linear.at.multipliers(self._rows)], self._rows
+        points = len(rows.points)
+        return change.reshape(points, rows.unknowns // points, change.shape[1])
 
     def misses(self, edge: Edge) -> np.ndarray:
         """Whether the tangent fails the rows of points on the other side of their decision; all of

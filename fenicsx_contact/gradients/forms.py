@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Derivatives of a contact's rows by the numbers of its law, by UFL.
+"""Derivatives of the rows of a contact's points by the numbers of its law, by UFL.
 
 Rows are integrated by the nodes, so that each point's depend on its own values alone: the
 derivative in the direction that is 1 at all points holds those of all.
@@ -16,22 +16,27 @@ from ..base import compat
 from ..base.constants import ROUND_OFF
 from ..base.vectors import dot, orthogonal
 from ..contact.contact import Contact
+from ..contact.surface_fields import SurfaceFields
 
 
 class ByConstant:
-    """By a constant of the form."""
+    """By a constant of a form.
 
-    def __init__(self, contact: Contact, constant: Any) -> None:
-        fields = contact.equations.fields
-        self._contact, self._constant = contact, constant
-        self._field = contact.surface.scalar()
-        form = ufl.replace(contact.equations.tangents.form, {constant: self._field})
-        one = contact.surface.scalar()
+    Args:
+        k: the fields of the form.
+        form: which is integrated by the nodes.
+        constant: of it.
+    """
+
+    def __init__(self, k: SurfaceFields, form: ufl.Form, constant: Any) -> None:
+        self._constant = constant
+        self._field, one = k.surface.scalar(), k.surface.scalar()
         one.x.array[:] = 1.0
+        form = ufl.replace(form, {constant: self._field})
         derivative = ufl.algorithms.expand_derivatives(ufl.derivative(form, self._field, one))
         # what a law does not read has no form
         self._assemble = None if derivative.empty() else compat.VectorAssembler(derivative)
-        self._order, self._shape = fields.dofs.T, (fields.surface.size, fields.components)
+        self._order, self._shape = k.dofs.T, (k.surface.size, k.components)
 
     def __call__(self) -> np.ndarray:
         """Of the rows of each point, (n, unknowns of a point), with the fields as they are."""
@@ -39,12 +44,17 @@ class ByConstant:
             return np.zeros(self._shape)
         self._field.x.array[:] = float(self._constant.value)
         self._assemble.refresh_constants()
-        rows = self._assemble()[self._order]
-        d, idle = self._contact.normal.shape[1], undirected(self._contact)
-        normal = self._contact.equations.fields.mean_normal()[idle]
-        rows[idle, :d] = dot(rows[idle, :d], normal)[:, None] * normal
-        rows[idle, d + 1 :] = 0.0
-        return rows
+        return self._assemble()[self._order]
+
+
+def directed(contact: Contact, rows: np.ndarray) -> np.ndarray:
+    """Derivatives of the rows of each point by a number, (n, unknowns of a point), without friction
+    where it has no direction."""
+    d, k, idle = contact.normal.shape[1], contact.equations.fields, undirected(contact)
+    normal = k.mean_normal()[idle]
+    rows[idle, :d] = dot(rows[idle, :d], normal)[:, None] * normal
+    rows[idle, d + int(k.multiplier is not None) :] = 0.0
+    return rows
 
 
 def undirected(contact: Contact) -> np.ndarray:

@@ -8,6 +8,7 @@ it. A station keeps its place and sees the material that the start of the step p
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,6 @@ from ..contact.contact import Contact
 from ..rods import GuideContact
 from .beams import BeamMotion
 from .chords import Chord
-from .laws import refuse_law
 from .parameters import Parameter
 from .sight import Sight
 from .surface import ContactRows
@@ -35,7 +35,10 @@ class GuideRows(ContactRows):
         self._predicted = settles and not contact.formulation.gap_share
 
     def _refuse(self, contact: Contact) -> None:
-        refuse_law(contact)
+        if contact.equations.fields.located:
+            raise checks.InputError(
+                f"gradients: contact {contact.name!r} has a law of the place, in a guide"
+            )
         if contact.measured:  # type: ignore[attr-defined]
             law = contact.friction_law.describe() if contact.friction_law else "its formulation"
             raise checks.InputError(
@@ -65,11 +68,11 @@ class GuideRows(ContactRows):
             self._sights[key] = old, Sight(contact, self.points, end, ahead[-1])
         return self._sights[key]
 
-    def derivatives(self) -> dict[str, tuple[Any, Any]]:
-        d, n, solid = self._d, self.motion.size, self.motion.solid
+    def _changes(self, points: np.ndarray, parts: Sequence[slice]) -> dict[str, tuple[Any, ...]]:
+        n, solid = self.motion.size, self.motion.solid
         old, new = self._seen()
-        chord, w = Chord(old, new, solid.displacement), self._weights()
-        by_start = w.start * self.old_normal[self.points][:, None] + self._slip[self.points]
+        chord, w = Chord(old, new, solid.displacement), self._weights(points)
+        by_start = w.start * self.old_normal[points][:, None] + w.slip
         by_slope = w.normal @ new.normal_by[:, :, None] + w.old_normal @ chord.by_slope[:, :, None]
         by_chord = w.old_normal @ chord.by_chord[:, :, None]
         rows = {
@@ -91,22 +94,24 @@ class GuideRows(ContactRows):
         slid = w.gap * old.gap_slides[:, None, None] + by_chord * chord.slid[:, None, None]
         rows["q_old"][:, :, -1:] -= slides + slid
         rows["v_old"][:, :, -1:] -= self.motion.horizon * slides
-        result = {"m": self._by_multipliers()}
-        for name, each in rows.items():
-            result[name] = each[:, d:].reshape(-1, n), -each[:, :d].reshape(-1, n)
-        return result
+        return {
+            name: tuple(each[:, part].reshape(-1, n) for part in parts)
+            for name, each in rows.items()
+        }
 
-    def _add_moved(self, parameter: Parameter, result: np.ndarray) -> None:
+    def _moved(self, parameter: Parameter, points: np.ndarray) -> np.ndarray | float:
         old, new = self._seen()
-        chord, w = Chord(old, new, self.motion.solid.displacement), self._weights()
+        chord, w = Chord(old, new, self.motion.solid.displacement), self._weights(points)
         (slope, gap), (_, before) = new.moved(parameter), old.moved(parameter)
         mean = chord.moved(parameter)
-        if slope.any() or mean.any() or gap.any() or before.any():
-            turned = new.normal_by * slope[:, None]
-            mirrored = chord.by_slope * slope[:, None] + chord.by_chord * mean[:, None]
-            for by_normal, change in ((w.normal, turned), (w.old_normal, mirrored)):
-                result += (by_normal @ change[:, :, None])[:, :, 0]
-            result += w.end[:, :, 0] * gap[:, None] + w.gap[:, :, 0] * before[:, None]
+        if not (slope.any() or mean.any() or gap.any() or before.any()):
+            return 0.0
+        turned = new.normal_by * slope[:, None]
+        mirrored = chord.by_slope * slope[:, None] + chord.by_chord * mean[:, None]
+        result = w.end[:, :, 0] * gap[:, None] + w.gap[:, :, 0] * before[:, None]
+        for by_normal, change in ((w.normal, turned), (w.old_normal, mirrored)):
+            result += (by_normal @ change[:, :, None])[:, :, 0]
+        return result
 
     def spread(self) -> Any:
         """Minus the operator from forces at the candidates to velocities that they make."""

@@ -57,7 +57,7 @@ class Kinematics:
 def _apply(weights: np.ndarray, operator: Any) -> Any:
     k, r, d = weights.shape
     if isinstance(operator, np.ndarray):
-        return np.matmul(weights, operator.reshape(k, d, -1)).reshape(k * r, -1)
+        return np.matmul(weights, operator.reshape(k, d, -1)).reshape(k * r, operator.shape[1])
     return Seen(weights, operator)
 
 
@@ -100,6 +100,17 @@ def square(blocks: np.ndarray) -> Any:
     each = np.arange(k)
     result[each, :, each] = blocks
     return result.reshape(k * r, k * c)
+
+
+def spread(blocks: np.ndarray, n: int, points: np.ndarray, rows: bool = False) -> np.ndarray:
+    """The same, from blocks of some of n points: its columns are those of all points, or its
+    ``rows``."""
+    k, r, c = blocks.shape
+    each = np.arange(k)
+    first, second, shape = (points, each, (n, k)) if rows else (each, points, (k, n))
+    result = np.zeros((shape[0], r, shape[1], c))
+    result[first, :, second] = blocks
+    return result.reshape(shape[0] * r, shape[1] * c)
 
 
 def diagonal(blocks: np.ndarray) -> sp.csr_matrix:

@@ -5,7 +5,6 @@ which it ends."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -13,7 +12,6 @@ import scipy.sparse as sp
 from ..base import checks
 from ..base.vectors import slices
 from ..contact.arrivals import arrival
-from ..contact.contact import Contact
 from ..scene import Scene
 from ..solve.yielding import COMPLIANCE
 from ..steps.trial import Trial
@@ -25,6 +23,7 @@ from .kinks import refuse_grazing
 from .motion import Motion, Row
 from .parameters import Parameter
 from .rigid import RigidMotion
+from .standing import Standing
 from .supported import check_together, motion, rows_of
 from .surface import ContactRows
 
@@ -32,8 +31,8 @@ from .surface import ContactRows
 class Linearisation:
     """Linearises the steps of a scene.
 
-    The state is, solid by solid, q and v, and the time; of rigid solids beside others also by what
-    they were put back in the step, which is solved again about it.
+    The state is, solid by solid, q and v, what contacts remember, and the time; of rigid solids
+    beside others also by what they were put back in the step, which is solved again about it.
 
     Args:
         scene: the scene.
@@ -42,6 +41,7 @@ class Linearisation:
     Attributes:
         motions, contacts: the rows of its solids and contacts.
         size: of the state.
+        at: where everything stands in the state, and among the unknowns of the step.
         last: the step that was linearised last.
 
     Raises:
@@ -66,65 +66,34 @@ class Linearisation:
         for contact in scene.contacts:
             settles = scene.geometry != "newton"
             motions = [of[id(solid)] for solid in contact.solids]
-            self.contacts.append(rows_of(contact, motions, settles, located))
+            self.contacts.append(rows_of(contact, motions, settles, inertia, located))
         check_together(self.contacts)
-        self._q: dict[int, slice] = {}
-        self._v: dict[int, slice] = {}
-        self._s: dict[int, slice] = {}
-        self.size = 0
-        for m in self.motions:
-            self._q[id(m)], self.size = _next(self.size, m.size)
-            self._v[id(m)], self.size = _next(self.size, m.size)
-            if isinstance(m, RigidMotion):
-                self._s[id(m)], self.size = _next(self.size, m.size)
-        self.time, self.size = _next(self.size, 1)
-
-    def part(self, which: str, solid: Any) -> slice:
-        """Where a solid's ``"q"`` or ``"v"`` stands in the state."""
-        at = self._q if which == "q" else self._v
-        return next(at[id(m)] for m in self.motions if m.solid is solid)
-
-    def bearing(self, contact: Contact) -> tuple[np.ndarray, slice, slice]:
-        """The candidates of a contact in the step that was linearised last, (k,), and where their
-        lam (k,) and forces (k d,) stand among its unknowns."""
-        rows = next(rows for rows in self.contacts if rows.contact is contact)
-        multipliers = self._m[id(rows.contact)]
-        each = rows.unknowns // max(1, len(rows.points))
-        lam = slice(multipliers.start, multipliers.stop, each or 1)
-        return rows.points, lam, self._f[id(rows.contact)]
-
-    def multipliers(self, rows: ContactRows) -> slice:
-        """Where those of a contact stand among the unknowns of the same step, point by point."""
-        return self._m[id(rows.contact)]
-
-    def changes(self, rows: ContactRows, x: np.ndarray, start: np.ndarray) -> dict[str, np.ndarray]:
-        """Changes of what the rows of a contact read of its solid in the same step."""
-        found: dict[str, np.ndarray] = {}
-        for i, m in enumerate(rows.motions):
-            ends, starts = self._ends(m)
-            found |= {rows.key(name, i): x[at] for name, at in ends.items()}
-            found |= {rows.key(name, i): start[at] for name, at in starts.items()}
-        return found
-
-    def _ends(self, m: Motion) -> tuple[dict[str, slice], dict[str, slice]]:
-        """Where what a contact reads of a solid stands among the unknowns, and in the state."""
-        ends = {"v": self._moving[id(m)], "q": self._before[id(m)]}
-        return ends, {"v_old": self._v[id(m)], "q_old": self._q[id(m)]}
+        self.at = Standing(self.motions, self.contacts)
+        self.size = self.at.size
 
     def start(self) -> np.ndarray:
         """Derivative of the present state by the parameters, as the initial one, (size, p)."""
         state = np.zeros((self.size, len(self.parameters)))
         for m in self.motions:
             for i, parameter in enumerate(self.parameters):
-                state[self._q[id(m)], i], state[self._v[id(m)], i] = parameter.start(m.solid)
+                state[self.at.q[id(m)], i], state[self.at.v[id(m)], i] = parameter.start(m.solid)
+        for rows in self.contacts:
+            for i, parameter in enumerate(self.parameters):
+                state[self.at.r[id(rows.contact)], i] = rows.begun(parameter)
         return state
 
     def step(self, trial: Trial) -> LinearStep:
         """The linearised step, after it was solved and before it is accepted or solved again."""
-        passed = np.array([i for at in self._s.values() for i in range(at.start, at.stop)], int)
+        passed = np.array([i for at in self.at.s.values() for i in range(at.start, at.stop)], int)
         self._earlier = (self.last, passed) if trial.again else None
-        self._see(trial)
-        n, step = self._unknowns, trial.step
+        step = trial.step
+        for m in self.motions:
+            if isinstance(m, RigidMotion):
+                m.begin(trial.again > 0)
+            m.see(step)
+        for rows in self.contacts:
+            rows.see(step)
+        n = self.at.see()
         self._free = Blocks((n, n)), Blocks((n, self.size)), np.zeros((n, len(self.parameters)))
         for m in self.motions:
             self._move(m, step, *self._free)
@@ -138,39 +107,15 @@ class Linearisation:
         plus, minus, by = self._free[0].copy(), self._free[1].copy(), self._free[2].copy()
         for rows in contacts:
             self._bear(rows, plus, minus, by)
-        soft = np.zeros(self._unknowns)
+        soft = np.zeros(self.at.unknowns)
         for rows in contacts:
-            soft[self._m[id(rows.contact)]] = rows.soft(COMPLIANCE)
-        forces = [self._f[id(rows.contact)] for rows in contacts]
+            soft[self.at.m[id(rows.contact)]] = rows.soft(COMPLIANCE)
+        forces = [self.at.f[id(rows.contact)] for rows in contacts]
         inner: list[tuple[slice, InnerSolver]] = []
         for m in self.motions:
             if (own := m.inner()) is not None:
-                inner.append((slice(self._q[id(m)].start, self._v[id(m)].stop), own))
+                inner.append((slice(self.at.q[id(m)].start, self.at.v[id(m)].stop), own))
         return LinearStep(plus, minus, by, soft, forces, inner, self._earlier)
-
-    def _see(self, trial: Trial) -> None:
-        """Take up the step, and where its unknowns stand."""
-        step = trial.step
-        self._unknowns = self.size
-        self._before, self._moving = dict(self._q), dict(self._v)
-        self._m: dict[int, slice] = {}
-        self._f: dict[int, slice] = {}
-        self._y: dict[int, slice] = {}
-        for m in self.motions:
-            if isinstance(m, RigidMotion):
-                m.begin(trial.again > 0)
-            m.see(step)
-            if isinstance(m, RigidMotion):  # before what bears is put back to its gaps
-                for each in (self._before, self._moving):
-                    each[id(m)], self._unknowns = _next(self._unknowns, m.size)
-        for rows in self.contacts:
-            rows.see(step)
-            self._m[id(rows.contact)], self._unknowns = _next(self._unknowns, rows.unknowns)
-            forces = len(rows.points) * rows.contact.surface.dim
-            self._f[id(rows.contact)], self._unknowns = _next(self._unknowns, forces)
-            nodes = sum(seen.shape[0] for _, seen in rows.read()) if len(rows.points) else 0
-            first = self._unknowns
-            self._y[id(rows.contact)], self._unknowns = slice(first, first), first + nodes
 
     def _move(
         self,
@@ -181,7 +126,7 @@ class Linearisation:
         by: np.ndarray,
     ) -> None:
         """The rows of a solid but for the forces of contacts."""
-        before, moving = self._before[id(m)], self._moving[id(m)]
+        before, moving = self.at.before[id(m)], self.at.moving[id(m)]
         self._add(before, m, m.kinematics(step), plus, minus)
         self._add(moving, m, m.balance(step), plus, minus)
         for i, parameter in enumerate(self.parameters):
@@ -199,16 +144,16 @@ class Linearisation:
         put = shift(motions, self.contacts, step, self.parameters)
         places = slices(m.size for m in motions)
         for m, mine in zip(motions, places):
-            here, after, before = self._q[id(m)], self._v[id(m)], self._before[id(m)]
-            for at, block in zip((here, after, before, self._moving[id(m)]), m.kept()):
+            here, after, before = self.at.q[id(m)], self.at.v[id(m)], self.at.before[id(m)]
+            for at, block in zip((here, after, before, self.at.moving[id(m)]), m.kept()):
                 plus.add(after, at, block)
             way = np.zeros(m.size) if put is None else put.way[mine]
             onwards, further = m.onwards(way)
             plus.add(here, here, m.one)
             plus.add(here, before, -onwards)
             told = [(here, further)]
-            if id(m) in self._s:
-                every = self._s[id(m)]
+            if id(m) in self.at.s:
+                every = self.at.s[id(m)]
                 plus.add(every, every, m.one)
                 if self._earlier:
                     minus.add(every, every, -m.one)
@@ -226,49 +171,59 @@ class Linearisation:
 
     def _add(self, at: slice, m: Motion, row: Row, plus: Blocks, minus: Blocks) -> None:
         if isinstance(m, RigidMotion):  # others have solvers of their own
-            plus.add(at, self._before[id(m)], row.q)
-            plus.add(at, self._moving[id(m)], row.v)
-        minus.add(at, self._q[id(m)], row.q_old)
-        minus.add(at, self._v[id(m)], row.v_old)
+            plus.add(at, self.at.before[id(m)], row.q)
+            plus.add(at, self.at.moving[id(m)], row.v)
+        minus.add(at, self.at.q[id(m)], row.q_old)
+        minus.add(at, self.at.v[id(m)], row.v_old)
         if self._scene.locate_impacts:  # else instants do not depend on anything
-            plus.add(at, self.time, row.dt[:, None])
-            minus.add(at, self.time, -row.dt[:, None])
+            plus.add(at, self.at.time, row.dt[:, None])
+            minus.add(at, self.at.time, -row.dt[:, None])
 
     def _bear(self, rows: ContactRows, plus: Blocks, minus: Blocks, by: np.ndarray) -> None:
-        """The rows of a contact: of its multipliers, and of its forces, which act on the solid."""
+        """The rows of a contact: of its multipliers, of its forces, which act on the solid, and of
+        what it remembers."""
+        if rows.remembered:
+            self._remember(rows, plus, minus, by)
         if not len(rows.points):
             return
-        at, force = self._m[id(rows.contact)], self._f[id(rows.contact)]
-        ends: dict[str, slice] = {"m": at}
-        starts: dict[str, slice] = {}
-        for i, m in enumerate(rows.motions):
-            for every, mine in zip((ends, starts), self._ends(m)):
-                every |= {rows.key(name, i): each for name, each in mine.items()}
+        at, force = self.at.m[id(rows.contact)], self.at.f[id(rows.contact)]
+        ends, starts = self.at.read(rows)
         for name, (multipliers, forces) in rows.derivatives().items():
             into, where = (plus, ends) if name in ends else (minus, starts)
             into.add(at, where[name], multipliers)
             into.add(force, where[name], -forces)
         one = np.eye(force.stop - force.start)
         plus.add(force, force, one)
-        last = self._y[id(rows.contact)]
+        first = self.at.y[id(rows.contact)].start
         for m, seen in rows.read():
-            last, _ = _next(last.stop, seen.shape[0])
+            last = slice(first, first := first + seen.shape[0])
             plus.add(last, last, sp.identity(seen.shape[0]))
-            plus.add(last, self._before[id(m)], -seen)
-            ends["y"] = slice(self._y[id(rows.contact)].start, last.stop)
+            plus.add(last, self.at.before[id(m)], -seen)
+            ends["y"] = self.at.y[id(rows.contact)]
         for m, spread in rows.spreads():
-            plus.add(self._moving[id(m)], force, spread)
+            plus.add(self.at.moving[id(m)], force, spread)
         for m, name, turned in rows.bent():
             into, where = (plus, ends) if name in ends else (minus, starts)
-            into.add(self._moving[id(m)], where[name], -turned)
+            into.add(self.at.moving[id(m)], where[name], -turned)
         for i, parameter in enumerate(self.parameters):
-            change, forces = rows.by(parameter)
+            change, forces, _ = rows.by(parameter)
             by[at, i] += change
             by[force, i] -= forces
 
+    def _remember(self, rows: ContactRows, plus: Blocks, minus: Blocks, by: np.ndarray) -> None:
+        """What a contact remembers at the end of the step."""
+        at = self.at.r[id(rows.contact)]
+        plus.add(at, at, np.eye(rows.remembered))
+        ends, starts = self.at.read(rows)
+        for name, block in rows.remembering().items():
+            into, where = (plus, ends) if name in ends else (minus, starts)
+            into.add(at, where[name], -block)
+        for i, parameter in enumerate(self.parameters):
+            by[at, i] -= rows.by(parameter)[2]
+
     def _end(self, trial: Trial, plus: Blocks, minus: Blocks, by: np.ndarray) -> None:
         """When the step ends: where a point arrives, at once (an impact), or as the grid has it."""
-        t = self.time
+        t = self.at.time
         if not trial.arrives:
             plus.add(t, t, np.ones((1, 1)))
             if not trial.step.dt:
@@ -277,7 +232,7 @@ class Linearisation:
         rows = max(self.contacts, key=lambda rows: arrival(rows.contact).gap)
         at = arriving(rows)
         refuse_grazing(rows, at, trial.step, self._scene.stepper.resolution)
-        plus.add(t, self._q[id(rows.motion)], rows.gap_row(at)[None])
+        plus.add(t, self.at.q[id(rows.motion)], rows.gap_row(at)[None])
         by[t] += rows.gap_by(self.parameters, at)
 
 
@@ -286,7 +241,3 @@ def arriving(rows: ContactRows) -> int:
     contact = rows.contact
     free = contact.chosen & ~contact.candidates.allowed
     return int(np.where(free, contact.coupling.gaps(), -np.inf).argmax())
-
-
-def _next(first: int, size: int) -> tuple[slice, int]:
-    return slice(first, first + size), first + size

@@ -23,7 +23,6 @@ from ..contact.mortar.rates import Rates
 from ..contact.mortar_jump import MortarJump
 from ..solids import MonolithicTrace
 from .kinematics import diagonal
-from .laws import refuse_law
 from .motion import Motion
 from .points import points_of
 from .surface import ContactRows
@@ -60,7 +59,6 @@ class PairRows(ContactRows):
     def _refuse(self, contact: Contact) -> None:
         if type(contact) is not Contact or type(contact.coupling) is not MortarJump:
             raise checks.InputError(f"gradients: contact {contact.name!r} is not one of two solids")
-        refuse_law(contact)
 
     def _kinematics(self) -> None:
         contact, d = self.contact, self._d
@@ -95,19 +93,20 @@ class PairRows(ContactRows):
         """What of a matrix (..., N d) belongs to the nodes of either side."""
         return [matrix[:, side] for side in self._sides]
 
-    def derivatives(self) -> dict[str, tuple[Any, Any]]:
-        p, d = self.points, self._d
-        w = self._weights()
+    def _changes(self, points: np.ndarray, parts: Sequence[slice]) -> dict[str, tuple[Any, ...]]:
+        p, d = points, self._d
+        w = self._weights(p)
         places = components(p, d)
         J, moving = self._J[places], self._turning[places]
+        own = sp.identity(self._places.size, format="csr")[places]  # the slave's nodes are first
         by_gap, turned = (sp.csr_matrix(each) for each in (self.rates.gap, self.rates.normal))
         grown = self.rates.areas  # with which forces grow, beside an edge of the master
 
-        starts = bool(w.gap.any() or w.start.any() or self._slip[p].any() or w.old_normal.any())
+        starts = any(x.any() for x in (w.gap, w.start, w.slip, w.old_normal, w.old_place))
         if starts:  # the gaps, jumps and normals that there were
             rates = self.before()
             old_normal = np.where(self.turns[:, None], self.then.normal, self.normal)[p]
-            by_start = w.start * old_normal[:, None] + self._slip[p]
+            by_start = w.start * old_normal[:, None] + w.slip
             turned_normals = sp.csr_matrix(rates.normal)[places]
             J_then = sp.csr_matrix(self.then.operator)[places]
             turned_then = sp.csr_matrix(rates.jump(self.old_velocities))[places]
@@ -118,6 +117,7 @@ class PairRows(ContactRows):
             by_places = diagonal(w.jump[:, rows]) @ moving
             by_places += diagonal(w.end[:, rows]) @ by_gap[p]
             by_places += diagonal(w.normal[:, rows]) @ turned[places]
+            by_places += diagonal(w.place[:, rows]) @ own
             if grown is not None and not rows.start:
                 pressures = self._forces() * self.pair.share[:, None]
                 by_places -= diagonal(pressures[p, :, None]) @ sp.csr_matrix(grown)[p]
@@ -129,15 +129,13 @@ class PairRows(ContactRows):
             then = diagonal(by_start[:, rows])
             by_places = then @ turned_then + diagonal(w.gap[:, rows]) @ gap_then
             by_places += diagonal(w.old_normal[:, rows]) @ turned_normals
+            by_places += diagonal(w.old_place[:, rows]) @ own
             both = zip(self.nodes, self.sides(then @ J_then), self.sides(by_places))
             for i, (nodes, velocities, places_) in enumerate(both):
                 yield from zip(self.keys("v_old", "q_old", i), nodes.old.by(velocities, places_))
 
-        forces = dict(told(slice(0, d)))
-        result = {"m": self._by_multipliers()}
-        for name, rows in told(slice(d, None)):
-            result[name] = rows, -forces[name]
-        return result
+        every = [dict(told(rows)) for rows in parts]
+        return {name: tuple(each[name] for each in every) for name in every[0]}
 
     def keys(self, first: str, last: str, i: int) -> tuple[str, str]:
         """What derivatives by two of v, q, ... of a solid are called."""

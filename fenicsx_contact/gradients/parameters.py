@@ -18,8 +18,6 @@ from ..rods.sections import Lateral, values_of
 from ..solids import DeformableSolid, RigidSolid, Solid
 from ..solids.rotations import angles, by_spins
 from ..theory.scheme import Step
-from .forms import ByConstant
-from .laws import refuse_law
 
 
 class Parameter:
@@ -47,8 +45,8 @@ class Parameter:
         """Change of the damping forces of a deformable solid in the trial state of a step."""
         return 0.0
 
-    def rows(self, contact: Contact) -> np.ndarray | None:
-        """Change of the rows of a contact's points, (n, unknowns of a point)."""
+    def constant(self, contact: Contact) -> Any:
+        """The constant of a contact's law that it is, if it is one."""
         return None
 
     def wall(self, contact: Contact, places: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
@@ -101,12 +99,13 @@ def among(what: str, thing: Any, things: Sequence[Any]) -> None:
 
 
 class Law(Parameter):
-    """A number of a contact's law of friction.
+    """A number of a contact's law.
 
     Args:
         contact: the contact.
-        name: of the number: ``"friction"`` is Coulomb's coefficient, ``"stress"`` Tresca's; or a
-            ``fem.Constant`` that stands in what the law was given in UFL.
+        name: of the number, as the law calls it: ``"friction"`` is Coulomb's coefficient,
+            ``"stress"`` Tresca's, ``"static"`` Stribeck's, ...; or a ``fem.Constant`` that stands
+            in what the law was given in UFL.
 
     Raises:
         InputError: no such number stands in the law, or it is none that is differentiated.
@@ -114,19 +113,18 @@ class Law(Parameter):
 
     def __init__(self, contact: Contact, name: Any = "friction") -> None:
         self.contact = checks.instance("contact", contact, Contact, "a Contact")
-        refuse_law(contact)
         numbers = contact.equations.fields.numbers
         if not numbers:
             raise checks.InputError(
-                f"contact: {contact.name!r} has no law of friction with a number; friction = 0 "
-                "leaves the law out, a small positive number keeps it"
+                f"contact: {contact.name!r} has no law with a number that has a name (k.field); "
+                "friction = 0 leaves the law out, a small positive number keeps it"
             )
         if not isinstance(name, Hashable) or name not in numbers:
             raise checks.InputError(f"name = {quoted(name)}: must be one of {[*map(str, numbers)]}")
-        self._derivative = ByConstant(contact, numbers[name])
+        self._number = numbers[name]
 
-    def rows(self, contact: Contact) -> np.ndarray | None:
-        return self._derivative() if contact is self.contact else None
+    def constant(self, contact: Contact) -> Any:
+        return self._number if contact is self.contact else None
 
     def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
         among("Law", self.contact, contacts)

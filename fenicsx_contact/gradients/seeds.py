@@ -15,6 +15,7 @@ from ..output.history import History
 from .bearing import OfContact
 from .kinks import alike
 from .linearise import Linearisation
+from .memories import Remembered
 from .parameters import Parameter
 from .quantities import Quantity
 from .said import numbers
@@ -31,10 +32,12 @@ def gradient(linear: Linearisation, quantity: Quantity, unknowns: int = 0) -> np
     if not isinstance(given, (tuple, list)) or len(given) != 2:
         raise checks.InputError(f"{what}: gives {quoted(given)}; must be derivatives by q and by v")
     for kind, each in zip(("q", "v"), given):
-        part = result[linear.part(kind, quantity.solid)]
+        part = result[linear.at.part(kind, quantity.solid)]
         part[:] = numbers(f"{what}: {kind}", each, len(part))
+    if isinstance(quantity, Remembered):
+        result[linear.at.memory(quantity.contact, quantity.name)] = quantity.weights
     if unknowns and isinstance(quantity, OfContact):
-        points, pressures, forces = linear.bearing(quantity.contact)
+        points, pressures, forces = linear.at.bearing(quantity.contact)
         by_pressure, by_force = quantity.borne(points)
         result[pressures], result[forces] = -by_pressure, by_force.ravel()
     return result
@@ -176,5 +179,5 @@ class Seeds:
             hang = ~alike(change @ weights[:-1], terms @ np.abs(weights[:-1]))
             for name in (name for name, so in zip(self.values, hang) if so):
                 self._since[name] = min(row, self._since.get(name, row))
-        seed[self._linear.time] += weights[-1]
+        seed[self._linear.at.time] += weights[-1]
         return seed, by

@@ -87,4 +87,4 @@ class Pushed:
 
 def _weighed(weights: np.ndarray, values: np.ndarray) -> np.ndarray:
     k, r, c = weights.shape
-    return (weights @ values.reshape(k, c, -1)).reshape(k * r, -1)
+    return (weights @ values.reshape(k, c, values.shape[1])).reshape(k * r, values.shape[1])

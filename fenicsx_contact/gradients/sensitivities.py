@@ -81,7 +81,7 @@ def tangents(
         edges.take(trial)
         x = along.change
         along.accept()
-        columns["time"].append(x[linear.time].ravel())
+        columns["time"].append(x[linear.at.time].ravel())
         for each, at in zip(names, linear.last.forces):
             for i, name in enumerate(each):  # point by point
                 columns[name].append(x[at][i :: len(each)].sum(axis=0))

@@ -17,6 +17,7 @@ from .beams import BeamMotion
 from .believed import check_derivatives
 from .guides import GuideRows
 from .hyperelastic import HyperelasticMotion
+from .laws import refuse_law
 from .motion import DeformableMotion, Motion
 from .pairs import PairRows
 from .rigid import RigidMotion
@@ -70,7 +71,11 @@ def motion(solid: Solid, inertia: bool, moving_time: bool) -> Motion:
 
 
 def rows_of(
-    contact: Contact, motions: Sequence[Motion], settles: bool, moving_time: bool
+    contact: Contact,
+    motions: Sequence[Motion],
+    settles: bool,
+    inertia: bool,
+    moving_time: bool,
 ) -> ContactRows:
     """The rows of a contact.
 
@@ -78,6 +83,7 @@ def rows_of(
         contact: the contact.
         motions: of its solids.
         settles: whether steps settle on frozen geometry.
+        inertia: whether the scene has any.
         moving_time: whether instants depend on parameters.
 
     Raises:
@@ -88,6 +94,7 @@ def rows_of(
         raise checks.InputError(
             f"gradients: contact {contact.name!r} is a {kind}, which is not differentiated"
         )
+    refuse_law(contact, inertia, moving_time)
     if len(motions) > 1:
         if moving_time:
             raise checks.InputError(
@@ -96,7 +103,8 @@ def rows_of(
             )
         if isinstance(contact.coupling.pairing, Carried):  # type: ignore[attr-defined]
             raise checks.InputError(
-                f"gradients: contact {contact.name!r} has a clearance, and friction across it"
+                f"gradients: contact {contact.name!r} is between two solids, of springs or with a "
+                "clearance: jumps across open gaps are not differentiated"
             )
         _refuse_hinged(contact, motions)
         return PairRows(contact, motions)

@@ -9,211 +9,62 @@ and the jump at the start; here they meet the solid's kinematics.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from copy import copy
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ..base import checks
 from ..base.vectors import components
-from ..contact.contact import Contact
-from ..contact.nodal import NodalJump
-from ..solids import MonolithicTrace
-from ..theory.scheme import Step
-from .edge import Edge
-from .faces import slopes
-from .kinematics import square
-from .laws import refuse_law
+from .kinematics import spread, square
 from .motion import Motion
 from .parameters import Parameter
-from .points import points_of
 from .seen import Pushed
+from .solved import SolvedContact
 
 
-class Weights(NamedTuple):
-    """Derivatives of the rows of points, (k, rows, d or 1).
-
-    Attributes:
-        jump: by the jump at the end, and ``start``: by its normal component at the start.
-        normal, old_normal: by the normals at the end, and where they turn at the start.
-        gap, end: by the gaps at the start and at the end.
-    """
-
-    jump: np.ndarray
-    start: np.ndarray
-    normal: np.ndarray
-    old_normal: np.ndarray
-    gap: np.ndarray
-    end: np.ndarray
-
-
-class ContactRows:
-    """A contact with an obstacle at rest, in the step that has been solved and is not yet accepted.
-
-    Args:
-        contact: the contact.
-        motion: of its solid.
-
-    Attributes:
-        points: the candidates of the step, (k,).
-        old, new: kinematics at the start and at the end of the step, before what bears was put back
-            to its gaps; ``old_places``, ``places``: at both, (n, d) in m.
-        at: the points.
-        normal, bend: normals of the slave at the end, and their derivatives by the places.
-        turns: where forces act along a mean of these and the normals at the start; ``old_normal``:
-            along which jumps at the start count, ``old_bend``: derivatives of those at the start.
-        slope, old_slope: derivatives of the gaps by the places at the end and at the start: the
-            normals, where the obstacle tells true distances.
-        jump, start_jump: at the end and at the start; ``reads_start``: 1 where the law reads that.
-        unknowns: number of multipliers.
-
-    Raises:
-        InputError: what is not supported, by name.
-    """
-
-    def __init__(self, contact: Contact, motion: Motion) -> None:
-        self._refuse(contact)
-        self.contact, self.motion, self._d = contact, motion, contact.surface.dim
-        self.motions: Sequence[Motion] = [motion]
-        k = contact.equations.fields
-        turned = [] if k.start_normal is None else [k.start_normal]
-        reads = [k.gap, k.normal, k.start_jump_n, k.start_slip, *turned]
-        self._by = contact.equations.tangents.by(reads)
-        self._more = contact.equations.fields.components - self._d  # multipliers of a point
-
-    def _refuse(self, contact: Contact) -> None:
-        """Refuse what is not supported."""
-        name, coupling = f"gradients: contact {contact.name!r}", contact.coupling
-        if type(contact) is not Contact or type(coupling) is not NodalJump:
-            raise checks.InputError(f"{name} is not one of points with an obstacle")
-        if coupling.driven and not coupling.wall.uniform:
-            raise checks.InputError(f"{name} has an obstacle that moves, and is not a Moved plane")
-        if not coupling.wall.smooth:
-            raise checks.InputError(
-                f"{name} has a {type(coupling.obstacle).__name__}, whose distances are not "
-                "differentiated; what is flat, a LevelSet or has slopes and curvature is"
-            )
-        refuse_law(contact)
-        if contact.solid.dim == 2 and getattr(contact.solid, "degree", 1) > 2:
-            raise checks.InputError(f"{name} is of higher degree")
-
-    # -- what the step is ------------------------------------------------------------------------
-
-    def see(self, step: Step) -> None:
-        """Take up the step."""
-        e = self.contact.equations
-        self.step, self.points = step, e.candidates
-        self.unknowns = len(e.active_multipliers)
-        self._kinematics()
-        self._read_start()
-        self._linearise()
-
-    def _read_start(self) -> None:
-        """What the law reads of the start; what was put to zero there depends on nothing."""
-        k, share = self.contact.equations.fields, self.contact.formulation.gap_share
-        self._reads_gap = (k.gap.x.array != 0) * (1.0 - share)
-        self.reads_start = (k.start_jump_n.x.array != 0).astype(float)
-
-    def _kinematics(self) -> None:
-        """Places, velocities and normals, and what they depend on."""
-        trace = self.contact.traces[0]
-        assert isinstance(trace, MonolithicTrace)
-        at = self.at = points_of(self.motion, trace, self.step)
-        self.old, self.new, self.places = at.old, at.new, at.places
-        self.start_jump, self.jump = at.old_velocities, at.velocities
-        if self.contact.coupling.driven:
-            self.start_jump, self.jump = self.contact.jump, self.contact.trial_jump
-        self._normals(at.old_places)
-
-    def _linearise(self) -> None:
-        """Take up the forces and the derivatives of the form."""
-        e, d = self.contact.equations, self._d
-        self._force = -e.residual()[e.active_jumps]
-        self._blocks = e.tangents.blocks(frozen=True).copy()
-        self._by.refresh_constants()
-        by, ends = self._by().copy(), np.cumsum([1 + d, 1, d])
-        self._parameters, start, slip, turned = np.split(by, ends, axis=2)
-        self._start = start[:, :, 0]
-        slips = e.fields.start_slip.x.array.reshape(-1, d).any(axis=1) & bool(self.step.limit_rate)
-        self._slip = np.where(slips[:, None, None], slip, 0.0)
-        # by the normals at the start, where they turn
-        self._turned = turned if turned.size else np.zeros_like(slip)
-
-    def _normals(self, start: np.ndarray) -> None:
-        """What the obstacle is at the start and the end, and how that depends on the places."""
-        self.normal, self.old_places = self.contact.normal, start
-        new, old = slopes(self.contact, self.step, self.places, start)
-        self.slope, self.old_slope, self.bend = new.gap, old.gap, new.bend
-        self.turns = self._turns()
-        self.old_normal = np.where(self.turns[:, None], old.normal, self.normal)
-        self.old_bend = np.where(self.turns[:, None, None], old.bend, 0.0)
-
-    def _turns(self) -> np.ndarray:
-        """Where the jump at the start counts along the normal there, (n,) of bool."""
-        k = self.contact.equations.fields
-        if k.start_normal is None:
-            return np.zeros(self.contact.surface.size, dtype=bool)
-        return np.asarray(k.end_share.x.array < 1)
-
-    @contextmanager
-    def other(self, edge: Edge) -> Iterator[ContactRows]:
-        """The rows of some points on the other side of a decision; the equations have the unknowns
-        of that side meanwhile, and their fields what is told there of the start."""
-        e, other = self.contact.equations, copy(self)
-        mine, told = e.values, [(field, field.copy()) for field, _ in edge.told]
-        other.points = edge.points
-        if edge.values is not None:
-            e.values = edge.values
-        for field, values in edge.told:
-            field[:] = values
-        if told:
-            other._read_start()
-        if told or edge.values is not None:
-            other._linearise()
-        try:
-            yield other
-        finally:
-            e.values = mine
-            for field, values in told:
-                field[:] = values
+class ContactRows(SolvedContact):
+    """The rows of a contact with an obstacle at rest; see :class:`~.solved.SolvedContact`."""
 
     # -- its rows ---------------------------------------------------------------------------------
 
-    def _weights(self) -> Weights:
-        p, d = self.points, self._d
-        T, G, turns = self._blocks[p], self._parameters[p], self.turns[p][:, None, None]
-        start = (self._start[p] * self.reads_start[p][:, None])[:, :, None]
-        gap, arriving = G[:, :, :1], start * self.start_jump[p][:, None]
-        end = float(self.contact.formulation.gap_share) * gap
-        rate = self.step.gap_rate * end  # the gap at the end is read without its part in w
-        return Weights(
-            T[:, :, :d] - rate * self.normal[p][:, None],
-            start,
-            G[:, :, 1:] + arriving * ~turns - rate * self.jump[p][:, None],
-            (arriving + self._turned[p]) * turns,
-            gap * self._reads_gap[p][:, None, None],
-            end,
-        )
-
-    def _by_multipliers(self) -> tuple[Any, Any]:
-        T, d = self._blocks[self.points], self._d
-        return square(T[:, d:, d:]), -square(T[:, :d, d:])
-
     def derivatives(self) -> dict[str, tuple[Any, Any]]:
         """Of the rows of the multipliers, and of the forces at the candidates (k d, ...): by ``v``,
-        ``q`` at the end, ``v_old``, ``q_old``, and by the multipliers, ``m``."""
-        p, d = self.points, self._d
-        w = self._weights()
+        ``q`` at the end, ``v_old``, ``q_old``, by the multipliers, ``m``, and by what was
+        remembered at the start, ``r_old``."""
+        p, d, ends = self.points, self._d, self._d + self._more
+        T, old = self.reads.own[p], self._weights(p).old
+        result = {"m": (square(T[:, d:ends, d:]), -square(T[:, :d, d:]))}
+        if self.remembered:
+            n = len(self.normal)
+            result["r_old"] = tuple(  # type: ignore[assignment]
+                sign * spread(old[:, rows], n, p)
+                for sign, rows in ((1, slice(d, ends)), (-1, slice(0, d)))
+            )
+        for name, (rows, forces) in self._changes(p, (slice(d, ends), slice(0, d))).items():
+            result[name] = rows, -forces
+        return result
+
+    def remembering(self) -> dict[str, Any]:
+        """Of what is remembered at the end, point by point, by the same."""
+        n, d, ends = len(self.normal), self._d, self._d + self._more
+        every = np.arange(n)
+        last, rows = slice(ends, None), self.reads.own[self.points, ends:]
+        result = {name: each for name, (each,) in self._changes(every, (last,)).items()}
+        result["m"] = spread(rows[:, :, d:], n, self.points, rows=True)
+        result["r_old"] = square(self._weights(every).old[:, last])
+        return result
+
+    def _changes(self, points: np.ndarray, parts: Sequence[slice]) -> dict[str, tuple[Any, ...]]:
+        """Derivatives of parts of the rows of points by ``v``, ``q``, ``v_old`` and ``q_old``."""
+        p, d, w = points, self._d, self._weights(points)
         new, old = self.new.at(p, d), self.old.at(p, d)
         # what the rows depend on: velocities and places at the end, and at the start
-        by_place = w.end * self.slope[p][:, None] + w.normal @ self.bend[p]
-        by_start = w.start * self.old_normal[p][:, None] + self._slip[p]
-        by_gap = w.gap * self.old_slope[p][:, None] + w.old_normal @ self.old_bend[p]
-        result = {"m": self._by_multipliers()}
+        by_place = w.end * self.slope[p][:, None] + w.normal @ self.bend[p] + w.place
+        by_start = w.start * self.old_normal[p][:, None] + w.slip
+        by_gap = w.gap * self.old_slope[p][:, None] + w.old_normal @ self._old_bend[p] + w.old_place
+        result = {}
 
-        def told(weights: Callable[[slice], Any]) -> tuple[Any, Any]:
-            return weights(slice(d, None)), -weights(slice(0, d))
+        def told(weights: Callable[[slice], Any]) -> tuple[Any, ...]:
+            return tuple(weights(rows) for rows in parts)
 
         result["v"] = told(lambda r: new.by_place(w.jump[:, r]))
         if by_place.any() or new.bend is not None:
@@ -224,24 +75,35 @@ class ContactRows:
             result["q_old"] = told(lambda r: old.by_both(by_start[:, r], by_gap[:, r]))
         return result
 
-    def by(self, parameter: Parameter) -> tuple[np.ndarray, np.ndarray]:
-        """Derivatives of the same by a parameter."""
-        p, d = self.points, self._d
-        result = np.zeros(self._blocks[p].shape[:2])
-        if (rows := parameter.rows(self.contact)) is not None:
-            result += rows[p]
-        self._add_moved(parameter, result)
-        return result[:, d:].ravel(), -result[:, :d].ravel()
+    def begun(self, parameter: Parameter) -> np.ndarray | float:
+        """Derivative of what is remembered at the start of the run by a parameter."""
+        number = parameter.constant(self.contact)
+        if number is None or not self.remembered:
+            return 0.0
+        return self.reads.begun(number).ravel()
 
-    def _add_moved(self, parameter: Parameter, result: np.ndarray) -> None:
-        """Add what moves with the obstacle to the rows of the points, (k, unknowns of a point)."""
+    def by(self, parameter: Parameter) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Derivatives of the same by a parameter: of the multipliers, the forces, and what is
+        remembered."""
+        p, d, ends = self.points, self._d, self._d + self._more
+        result = np.zeros((len(self.normal), self.reads.own.shape[1]))
+        if (number := parameter.constant(self.contact)) is not None:
+            result += self.reads.by_constant(number)
+        result[p] += self._moved(parameter, p)
+        at = result[p]
+        return at[:, d:ends].ravel(), -at[:, :d].ravel(), result[:, ends:].ravel()
+
+    def _moved(self, parameter: Parameter, points: np.ndarray) -> np.ndarray | float:
+        """What moves with the obstacle in the rows of the points, (k, rows of a point)."""
+        result: np.ndarray | float = 0.0
         if (wall := parameter.wall(self.contact, self.places)) is not None:
-            before, w = parameter.wall(self.contact, self.old_places), self._weights()
+            before, w = parameter.wall(self.contact, self.old_places), self._weights(points)
             assert before is not None
             ends = (wall, w.end, w.normal), (before, w.gap, w.old_normal)
             for (closer, turned), by_gap, by_normal in ends:  # those of the slave: the opposite
-                result -= by_gap[:, :, 0] * closer[self.points][:, None]
-                result -= np.einsum("pci,pi->pc", by_normal, turned[self.points])
+                result = result - by_gap[:, :, 0] * closer[points][:, None]
+                result -= np.einsum("pci,pi->pc", by_normal, turned[points])
+        return result
 
     def gap_row(self, point: int) -> np.ndarray:
         """Derivative of the gap of a point at the end by q, (size,)."""
@@ -292,4 +154,5 @@ class ContactRows:
         """A compliance of the multipliers, from one of scaled unknowns and rows."""
         columns, rows = self.contact.equations.scales()
         jumps = len(self.points) * self._d
-        return (compliance / (columns * rows)[jumps:]).reshape(self._more, -1).T.ravel()
+        each = len(self.points)
+        return (compliance / (columns * rows)[jumps:]).reshape(self._more, each).T.ravel()

@@ -61,6 +61,12 @@ STOPS = {
             "another function, or an end of the run before that",
         ),
         Stop(
+            "memory",
+            "what a law remembers as ... is not finite; ...",
+            "what an own law says that its field becomes is no number: an overflow, 0/0",
+            "write the rule so that it is finite for any slip and pressure, or shorter steps",
+        ),
+        Stop(
             "row stalls",
             "a ... row stalls at a scaled residual of ...",
             "a row of a contact: which, and with which points, follows",

@@ -148,6 +148,7 @@ class GuideContact(Contact):
         coupling = GuideCoupling(self, self.trace, self._turn)
         if isinstance(self.trace, CoupledTrace) and self.formulation.multipliers:  # no springs
             self.trace.normals = coupling.normals
+            self.trace.roundness = coupling.roundness if self.surface.dim == 3 else None
         return coupling
 
     def predict(self, step: Step, closing: bool = True) -> None:

@@ -25,7 +25,9 @@ class Coupled(Slender, Protocol):
 
     inverse: np.ndarray
 
-    def push(self, force: np.ndarray, held: Callable[[], np.ndarray]) -> None: ...
+    def push(
+        self, force: np.ndarray, held: Callable[[], tuple[np.ndarray, np.ndarray]]
+    ) -> None: ...
 
 
 class CoupledTrace(BeamTrace):
@@ -33,6 +35,7 @@ class CoupledTrace(BeamTrace):
 
     _solid: Coupled
     normals: Callable[[], np.ndarray] | None = None  # of the walls at the points, (n, d)
+    roundness: Callable[[], np.ndarray] | None = None  # their derivatives by places, in space
 
     def linearise(self, step: Step) -> None:
         """J, and the columns A^-1 J' of all components, (n d, unknowns)."""
@@ -62,13 +65,21 @@ class CoupledTrace(BeamTrace):
         if force.any():
             self._solid.push(force @ self._rows, lambda: self._held(force))
 
-    def _held(self, force: np.ndarray) -> np.ndarray:
+    def _held(self, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Rows of J along the normals where these forces press, (k, unknowns): there the rod moves
-        no farther. Of walls that give way, or that nobody told the trace, there are none."""
+        no farther; and by what round walls hold it sideways there, which turn their forces against
+        what slides around them, (unknowns, unknowns) in N/m. Of walls that give way, or that nobody
+        told the trace, there are none."""
+        unknowns = self._rows.shape[1]
+        nothing = np.zeros((unknowns, unknowns))
         if self.normals is None:
-            return self._rows[:0]
+            return self._rows[:0], nothing
         n = self.normals()
         pressed = np.abs(dot(force.reshape(n.shape), n))
         held = pressed > ROUND_OFF * pressed.max()
         rows = self._rows.reshape(*n.shape, -1)[held]
-        return np.einsum("pi,pij->pj", n[held], rows)
+        along = np.einsum("pi,pij->pj", n[held], rows)
+        if self.roundness is None:
+            return along, nothing
+        turned = pressed[held, None, None] * self.roundness()[held]
+        return along, np.einsum("pia,pij,pjb->ab", rows, turned, rows)

@@ -252,11 +252,11 @@ class GuideCoupling(NodalJump):
     def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
         super().linearise(step, exact, share, kept)
         if exact and self._guide.dim == 3:
-            turn = step.gap_rate * self._roundness()
+            turn = step.gap_rate * self.roundness()
             gap = -share * np.einsum("pi,pij->pj", self.jump("trial_velocity"), turn)
             self.equations.tangents.turn(step.gap_rate * gap, turn)
 
-    def _roundness(self) -> np.ndarray:
+    def roundness(self) -> np.ndarray:
         """Derivatives of the normals by the position across the guide, (n, d, d) in 1/m: what moves
         along a wall in space turns its normal."""
         off = self._guide.holes(self._trace.positions(), self._stations, self.time)[0]

@@ -183,11 +183,11 @@ class VonKarmanBeam(BeamSolid):
 
     def drop_forces(self) -> None:
         self._pushed = np.zeros_like(self.weight)
-        self._held: list[Callable[[], np.ndarray]] = []
+        self._held: list[Callable[[], tuple[np.ndarray, np.ndarray]]] = []
 
-    def push(self, force: np.ndarray, held: Callable[[], np.ndarray]) -> None:
+    def push(self, force: np.ndarray, held: Callable[[], tuple[np.ndarray, np.ndarray]]) -> None:
         """Take up forces of contacts on the unknowns, (n,) in N, and what gives the motions that
-        they hold, (k, n)."""
+        they hold, (k, n), and how stiff they are against others, (n, n) in N/m."""
         self._pushed = self._pushed + force
         self._held.append(held)
 
@@ -216,10 +216,13 @@ class VonKarmanBeam(BeamSolid):
         of the step must be convex in what the walls that bear leave free."""
         if not step.dt or positive(self._inner):
             return ""
-        nothing = np.zeros((1, len(self._inner)))
-        held = np.concatenate([nothing, *(each()[:, self._free] for each in self._held)])
-        left = null_space(held)
-        if positive(left.T @ self._inner @ left):
+        rows, inner = [np.zeros((1, len(self._inner)))], self._inner
+        for each in self._held:
+            held, stiff = each()
+            rows.append(held[:, self._free])
+            inner = inner + step.force_rate * stiff[np.ix_(self._free, self._free)]
+        left = null_space(np.concatenate(rows))
+        if positive(left.T @ inner @ left):
             return ""
         return (
             f"{self.name!r} buckles faster than steps of {step.dt:.3g} s can tell: shorter ones can"

@@ -232,11 +232,11 @@ class Discrete(Springs):
 
     def reaction(self, k: ContactFields, depth: Any) -> Any:
         """Force of a spring that is penetrated so deep."""
-        return self.stiffness * depth
+        return k.field("stiffness", self.stiffness) * depth
 
     def mean_reaction(self, k: ContactFields, a: Any, b: Any) -> Any:
         """Its mean over the way from one depth to another."""
-        return 0.5 * self.stiffness * (a + b)
+        return 0.5 * k.field("stiffness", self.stiffness) * (a + b)
 
 
 VELOCITY = Velocity()

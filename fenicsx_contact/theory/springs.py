@@ -56,7 +56,8 @@ def spring_form(k: Any, spring: Any) -> tuple[ufl.Form, Expr]:
         The form, and the status of each point as an expression: 0 open, 1 stick, 2 slip.
     """
     a, b = k.start_gap, k.gap + k.gap_rate * k.jump_n
-    damper = spring.damping * (b - a) / k.dt
+    damping = k.field("damping", spring.damping) if spring.damping else 0.0
+    damper = damping * (b - a) / k.dt
     m, share = k.mean_share, _penetrated_share(a, b)
     mean = spring.mean_reaction(k, _positive(a), _positive(b))
     force = m * _positive(share * (mean + damper))
@@ -68,7 +69,9 @@ def spring_form(k: Any, spring: Any) -> tuple[ufl.Form, Expr]:
     if k.friction is not None:
         # the spring's stretch where the scheme takes forces
         stretch = k.tangential(k.elongation) + k.force_rate * k.jump_t
-        tau, stiffness = k.traction, spring.stiffness_t
+        own = getattr(spring, "tangential_stiffness", spring.stiffness_t)
+        name = "stiffness" if own is None else "tangential_stiffness"
+        tau, stiffness = k.traction, k.field(name, spring.stiffness_t)
         share = k.rho_t / ufl.max_value(k.rho_t, stiffness * k.force_rate)
         g_t = tau + share * (stiffness * stretch - tau)
         limit = k.friction.bound(k, force, status)

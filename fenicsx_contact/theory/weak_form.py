@@ -35,7 +35,8 @@ class ContactFields(Protocol):
             resolved, along tangents that turn with the normals; ``limit_rate``: (1 - theta)/theta.
         closed: Su of a law that is decided before the step, 0 or 1.
         rho_n, rho_t: augmentation, Pa s/m, coefficients.
-        start_gap: d_n at the start of the step [m], of a law without multipliers only.
+        start_gap, mean_share: d_n at the start of the step [m], and how far the scheme takes forces
+            in the mean, of a law without multipliers only.
         gap_rate: derivative of the end position by the end velocity, s; ``dt``: the step, s;
             ``horizon``: over which a law of velocities looks ahead, s.
         friction: the law of friction, None if there is none.
@@ -63,6 +64,7 @@ class ContactFields(Protocol):
     normal: Any
     gap: Any
     start_gap: Any
+    mean_share: Any
     start_jump_n: Any
     limit_rate: Any
     closed: Any

@@ -70,5 +70,5 @@ class Adhesive:
     def form(self, k: ContactFields) -> tuple[ufl.Form, Any]:
         """That of the law, and the traction of what touches."""
         form, status = self._law.form(k)
-        drawn = k.field("stress", self.stress) * k.touched
+        drawn = k.field("adhesive stress", self.stress) * k.touched
         return form - k.integral(drawn * k.test_jump_n), status

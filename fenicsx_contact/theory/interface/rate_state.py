@@ -10,17 +10,18 @@ import ufl
 
 from ...base import checks
 from ..laws import Expr, magnitude
-from ..parameter import Parameter, keep_parameter, told, varies
+from ..parameter import Parameter, keep_parameter, told
 
 
 def ageing(theta: Expr, V: Expr, D: Expr, time: Expr) -> Expr:
     """Dieterich's law, ``theta' = 1 - V theta/D``, exact for a V that is constant in that time:
-    contacts age also at rest. (1 - e^-x)/x is written without the difference.
+    contacts age also at rest. (1 - e^-x)/x is written without the difference where x is small.
     """
     x = V * time / D
-    moves = ufl.gt(x, 0)
-    h = ufl.conditional(moves, x, 1.0) / 2
-    grown = ufl.conditional(moves, ufl.exp(-h) * ufl.sinh(h) / h, 1.0)
+    moves, far = ufl.gt(x, 0), ufl.gt(x, 1)
+    h = ufl.conditional(moves, ufl.min_value(x, 1.0), 1.0) / 2
+    near = ufl.conditional(moves, ufl.exp(-h) * ufl.sinh(h) / h, 1.0)
+    grown = ufl.conditional(far, (1 - ufl.exp(-x)) / ufl.max_value(x, 1.0), near)
     return theta * ufl.exp(-x) + time * grown
 
 
@@ -28,6 +29,15 @@ def slip(theta: Expr, V: Expr, D: Expr, time: Expr) -> Expr:
     """Ruina's law, ``theta' = -(V theta/D) ln(V theta/D)``, likewise: at rest nothing changes."""
     x = V * theta / D
     return theta * ufl.exp((ufl.exp(-V * time / D) - 1) * ufl.ln(ufl.conditional(x > 0, x, 1.0)))
+
+
+def _asinh(V: Expr, ln_c: Expr) -> Expr:
+    """asinh(V/c) for V >= 0 from ln c, which may be of any size."""
+    there = ufl.gt(V, 0)
+    L = ufl.ln(ufl.conditional(there, V, 1.0)) - ln_c
+    z = ufl.exp(ufl.min_value(L, 30.0))
+    near = ufl.conditional(there, ufl.ln(z + ufl.sqrt(z**2 + 1)), 0.0)
+    return ufl.conditional(ufl.And(there, ufl.gt(L, 30)), L + ufl.ln(2), near)
 
 
 LAWS = {"ageing": ageing, "slip": slip}
@@ -92,22 +102,19 @@ class RateState:
         given = {name: k.field(name, getattr(self, name)) for name in ("a", "b", "mu", "speed")}
         a, b, mu, V0 = given.values()
         V, D = k.slip_speed, k.field("distance", self.distance)
-        start = self.theta
-        if start is None:  # functions have no quotient, numbers need no field
-            fields = varies(self.distance) or varies(self.speed)
-            start = D / V0 if fields else self.distance / self.speed
+        start = D / V0 if self.theta is None else self.theta
         evolve = LAWS[self.law]
         theta = k.state("theta", start, lambda old, time: evolve(old, V, D, time), at_least=0.0)
-        c = 2 * V0 * ufl.exp(-(mu + b * ufl.ln(V0 * theta / D)) / a)
-        z, A = V / c, a * pressure
-        fast = a * ufl.ln(z + ufl.sqrt(z**2 + 1)) * pressure
+        ln_c, A = ufl.ln(2 * V0) - (mu + b * ufl.ln(V0 * theta / D)) / a, a * pressure
+        fast = A * _asinh(V, ln_c)
         if k.multiplier is None:  # springs stretch by V, too
             return fast
         borne, R = magnitude(k.traction), k.rho_t
-        most = ufl.ln(1 + 2 * (borne / R + V) / c)  # y is less
+        most = _asinh(borne / R + V, ln_c)  # y is less
         y = ufl.min_value(borne / ufl.conditional(ufl.gt(A, 0), A, R * V0), most)
-        left = borne - A * y + R * (V - c * ufl.sinh(y))
-        slow = A * y + A * left / (A + R * c * ufl.cosh(y))
+        half, back = ufl.exp(ln_c + y) / 2, ufl.exp(-2 * y)  # of c sinh y and c cosh y
+        left = borne - A * y + R * (V - half * (1 - back))
+        slow = A * y + A * left / (A + R * half * (1 + back))
         return ufl.conditional(ufl.lt(R * V, A), slow, fast)
 
     def describe(self) -> str:

@@ -62,7 +62,8 @@ class Restitution(Velocity):
         if not self.coefficient:
             return limit
         struck = ufl.And(ufl.lt(k.loaded, 0.5), ufl.gt(k.start_jump_n, limit))
-        return ufl.conditional(struck, -self.coefficient * k.start_jump_n, limit)
+        e = k.field("restitution", self.coefficient)
+        return ufl.conditional(struck, -e * k.start_jump_n, limit)
 
     def limit(self, data: StepData) -> np.ndarray:
         """The same in numpy."""

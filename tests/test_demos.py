@@ -619,8 +619,13 @@ def test_identify(tmp_path, monkeypatch, capsys):
         assert abs(found["errors"][name]) < found["interval"][name] < 0.01
     assert found["correlation"] < -0.99
     assert found["noise"] == pytest.approx(demo.ROD_NOISE, rel=0.2)
+    found = summary["law"]
+    assert found["runs"] <= 15
+    for name, most in zip(demo.LAW_NAMES, (0.04, 0.001, 0.06)):
+        assert abs(found["errors"][name]) < found["interval"][name] < most
+    assert found["noise"] == pytest.approx(demo.LAW_NOISE, rel=0.2)
     assert (demo.RESULTS / "fit.png").stat().st_size > 5000
-    assert "7 runs" in capsys.readouterr().out
+    assert f"{summary['runs']} runs" in capsys.readouterr().out
 
 
 def test_uncertainty(tmp_path, monkeypatch, capsys):

@@ -15,6 +15,7 @@ from test_gradients import check
 from fenicsx_contact import (
     BeamSolid,
     Contact,
+    Discrete,
     Driven,
     Fall,
     GuideTubeWater,
@@ -277,6 +278,40 @@ def test_drops_of_other_kinds(how):
     check(
         lambda **given: drop(**given, **how), asked, 0.35, 2.5e-3, of_rod, shares=(3e-6, 2e-5, 1e-4)
     )
+
+
+class Falls:
+    """Friction that falls with the slip, of a user's own."""
+
+    def __init__(self, mu, speed):
+        self.mu, self.speed = mu, speed
+
+    reads_areas = False
+
+    def bound(self, k, pressure, S):
+        return k.field("mu", self.mu) * pressure / (1 + k.slip_speed / k.field("v", self.speed))
+
+    def describe(self):
+        return "falls"
+
+
+@pytest.mark.parametrize("theta", [0.6, 1.0])
+def test_a_drop_under_a_law_of_ones_own(theta):
+    by = {
+        name: (value, lambda s, name=name: Law(s.contacts[0], name))
+        for name, value in {"mu": 0.3, "v": 2.0}.items()
+    }
+    check(lambda mu, v: drop(Falls(mu, v), theta=theta), by, 0.5, 1e-2, of_rod)
+
+
+def test_a_drop_between_springs():
+    """Without friction: what rubs on them stretches springs that the rod slides past."""
+    by = {"k": (2e3, lambda s: Law(s.contacts[0], "stiffness"))}
+    build = partial(drop, 0.0, geometry="newton")
+    check(lambda k: build(formulation=Discrete(k)), by, 0.5, 1e-2, of_rod)
+    scene = drop(0.3, formulation=Discrete(1e5))
+    with pytest.raises(InputError, match="remembers 'stretch', past which the rod slides"):
+        tangents(scene, 0.01, 5e-3, {"mu": Law(scene.contacts[0])}, of_rod(scene))
 
 
 def test_adjoints_are_tangents_transposed():

@@ -31,6 +31,11 @@ class GuideRows(ContactRows):
 
     def __init__(self, contact: GuideContact, motion: BeamMotion, settles: bool) -> None:
         super().__init__(contact, motion)
+        if self.remembered:
+            raise checks.InputError(
+                f"gradients: contact {contact.name!r} remembers {self.reads.names[0]!r}, past "
+                "which the rod slides in its guide"
+            )
         # a law that reads no gap of the end settles with the normals of the prediction
         self._predicted = settles and not contact.formulation.gap_share
 

@@ -19,6 +19,7 @@ from ..rods import GuideContact
 from .beams import BeamMotion
 from .chords import Chord
 from .parameters import Parameter
+from .reads import Weights
 from .sight import Sight
 from .surface import ContactRows
 
@@ -73,10 +74,12 @@ class GuideRows(ContactRows):
             self._sights[key] = old, Sight(contact, self.points, end, ahead[-1])
         return self._sights[key]
 
-    def _changes(self, points: np.ndarray, parts: Sequence[slice]) -> dict[str, tuple[Any, ...]]:
+    def _changes(
+        self, points: np.ndarray, w: Weights, parts: Sequence[slice]
+    ) -> dict[str, tuple[Any, ...]]:
         n, solid = self.motion.size, self.motion.solid
         old, new = self._seen()
-        chord, w = Chord(old, new, solid.displacement), self._weights(points)
+        chord = Chord(old, new, solid.displacement)
         by_start = w.start * self.old_normal[points][:, None] + w.slip
         by_slope = w.normal @ new.normal_by[:, :, None] + w.old_normal @ chord.by_slope[:, :, None]
         by_chord = w.old_normal @ chord.by_chord[:, :, None]

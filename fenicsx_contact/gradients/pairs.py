@@ -25,6 +25,7 @@ from ..solids import MonolithicTrace
 from .kinematics import diagonal
 from .motion import Motion
 from .points import points_of
+from .reads import Weights
 from .surface import ContactRows
 
 
@@ -93,9 +94,10 @@ class PairRows(ContactRows):
         """What of a matrix (..., N d) belongs to the nodes of either side."""
         return [matrix[:, side] for side in self._sides]
 
-    def _changes(self, points: np.ndarray, parts: Sequence[slice]) -> dict[str, tuple[Any, ...]]:
+    def _changes(
+        self, points: np.ndarray, w: Weights, parts: Sequence[slice]
+    ) -> dict[str, tuple[Any, ...]]:
         p, d = points, self._d
-        w = self._weights(p)
         places = components(p, d)
         J, moving = self._J[places], self._turning[places]
         own = sp.identity(self._places.size, format="csr")[places]  # the slave's nodes are first

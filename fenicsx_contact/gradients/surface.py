@@ -17,6 +17,7 @@ from ..base.vectors import components
 from .kinematics import spread, square
 from .motion import Motion
 from .parameters import Parameter
+from .reads import Weights
 from .seen import Pushed
 from .solved import SolvedContact
 
@@ -31,31 +32,33 @@ class ContactRows(SolvedContact):
         ``q`` at the end, ``v_old``, ``q_old``, by the multipliers, ``m``, and by what was
         remembered at the start, ``r_old``."""
         p, d, ends = self.points, self._d, self._d + self._more
-        T, old = self.reads.own[p], self._weights(p).old
+        T, w = self.reads.own[p], self._weights(p)
         result = {"m": (square(T[:, d:ends, d:]), -square(T[:, :d, d:]))}
         if self.remembered:
             n = len(self.normal)
             result["r_old"] = tuple(  # type: ignore[assignment]
-                sign * spread(old[:, rows], n, p)
+                sign * spread(w.old[:, rows], n, p)
                 for sign, rows in ((1, slice(d, ends)), (-1, slice(0, d)))
             )
-        for name, (rows, forces) in self._changes(p, (slice(d, ends), slice(0, d))).items():
+        for name, (rows, forces) in self._changes(p, w, (slice(d, ends), slice(0, d))).items():
             result[name] = rows, -forces
         return result
 
     def remembering(self) -> dict[str, Any]:
         """Of what is remembered at the end, point by point, by the same."""
         n, d, ends = len(self.normal), self._d, self._d + self._more
-        every = np.arange(n)
-        last, rows = slice(ends, None), self.reads.own[self.points, ends:]
-        result = {name: each for name, (each,) in self._changes(every, (last,)).items()}
+        every, last = np.arange(n), slice(ends, None)
+        w, rows = self._weights(every), self.reads.own[self.points, ends:]
+        result = {name: each for name, (each,) in self._changes(every, w, (last,)).items()}
         result["m"] = spread(rows[:, :, d:], n, self.points, rows=True)
-        result["r_old"] = square(self._weights(every).old[:, last])
+        result["r_old"] = square(w.old[:, last])
         return result
 
-    def _changes(self, points: np.ndarray, parts: Sequence[slice]) -> dict[str, tuple[Any, ...]]:
+    def _changes(
+        self, points: np.ndarray, w: Weights, parts: Sequence[slice]
+    ) -> dict[str, tuple[Any, ...]]:
         """Derivatives of parts of the rows of points by ``v``, ``q``, ``v_old`` and ``q_old``."""
-        p, d, w = points, self._d, self._weights(points)
+        p, d = points, self._d
         new, old = self.new.at(p, d), self.old.at(p, d)
         # what the rows depend on: velocities and places at the end, and at the start
         by_place = w.end * self.slope[p][:, None] + w.normal @ self.bend[p] + w.place

@@ -297,3 +297,25 @@ def test_bad_dampings_are_refused(value):
 def test_damping_is_described():
     assert "KelvinVoigt(eta=0.1)" in bar(damping=KelvinVoigt(0.1)).describe()
     assert "damp" not in bar().describe()
+
+
+@pytest.mark.parametrize("kind", ["elastic", "hyperelastic"])
+@pytest.mark.parametrize("damping", [KelvinVoigt(0.02), Rayleigh(0.0, 0.02)], ids=repr)
+def test_springs_to_ground_are_damped_by_rayleigh_alone(damping, kind):
+    """A stiff block on soft springs strains nothing; a viscous stress takes nothing of that."""
+    given = {
+        "density": 1.0, "damping": damping, "springs": {"base": (100.0, 100.0)},
+        "velocity": lambda x: np.stack([0.1 + 0 * x[0], 0 * x[0]]),
+        "prescribed": {"left": (None, 0.0), "right": (None, 0.0)},
+    }  # fmt: skip
+    mesh = rectangle((1, 1), (1.0, 1.0))
+    if kind == "elastic":
+        block = ElasticSolid(mesh, youngs_modulus=1e6, poisson_ratio=0.0, **given)
+    else:
+        block = HyperelasticSolid(mesh, energy=neo_hookean(1e6, 0.0), **given)
+    history = Scene([block], []).run(1.0, 5e-3)
+    assert history.finished, history.reason
+    kept = (history["kinetic"] + history["strain"])[-1] / history["kinetic"][0]
+    # eta k/m = 2/s of the energy, more or less by the phase of the swing of 10/s
+    takes = isinstance(damping, Rayleigh)
+    assert kept == pytest.approx(np.exp(-2.0) if takes else 1.0, rel=0.1 if takes else 1e-3)

@@ -21,6 +21,7 @@ from fenicsx_contact import (
     HalfSpace,
     HyperelasticSolid,
     InputError,
+    Moved,
     QuasiStatic,
     RateState,
     Restitution,
@@ -353,6 +354,62 @@ def test_the_numbers_of_two_laws_of_one_name():
         lambda s, t: slides(Tresca(t), ElasticSolid, Adhesive(s), geometry="newton"),
         {"s": (3.0, number("adhesive stress")), "t": (3.0, number("stress"))}, 0.1, 1e-2,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("law", ["Compliance", "Stribeck", "RateState"])
+def test_a_constant_that_a_law_reads_twice(law):
+    """Once for each place where it is asked for; the last one alone counted."""
+
+    def build(a):
+        mesh = rectangle(size=(1.0, 0.2))
+        A = fem.Constant(mesh.mesh, a)
+        friction, form = {
+            "Compliance": (0.1, Compliance(lambda x: 4e4 * A, 1.5, 500.0)),
+            "Stribeck": (Stribeck(lambda x: 2 * A, lambda x: A, 0.3), "velocity"),
+            "RateState": (RateState(lambda x: A, lambda x: 1.5 * A, 0.05, 0.3, 0.1), "velocity"),
+        }[law]
+        block = body(ElasticSolid, mesh, (0.5, 0.0))
+        contact = Contact(block, "base", FLOOR, friction=friction, formulation=form, name="c")
+        scene = Scene([block], [contact], geometry="newton")
+        scene.constant = A
+        return scene
+
+    value = {"Compliance": 1.0, "Stribeck": 0.2, "RateState": 0.02}[law]
+    check(build, {"a": (value, lambda s: Law(s.contacts[0], s.constant))}, 0.06, 1e-2)
+
+
+@pytest.mark.parametrize("formulation", ["lagrange", "gap"])
+def test_forces_at_points_do_not_grow_with_areas(formulation):
+    """A wide slave below a narrow block, which ends within its facets."""
+
+    def build(s):
+        mesh = rectangle((3, 2), (0.4, 0.2))
+        mesh.mesh.geometry.x[:, :2] += (0.03, 0.3)
+        below = body(ElasticSolid, rectangle((8, 2), (1.6, 0.3)), (0.0, 0.0), name="lower")
+        above = body(ElasticSolid, mesh, (1.0, 0.0), name="upper")
+        floor = Contact(below, "base", FLOOR, friction=0.5, name="floor")
+        law = {"friction": Tresca(s), "formulation": formulation}
+        pair = Contact(below, "top", (above, "base"), name="pair", **law)
+        return Scene([below, above], [floor, pair], ThetaScheme(1.0), geometry="newton")
+
+    stress = 0.5 if formulation == "lagrange" else 5.0
+    check(build, {"s": (stress, number("stress"))}, 0.03, 5e-3, of_two)
+
+
+def test_what_creeps_is_on_no_edge():
+    """By rate and state nothing sticks, nor on a table that it follows."""
+    block = RigidSolid(rectangle(size=(1.0, 0.2)), mass=1.0, gravity=(0, -G), velocity=(0.1, 0.0))
+    table = Moved(FLOOR, lambda t: (0.01 * t, 0.0))
+    friction = RateState(0.02, 0.03, 0.05, 0.3, 0.1)
+    contact = Contact(block, "base", table, friction=friction, name="c")
+    by = {"a": Law(contact, "a"), "mu": Law(contact, "mu")}
+    result = tangents(Scene([block], [contact]), 0.3, 1e-2, by, centre_of(block))
+    assert result.history["vx"][-1] == pytest.approx(0.01, abs=1e-4)
+    assert not result.kinks
+
+
+def centre_of(block):
+    return {"x": Centre(block, (1, 0)), "vx": Centre(block, (1, 0), "velocity")}
 
 
 @pytest.mark.parametrize("law", ["RateState", "Discrete"])

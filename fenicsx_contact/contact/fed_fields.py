@@ -219,6 +219,8 @@ class FedFields:
         """The surface's own counterpart of coordinates, a Constant or a Function."""
         if is_coordinate(other):
             return self.x
+        if other in self.numbers:  # two parameters of a law may read one
+            return self.numbers[other]
         if hasattr(other, "value"):
             now = np.empty(other.ufl_shape, dtype=object)
             for at in np.ndindex(now.shape):

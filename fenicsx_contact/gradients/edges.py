@@ -173,10 +173,11 @@ class _Met:
             size = np.maximum(size, SAME * size.max(axis=0))  # what is less is round-off of others
             sizes["m"] = np.broadcast_to(size, own.shape).reshape(changes["m"].shape)
         left, terms = self._left(edge, changes, sizes)
+        # by the terms of either side: where all pressures stay 0 these alone are round-off
+        here = self._left(Edge(edge.points, edge.what, told=edge.here), changes, sizes)
+        terms = np.maximum(terms, here[1])
         if edge.told:  # nothing is missed where what is told there changes nothing
-            as_it_is = Edge(edge.points, edge.what, told=edge.here)
-            here = self._left(as_it_is, changes, sizes)
-            left, terms = left - here[0], np.maximum(terms, here[1])
+            left = left - here[0]
         return ~alike(*(each.reshape(len(edge.points), -1) for each in (left, terms)))
 
     def _left(

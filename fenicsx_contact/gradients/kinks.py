@@ -20,6 +20,7 @@ from ..base.constants import ROUND_OFF
 from ..base.vectors import dot, largest
 from ..steps.certificate import ACCEPTED
 from ..steps.trial import Trial
+from ..theory.friction import creeps
 from ..theory.scheme import Step
 from .edge import Edge
 from .surface import ContactRows
@@ -80,6 +81,8 @@ def weak(rows: ContactRows, speed: float) -> Iterator[Edge]:
             changed[: e.jumps] += sign * speed * way.ravel()
             with e.being(changed):
                 after = e.statuses()
+            if creeps(rows.contact.friction_law):  # it has no edge between stick and slip
+                before, after = (np.minimum(status, 1) for status in (before, after))
             points = rows.points[(after != before)[rows.points]]
             if len(points):
                 names = [[NAMES[int(s[p])] for s in (before, after)] for p in points]

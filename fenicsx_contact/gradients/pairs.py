@@ -102,7 +102,8 @@ class PairRows(ContactRows):
         J, moving = self._J[places], self._turning[places]
         own = sp.identity(self._places.size, format="csr")[places]  # the slave's nodes are first
         by_gap, turned = (sp.csr_matrix(each) for each in (self.rates.gap, self.rates.normal))
-        grown = self.rates.areas  # with which forces grow, beside an edge of the master
+        # with which forces on areas grow, beside an edge of the master
+        grown = None if self.contact.formulation.at_points else self.rates.areas
 
         starts = any(x.any() for x in (w.gap, w.start, w.slip, w.old_normal, w.old_place))
         if starts:  # the gaps, jumps and normals that there were

@@ -99,7 +99,8 @@ def among(what: str, thing: Any, things: Sequence[Any]) -> None:
 
 
 class Law(Parameter):
-    """A number of a contact's law.
+    """A number of a contact's law, of this contact alone: a law that two contacts have, or a
+    Constant that both read, is a parameter of each.
 
     Args:
         contact: the contact.

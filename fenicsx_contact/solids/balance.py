@@ -105,6 +105,7 @@ class BalancedSolid(MonolithicSolid):
         momenta = np.zeros(rows.shape)
         for k, row in enumerate(rows.T.copy()):
             momenta[:, k] = self.inertia.times(row)
+        momenta[self.fixed_unknowns] = 0.0  # whose rows say where they are
         return rows, momenta
 
     def _force_at_start(self, step: Step) -> np.ndarray:

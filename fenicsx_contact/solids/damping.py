@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import ClassVar, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from petsc4py import PETSc
@@ -19,10 +19,13 @@ from ..base import checks
 from ..theory.scheme import Step
 from .mass import Mass
 
+T = TypeVar("T")
+
 
 @runtime_checkable
 class Damping(Protocol):
-    """How a solid is damped: a class of your own needs these and a ``repr`` with its parameters."""
+    """How a solid is damped: a class of your own needs these and a ``repr`` with its parameters.
+    Where it says ``of_springs = False`` springs to ground are not among K."""
 
     @property
     def alpha(self) -> float:
@@ -32,6 +35,18 @@ class Damping(Protocol):
     def beta(self) -> float:
         """Of a force ``beta K v``, s, springs to ground among K; of a hyperelastic solid see
         :class:`KelvinVoigt`."""
+
+
+class OnSprings(Protocol[T]):
+    """A solid that is damped, on springs to ground."""
+
+    damping: Damping
+    foundations: list[T]
+
+
+def damped_springs(solid: OnSprings[T]) -> list[T]:
+    """The springs to ground that what it takes by the stiffness counts: all or none."""
+    return solid.foundations if getattr(solid.damping, "of_springs", True) else []
 
 
 @dataclass(frozen=True)
@@ -61,7 +76,7 @@ class KelvinVoigt:
 
     Of small strain: ``sigma = C : (e + eta e')``. Of large strain: the second Piola-Kirchhoff
     stress ``eta C : E'`` with E the strain of Green and Lagrange and C the elasticities of the
-    stored energy at rest, which no rotation of the solid changes.
+    stored energy at rest, which no rotation of the solid changes. Springs to ground take nothing.
     (J. C. Simo, T. J. R. Hughes, Computational Inelasticity, 1998, section 10.1.)
 
     Args:
@@ -72,6 +87,7 @@ class KelvinVoigt:
     """
 
     eta: float
+    of_springs: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         checks.keep(self, "eta", at_least=0)

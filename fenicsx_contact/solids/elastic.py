@@ -21,7 +21,7 @@ from ..base.signatures import whole
 from ..base.vectors import largest
 from ..theory.scheme import Step
 from .coefficients import Scalar, constant, scalar
-from .damping import StiffnessDamper
+from .damping import StiffnessDamper, damped_springs
 from .deformable import DeformableSolid
 from .energies import in_space
 from .factor import Factorisation
@@ -74,11 +74,14 @@ class ElasticSolid(DeformableSolid):
         self.moduli = {"youngs_modulus": E, "poisson_ratio": nu}
         self.parameters = f"E {modulus}, nu {ratio}, {self.parameters}"
         self._stiffness = assembly.assemble_petsc_matrix(self.stiffness_form(E, nu))
+        damped = self._stiffness
+        if self.foundations and not damped_springs(self):
+            damped = self._stiffness.copy()
         for foundation in self.foundations:
             foundation.add_to(self._stiffness, 1.0)
-        if self.damping.beta:
+        if beta := self.damping.beta:
             self.dampers.append(
-                StiffnessDamper(self.damping.beta, self._stiffness, self.internal_force)
+                StiffnessDamper(beta, damped, lambda v: self.multiply(damped, self._strained(v)))
             )
         drifting = [i not in self.plane.resisted for i in range(self.dim)]
         self._drifting = np.array(drifting, dtype=float)  # directions that strain nothing

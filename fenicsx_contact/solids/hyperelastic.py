@@ -26,7 +26,7 @@ from ..base.signatures import whole
 from ..base.told import name_of, written
 from ..theory.scheme import Step
 from .coefficients import of_a_field
-from .damping import StiffnessDamper
+from .damping import StiffnessDamper, damped_springs
 from .deformable import DeformableSolid
 from .energies import Energy, deformation, tangent
 from .factor import Factorisation
@@ -82,7 +82,7 @@ class HyperelasticSolid(DeformableSolid):
         self.grain = mesh.grain
         if beta := self.damping.beta:
             self.dampers.append(ViscousStress(self, self._energy, beta, self.volume))
-            self.dampers += [StiffnessDamper(beta, f.matrix, f.times) for f in self.foundations]
+            self.dampers += [StiffnessDamper(beta, f.matrix, f.times) for f in damped_springs(self)]
         self._turning = Turning(self, self._energy, self.volume)
         self._factor: Factorisation | None = None
         self._made = False  # a tangent in this step

@@ -19,7 +19,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from ..base import checks
-from ..base.constants import ROUND_OFF
+from ..base.constants import ROUND_OFF, SAME
 from ..base.nonnegative import nonnegative, smallest
 from ..base.vectors import largest
 from .factor import Factorisation
@@ -110,6 +110,13 @@ def move_mass_inwards(
     diagonal.setArray(diagonal.array_r + added)
     mass.setDiagonal(diagonal)
     diagonal.destroy()
+    after = moments()
+    spread = after[1:, 1:] - np.outer(after[0, 1:], after[0, 1:]) / after[0, 0]
+    if np.linalg.eigvalsh(spread)[:2].sum() <= SAME * after[0, 0]:
+        raise checks.InputError(
+            "mass_redistribution: leaves mass on one point or line only, about which nothing "
+            "resists a turn; name fewer facets, or give the solid more cells"
+        )
 
 
 def relax(

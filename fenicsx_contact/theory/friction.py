@@ -25,7 +25,8 @@ class FrictionBound(Protocol):
     """What a contact asks of its law of friction.
 
     Where ``reads_areas`` is False in a class itself its bound is the pressure times a number, so
-    that forces are the same for any areas.
+    that forces are the same for any areas. Where it says ``creeps = True`` nothing sticks by it,
+    however slowly it slips.
     """
 
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
@@ -99,6 +100,11 @@ class Tresca:
     def describe(self) -> str:
         """The stress."""
         return f"friction up to {told(self.stress)}"
+
+
+def creeps(law: FrictionBound | None) -> bool:
+    """Whether nothing sticks by a law."""
+    return bool(getattr(law, "creeps", False))
 
 
 class Asked:

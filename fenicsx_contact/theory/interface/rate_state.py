@@ -87,6 +87,7 @@ class RateState:
     theta: Parameter = None
     law: str = "ageing"
     reads_areas: ClassVar[bool] = False
+    creeps: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         for name in ("a", "distance", "speed"):

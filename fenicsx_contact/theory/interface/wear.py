@@ -8,7 +8,7 @@ from typing import Any
 
 from ...base import checks
 from ...base.quoted import quoted
-from ..friction import FrictionBound, friction_bound
+from ..friction import FrictionBound, creeps, friction_bound
 from ..laws import Expr
 from ..parameter import Parameter, keep_parameter, told
 
@@ -58,6 +58,11 @@ class Archard:
         law = friction_bound(self.friction)
         assert law is not None
         return law
+
+    @property
+    def creeps(self) -> bool:
+        """Whether nothing sticks by it."""
+        return creeps(self.law)
 
     def bound(self, k: Any, pressure: Expr, S: Expr) -> Expr:
         """That of the friction; the wear beside it."""

@@ -100,7 +100,7 @@ def among(what: str, thing: Any, things: Sequence[Any]) -> None:
 
 class Law(Parameter):
     """A number of a contact's law, of this contact alone: a law that two contacts have, or a
-    Constant that both read, is a parameter of each.
+    Constant that both read, is a parameter of each. Numbers of one name and value are one.
 
     Args:
         contact: the contact.

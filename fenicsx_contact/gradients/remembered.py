@@ -102,7 +102,8 @@ class Fields:
         """What is said of them, as rows of the unknowns of a point."""
         k = self._contact.equations.fields
         tests = ufl.split(ufl.TestFunction(k.unknowns.function_space))
-        rules = [k.read(ufl.as_ufl(given[name] or 0.0)) for name in self._names]
+        said = [0.0 if given[name] is None else given[name] for name in self._names]
+        rules = [k.read(ufl.as_ufl(each)) for each in said]
         return sum(rule * test * k.surface.dx for rule, test in zip(rules, tests))
 
     def take_up(self, step: Step) -> None:

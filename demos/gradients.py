@@ -27,6 +27,11 @@
 # (`ufl.derivative`). Carried from step to step this is a **tangent**; transposed, and carried
 # backwards, an **adjoint**.
 #
+# No row of this table knows Coulomb: $b$ and $w_n^{max}$ are what a law says, in UFL, and by what
+# it reads, a slip speed or a place, the compiler differentiates it; its numbers are parameters by
+# their names. What a law remembers, the age of contacts or a worn depth, is a part of the state,
+# and the rule that says what becomes of it a row of $F$.
+#
 # ## The saltation at an impact
 #
 # With located impacts the instant $t^*$ is an unknown, too, with the equation $d_n(x(t^*)) = 0$.
@@ -316,7 +321,10 @@ if __name__ == "__main__":
 #   which arrive with no more speed than gaps are told. There is no derivative of their instants:
 #   with `dt` of 1 or 2 ms the run says so; by 5 ms the block is put to rest before they are so
 #   slow, and the slope is 0. At 0.36 s, before all that, there is one.
-# - `identify.py`: friction and stiffness from a measured motion; `design.py`: the shape of a die.
+# - `identify.py`: friction and stiffness, or all of Stribeck's law, from a measured motion;
+#   `design.py`: the shape of a die.
+# - `Law(contact, "speed")` of a `Stribeck`, `"distance"` of a `RateState`, `"restitution"`, or the
+#   `"stiffness"` of a `Discrete`, against differences.
 #
 # ## Sources
 #

@@ -15,7 +15,7 @@ import numpy as np
 from ..contact.contact import Contact
 from ..theory.scheme import Step
 from .forms import ByConstant, directed
-from .remembered import Fields, Remembered, Stretch, columns, moving
+from .remembered import Fields, RememberedRows, Stretch, columns, moving
 
 
 class Weights(NamedTuple):
@@ -63,7 +63,7 @@ class Reads:
         self.names = moving(contact)
         fields |= {name: contact.memory.fields[name] for name in self.names}
         self._by, self._columns = contact.equations.tangents.by([*fields.values()]), columns(fields)
-        self._parts: list[Remembered] = []
+        self._parts: list[RememberedRows] = []
         if self.names:
             self._parts.append(Fields(contact, self.names, fields))
         if stretches:

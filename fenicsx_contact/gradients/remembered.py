@@ -22,7 +22,7 @@ from ..theory.scheme import Step
 from .forms import ByConstant
 
 
-class Remembered(Protocol):
+class RememberedRows(Protocol):
     """Numbers that each point of a contact remembers.
 
     Attributes:
@@ -76,7 +76,7 @@ def _depends(expression: Any, field: Any) -> bool:
 
 
 class Fields:
-    """Fields of a law that change with the motion; see :class:`Remembered`.
+    """Fields of a law that change with the motion; see :class:`RememberedRows`.
 
     Args:
         contact: the contact.
@@ -148,7 +148,7 @@ class Fields:
 
 
 class Stretch:
-    """The stretch of tangential springs in the plane, along the tangent; see :class:`Remembered`.
+    """The stretch of tangential springs in the plane, along the tangent; see :class:`RememberedRows`.
 
     Of what sticks it grows with the slip, of which the traction tells the share that the scheme
     takes; of what slips it is that of the traction.

@@ -65,6 +65,21 @@ class Falling:
         return "falls"
 
 
+class Heals:
+    """Friction that grows with time, whatever moves, of a user's own."""
+
+    def __init__(self, mu, rate, start=1.0):
+        self.mu, self.rate, self.start = mu, rate, start
+
+    def bound(self, k, pressure, S):
+        rate, start = k.field("rate", self.rate), k.field("start", self.start)
+        age = k.state("age", start, lambda old, time: old + rate * time)
+        return k.field("mu", self.mu) * age * pressure
+
+    def describe(self):
+        return "heals"
+
+
 def body(kind, mesh, velocity, **more):
     """Light and soft, or rigid."""
     dim = mesh.mesh.geometry.dim
@@ -97,6 +112,7 @@ FRICTION = {
         {"static": 0.4, "kinetic": 0.2, "speed": 0.3, "viscosity": 2.0},
     ),
     "own": (Falling, {"mu": 0.3, "v": 0.4}),
+    "by the clock": (Heals, {"mu": 0.2, "rate": 4.0, "start": 1.0}),
     "StaticKinetic": (lambda k: StaticKinetic(0.5, k), {"kinetic": 0.2}),
     "RateState": (
         RateState,

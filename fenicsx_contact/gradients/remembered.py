@@ -13,6 +13,7 @@ from typing import Any, Protocol
 
 import numpy as np
 import ufl
+from dolfinx import fem
 
 from ..base import checks
 from ..base.vectors import slices
@@ -54,15 +55,16 @@ def columns(fields: Mapping[str, Any]) -> dict[str, slice]:
 
 
 def moving(contact: Contact) -> list[str]:
-    """What the law of a contact remembers that changes with the motion."""
+    """What the law of a contact remembers that changes with the motion, or with its numbers."""
     k, memory = contact.equations.fields, contact.memory
-    moves = [k.unknowns, k.gap, k.normal, k.start_jump_n, k.start_slip]
+    moves = [k.unknowns, k.gap, k.normal, k.start_jump_n, k.start_slip, *k.numbers.values()]
     moves += [k.place] if k.located else []
     found: list[str] = []
     while more := [
         name
         for name, rule in memory.given.items()
-        if name not in found and any(_depends(rule, field) for field in moves)
+        if name not in found
+        and any(_depends(each, field) for each in (rule, memory.begun[name]) for field in moves)
     ]:
         found += more
         moves = [memory.fields[name] for name in more]
@@ -70,7 +72,13 @@ def moving(contact: Contact) -> list[str]:
 
 
 def _depends(expression: Any, field: Any) -> bool:
-    """Whether an expression has a derivative by a field that is not zero everywhere."""
+    """Whether an expression has a derivative by a field that is not zero everywhere, or reads a
+    constant."""
+    if expression is None:
+        return False
+    if isinstance(field, fem.Constant):
+        terminals = ufl.corealg.traversal.traverse_unique_terminals(ufl.as_ufl(expression))
+        return any(each is field for each in terminals)
     form = ufl.derivative(expression * ufl.dx(field.function_space.mesh), field)
     return not ufl.algorithms.expand_derivatives(form).empty()
 
@@ -148,7 +156,8 @@ class Fields:
 
 
 class Stretch:
-    """The stretch of tangential springs in the plane, along the tangent; see :class:`RememberedRows`.
+    """The stretch of tangential springs in the plane, along the tangent, as
+    :class:`RememberedRows`.
 
     Of what sticks it grows with the slip, of which the traction tells the share that the scheme
     takes; of what slips it is that of the traction.

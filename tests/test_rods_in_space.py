@@ -79,7 +79,7 @@ def test_normals_turn_as_newtons_method_is_told():
     settle(rod, "rod", guide)
     contact = GuideContact(rod, "rod", guide)
     touch, near = contact.coupling, contact.gap > -contact.tolerance
-    roundness, before = touch._roundness()[near], touch.normals()[near]
+    roundness, before = touch.roundness()[near], touch.normals()[near]
     assert near.sum() > 5
     for i, across in enumerate(rod.frame):
         moved = rod.displacement.copy()

@@ -21,12 +21,21 @@ class Arrival(NamedTuple):
         gap, start: there and at the start of the step, m.
         came: rate of the gap at the start, m/s.
         rate: speed of approach in the trial state, m/s.
+        contact, point: whose, and its number.
     """
 
     gap: float = -np.inf
     start: float = 0.0
     came: float = 0.0
     rate: float = 0.0
+    contact: Contact | None = None
+    point: int = -1
+
+    @property
+    def beside(self) -> bool:
+        """Whether it lies beside what it is to meet, which only a heap does not know before."""
+        asked = getattr(self.contact and self.contact.coupling, "beside", None)
+        return bool(asked and asked(self.point))
 
 
 def arrival(contact: Contact) -> Arrival:
@@ -43,7 +52,8 @@ def arrival(contact: Contact) -> Arrival:
         return Arrival()
     gap = np.where(free, contact.coupling.gaps(), -np.inf)
     at = int(gap.argmax())
-    return Arrival(float(gap[at]), float(contact.gap[at]), float(came[at]), float(rate[at]))
+    deep, start, before, now = (float(each[at]) for each in (gap, contact.gap, came, rate))
+    return Arrival(deep, start, before, now, contact, at)
 
 
 def arrives(contact: Contact) -> bool:

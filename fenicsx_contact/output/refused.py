@@ -117,6 +117,13 @@ REFUSED = [
         "let it give its values at all times of the run",
     ),
     Stop(
+        "passes by",
+        "what a corner or an edge was to meet it passes by",
+        "bodies of a `Heap` go so far in a step, by located impacts, that what was to meet lies "
+        "beside each other when it would touch; the step is halved, and this is seldom the last",
+        "shorter steps",
+    ),
+    Stop(
         "obstacle jumps",
         "... jumps by ... m at t = ... s: no velocity follows that, for which theta < 1 and "
         "located impacts ask",

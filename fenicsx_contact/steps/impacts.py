@@ -31,6 +31,7 @@ from math import inf, nan, sqrt
 
 import numpy as np
 
+from ..base.checks import StepFailed
 from ..base.constants import RIGHT, SAME
 from ..contact.arrivals import Arrival, arrival
 from ..contact.leaps import no_velocity
@@ -200,7 +201,7 @@ def _arrive(
     is back where it was.
 
     Raises:
-        StepFailed: the gap jumps.
+        StepFailed: the gap jumps, or the point lies beside what it was to meet.
     """
     trial, deepest = flight
     whole, clock = trial.step.dt, trial.step.start
@@ -229,6 +230,8 @@ def _arrive(
         slope = (gap - gap_b) / (new - b)
         bend = (slope - (gap_b - gap_a) / (b - a)) / (new - a)
         new += _rise(gap, slope + bend * (new - b), bend)
+    if found.beside:
+        raise StepFailed("what a corner or an edge was to meet it passes by")
     return replace(trial, arrives=True)
 
 

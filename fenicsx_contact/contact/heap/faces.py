@@ -49,11 +49,11 @@ def over_faces(
     little = np.flatnonzero((rise > SAME + inside[which] / size) & over[which])
     which, level = which[little], arm[little] + rise[little, None] * normal[which[little]]
     level = far[which, None] * normalised(level)
-    over[which[~_within(s, p[which] + level, face[which], x)]] = False
+    over[which[~within(s, p[which] + level, face[which], x)]] = False
     return height, over, beyond
 
 
-def _within(s: Shape, p: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.ndarray:
+def within(s: Shape, p: np.ndarray, face: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Whether places (k, d) lie over or below faces, or others in the planes of these."""
     result = np.zeros(len(face), dtype=bool)
     row, facet = s.level.of(s.plane[face])

@@ -61,12 +61,14 @@ class HeapJump(Coupling):
         return np.concatenate([trace.positions() for trace in self.traces])
 
     def _meet(self, way: np.ndarray, busy: np.ndarray) -> None:
-        self._inside, known = self.meetings.depths(), self.meetings.features.key
+        known = self.meetings.features.key
+        self._inside = self.meetings.depths(self._start)
         self._foreseen, found = way, self._search(self._start, way, self._inside, known)
         self.fresh = self.meetings.take(found, busy)
 
     def stand(self, bears: np.ndarray, step: Step) -> bool:
         way = step.horizon * self.velocities("velocity").reshape(self._start.shape)
+        self.meetings.update(self._start)  # a step that was not taken left it elsewhere
         self._meet(way, bears)
         self.meetings.update(self._start)
         self._first = self.meetings.operator
@@ -82,9 +84,13 @@ class HeapJump(Coupling):
         far = -self.equations.fields.surface.extent
         return np.where(self.meetings.there, self.meetings.gap, far)
 
+    def beside(self, point: int) -> bool:
+        """Whether a point lies beside what it is to meet, in the followed state."""
+        return bool(self.meetings.beside(self._end, np.array([point]))[0])
+
     @property
     def blocked(self) -> str:
-        depths = np.maximum(self._inside, self.meetings.depths())
+        depths = np.maximum(self._inside, self.meetings.depths(self._end))
         if self._search.blind(self._start, self._end - self._start, self._foreseen, depths):
             return (
                 "bodies go farther than it was known what they may meet, or than half of a thin one"

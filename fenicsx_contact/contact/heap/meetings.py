@@ -19,9 +19,11 @@ import numpy as np
 import scipy.sparse as sp
 
 from ...base.checks import StepFailed
+from ...base.constants import SAME
 from ...base.vectors import dot
 from ..mortar.matrices import DENSE, Matrix, used_columns
 from ..simplices import shares
+from .faces import within
 from .search import Features
 from .shape import Shape
 
@@ -84,6 +86,7 @@ class Meetings:
         self.features.mine[:] = self.features.theirs[:] = homes[:, None]  # where nothing meets
         self.normal, self.gap = np.empty((self.n, shape.dim)), np.full(self.n, -np.inf)
         self.there = np.zeros(self.n, dtype=bool)
+        self.alpha, self.beta = np.zeros((self.n, 2)), np.zeros((self.n, 3))
 
     def take(self, found: Features, busy: np.ndarray) -> np.ndarray:
         """Let these meet, those that did in their old places, others where nothing is ``busy``,
@@ -126,10 +129,12 @@ class Meetings:
         self.there = self.features.key >= 0
         return fresh | gone
 
-    def depths(self) -> np.ndarray:
-        """How deep each body is in others, at most, (B,) in m."""
+    def depths(self, x: np.ndarray) -> np.ndarray:
+        """How deep each body is in others, at most, (B,) in m, at these places of the nodes, which
+        have been taken up: what lies beside what it was to meet is not."""
         result, f = np.zeros(len(self.slots)), self.features
         deep = np.flatnonzero(self.there & (self.gap > 0))
+        deep = deep[~self.beside(x, deep)]
         for nodes in (f.mine, f.theirs):
             np.maximum.at(result, self._shape.body[nodes[deep, 0]], self.gap[deep])
         return result
@@ -169,6 +174,16 @@ class Meetings:
         self.places = (alpha[:, :, None] * x[f.mine]).sum(axis=1)
         self.places[none] = x[self._homes[none]]
         self._operator: Matrix | None = None
+
+    def beside(self, x: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Whether at such places the corners of points (k,) lie beside their faces, and all that
+        goes on in the planes of these, or their edges do not cross, (k,) of bool."""
+        f = self.features
+        both = np.concatenate([self.alpha[points], self.beta[points, :2]], axis=1)
+        result, on = both.min(axis=1) < -SAME, np.flatnonzero(f.face[points] >= 0)
+        corner, face = x[f.mine[points[on], 0]], f.face[points[on]]
+        result[on] = ~within(self._shape, corner, face, x)
+        return np.asarray(result)
 
     @property
     def operator(self) -> Matrix:

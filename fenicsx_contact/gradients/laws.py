@@ -23,8 +23,8 @@ def refuse_law(contact: Contact, inertia: bool, moving_time: bool) -> None:
         InputError: they choose their closed points before a step, remember what is not
             differentiated, or read a time that depends on parameters.
     """
-    name, law, k = f"gradients: contact {contact.name!r}", contact.formulation, contact.equations
-    kind, fields = type(law).__name__, contact.equations.fields
+    name, law = f"gradients: contact {contact.name!r}", contact.formulation
+    kind, k = type(law).__name__, contact.equations.fields
     if hasattr(law, "closed"):
         raise checks.InputError(
             f"{name} has the formulation {kind}, which chooses its closed points before a step"
@@ -46,11 +46,10 @@ def refuse_law(contact: Contact, inertia: bool, moving_time: bool) -> None:
         raise checks.InputError(
             f"{name} has a law that remembers {remembers[0]!r}, in a scene with located impacts"
         )
-    form = k.tangents.form
-    asked = [getattr(fields, each) for each in ("t", "elapsed") if each in vars(fields)]
-    for integral in form.integrals():
-        read = set(ufl.corealg.traversal.traverse_unique_terminals(integral.integrand()))
-        if read & set(asked):
+    timed = [getattr(k, each) for each in ("t", "elapsed") if each in vars(k)]
+    for integral in contact.equations.tangents.form.integrals():
+        read = ufl.corealg.traversal.traverse_unique_terminals(integral.integrand())
+        if any(terminal is each for terminal in read for each in timed):
             raise checks.InputError(f"{name} has a law of time, in a scene with located impacts")
 
 

@@ -46,7 +46,7 @@ def refuse_law(contact: Contact, inertia: bool, moving_time: bool) -> None:
         raise checks.InputError(
             f"{name} has a law that remembers {remembers[0]!r}, in a scene with located impacts"
         )
-    timed = [getattr(k, each) for each in ("t", "elapsed") if each in vars(k)]
+    timed = [k.dt, *(getattr(k, each) for each in ("t", "elapsed") if each in vars(k))]
     for integral in contact.equations.tangents.form.integrals():
         read = ufl.corealg.traversal.traverse_unique_terminals(integral.integrand())
         if any(terminal is each for terminal in read for each in timed):

@@ -176,7 +176,8 @@ class LocatedImpacts(Impacts):
         rates, self._rates = self._rates, None  # not those of a step that fails
         trial = stepper.attempt(step, closing=False, rates=rates)
         self._rates = stepper.mean_accelerations(step)
-        return trial, max((arrival(c) for c in stepper.contacts), default=Arrival())
+        arrivals = (arrival(contact) for contact in stepper.contacts)
+        return trial, max(arrivals, key=lambda each: each[:4], default=Arrival())
 
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically."""

@@ -231,7 +231,7 @@ def fit_rod(dt: float, cell: float) -> dict[str, Any]:
 LAW_NAMES = ("static", "kinetic", "speed")
 LAW_TRUE = np.array([0.4, 0.25, 0.2])  # 1, 1, m/s
 LAW_NOISE = 5e-4  # m/s
-BRAKES = 0.5  # s
+BRAKES = 0.58  # s
 
 
 def brake(p: np.ndarray, steps: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:

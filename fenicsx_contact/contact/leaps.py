@@ -13,7 +13,8 @@ from ..base.checks import StepFailed
 from ..base.constants import BRIEF, RIGHT, ROUND_OFF, SHARP
 from ..base.vectors import dot, largest
 from ..theory.scheme import Step
-from .wall import Wall, wrong
+from .answers import wrong
+from .wall import Wall
 
 
 def brief_time(time: float, span: float) -> float:

@@ -48,7 +48,7 @@ class LevelSet:
         velocity: from x and t to the velocity of the material, d components in m/s.
 
     Attributes:
-        numbers: the Constants that stand in phi.
+        numbers: the Constants that stand in phi, and further ones of the velocity.
 
     Raises:
         InputError: no such functions, a phi without a gradient, a Constant that is no scalar, or
@@ -70,7 +70,7 @@ class LevelSet:
         self._compiled: dict[tuple[str, int], tuple[PointCloud, list[Any], Callable]] = {}
         x, t = (cloud := PointCloud(1, dim)).x, cloud.t
         value = _as_ufl("phi", phi, x, t, ())
-        self._phi, self.numbers = value, _constants("phi", value, x, t)
+        self._phi, numbers = value, _constants("phi", value, x, t)
         used = ufl.algorithms.extract_coefficients(value)
         if x not in used:
             raise checks.InputError(
@@ -78,27 +78,31 @@ class LevelSet:
             )
         self.moving = t in used or velocity is not None
         self.edged = any(isinstance(each, _BENT) for each in unique_pre_traversal(value))
-        self._drift, every = None, self.numbers
+        self._drift = None
         if velocity is not None:
             self._drift = _as_ufl("velocity", velocity, x, t, (dim,))
             of_drift = _constants("velocity", self._drift, x, t)
-            every = [*every, *(c for c in of_drift if not any(c is each for each in every))]
-            self.velocity = self._velocity
-        self._every = every  # the Constants of phi, and further ones of the velocity
-        self._terminals = x, t, *every
+            numbers += [c for c in of_drift if not any(c is each for each in numbers)]
+            self.velocity, self.velocity_slopes = self._velocity, self._velocity_slopes
+        self.numbers = numbers
+        self._terminals = x, t, *numbers
 
     def _expression(self, what: str, x: Any, t: Any, fields: list[Any]) -> Any:
         """In UFL, ``x`` and the ``fields`` in place of all Constants being variables of it."""
         instead = dict(zip(self._terminals, (x, t, *fields)))
-        if what == "velocity":
-            return ufl.replace(self._drift, instead)
-        phi, numbers = ufl.replace(self._phi, instead), fields[: len(self.numbers)]
+        if what.startswith("velocity"):
+            drift = ufl.replace(self._drift, instead)
+            if what == "velocity changes":
+                each = [ufl.diff(drift[i], number) for number in fields for i in range(self.dim)]
+                return ufl.as_vector(each)
+            return drift if what == "velocity" else ufl.diff(drift, x)
+        phi = ufl.replace(self._phi, instead)
         gradient = ufl.diff(phi, x)
         size = ufl.sqrt(ufl.dot(gradient, gradient))
         distance, normal = phi / size, gradient / size
         if what == "changes":
             each = [distance, *(normal[i] for i in range(self.dim))]
-            return ufl.as_vector([ufl.diff(f, number) for number in numbers for f in each])
+            return ufl.as_vector([ufl.diff(f, number) for number in fields for f in each])
         return {
             "distance": lambda: distance,
             "slopes": lambda: ufl.diff(distance, x),
@@ -112,13 +116,13 @@ class LevelSet:
         with self._asked:
             if key not in self._compiled:
                 cloud = PointCloud(len(points), self.dim)
-                fields = [fem.Function(cloud.numbers) for _ in self._every]
+                fields = [fem.Function(cloud.numbers) for _ in self.numbers]
                 x, *instead = (ufl.variable(field) for field in (cloud.x, *fields))
                 expression = self._expression(what, x, cloud.t, instead)
                 self._compiled[key] = cloud, fields, cloud.compiled(expression)
             cloud, fields, compiled = self._compiled[key]
             cloud.place(points, time)
-            for field, number in zip(fields, self._every):
+            for field, number in zip(fields, self.numbers):
                 field.x.array[:] = float(number.value)
             values = compiled()
             if not np.isfinite(values).all():  # no gradient there, as in the middle of a ball
@@ -146,12 +150,33 @@ class LevelSet:
         self, number: fem.Constant, points: np.ndarray, time: float = 0.0
     ) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives of the distances (n,) and of the normals (n, d) by one of the numbers."""
-        first = (self.dim + 1) * next(i for i, c in enumerate(self.numbers) if c is number)
-        values = self._at("changes", points, time)[:, first : first + self.dim + 1]
+        values = self._of("changes", number, points, time, self.dim + 1)
         return values[:, 0], values[:, 1:]
+
+    def velocity_changes(
+        self, number: fem.Constant, points: np.ndarray, start: float, end: float
+    ) -> np.ndarray:
+        """Derivatives of the mean velocity between two times by one of the numbers, (n, d)."""
+        if self._drift is not None:
+            return self._of("velocity changes", number, points, 0.5 * (start + end), self.dim)
+        first, last = (self.distance(points, time) for time in (start, end))
+        (before, _), (now, turned) = (self.changes(number, points, t) for t in (start, end))
+        normals = self.normals(points, end)
+        faster = (now - before)[:, None] * normals + (last - first)[:, None] * turned
+        return np.asarray(-faster / (end - start))
+
+    def _of(
+        self, what: str, number: fem.Constant, points: np.ndarray, time: float, many: int
+    ) -> np.ndarray:
+        """Of an expression the components that belong to one of the numbers."""
+        first = many * next(i for i, each in enumerate(self.numbers) if each is number)
+        return self._at(what, points, time)[:, first : first + many]
 
     def _velocity(self, points: np.ndarray, time: float) -> np.ndarray:
         return self._at("velocity", points, time)
+
+    def _velocity_slopes(self, points: np.ndarray, time: float) -> np.ndarray:
+        return self._at("velocity slopes", points, time).reshape(-1, self.dim, self.dim)
 
     def __repr__(self) -> str:
         drift = "" if self._drift is None else f", velocity={shown(self._drift)}"

@@ -50,7 +50,7 @@ class NodalJump(Coupling):
         self._everywhere = np.ones(self._shape[0], dtype=bool)
         self._step: Step | None = None
         self._ahead = 0.0
-        self._ride = Ride(self.wall, self._shape)
+        self.ride = Ride(self.wall, self._shape)  #: how the obstacle moves beside the points
         self._start_positions = self.traces[0].positions()
         self._seen: np.ndarray | None = None  # depths in the followed state, once asked for
         self._normals: np.ndarray | None = None
@@ -67,7 +67,7 @@ class NodalJump(Coupling):
         super().begin(step)
         self._step = step
         met = self._start_normals if self.by_faces else None
-        self._ride.begin(step, self._start_positions, met)
+        self.ride.begin(step, self._start_positions, met)
 
     def _forget(self) -> None:
         self._seen = None
@@ -78,14 +78,14 @@ class NodalJump(Coupling):
         self._forget()
         self.traces[0].follow()
         if self._step:
-            self._ride.follow(self.positions())
+            self.ride.follow(self.positions())
 
     def accept(self) -> None:
         super().accept()
         if self.driven or not self.fixed_normal:
             self._start_positions = self.positions()
         if self.driven:
-            self._ride.accept()
+            self.ride.accept()
 
     def _depths(self) -> np.ndarray:
         if self._seen is None and self.by_faces:
@@ -128,7 +128,7 @@ class NodalJump(Coupling):
         along = super().start_along(jump, normals)
         if not self.driven or self.fixed_normal:
             return along
-        ride = self._ride
+        ride = self.ride
         return along + dot(ride.start, normals) - ride.start_speed(self.positions(), normals)
 
     def begun_gaps(self, gap: np.ndarray, step: Step) -> np.ndarray:
@@ -154,38 +154,38 @@ class NodalJump(Coupling):
         return super().turns(old, new, step) & (off <= np.minimum(before, behind))
 
     def to_jump(self, velocities: np.ndarray) -> np.ndarray:
-        return velocities.reshape(self._shape) - self._ride.end
+        return velocities.reshape(self._shape) - self.ride.end
 
     def jump(self, which: str) -> np.ndarray:
-        own = self._ride.start if which == "velocity" else self._ride.end  # 0 of what stands
+        own = self.ride.start if which == "velocity" else self.ride.end  # 0 of what stands
         return self.velocities(which).reshape(self._shape) - own
 
     def fastest(self, which: str) -> float:
         return longest(self.jump(which))
 
     def struck_jump(self) -> np.ndarray:
-        return self.velocities("velocity").reshape(self._shape) - self._ride.struck
+        return self.velocities("velocity").reshape(self._shape) - self.ride.struck
 
     def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
         jump = self.traces[0].mean_jump(means[id(self.solids[0])]).reshape(self._shape)
         return jump - self.carried(step)
 
     def started_along(self, vectors: np.ndarray) -> np.ndarray:
-        return dot(self._ride.start, vectors)
+        return dot(self.ride.start, vectors)
 
     def sudden(self, gap: np.ndarray, step: Step) -> float:
         if not self.driven:
             return inf
         own = self.velocities("velocity").reshape(self._shape)
-        return self._ride.sudden(self._start_positions, own, gap, step)
+        return self.ride.sudden(self._start_positions, own, gap, step)
 
     def carried(self, step: Step) -> np.ndarray | float:
         if not self.driven:
             return 0.0
-        return step.scheme.mean(self._ride.start, self._ride.end) + self.aside(step)
+        return step.scheme.mean(self.ride.start, self.ride.end) + self.aside(step)
 
     def drift(self) -> np.ndarray:
-        return self._ride.start.mean(axis=0)  # none of what stands
+        return self.ride.start.mean(axis=0)  # none of what stands
 
     def aside(self, step: Step) -> np.ndarray | float:
         k = self.equations.fields
@@ -193,7 +193,7 @@ class NodalJump(Coupling):
             return 0.0
         old = k.start_normal.x.array.reshape(self._shape) if self.encloses else None
         normals, share = (old, self.normals()), k.end_share.x.array
-        return self._ride.aside(self.positions(), normals, k.mean_normal(), share)
+        return self.ride.aside(self.positions(), normals, k.mean_normal(), share)
 
     def force(self, force: np.ndarray) -> np.ndarray:
         return force.reshape(self._shape)
@@ -201,7 +201,7 @@ class NodalJump(Coupling):
     def linearise(self, step: Step, exact: bool, share: float, kept: bool = False) -> None:
         e = self.equations
         if self.driven:
-            e.carried[:] = self._ride.end.ravel()
+            e.carried[:] = self.ride.end.ravel()
         e.tangents.turn()
         if not exact:
             return
@@ -277,11 +277,11 @@ class NodalJump(Coupling):
         return self.traces[0].mobility().reshape(self._shape)
 
     def state(self) -> dict[str, np.ndarray]:
-        return self._ride.state() | (self._by_way.state() if self.by_faces else {})
+        return self.ride.state() | (self._by_way.state() if self.by_faces else {})
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
-        self._ride.restore(state)
-        self._step, self._ahead, self.time = None, 0.0, self._ride.time
+        self.ride.restore(state)
+        self._step, self._ahead, self.time = None, 0.0, self.ride.time
         self._start_normals = np.array(state["normal"])
         if self.by_faces:
             self._start_normals = -self._by_way.restore(state)

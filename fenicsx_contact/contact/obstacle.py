@@ -159,8 +159,10 @@ class Moved:
         checks.function("motion", motion, " of the time")
         self._wall, self._motion = Wall(obstacle), motion
         self.dim, self.flat, self.edged = self._wall.dim, self._wall.flat, self._wall.edged
-        #: Whether its velocity and normal are the same everywhere: derivatives see a floor at rest.
-        self.uniform = self.flat and not self._wall.moving
+        if self._wall.smooth:
+            self.velocity_slopes = self._velocity_slopes
+        #: The Constants that stand in it.
+        self.numbers: list[Any] = list(getattr(obstacle, "numbers", ()))
         self.displacement(0.0)
 
     def displacement(self, time: float) -> np.ndarray:
@@ -188,6 +190,23 @@ class Moved:
         """Mean velocity from start to end, (n, d)."""
         first, last = self.displacement(start), self.displacement(end)
         return (last - first) / (end - start) + self._wall.velocity(points - last, start, end)
+
+    def _velocity_slopes(self, points: np.ndarray, start: float, end: float) -> np.ndarray:
+        return self._wall.velocity_slopes(points - self.displacement(end), start, end)
+
+    def changes(
+        self, number: Any, points: np.ndarray, time: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives of the distances (n,) and of the normals (n, d) by one of the numbers."""
+        changes = self._wall.obstacle.changes  # type: ignore[attr-defined]
+        return changes(number, points - self.displacement(time), time)
+
+    def velocity_changes(
+        self, number: Any, points: np.ndarray, start: float, end: float
+    ) -> np.ndarray:
+        """And of the velocity, (n, d)."""
+        changes = self._wall.obstacle.velocity_changes  # type: ignore[attr-defined]
+        return changes(number, points - self.displacement(end), start, end)
 
     def __repr__(self) -> str:
         return f"Moved({self._wall.describe()}, {shown(self._motion)})"

@@ -11,7 +11,7 @@ turns into itself.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from math import inf
 
 import numpy as np
@@ -21,6 +21,34 @@ from ..base.vectors import dot, largest
 from ..theory.scheme import Step
 from .leaps import brief_time, follows, kink, refuse_leaps
 from .wall import Wall
+
+#: A mean velocity beside points between two times, or its derivatives.
+Velocity = Callable[[np.ndarray, float, float], np.ndarray]
+
+
+def at_start(velocity: Velocity, x: np.ndarray, step: Step) -> np.ndarray:
+    """At the very start of a step."""
+    return _instant(velocity, x, step.start, brief_time(step.start, step.horizon))
+
+
+def at_end(velocity: Velocity, x: np.ndarray, step: Step) -> np.ndarray:
+    """With what velocity a step ends, of which the scheme takes part as the mean in it."""
+    late, end = step.implicitness, step.end
+    result: np.ndarray | float = 0.0
+    if late < 1:
+        # of a short part of a step not so brief that round-off shows
+        span = min(step.horizon, step.dt / (2 * BRIEF))
+        result = result + (1 - late) * _instant(velocity, x, end, -brief_time(end, span))
+    if late:
+        result = result + late * velocity(x, step.start, end)
+    return np.asarray(result)
+
+
+def _instant(velocity: Velocity, x: np.ndarray, time: float, brief: float) -> np.ndarray:
+    """At an instant, by what follows in a brief time, s, or, if that is negative, by what went
+    before: of second order in it."""
+    one, two = (velocity(x, *sorted((time, time + k * brief))) for k in (1.0, 2.0))
+    return np.asarray(2 * one - two)
 
 
 class Ride:
@@ -38,6 +66,7 @@ class Ride:
 
     Attributes:
         before: with which the last step ended, or None; ``time``: when that was, s.
+        mean: beside where the points were, by the mean rates of the begun step.
         start, end: in the begun step; ``struck``: at its start, if it starts with a percussion.
     """
 
@@ -53,7 +82,7 @@ class Ride:
     def begin(self, step: Step, x: np.ndarray, normal: np.ndarray | None = None) -> None:
         """Begin a step from these places, (n, d) in m, and normals there; None: of the wall."""
         self._step, wall = step, self._wall
-        new = self._velocity_at(x, step.start, brief_time(step.start, step.horizon))
+        new = at_start(wall.velocity, x, step)
         self.before = new if self.before is None else self.before
         if not self._follows:
             self._follows = follows(wall, x, step.start)
@@ -65,8 +94,7 @@ class Ride:
         if wall.flat or not step.dt:
             self.end = self._last_velocity(x)
         else:  # the rates of the step where it starts
-            mean = wall.velocity(x, step.end, step.start)
-            self._mean = mean
+            self.mean = mean = wall.velocity(x, step.end, step.start)
             self.end = late * mean + (1 - late) * (2 * mean - new)
         if late < 1 or step.is_part:
             refuse_leaps(wall, x, normal, new, step)
@@ -96,23 +124,7 @@ class Ride:
         """Beside these places at the end of the begun step."""
         step = self._step
         assert step is not None
-        if not step.dt:
-            return self.struck
-        late, end = step.implicitness, step.end
-        velocity = np.zeros(x.shape)
-        if late < 1:
-            # of a short part of a step not so brief that round-off shows
-            span = min(step.horizon, step.dt / (2 * BRIEF))
-            velocity += (1 - late) * self._velocity_at(x, end, -brief_time(end, span))
-        if late:
-            velocity += late * self._wall.velocity(x, step.start, end)
-        return velocity
-
-    def _velocity_at(self, x: np.ndarray, time: float, brief: float) -> np.ndarray:
-        """At an instant, by what follows in a brief time, s, or, if that is negative, by what went
-        before: of second order in it."""
-        one, two = (self._wall.velocity(x, *sorted((time, time + k * brief))) for k in (1.0, 2.0))
-        return np.asarray(2 * one - two)
+        return at_end(self._wall.velocity, x, step) if step.dt else self.struck
 
     def start_speed(self, x: np.ndarray, normal: np.ndarray) -> np.ndarray:
         """The component at the start along the normals at the end, where the points are then."""
@@ -127,7 +139,7 @@ class Ride:
         assert step is not None
         if not step.dt:
             return 0.0
-        return dot(self._wall.velocity(x, step.start, step.end), normal) - dot(self._mean, old)
+        return dot(self._wall.velocity(x, step.start, step.end), normal) - dot(self.mean, old)
 
     def aside(
         self,

@@ -53,6 +53,10 @@ class Turned:
             raise checks.InputError(f"axis = {axis!r}: must be None for an obstacle in the plane")
         self._along = np.ones(1) if self.axis is None else self.axis
         self._spin = np.tensordot(self._along, GENERATORS[self.dim], 1)  # d/d angle at 0
+        if self._wall.smooth:
+            self.velocity_slopes = self._velocity_slopes
+        #: The Constants that stand in it.
+        self.numbers: list[Any] = list(getattr(obstacle, "numbers", ()))
         self.angle(0.0)
 
     def angle(self, time: float) -> float:
@@ -84,6 +88,26 @@ class Turned:
         rate = (self.angle(end) - self.angle(start)) / (end - start)
         own = self._wall.velocity(self._back(points, end), start, end) @ self._turn(end).T
         return rate * (points - self.about) @ self._spin.T + own
+
+    def _velocity_slopes(self, points: np.ndarray, start: float, end: float) -> np.ndarray:
+        rate = (self.angle(end) - self.angle(start)) / (end - start)
+        own, turn = self._wall.velocity_slopes(self._back(points, end), start, end), self._turn(end)
+        return rate * self._spin + turn @ own @ turn.T
+
+    def changes(
+        self, number: Any, points: np.ndarray, time: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives of the distances (n,) and of the normals (n, d) by one of the numbers."""
+        changes = self._wall.obstacle.changes  # type: ignore[attr-defined]
+        closer, turned = changes(number, self._back(points, time), time)
+        return closer, turned @ self._turn(time).T
+
+    def velocity_changes(
+        self, number: Any, points: np.ndarray, start: float, end: float
+    ) -> np.ndarray:
+        """And of the velocity, (n, d)."""
+        changes = self._wall.obstacle.velocity_changes  # type: ignore[attr-defined]
+        return changes(number, self._back(points, end), start, end) @ self._turn(end).T
 
     def _turn(self, time: float) -> np.ndarray:
         return rotation_matrix(self.angle(time) * self._along)

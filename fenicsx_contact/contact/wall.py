@@ -1,12 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""What a contact asks of an obstacle, and how it asks whatever it was given."""
+"""What a contact asks of an obstacle."""
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -16,6 +13,7 @@ from ..base.overflow import told
 from ..base.quoted import quoted
 from ..base.shown import marked
 from ..base.vectors import dot, largest
+from .answers import asking, finite, mean, ours, timed, wrong
 
 
 @runtime_checkable
@@ -29,14 +27,15 @@ class Obstacle(Protocol):
       where the obstacle is curved;
     * ``slopes(points, time)``: derivatives of the distances by the position, (n, d): of a true
       distance the normals. With it and the curvature a run is differentiated
-      (:mod:`fenicsx_contact.gradients`), where nothing moves; what is flat needs neither;
+      (:mod:`fenicsx_contact.gradients`); what is flat needs neither;
     * ``velocity(points, start, end)``: mean velocity of the obstacle's material beside the points
       between two times, (n, d) in m/s, at the second of which it is there; asked for a thousandth
       of a step, too, of which differences of places are round-off. Or ``velocity(points, time)``,
       of first order by theta = 1 where it turns. Without, what moves does so along its normals;
+    * ``velocity_slopes(points, start, end)``: derivatives of that velocity by the position,
+      (n, d, d) in 1/s, with which a run is differentiated before what moves;
     * ``flat``: whether the normal is the same everywhere and always; default: no; ``edged``:
-      whether there may be edges, at which it jumps; default: yes; ``uniform``: whether the velocity
-      is the same everywhere, too, so that derivatives see it as at rest;
+      whether there may be edges, at which it jumps; default: yes;
     * ``moving``: whether anything depends on time; default: if there is a velocity, or if the
       distance takes a time;
     * ``remark``: what a reader of a run should know of it.
@@ -68,21 +67,23 @@ class Wall:
         checks.instance(what, obstacle, Obstacle, "an obstacle (dim, distance, normals at least)")
         self.obstacle, self.dim = obstacle, obstacle.dim
         self.flat = checks.truth(f"{what}.flat", getattr(obstacle, "flat", False))
-        self._distance, asks = _timed(obstacle.distance, self.flat)
-        self._normals, _ = _timed(obstacle.normals, self.flat)
-        self.ours = _ours(obstacle.normals)  # of which a test knows that they are of unit length
-        self._slopes, _ = _timed(getattr(obstacle, "slopes", obstacle.normals))
+        self._distance, asks = timed(obstacle.distance, self.flat)
+        self._normals, _ = timed(obstacle.normals, self.flat)
+        self.ours = ours(obstacle.normals)  # of which a test knows that they are of unit length
+        self._slopes, _ = timed(getattr(obstacle, "slopes", obstacle.normals))
         self.edged = checks.truth(f"{what}.edged", getattr(obstacle, "edged", not self.flat))
-        curvature, velocity = (getattr(obstacle, name, None) for name in ("curvature", "velocity"))
-        self._curvature = _timed(curvature)[0] if curvature and not self.flat else None
-        self._velocity = _mean(velocity) if velocity else None
+        names = "curvature", "velocity", "velocity_slopes"
+        curvature, velocity, faster = (getattr(obstacle, name, None) for name in names)
+        self._curvature = timed(curvature)[0] if curvature and not self.flat else None
+        self._velocity = mean(velocity) if velocity else None
         #: Whether its velocity is told, and not made of its motion, as where that is of its class.
         self.told = bool(velocity) and not (self.ours and hasattr(type(obstacle), "velocity"))
-        #: Whether it tells all that derivatives of a run ask for.
-        self.smooth = self.flat or bool(curvature and hasattr(obstacle, "slopes"))
+        self._faster = mean(faster) if faster else None
         moving = getattr(obstacle, "moving", velocity is not None or asks)
         self.moving = checks.truth(f"{what}.moving", moving)
-        self.uniform = self.flat and bool(getattr(obstacle, "uniform", False))
+        #: Whether it tells all that derivatives of a run ask for.
+        self.smooth = self.flat or bool(curvature and hasattr(obstacle, "slopes"))
+        self.smooth &= not (self.moving and velocity) or faster is not None
 
     def distance(self, points: np.ndarray, time: float) -> np.ndarray:
         """Signed distance of the points (n, d) at a time, positive outside, (n,) in m.
@@ -90,15 +91,15 @@ class Wall:
         Raises:
             StepFailed: there is none.
         """
-        with _asked():
+        with asking():
             answer = self._distance(points, time)
-        return _finite("distance", answer, points, 0)
+        return finite("distance", answer, points, 0)
 
     def normals(self, points: np.ndarray, time: float) -> np.ndarray:
         """Outward unit normals, (n, d); raises likewise."""
-        with _asked():
+        with asking():
             answer = self._normals(points, time)
-        normals = _finite("normals", answer, points)
+        normals = finite("normals", answer, points)
         if not self.ours:
             length = dot(normals, normals) ** 0.5
             if not largest(length - 1) <= RIGHT:
@@ -109,27 +110,45 @@ class Wall:
 
     def slopes(self, points: np.ndarray, time: float) -> np.ndarray:
         """Derivatives of the distances by the position, (n, d)."""
-        with _asked():
+        with asking():
             answer = self._slopes(points, time)
-        return _finite("slopes", answer, points)
+        return finite("slopes", answer, points)
 
     def curvature(self, points: np.ndarray, time: float) -> np.ndarray | None:
         """Derivatives of the normals, (n, d, d) in 1/m; None where none are known or needed."""
         if not self._curvature:
             return None
-        with _asked():
+        with asking():
             answer = self._curvature(points, time)
-        return None if answer is None else _finite("curvature", answer, points, 2)
+        return None if answer is None else finite("curvature", answer, points, 2)
 
     def velocity(self, points: np.ndarray, start: float, end: float) -> np.ndarray:
         """Mean velocity of what is beside the points between two times, (n, d) in m/s."""
         if not self.moving:
             return np.zeros(points.shape)
         if self._velocity:
-            with told(), _asked():
-                return _finite("velocity", self._velocity(points, start, end), points)
+            with told(), asking():
+                return finite("velocity", self._velocity(points, start, end), points)
         closer = self.distance(points, end) - self.distance(points, start)
         return -(closer / (end - start))[:, None] * self.normals(points, end)
+
+    def velocity_slopes(self, points: np.ndarray, start: float, end: float) -> np.ndarray:
+        """Derivatives of :meth:`velocity` by the position of what is :attr:`smooth`, (n, d, d)."""
+        if self._faster:
+            with told(), asking():
+                return finite("velocity_slopes", self._faster(points, start, end), points, 2)
+        slopes = np.zeros((*points.shape, self.dim))
+        if not self.moving:
+            return slopes
+        first, last = (self.distance(points, time) for time in (start, end))
+        faster = (self.slopes(points, end) - self.slopes(points, start)) / (end - start)
+        slopes -= self.normals(points, end)[:, :, None] * faster[:, None, :]
+        bend = self.curvature(points, end)
+        return (
+            slopes
+            if bend is None
+            else slopes - ((last - first) / (end - start))[:, None, None] * bend
+        )
 
     def check(self, points: np.ndarray) -> None:
         """Refuse an obstacle whose answers at these points, at time 0, are none or contradict each
@@ -213,88 +232,3 @@ class Wall:
         """The obstacle, without an address in memory."""
         own, shows = self.obstacle, type(self.obstacle).__repr__ is not object.__repr__
         return repr(own) if shows else marked(type(own).__name__, own.distance)
-
-
-@contextmanager
-def _asked() -> Iterator[None]:
-    """Within it an obstacle is asked for what it is: a step fails by what it raises."""
-    try:
-        yield
-    except checks.StepFailed:
-        raise
-    except Exception as problem:
-        name = type(problem).__name__
-        raise checks.StepFailed(f"an obstacle raises {name}: {problem}") from problem
-
-
-def _parameters(function: Callable) -> list[inspect.Parameter] | None:
-    """Parameters that may be given by place, or None if nobody knows."""
-    try:
-        parameters = list(inspect.signature(function).parameters.values())
-    except (TypeError, ValueError):
-        return None
-    if any(p.kind is p.VAR_POSITIONAL for p in parameters):
-        return None
-    return [p for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
-
-
-def _timed(
-    function: Callable, flat: bool = False
-) -> tuple[Callable[[np.ndarray, float], np.ndarray], bool]:
-    """The function of points as one of points and time, and whether it asks for the time; what is
-    ``flat`` is affine in places, which are not so large that it would overflow."""
-    parameters = _parameters(function)
-    asks = parameters is None or len(parameters) > 1
-    answer = function if asks else lambda points, time: function(points)
-
-    def asked(points: np.ndarray, time: float) -> np.ndarray:
-        if not largest(points) <= checks.LARGEST:  # of an iterate that diverges
-            raise checks.StepFailed("facets of a contact collapse, or are nowhere")
-        if flat:
-            return answer(points, time)
-        with told():
-            return answer(points, time)
-
-    # what is ours and has a default for the time does not depend on it without saying so
-    needed = asks and parameters and parameters[1].default is inspect.Parameter.empty
-    return asked, bool(needed) or (asks and not _ours(function))
-
-
-def _ours(function: Callable) -> bool:
-    """Whether it is a function of the package."""
-    return str(getattr(function, "__module__", "")).startswith(__name__.partition(".")[0])
-
-
-def _mean(velocity: Callable) -> Callable[[np.ndarray, float, float], np.ndarray]:
-    """The velocity as a function of points, start and end."""
-    parameters = _parameters(velocity)
-    if parameters is None or len(parameters) > 2:
-        return velocity
-    if len(parameters) == 2:
-        return lambda points, start, end: velocity(points, 0.5 * (start + end))
-    return lambda points, start, end: velocity(points)
-
-
-def _finite(what: str, answer: Any, points: np.ndarray, order: int = 1) -> np.ndarray:
-    """An answer, at each point a tensor of an order, or StepFailed if it is none."""
-    shape = len(points), *points.shape[1:] * order
-    found, allowed = "", f"{shape} real numbers for {len(points)} points"
-    if type(answer) is not np.ndarray or answer.dtype.kind != "f":  # it is asked often
-        try:
-            answer = checks.floats(answer)
-        except (TypeError, ValueError):
-            found = "complex, masked, text, truth values or lists of unlike lengths"
-    if not found and answer.shape != shape:
-        found = f"of the shape {answer.shape}"
-    if not found and not largest(answer) <= checks.LARGEST:  # nor NaN; powers of it overflow
-        at = np.argwhere(~(np.abs(answer) <= checks.LARGEST))[0]
-        allowed = f"finite, at most {checks.LARGEST:g}"
-        found = f"{answer[tuple(at)]} at the point {points[at[0]].tolist()}"
-    if found:
-        raise wrong(what, found, allowed)
-    return np.asarray(answer)
-
-
-def wrong(what: str, found: str, allowed: str) -> checks.StepFailed:
-    """What a step fails by in which an obstacle gives such an answer."""
-    return checks.StepFailed(f"the {what} of an obstacle is {found}: must be {allowed}")

@@ -30,12 +30,12 @@ def slopes(contact: Any, step: Step, places: np.ndarray, start: np.ndarray) -> t
     """Where a step ends, and where it starts.
 
     Args:
-        contact: of a deformable solid or a rigid one with a wall at rest.
+        contact: of a deformable solid or a rigid one with a wall.
         step: that has been solved.
         places, start: of its points, (n, d) in m.
     """
     wall, by_faces = contact.coupling.wall, contact.coupling.by_faces
-    ends = [_nearest(wall, x) for x in (places, start)]
+    ends = [_nearest(wall, *each) for each in ((places, step.end), (start, step.start))]
     if not by_faces:
         return tuple(ends)
     for (gap, normal, bend), met in zip(ends, (contact.normal, contact.start_normal)):
@@ -48,8 +48,8 @@ def slopes(contact: Any, step: Step, places: np.ndarray, start: np.ndarray) -> t
     return tuple(ends)
 
 
-def _nearest(wall: Wall, places: np.ndarray) -> Slopes:
+def _nearest(wall: Wall, places: np.ndarray, time: float) -> Slopes:
     """Of what is nearest."""
-    bend = wall.curvature(places, 0.0)
+    bend = wall.curvature(places, time)
     bend = np.zeros((*places.shape, places.shape[1])) if bend is None else -bend
-    return Slopes(-wall.slopes(places, 0.0), -wall.normals(places, 0.0), bend)
+    return Slopes(-wall.slopes(places, time), -wall.normals(places, time), bend)

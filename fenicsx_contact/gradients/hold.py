@@ -168,7 +168,7 @@ class ObstacleBearing:
         rest, rate = step.dt - step.gap_rate, step.gap_rate
         starts = rows.reads_start[points]
         n_old, C_old = rows.old_normal[points], rows.old_bend[points]
-        start = dot(w_old, n_old) * starts
+        start = contact.start_jump_n[points]
         self.G = np.einsum("pi,pij->pj", n, J)
         self._J, self._C, self._n = J, C, n
         self._arms = Arms(rows.at.arms[1].arms[points])
@@ -176,7 +176,8 @@ class ObstacleBearing:
         wall = contact.coupling.wall  # type: ignore[attr-defined]
         place = rows.places[points]
         gap = -wall.distance(place, rows.step.end)
-        self.off = gap - contact.gap[points] - rate * dot(w, n) - rest * start
+        begun = contact.coupling.begun_gaps(contact.gap, step)[points]
+        self.off = gap - begun - rate * dot(w, n) - rest * start
         self.q = np.einsum("pi,pij->pj", slope, J) - rate * (
             np.einsum("pi,pij->pj", n, H) + np.einsum("pi,pij->pj", w, turned)
         )
@@ -186,6 +187,11 @@ class ObstacleBearing:
         away = np.einsum("pi,pij->pj", rows.old_slope[points], J_old)
         came = np.einsum("pi,pij->pj", n_old, H_old)
         came += np.einsum("pi,pij->pj", w_old, C_old @ J_old)
+        if ride := rows.riding:
+            drift = np.einsum("pi,pij->pj", n, ride.end[points])
+            arriving = rest * starts[:, None] * ride.arriving[points] + ride.gap[points]
+            self.q += np.einsum("pi,pij->pj", rate * drift - arriving, J)
+            came += np.einsum("pi,pij->pj", ride.arriving_old[points], J_old)
         self.q_old = -away - rest * starts[:, None] * came
         self.v_old = -rest * starts[:, None] * np.einsum("pi,pij->pj", n_old, J_old)
         theta = step.scheme.position_rate
@@ -193,16 +199,19 @@ class ObstacleBearing:
         self.by = np.zeros((len(points), len(parameters)))
         self.moved: list[np.ndarray | None] = []
         for i, parameter in enumerate(parameters):
-            change = parameter.wall(contact, rows.places)
+            change = parameter.wall(contact, rows.places, step.end)
             self.moved.append(None if change is None else -change[1][points])
             if change is not None:
                 closer, turned = (-each[points] for each in change)  # gaps and normals of the slave
-                before = parameter.wall(contact, rows.old_places)
+                before = parameter.wall(contact, rows.old_places, step.start)
                 assert before is not None
                 closer_before, turned_before = (-each[points] for each in before)
                 turned_before = np.where(rows.turns[points][:, None], turned_before, turned)
                 self.by[:, i] = closer - closer_before - rate * dot(w, turned)
                 self.by[:, i] -= rest * starts * dot(w_old, turned_before)
+                if rows.riding:
+                    faster, _, coming = rows.drive(parameter, change[1], before[1])
+                    self.by[:, i] += rate * dot(faster[points], n) - rest * starts * coming[points]
 
     def bent(self, turned: np.ndarray) -> np.ndarray:
         """Change of G where the normals turn."""

@@ -19,7 +19,8 @@ from ..solids.coefficients import of_a_field
 from ..solids.energies import Energy, deformation
 from ..solids.viscous import ViscousStress
 from ..theory.scheme import Step
-from .parameters import OfSolid, damping
+from .dampings import damping
+from .parameters import OfSolid
 
 
 class Modulus(OfSolid):

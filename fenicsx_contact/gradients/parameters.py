@@ -18,6 +18,7 @@ from ..rods.sections import Lateral, values_of
 from ..solids import DeformableSolid, RigidSolid, Solid
 from ..solids.rotations import angles, by_spins
 from ..theory.scheme import Step
+from .dampings import damping
 
 
 class Parameter:
@@ -49,10 +50,17 @@ class Parameter:
         """The constant of a contact's law that it is, if it is one."""
         return None
 
-    def wall(self, contact: Contact, places: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        """Changes of the distances of places (n, d) from the obstacle of a contact, (n,), and of
-        its outward normals there, (n, d)."""
+    def wall(
+        self, contact: Contact, places: np.ndarray, time: float
+    ) -> tuple[np.ndarray, np.ndarray] | None:
+        """Changes of the distances of places (n, d) from the obstacle of a contact at a time, (n,),
+        and of its outward normals there, (n, d)."""
         return None
+
+    def drive(self, contact: Contact, places: np.ndarray, start: float, end: float) -> np.ndarray:
+        """Changes of the mean velocity beside places (n, d) of the same between two times, at the
+        second of which it is there, (n, d)."""
+        return np.zeros_like(places)
 
     def bend(
         self, contact: Contact, depth: np.ndarray
@@ -77,17 +85,6 @@ class Parameter:
 
     def check(self, solids: Sequence[Solid], contacts: Sequence[Contact]) -> None:
         """Refuse a scene in which it does not stand."""
-
-
-def damping(solid: DeformableSolid, step: Step, number: str) -> np.ndarray:
-    """The damping forces of a solid in the trial state of a step that are proportional to a number
-    of its damping, ``"alpha"`` or ``"beta"``."""
-    ends = solid.displacement, solid.trial_displacement
-    rate, force = step.rate(solid.velocity, solid.trial_velocity), np.zeros(solid.owned)
-    for damper in solid.dampers:
-        if damper.number == number:
-            force += damper.force(step, *ends, rate)
-    return force
 
 
 def among(what: str, thing: Any, things: Sequence[Any]) -> None:

@@ -39,7 +39,9 @@ def gradient(linear: Linearisation, quantity: Quantity, unknowns: int = 0) -> np
     if unknowns and isinstance(quantity, OfContact):
         points, pressures, forces = linear.at.bearing(quantity.contact)
         by_pressure, by_force = quantity.borne(points)
-        result[pressures], result[forces] = -by_pressure, by_force.ravel()
+        result[forces] = by_force.ravel()
+        if quantity.contact.multiplier is not None:  # springs have no pressures
+            result[pressures] = -by_pressure
     return result
 
 

@@ -22,12 +22,13 @@ from .faces import slopes
 from .motion import Motion
 from .points import points_of
 from .reads import Reads, Weights
+from .riding import Riding
 
 T = TypeVar("T", bound="SolvedContact")
 
 
 class SolvedContact:
-    """A contact with an obstacle at rest, in the step that has been solved and is not yet accepted.
+    """A contact with an obstacle, in the step that has been solved and is not yet accepted.
 
     Args:
         contact: the contact.
@@ -46,6 +47,7 @@ class SolvedContact:
         jump, start_jump: at the end and at the start; ``reads_start``: 1 where the law reads that.
         unknowns, remembered: number of multipliers, and of what all points remember.
         reads: derivatives of its rows by what these read.
+        riding: the obstacle, if it moves.
 
     Raises:
         InputError: what is not supported, by name.
@@ -58,18 +60,21 @@ class SolvedContact:
         self.reads = Reads(contact)
         self._more = contact.equations.fields.components - self._d  # multipliers of a point
         self.remembered = self.reads.remembered * contact.surface.size
+        self.riding: Riding | None = None
+        if isinstance(contact.coupling, NodalJump) and contact.coupling.driven:
+            self.riding = Riding(contact.coupling)
 
     def _refuse(self, contact: Contact) -> None:
         """Refuse what is not supported."""
         name, coupling = f"gradients: contact {contact.name!r}", contact.coupling
         if type(contact) is not Contact or type(coupling) is not NodalJump:
             raise checks.InputError(f"{name} is not one of points with an obstacle")
-        if coupling.driven and not coupling.wall.uniform:
-            raise checks.InputError(f"{name} has an obstacle that moves, and is not a Moved plane")
         if not coupling.wall.smooth:
+            what = "velocities" if coupling.driven else "distances"
             raise checks.InputError(
-                f"{name} has a {type(coupling.obstacle).__name__}, whose distances are not "
-                "differentiated; what is flat, a LevelSet or has slopes and curvature is"
+                f"{name} has a {type(coupling.obstacle).__name__}, whose {what} are not "
+                "differentiated; what is flat, a LevelSet or has slopes and curvature is, and what "
+                "of that moves with velocity_slopes"
             )
         if contact.solid.dim == 2 and getattr(contact.solid, "degree", 1) > 2:
             raise checks.InputError(f"{name} is of higher degree")
@@ -98,9 +103,9 @@ class SolvedContact:
         at = self.at = points_of(self.motion, trace, self.step)
         self.old, self.new, self.places = at.old, at.new, at.places
         self.start_jump, self.jump = at.old_velocities, at.velocities
-        if self.contact.coupling.driven:
-            self.start_jump, self.jump = self.contact.jump, self.contact.trial_jump
         self._normals(at.old_places)
+        if self.riding:
+            self.start_jump, self.jump = self.contact.jump, self.jump - self.riding.velocity
 
     def _linearise(self) -> None:
         """Take up the forces and the derivatives of the form."""
@@ -119,6 +124,9 @@ class SolvedContact:
         self.old_normal = np.where(self.turns[:, None], old.normal, self.normal)
         self._old_bend = old.bend
         self.old_bend = np.where(self.turns[:, None, None], old.bend, 0.0)
+        if self.riding:
+            places, normals = (start, self.places), (old.normal, self.normal)
+            self.riding.see(self.step, places, normals, (old.bend, new.bend), self.turns)
 
     def _turns(self) -> np.ndarray:
         """Where the jump at the start counts along the normal there, (n,) of bool."""

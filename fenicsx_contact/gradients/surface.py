@@ -23,7 +23,7 @@ from .solved import SolvedContact
 
 
 class ContactRows(SolvedContact):
-    """The rows of a contact with an obstacle at rest; see :class:`~.solved.SolvedContact`."""
+    """The rows of a contact with an obstacle; see :class:`~.solved.SolvedContact`."""
 
     # -- its rows ---------------------------------------------------------------------------------
 
@@ -64,6 +64,10 @@ class ContactRows(SolvedContact):
         by_place = w.end * self.slope[p][:, None] + w.normal @ self.bend[p] + w.place
         by_start = w.start * self.old_normal[p][:, None] + w.slip
         by_gap = w.gap * self.old_slope[p][:, None] + w.old_normal @ self._old_bend[p] + w.old_place
+        if ride := self.riding:
+            by_place = by_place - w.jump @ ride.end[p]
+            by_place += w.start * ride.arriving[p][:, None] + w.gap * ride.gap[p][:, None]
+            by_gap = by_gap - w.slip @ ride.start[p] + w.start * ride.arriving_old[p][:, None]
         result = {}
 
         def told(weights: Callable[[slice], Any]) -> tuple[Any, ...]:
@@ -98,27 +102,47 @@ class ContactRows(SolvedContact):
 
     def _moved(self, parameter: Parameter, points: np.ndarray) -> np.ndarray | float:
         """What moves with the obstacle in the rows of the points, (k, rows of a point)."""
-        result: np.ndarray | float = 0.0
-        if (wall := parameter.wall(self.contact, self.places)) is not None:
-            before, w = parameter.wall(self.contact, self.old_places), self._weights(points)
-            assert before is not None
-            ends = (wall, w.end, w.normal), (before, w.gap, w.old_normal)
-            for (closer, turned), by_gap, by_normal in ends:  # those of the slave: the opposite
-                result = result - by_gap[:, :, 0] * closer[points][:, None]
-                result -= np.einsum("pci,pi->pc", by_normal, turned[points])
+        p, contact, step, result = points, self.contact, self.step, 0.0
+        if (wall := parameter.wall(contact, self.places, step.end)) is None:
+            return result
+        before, w = parameter.wall(contact, self.old_places, step.start), self._weights(p)
+        assert before is not None
+        ends = (wall, w.end, w.normal), (before, w.gap, w.old_normal)
+        for (closer, turned), by_gap, by_normal in ends:  # those of the slave: the opposite
+            result = result - by_gap[:, :, 0] * closer[p][:, None]
+            result -= np.einsum("pci,pi->pc", by_normal, turned[p])
+        if self.riding:
+            end, slip, arriving = self.drive(parameter, wall[1], before[1])
+            result -= np.einsum("pci,pi->pc", w.jump, end[p])
+            result -= np.einsum("pci,pi->pc", w.slip, slip[p])
+            result += w.start[:, :, 0] * arriving[p][:, None]
         return result
+
+    def drive(
+        self, parameter: Parameter, turned: np.ndarray, before: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Derivatives by a parameter of the velocities of an obstacle that moves where the step
+        ends and where it starts, (n, d), and of how fast points come there, (n,), from those of its
+        normals."""
+        ride, contact = self.riding, self.contact
+        assert ride is not None
+        by = ride.faster(lambda *at: parameter.drive(contact, *at)[:, :, None])
+        normals = {"end": -turned[:, :, None], "old": -before[:, :, None]}
+        along = ride.along(start=by.start, late=by.late, early=by.early, **normals)
+        return by.end[:, :, 0], by.start[:, :, 0], along[:, 0]
 
     def gap_row(self, point: int) -> np.ndarray:
         """Derivative of the gap of a point at the end by q, (size,)."""
         wall = self.contact.coupling.wall  # type: ignore[attr-defined]
-        slope = -wall.slopes(self.at.end_places[point : point + 1], 0.0)[0]
+        slope = -wall.slopes(self.at.end_places[point : point + 1], self.step.end)[0]
         row = slope @ self.at.ends.place[point * self._d : (point + 1) * self._d]
         return np.asarray(row).ravel()
 
     def gap_by(self, parameters: Sequence[Parameter], point: int) -> np.ndarray:
         """And by parameters, (p,)."""
         place = self.at.end_places[point : point + 1]
-        walls = [parameter.wall(self.contact, place) for parameter in parameters]
+        time = self.step.end
+        walls = [parameter.wall(self.contact, place, time) for parameter in parameters]
         return np.array([0.0 if wall is None else -wall[0][0] for wall in walls])
 
     def spread(self) -> Any:

@@ -48,7 +48,7 @@ class Revolution:
         self.moving, self.edged = self._wall.moving, self._wall.edged
         self._across = np.eye(3) - np.outer(self.axis, self.axis)
         if self._wall.smooth:
-            self.slopes = self._slopes
+            self.slopes, self.velocity_slopes = self._slopes, self._velocity_slopes
 
     def _plane(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Places in the section's plane, (n, 2), and its axes in space, (n, 2, 3); on the axis any
@@ -83,19 +83,34 @@ class Revolution:
             if not self._wall.flat:
                 return None
             bend = np.zeros((len(points), 2, 2))
-        radius, outward = places[:, 1], self._wall.normals(places, time)[:, 1]
-        round_ = np.where(radius > 0, outward / np.where(radius > 0, radius, 1.0), bend[:, 1, 1])
-        around = np.cross(axes[:, 0], axes[:, 1])
-        hoop = round_[:, None, None] * around[:, :, None] * around[:, None, :]
-        return np.einsum("nab,nai,nbj->nij", bend, axes, axes) + hoop
+        return _turned(self._wall.normals(places, time), bend, places, axes)
 
     def velocity(self, points: np.ndarray, start: float, end: float) -> np.ndarray:
         """Mean velocity of what is beside the points, as the section has it, (n, 3)."""
         places, axes = self._plane(points)
         return np.einsum("na,nai->ni", self._wall.velocity(places, start, end), axes)
 
+    def _velocity_slopes(self, points: np.ndarray, start: float, end: float) -> np.ndarray:
+        places, axes = self._plane(points)
+        own, slopes = (
+            f(places, start, end) for f in (self._wall.velocity, self._wall.velocity_slopes)
+        )
+        return _turned(own, slopes, places, axes)
+
     def __repr__(self) -> str:
         return (
             f"Revolution({self._wall.describe()}, center={self.center.tolist()}, "
             f"axis={self.axis.tolist()})"
         )
+
+
+def _turned(
+    vectors: np.ndarray, slopes: np.ndarray, places: np.ndarray, axes: np.ndarray
+) -> np.ndarray:
+    """Derivatives in space, (n, 3, 3), of vectors of the plane (n, 2) that go round with it, from
+    their derivatives there, (n, 2, 2): on the axis those along the radius go every way."""
+    radius, away = places[:, 1], vectors[:, 1]
+    round_ = np.where(radius > 0, away / np.where(radius > 0, radius, 1.0), slopes[:, 1, 1])
+    around = np.cross(axes[:, 0], axes[:, 1])
+    hoop = round_[:, None, None] * around[:, :, None] * around[:, None, :]
+    return np.einsum("nab,nai,nbj->nij", slopes, axes, axes) + hoop

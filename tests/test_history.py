@@ -256,6 +256,15 @@ def test_resume_of_a_finished_run_gives_it_back(tmp_path):
     assert again.finished
 
 
+def test_a_resume_that_is_refused_leaves_the_run_as_it_was(tmp_path):
+    whole = run("elastic_block", directory=tmp_path)
+    with pytest.raises(InputError, match=r"until = .*must be >="):
+        until, dt = RUNS["elastic_block"]
+        scenes.elastic_block().run(until / 2, dt, directory=tmp_path, resume=True)
+    kept = read_history(tmp_path)
+    assert kept.finished and kept.times == whole.times
+
+
 def test_without_resume_an_old_run_is_overwritten(tmp_path):
     run("elastic_block", directory=tmp_path)
     fresh = run("rigid_box", directory=tmp_path)

@@ -595,6 +595,10 @@ def mesh_of(cells, points=SHARP, kind="triangle"):
         (lambda: Curve([(0, 0)]), ("points", "two or more")),
         (lambda: Curve([(0, 0, 0), (1, 1, 1)]), ("points", "plane")),
         (lambda: Curve([(0, 0), (1, np.nan)]), ("points",)),
+        (
+            lambda: Triangulated(mesh_of(CELLS, np.where(SHARP == 1, np.nan, SHARP))),
+            ("points must be finite", "point 1 is [nan"),
+        ),
         (lambda: Curve("hill"), ("points", "hill")),
         (lambda: Curve([(0, 0), (0, 0), (1, 1)]), ("points[0], points[1]", "the same")),
         (lambda: Curve([(0, 0), (1, 0), (0, 0)]), ("points", "four")),

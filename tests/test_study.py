@@ -312,6 +312,18 @@ def summed(a, b=10, x=0):
     return {"sum": np.int64(a + b + x)}
 
 
+def test_a_file_that_cannot_be_written_is_refused(tmp_path):
+    (tmp_path / "text").write_text("")
+    with pytest.raises(InputError, match=r"file = .*cannot be written"):
+        batch(halved, [{"x": 1.0, "kind": "a"}], tmp_path / "text" / "lines.jsonl")
+
+
+def test_samples_are_plain():
+    (setting,) = ladder("v", np.array([3]))
+    sample = Sample("m", setting, 0.1)
+    assert json.loads(json.dumps(sample.as_dict()))["setting"] == {"v": 3}
+
+
 def test_a_batch_tells_cases_by_all_of_their_names(tmp_path):
     """Those of other names that were on file stood for them."""
     file = str(tmp_path / "lines.jsonl")

@@ -103,6 +103,7 @@ class RunDirectory:
         rows = history.rows(self._written).astype("<f8").tobytes()
         path = self.path / "history.f64"
         with writing(path), open(path, "ab") as file:
+            (self.path / "end.json").unlink(missing_ok=True)  # of what has gone on no longer true
             file.truncate(self._written * len(history.columns) * 8)
             file.write(rows)
             file.flush()
@@ -162,8 +163,6 @@ class RunDirectory:
         if found.reason and state is not None:  # what is damaged must not become the last but one
             with _using(self.path, LAST, "replaced"):
                 os.replace(self.path / BEFORE, self.path / LAST)
-        with _using(self.path, "end.json", "removed"):
-            (self.path / "end.json").unlink(missing_ok=True)
         return found, state, checksum
 
 

@@ -89,7 +89,11 @@ def batch(
         )
     known = {_key(case): results for case, results, _, of in found if of in (version, "")}
     todo = list({_key(case): case for case in cases if _key(case) not in known}.values())
-    file.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.open("a").close()
+    except OSError as problem:
+        raise checks.InputError(f"file = {str(file)!r}: cannot be written ({problem})") from None
     show = sys.stderr.isatty() if progress is None else progress
     fork = multiprocessing.get_context("fork")
     failures: list[tuple[dict[str, Any], BaseException]] = []

@@ -99,7 +99,9 @@ class Sample:
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
-        return asdict(self)
+        told = asdict(self)
+        plain = {k: v.tolist() if hasattr(v, "tolist") else v for k, v in self.setting.items()}
+        return told | {"setting": told["setting"] | plain}
 
 
 #: Cost: seconds after which a setting is not repeated: what lasts is measured well enough.

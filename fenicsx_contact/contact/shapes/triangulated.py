@@ -207,7 +207,12 @@ def _read(surface: Any) -> tuple[np.ndarray, np.ndarray]:
             raise checks.InputError(f"{name}: {problem}") from None
     kinds = {block.type for block in surface.cells}
     points = np.asarray(surface.points, dtype=float)
-    if kinds != {"triangle"} or points.shape[1:] != (3,) or not np.isfinite(points).all():
+    if not np.isfinite(points).all():
+        at = int(np.argmin(np.isfinite(points).all(axis=1)))
+        raise checks.InputError(
+            f"{name}: its points must be finite; point {at} is {points[at].tolist()}"
+        )
+    if kinds != {"triangle"} or points.shape[1:] != (3,):
         raise checks.InputError(
             f"{name}: must hold triangles in space and nothing else, it has {sorted(kinds)}"
         )

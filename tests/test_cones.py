@@ -15,7 +15,7 @@ from fenicsx_contact import (
     ThetaScheme,
     mesh_from_gmsh,
 )
-from fenicsx_contact.solve import loop
+from fenicsx_contact.solve import sweeps
 from fenicsx_contact.solve.cone_points import ConePoints
 from fenicsx_contact.solve.cones import in_cones
 from fenicsx_contact.solve.newton import Newton
@@ -64,12 +64,12 @@ def test_an_arm_swings_on_a_pin_with_play(law, friction, tmp_path):
 def test_what_begins_anew_is_all_but_solved(tmp_path, monkeypatch):
     errors = []
 
-    def begun(system, contacts, step, begin=loop.begin_from_cones):
+    def begun(system, contacts, step, begin=sweeps.begin_from_cones):
         assert begin(system, contacts, step)
         errors.append(system.error())
         return True
 
-    monkeypatch.setattr(loop, "begin_from_cones", begun)
+    monkeypatch.setattr(sweeps, "begin_from_cones", begun)
     swings(tmp_path, "velocity", 0.2)
     assert len(errors) > 10 and np.quantile(errors, 0.25) < 1e-5
 

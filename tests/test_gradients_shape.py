@@ -398,7 +398,7 @@ def test_what_is_refused():
     scene, (height, *_) = pressed(WAVE)
     contact = scene.contacts[0]
     stranger = fem.Constant(rectangle().mesh, 1.0)
-    with pytest.raises(InputError, match=r"number = .* must be a fem.Constant in phi"):
+    with pytest.raises(InputError, match=r"number = .* must be a fem.Constant in the obstacle"):
         Shape(contact, stranger)
     with pytest.raises(InputError, match=r"number = 0\.3: must be a fem\.Constant"):
         Shape(contact, 0.3)

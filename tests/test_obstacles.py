@@ -210,7 +210,9 @@ def test_constants_in_the_velocity_of_a_level_set():
         here = np.stack([fast.value * x[:, 1] + rise.value, np.full(4, slow.value)], axis=1)
         np.testing.assert_allclose(level.velocity(x, 0.0), here, rtol=1e-13)
         np.testing.assert_allclose(belt.velocity(x, 0.0), np.outer(here[:, 1], [1, 0]), rtol=1e-13)
-    assert level.numbers == [rise] and belt.numbers == []
+    assert level.numbers[0] is rise and belt.numbers == [slow]
+    assert sorted(map(id, level.numbers[1:])) == sorted([id(fast), id(slow)])
+    np.testing.assert_allclose(level.changes(fast, x)[0], 0.0)
     np.testing.assert_allclose(level.changes(rise, x)[0], -1.0, rtol=1e-13)
     assert not Wall(FLOOR).moving and not Wall(FLOOR).velocity(x, 0.0, 1.0).any()
 

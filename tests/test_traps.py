@@ -23,7 +23,7 @@ from fenicsx_contact import (
 )
 from fenicsx_contact.base import compat
 from fenicsx_contact.contact.surface import Surface
-from fenicsx_contact.solve import loop
+from fenicsx_contact.solve import sweeps
 from fenicsx_contact.solve.newton import NotConverged
 from fenicsx_contact.theory.laws import ball_projection
 
@@ -230,7 +230,7 @@ def test_ping_pong_is_named_and_ends(anew, monkeypatch):
     """With an exaggerated rho Newton alone cycles: it begins anew from cones of friction; where
     there is nothing to begin from, and shorter steps do not help, a remark names the points."""
     if not anew:
-        monkeypatch.setattr(loop, "begin_from_cones", lambda *a: False)
+        monkeypatch.setattr(sweeps, "begin_from_cones", lambda *a: False)
         monkeypatch.setattr(Newton, "_damped", lambda *a: 0)
     block = RigidSolid(
         rectangle(), mass=417.6, gravity=(0, -9.81), rotation=1.7e-4, about=(-0.18, 0)
@@ -289,7 +289,8 @@ def test_what_is_not_a_number_has_not_converged():
 
     class Endless:
         size, worst = 1, np.nan
-        hyperstatic = crowded = rounded = buckles = False
+        hyperstatic = crowded = buckles = False
+        rounding = 0.0
 
         def iterate(self, enough=0.0):
             return True

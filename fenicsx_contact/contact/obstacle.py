@@ -160,6 +160,8 @@ class Moved:
         self._wall, self._motion = Wall(obstacle), motion
         self.dim, self.flat, self.edged = self._wall.dim, self._wall.flat, self._wall.edged
         if self._wall.smooth:
+            self.slopes = self._slopes
+        if self._wall.smooth_velocity:
             self.velocity_slopes = self._velocity_slopes
         #: The Constants that stand in it.
         self.numbers: list[Any] = list(getattr(obstacle, "numbers", ()))
@@ -178,8 +180,7 @@ class Moved:
         """Outward unit normals, (n, d)."""
         return self._wall.normals(points - self.displacement(time), time)
 
-    def slopes(self, points: np.ndarray, time: float) -> np.ndarray:
-        """Derivatives of the distances by the position, (n, d)."""
+    def _slopes(self, points: np.ndarray, time: float) -> np.ndarray:
         return self._wall.slopes(points - self.displacement(time), time)
 
     def curvature(self, points: np.ndarray, time: float) -> np.ndarray | None:

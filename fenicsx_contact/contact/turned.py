@@ -54,6 +54,8 @@ class Turned:
         self._along = np.ones(1) if self.axis is None else self.axis
         self._spin = np.tensordot(self._along, GENERATORS[self.dim], 1)  # d/d angle at 0
         if self._wall.smooth:
+            self.slopes = self._slopes
+        if self._wall.smooth_velocity:
             self.velocity_slopes = self._velocity_slopes
         #: The Constants that stand in it.
         self.numbers: list[Any] = list(getattr(obstacle, "numbers", ()))
@@ -72,8 +74,7 @@ class Turned:
         """Outward unit normals, (n, d)."""
         return self._wall.normals(self._back(points, time), time) @ self._turn(time).T
 
-    def slopes(self, points: np.ndarray, time: float) -> np.ndarray:
-        """Derivatives of the distances by the position, (n, d)."""
+    def _slopes(self, points: np.ndarray, time: float) -> np.ndarray:
         return self._wall.slopes(self._back(points, time), time) @ self._turn(time).T
 
     def curvature(self, points: np.ndarray, time: float) -> np.ndarray | None:

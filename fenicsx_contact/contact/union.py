@@ -41,6 +41,8 @@ class Union:
         self.moving = any(wall.moving for wall in self._walls)
         #: Derivatives of the normals, if all tell them.
         self.curvature = self._curvature if all(wall.smooth for wall in self._walls) else None
+        if all(wall.smooth_velocity for wall in self._walls):
+            self.velocity_slopes = self._velocity_slopes
         # what was asked last, and told: one tuple, as several threads may ask
         self._last: tuple[np.ndarray, float, np.ndarray, np.ndarray] | None = None
 
@@ -74,6 +76,9 @@ class Union:
     def slopes(self, points: np.ndarray, time: float) -> np.ndarray:
         """Derivatives of the distances by the position, (n, d)."""
         return self._of_each("slopes", 1, points, time)
+
+    def _velocity_slopes(self, points: np.ndarray, start: float, end: float) -> np.ndarray:
+        return self._of_each("velocity_slopes", 2, points, start, end)
 
     def _curvature(self, points: np.ndarray, time: float) -> np.ndarray:
         """(n, d, d) in 1/m; what is flat tells none."""

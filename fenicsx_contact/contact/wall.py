@@ -81,9 +81,9 @@ class Wall:
         self._faster = mean(faster) if faster else None
         moving = getattr(obstacle, "moving", velocity is not None or asks)
         self.moving = checks.truth(f"{what}.moving", moving)
-        #: Whether it tells all that derivatives of a run ask for.
+        #: Whether it tells all that derivatives of a run ask for, of distances and of velocities.
         self.smooth = self.flat or bool(curvature and hasattr(obstacle, "slopes"))
-        self.smooth &= not (self.moving and velocity) or faster is not None
+        self.smooth_velocity = not self.moving or bool(faster if velocity else self.smooth)
 
     def distance(self, points: np.ndarray, time: float) -> np.ndarray:
         """Signed distance of the points (n, d) at a time, positive outside, (n,) in m.
@@ -133,7 +133,7 @@ class Wall:
         return -(closer / (end - start))[:, None] * self.normals(points, end)
 
     def velocity_slopes(self, points: np.ndarray, start: float, end: float) -> np.ndarray:
-        """Derivatives of :meth:`velocity` by the position of what is :attr:`smooth`, (n, d, d)."""
+        """Derivatives of the mean velocity by the position, of what tells them, (n, d, d)."""
         if self._faster:
             with told(), asking():
                 return finite("velocity_slopes", self._faster(points, start, end), points, 2)

@@ -9,6 +9,7 @@ from scipy.linalg import block_diag
 from ..base import checks
 from ..contact.contact import Contact
 from ..scene import Scene
+from ..solve.cone_points import unborne
 from ..theory.formulations import Gap, Lagrange, Printed, Velocity
 from ..theory.friction import Coulomb
 from ..theory.parameter import varies
@@ -118,7 +119,7 @@ def _problem(scene: Scene, step: Step) -> FrictionalProblem:
     G = block_diag(*rows)
     return FrictionalProblem(
         G @ system.W @ block_diag(*spreads).T,
-        G @ system.free + np.concatenate(offsets),
+        G @ unborne(system) + np.concatenate(offsets),
         np.concatenate(mu),
         dim,
         title=f"{'impact' if not step.dt else 'step'} at t = {step.start:g} s",

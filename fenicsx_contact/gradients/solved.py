@@ -69,8 +69,9 @@ class SolvedContact:
         name, coupling = f"gradients: contact {contact.name!r}", contact.coupling
         if type(contact) is not Contact or type(coupling) is not NodalJump:
             raise checks.InputError(f"{name} is not one of points with an obstacle")
-        if not coupling.wall.smooth:
-            what = "velocities" if coupling.driven else "distances"
+        wall = coupling.wall
+        if not (wall.smooth and wall.smooth_velocity):
+            what = "velocities" if wall.smooth else "distances"
             raise checks.InputError(
                 f"{name} has a {type(coupling.obstacle).__name__}, whose {what} are not "
                 "differentiated; what is flat, a LevelSet or has slopes and curvature is, and what "

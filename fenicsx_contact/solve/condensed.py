@@ -57,7 +57,7 @@ class Condensed:
     def freeze(self, step: Step, first: bool) -> SurfaceSystem:
         """The contact problem with solids and geometry linearised as they are, after `free`."""
         self.surfaces.restart()
-        self._take_up(frozen=True)
+        self._take_up()
         return self.surfaces
 
     def carry(self, step: Step, force: np.ndarray) -> None:
@@ -120,7 +120,7 @@ class Condensed:
         if self.surfaces.size:
             self.surfaces.error(0.0, self._balance(self.surfaces.force()))
 
-    def _take_up(self, frozen: bool = False) -> None:
+    def _take_up(self) -> None:
         """Solids and geometry as they are linearised now. Linear solids are taken as they move now:
         without contact a belt would fly so far from its drum that round-off of that were seen."""
         active = self.surfaces.arrange()
@@ -130,10 +130,7 @@ class Condensed:
             self.surfaces.begin(self._free[active], compliance)
             return
         moved, borne = self._all.moved()[active], carried[active]
-        if frozen:
-            self.surfaces.begin(moved - compliance @ borne, compliance)
-        else:
-            self.surfaces.begin(moved, compliance, borne)
+        self.surfaces.begin(moved, compliance, borne)
 
     def _knows(self) -> bool:
         """Whether all solids are linear, and move as the forces carried let them."""

@@ -202,7 +202,7 @@ class Places:
         back[:, order] = by[:rank]
         see, do, jumps = (
             np.concatenate(each)
-            for each in zip(*(p.reduced(does, back, system.free) for p in self._each))
+            for each in zip(*(p.reduced(does, back, unborne(system)) for p in self._each))
         )
         limit, slope, back, bore = (
             np.concatenate([getattr(p, name) for p in self._each])
@@ -221,6 +221,11 @@ class Places:
         on = np.zeros(len(system.active))
         for each, own in borne:
             on[each.place] += each.on(own)
-        velocities = system.free - system.W @ on
+        velocities = unborne(system) - system.W @ on
         for each, own in borne:
             each.take(velocities, own)
+
+
+def unborne(system: SurfaceSystem) -> np.ndarray:
+    """Velocities of the active points of a surface problem without contact, flat."""
+    return np.asarray(system.free - system.W @ np.broadcast_to(system.carried, len(system.free)))

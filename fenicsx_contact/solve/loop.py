@@ -11,31 +11,24 @@ one correction knows nothing of what will. So do rounds after corrections that g
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
-from typing import Any
 
 import numpy as np
 
 from ..base.checks import StepFailed
-from ..base.constants import ROUND_OFF
 from ..base.overflow import diverging
-from ..base.vectors import worst
-from ..contact.trial import nonlinearity
 from ..solids import DeformableSolid
 from ..theory.scheme import Step
 from .before import Before
 from .condensed import Condensed
-from .cones import begin_from_cones, few_in_cones
-from .jams import hopeless
 from .krylov import Krylov
 from .monolithic import Monolithic
 from .multipliers import ROUGH
-from .newton import Newton, NotConverged, Solution
-from .problem import Assembly, Clock, scale_of
+from .newton import Newton
+from .problem import Assembly, Clock
 from .sparse import Sparse
 from .speeds import Speeds
 from .statics import free_motion, stands
-from .surface_problem import SLOW
+from .sweeps import Solved, Sweeps
 from .turns import Turns
 
 #: The linear systems, by name.
@@ -43,17 +36,13 @@ SYSTEMS: dict[str, type[Condensed] | type[Monolithic]]
 SYSTEMS = {"condensed": Condensed, "monolithic": Sparse, "iterative": Krylov}
 #: Relative error of the linearised operator, gaps and momentum at which the fixed point ends.
 GEOMETRY_TOLERANCE = 1e-8
-#: Cost: sweeps within which a mixed one is to end, by what the last one gained, without Newton.
-SWEEPS = 3
 #: How often a correction is halved that inverts an element, or makes the error so many times worse.
 HALVINGS, WORSE = 5, 10.0
 
-#: Forces on all points (flat, N), Newton iterations, linearisations, remarks.
-Solved = tuple[np.ndarray, int, int, list[str]]
 Together = Callable[[Callable[[], Solved]], Solved]
 
 
-class StepSolver:
+class StepSolver(Sweeps):
     """Solves steps whose solids and contacts are predicted.
 
     Args:
@@ -120,98 +109,6 @@ class StepSolver:
                 contact.candidates.choose()
         with diverging():
             return (self._fixed_point if sweeps else self._full)(step, clock)
-
-    def _fixed_point(self, step: Step, clock: Clock) -> Solved:
-        iterations, remarks, last = 0, [], 1.0
-        deforms = bool(self._speeds.bodies)  # their solves are rounded
-        for sweep in range(1, self._newton.max_iterations + 1):
-            for solid in self._all.solids:
-                solid.linearise(step)
-            clock("solids")
-            speed = self._linearise(step, first=sweep == 1)
-            clock("pairing")
-            solution = self._settle(step, sweep == 1, deforms or last > self._within)
-            iterations += solution.iterations
-            remarks += solution.remarks
-            clock("newton")
-            self.system.carry(step, solution.force)
-            clock("solids")
-            error = self._nonlinearity(step, speed, solution.force)
-            self.errors.append(error)
-            self.reached = worst([solution.error, error])
-            grown = [contact.grow(step) for contact in self._all.contacts]
-            clock("pairing")
-            if any(grown):
-                continue
-            stalled = solution.found and last <= error <= ROUGH * self._newton.tolerance
-            if stalled or (error <= self._within and (deforms or solution.exact)):
-                return solution.force, iterations, sweep, remarks
-            if self._mixed and error * (error / last) ** SWEEPS > self._within:
-                force, more, _, told = self._full(step, clock)
-                iterations, remarks = iterations + more, remarks + told
-                if not any([contact.grow(step) for contact in self._all.contacts]):
-                    return force, iterations, sweep, remarks
-            last = error
-        raise StepFailed(
-            f"the geometric fixed point stalls at a relative error of {error:.3g} after "
-            f"{sweep} linearisations"
-        )
-
-    def _linearise(self, step: Step, first: bool) -> float:
-        """Geometry, candidates and scales; returns a typical speed."""
-        self._see(step, exact=False)
-        if first:
-            self._pushed = max((c.pushed(step) for c in self._all.contacts), default=0.0)
-        if not self._foresees:
-            return self._scale(step, self._speeds.typical(step))
-        free, contacts = self.system.free(), self._all.contacts
-        new = [(c, free[part]) for c, part in zip(contacts, self._all.parts)] if first else []
-        for contact, velocities in new:
-            contact.screen(velocities, step)
-        noise = ROUND_OFF / self._newton.tolerance
-        speed = max(self._all.fastest(free, noise), SLOW * self._pushed) or self._speeds.known()
-        inside = max((body.load_speed() for body in self._speeds.bodies), default=0.0)
-        speed = self._scale(step, max(speed, SLOW * inside))
-        # without inertia, and without what bore, all that is loaded would go far inside
-        rests = not step.scheme.inertia and any((c.status > 0).any() for c in contacts)
-        for contact, velocities in new:
-            contact.start(np.zeros_like(velocities) if rests else velocities)
-        return speed
-
-    def _scale(self, step: Step, speed: float) -> float:
-        """Let rows be scaled by about this speed, m/s, or any if there is none; that scale."""
-        self.speed = max(speed, self._speeds.drawn(step))  # decides alike in all units of time
-        scale = scale_of(self.speed)
-        self._all.set_scale(step, scale)
-        return scale
-
-    def _settle(self, step: Step, first: bool, rounded: bool = True) -> Solution:
-        frozen, known = self.system.freeze(step, first), dict[str, Any]()
-        if self._floating or any(contact.coupling.driven for contact in self._all.contacts):
-            known["hopeless"] = partial(hopeless, self._floating, self._all.contacts, step)
-        frozen.rounded = rounded
-        if few_in_cones(frozen, self._all.freedoms):
-            known["elsewhere"] = partial(begin_from_cones, frozen, self._all.contacts, step)
-        try:
-            return self._newton.solve(frozen, **known)
-        except NotConverged as failure:
-            # rigid points that jam contradict each other by what geometry is off where they end
-            if not failure.last or 2 * failure.last.error >= self._contradicted:
-                raise StepFailed(str(failure)) from None
-            self._contradicted = failure.last.error
-            return failure.last
-
-    def _nonlinearity(self, step: Step, speed: float, force: np.ndarray) -> float:
-        """Largest relative error of what was linearised, in the trial state."""
-        self._all.refuse_broken()
-        exact = (solid.linear or getattr(solid, "balanced", False) for solid in self._all.solids)
-        asked = [solid for solid, closed in zip(self._all.solids, exact) if not closed]
-        errors = self._all.imbalances(step, asked)
-        for contact, part in zip(self._all.contacts, self._all.parts):
-            jump, gap, size = nonlinearity(contact, step)
-            size = max(speed, size, SLOW * contact.push(force[part], step))
-            errors += [jump / size, gap / (size * step.span)]
-        return worst(errors)
 
     def _full(self, step: Step, clock: Clock) -> Solved:
         settled, halved, last, turns = 0, 0, np.inf, Turns(self._loose)

@@ -24,15 +24,15 @@ class ContactProblem(Softened, Protocol):
         size: number of its unknowns; 0: nothing may touch.
         hyperstatic: whether there may be more forces than the motion determines.
         crowded: whether many rigid bodies meet each other.
-        rounded: whether an error that falls no more is round-off: of solids that deform, or of a
-            geometry that is yet to be renewed, until when rigid points that stick contradict each
+        rounding: up to which an error that falls no more is round-off: of solids that deform, or of
+            a geometry that is yet to be renewed, until when rigid points that stick contradict each
             other.
     """
 
     size: int
     hyperstatic: bool
     crowded: bool
-    rounded: bool
+    rounding: float
 
     def iterate(self, enough: float = 0.0) -> bool: ...
     def state(self) -> list[np.ndarray]: ...
@@ -107,7 +107,7 @@ class Newton:
         start, first = system.state(), system.error()
         # where many bodies stick their points contradict each other by how they lie
         rough = ROUGH * self.tolerance if system.crowded else self.tolerance
-        stalled = ROUGH * self.tolerance if system.rounded else rough
+        stalled = max(rough, system.rounding)
         iterations, enough = self._iterated(system, stalled, elsewhere is None)
         if system.worst <= max(enough, rough):
             return Solution(system.force(), iterations, system.worst, system.worst <= rough)

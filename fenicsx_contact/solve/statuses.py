@@ -18,12 +18,12 @@ class Statuses(ABC):
         parts, names: of the contacts.
 
     Attributes:
-        rounded: whether an error that falls no more counts as round-off.
+        rounding: up to which an error that falls no more counts as round-off.
         hyperstatic: whether there may be more forces than the motion determines.
         buckles: whether something was seen to give way with springs, however soft.
     """
 
-    rounded = buckles = False
+    buckles, rounding = False, 0.0
     hyperstatic: bool
 
     def __init__(self, parts: Sequence[Part], names: Sequence[str]) -> None:

@@ -65,7 +65,7 @@ class SurfaceSystem(Statuses):
         self._total = sum(p.places for p in self.parts)
         self._revision = -1
         self._sizes = np.empty(0), np.empty(0)
-        self.W, self.free, self._carried = np.empty((0, 0)), np.empty(0), np.empty(0)
+        self.W, self.free, self.carried = np.empty((0, 0)), np.empty(0), np.empty(0)
         self._many = False
         self._yields: Any = self.W
         self.worst, self.share, self._judged = 0.0, 1.0, np.empty(0)
@@ -87,7 +87,7 @@ class SurfaceSystem(Statuses):
         are carried (flat, N), and W, after `arrange`."""
         few = self.hyperstatic or self.size <= MANY[0]
         self._many = not few and self.size > MANY[self._renewed(compliance)]
-        self.W, self.free, self._carried = compliance, free, carried
+        self.W, self.free, self.carried = compliance, free, carried
         # of many bodies each yields alone
         self._yields = sp.csr_matrix(compliance) if self.crowded else compliance
         self.worst, self.share = 0.0, 1.0
@@ -134,7 +134,7 @@ class SurfaceSystem(Statuses):
         """Assemble the residual from the unknowns that the parts hold."""
         nw = len(self.active)
         self.assembled = self._gather([part.active_residual() for part, _ in self.placed])
-        self.unbalanced = self.assembled[:nw] + self._carried
+        self.unbalanced = self.assembled[:nw] + self.carried
         w = self._gather(self.state())[:nw]
         self.residual = self.assembled.copy()
         self.residual[:nw] = w - self.free + self._yields @ self.unbalanced

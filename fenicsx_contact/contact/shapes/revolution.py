@@ -48,7 +48,9 @@ class Revolution:
         self.moving, self.edged = self._wall.moving, self._wall.edged
         self._across = np.eye(3) - np.outer(self.axis, self.axis)
         if self._wall.smooth:
-            self.slopes, self.velocity_slopes = self._slopes, self._velocity_slopes
+            self.slopes = self._slopes
+        if self._wall.smooth_velocity:
+            self.velocity_slopes = self._velocity_slopes
 
     def _plane(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Places in the section's plane, (n, 2), and its axes in space, (n, 2, 3); on the axis any

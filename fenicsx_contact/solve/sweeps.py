@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The fixed point of a step: solids and geometry are linearised, contact is solved on them until
+both have settled.
+
+A first pass starts from velocities without contact, and errors are relative to these. Where contact
+balances large loads, as of what is pressed and light or in steps that are long for what deforms,
+nothing moves nearly as fast: what is left is then solved for about the state that was found.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..base.checks import StepFailed
+from ..base.constants import ROUND_OFF
+from ..base.vectors import worst
+from ..contact.trial import nonlinearity
+from ..solids import DeformableSolid
+from ..theory.scheme import Step
+from .condensed import Condensed
+from .cones import begin_from_cones, few_in_cones
+from .jams import hopeless
+from .monolithic import Monolithic
+from .multipliers import ROUGH
+from .newton import Newton, NotConverged, Solution
+from .problem import Assembly, Clock, scale_of
+from .speeds import Speeds
+from .surface_problem import SLOW
+
+#: Cost: sweeps within which a mixed one is to end, by what the last one gained, without Newton.
+SWEEPS = 3
+
+#: Forces on all points (flat, N), Newton iterations, linearisations, remarks.
+Solved = tuple[np.ndarray, int, int, list[str]]
+
+
+class Sweeps(ABC):
+    """The fixed point of a :class:`~.loop.StepSolver`, whose attributes these are."""
+
+    errors: list[float]
+    reached: float
+    speed: float
+    system: Condensed | Monolithic
+    _all: Assembly
+    _newton: Newton
+    _speeds: Speeds
+    _floating: list[DeformableSolid]
+    _foresees: bool
+    _mixed: bool
+    _within: float
+    _pushed: float
+    _contradicted: float
+
+    @abstractmethod
+    def _see(self, step: Step, exact: bool, kept: bool = False) -> None: ...
+
+    @abstractmethod
+    def _full(self, step: Step, clock: Clock) -> Solved: ...
+
+    def _fixed_point(self, step: Step, clock: Clock) -> Solved:
+        iterations, remarks, last = 0, list[str](), 1.0
+        deforms = bool(self._speeds.bodies)  # their solves are rounded
+        for sweep in range(1, self._newton.max_iterations + 1):
+            rounding = ROUGH * self._newton.tolerance if deforms or last > self._within else 0.0
+            solution, speed, error = self._sweep(step, clock, sweep == 1, rounding)
+            iterations += solution.iterations
+            remarks += solution.remarks
+            self.errors.append(error)
+            self.reached = worst([solution.error, error])
+            if self._grown(step, clock):
+                continue
+            stalled = solution.found and last <= error <= ROUGH * self._newton.tolerance
+            if stalled or (error <= self._within and (deforms or solution.exact)):
+                force, more = solution.force, 0
+                if deforms and self._foresees:
+                    force, more = self._refined(step, clock, solution, speed)
+                    if more and self._grown(step, clock):
+                        continue
+                return force, iterations + more, sweep, remarks
+            if self._mixed and error * (error / last) ** SWEEPS > self._within:
+                force, more, _, told = self._full(step, clock)
+                iterations, remarks = iterations + more, remarks + told
+                if not any([contact.grow(step) for contact in self._all.contacts]):
+                    return force, iterations, sweep, remarks
+            last = error
+        raise StepFailed(
+            f"the geometric fixed point stalls at a relative error of {error:.3g} after "
+            f"{sweep} linearisations"
+        )
+
+    def _sweep(
+        self, step: Step, clock: Clock, first: bool, rounding: float, fine: float = 0.0
+    ) -> tuple[Solution, float, float]:
+        """What contacts bear on solids and geometry as they are, and the state that has it; a
+        typical speed, or the ``fine`` one, and what is left to linearise, relative to that."""
+        for solid in self._all.solids:
+            solid.linearise(step)
+        clock("solids")
+        speed = self._linearise(step, first, fine)
+        clock("pairing")
+        solution = self._settle(step, first, rounding, bool(fine))
+        clock("newton")
+        self.system.carry(step, solution.force)
+        clock("solids")
+        return solution, speed, self._nonlinearity(step, speed, solution.force)
+
+    def _grown(self, step: Step, clock: Clock) -> bool:
+        """Whether more points may bear than were asked."""
+        grown = [contact.grow(step) for contact in self._all.contacts]
+        clock("pairing")
+        return any(grown)
+
+    def _refined(
+        self, step: Step, clock: Clock, solution: Solution, speed: float
+    ) -> tuple[np.ndarray, int]:
+        """The forces of a state found by errors relative to a speed, or of a better one by those
+        that are relative to its own, as long as they fall; and how many further iterations."""
+        tolerance, enough, more = self._newton.tolerance, ROUGH * self._newton.tolerance, 0
+        off, fine = max(self.reached, ROUND_OFF) * speed, self._speeds.typical(step)
+        rounding = max(enough, ROUND_OFF * speed / (fine or speed or 1.0))
+        asked = off > enough * fine > 0
+        while asked:
+            held = [(contact.equations, contact.equations.values) for contact in self._all.contacts]
+            finer, _, error = self._sweep(step, clock, False, rounding, fine)
+            more += finer.iterations
+            left = worst([finer.error, error]) * fine
+            asked = tolerance * fine < left < off
+            if left < off:
+                off, solution = left, finer
+                continue
+            for equations, values in held:
+                equations.values = values
+            self.system.carry(step, solution.force)
+            self._nonlinearity(step, fine, solution.force)
+        if fine:
+            self.speed = min(speed, max(fine, off / tolerance))
+            self.reached = off / self.speed
+        if more:  # rows are judged by what errors are worth
+            self._scale(step, self.speed)
+        return solution.force, more
+
+    def _linearise(self, step: Step, first: bool, fine: float = 0.0) -> float:
+        """Geometry, candidates and scales; returns a typical speed, or the ``fine`` one."""
+        self._see(step, exact=False)
+        if first:
+            self._pushed = max((c.pushed(step) for c in self._all.contacts), default=0.0)
+        if not self._foresees:
+            return self._scale(step, self._speeds.typical(step))
+        free, contacts = self.system.free(), self._all.contacts
+        new = [(c, free[part]) for c, part in zip(contacts, self._all.parts)] if first else []
+        for contact, velocities in new:
+            contact.screen(velocities, step)
+        noise = ROUND_OFF / self._newton.tolerance
+        speed = max(self._all.fastest(free, noise), SLOW * self._pushed) or self._speeds.known()
+        inside = max((body.load_speed() for body in self._speeds.bodies), default=0.0)
+        speed = self._scale(step, fine or max(speed, SLOW * inside))
+        # without inertia, and without what bore, all that is loaded would go far inside
+        rests = not step.scheme.inertia and any((c.status > 0).any() for c in contacts)
+        for contact, velocities in new:
+            contact.start(np.zeros_like(velocities) if rests else velocities)
+        return speed
+
+    def _scale(self, step: Step, speed: float) -> float:
+        """Let rows be scaled by about this speed, m/s, or any if there is none; that scale."""
+        self.speed = max(speed, self._speeds.drawn(step))  # decides alike in all units of time
+        scale = scale_of(self.speed)
+        self._all.set_scale(step, scale)
+        return scale
+
+    def _settle(
+        self, step: Step, first: bool, rounding: float | None = None, known: bool = False
+    ) -> Solution:
+        """Contact on solids and geometry as they are; ``known``: a state is, and whatever comes
+        nearer is as good."""
+        frozen, help = self.system.freeze(step, first), dict[str, Any]()
+        if self._floating or any(contact.coupling.driven for contact in self._all.contacts):
+            help["hopeless"] = partial(hopeless, self._floating, self._all.contacts, step)
+        frozen.rounding = ROUGH * self._newton.tolerance if rounding is None else rounding
+        if few_in_cones(frozen, self._all.freedoms):
+            help["elsewhere"] = partial(begin_from_cones, frozen, self._all.contacts, step)
+        try:
+            return self._newton.solve(frozen, **help)
+        except NotConverged as failure:
+            # rigid points that jam contradict each other by what geometry is off where they end
+            if known and failure.last:
+                return failure.last
+            if not failure.last or 2 * failure.last.error >= self._contradicted:
+                raise StepFailed(str(failure)) from None
+            self._contradicted = failure.last.error
+            return failure.last
+
+    def _nonlinearity(self, step: Step, speed: float, force: np.ndarray) -> float:
+        """Largest relative error of what was linearised, in the trial state."""
+        self._all.refuse_broken()
+        exact = (solid.linear or getattr(solid, "balanced", False) for solid in self._all.solids)
+        asked = [solid for solid, closed in zip(self._all.solids, exact) if not closed]
+        errors = self._all.imbalances(step, asked)
+        for contact, part in zip(self._all.contacts, self._all.parts):
+            jump, gap, size = nonlinearity(contact, step)
+            size = max(speed, size, SLOW * contact.push(force[part], step))
+            errors += [jump / size, gap / (size * step.span)]
+        return worst(errors)

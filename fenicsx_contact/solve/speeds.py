@@ -27,7 +27,7 @@ class Speeds:
         tolerance: of Newton's method.
 
     Attributes:
-        bodies: the solids that deform.
+        bodies: the solids that deform; ``rubs``: whether there are any, and friction.
     """
 
     def __init__(
@@ -40,6 +40,7 @@ class Speeds:
         self._contacts, self._floating, self._tolerance = contacts, floating, tolerance
         self._comm = communicator(solids)
         self.bodies = [s for s in solids if isinstance(s, DeformableSolid)]
+        self.rubs = bool(self.bodies) and any(contact.friction_law for contact in contacts)
         self._start: tuple[Step | None, float, float] = None, 0.0, 0.0
         self._drawing = [contact for contact in contacts if applies(contact)]
         self._drawn: tuple[Step | None, float] = None, 0.0
@@ -70,6 +71,19 @@ class Speeds:
         own = [longest(v.reshape(-1, body.dim)) for v, body in zip(velocities, self.bodies)]
         return float(np.max(self._comm.allgather(own))) if own else 0.0
 
+    def strained(self, enough: float) -> float:
+        """The largest displacement in the solids that deform, each about its mean, in the trial
+        state, m, by which friction may let points slip; or that of any node, if it is ``enough``.
+        """
+        if self._comm.size == 1:  # of two nodes one is half of their difference away
+            some = (u[: b.dim] - u[-b.dim :] for u, b in zip(self._displacements(), self.bodies))
+            if (known := 0.5 * max(map(largest, some))) >= enough:
+                return known
+        return self.inside(self._apart(self._displacements()))
+
+    def _displacements(self) -> list[np.ndarray]:
+        return [body.trial_displacement for body in self.bodies]
+
     def known(self) -> float:
         """The largest speed at the contacts at the start of the step, m/s."""
         return self._fastest("velocity")
@@ -97,11 +111,15 @@ class Speeds:
         or difference of velocities within a solid, which after an impact is yet to arrive there;
         and the one that the forces of the last step stand for."""
         if step is not self._start[0]:
-            each = [body.velocity.reshape(-1, body.dim) for body in self.bodies]
-            sums = self._comm.allgather([(len(v), v.sum(axis=0)) for v in each])
-            means = [sum(s for _, s in own) / sum(n for n, _ in own) for own in zip(*sums)]
-            apart = self.inside(v - mean for v, mean in zip(each, means))
+            apart = self.inside(self._apart(body.velocity for body in self.bodies))
             brought = max(self._fastest("velocity"), 2 * apart)
             pushed = max((c.pushed(step) for c in self._contacts), default=0.0)
             self._start = step, brought, pushed
         return self._start[1:]
+
+    def _apart(self, fields: Iterable[np.ndarray]) -> list[np.ndarray]:
+        """Fields of the solids that deform, each of the owned nodes, less their means."""
+        each = [field.reshape(-1, body.dim) for field, body in zip(fields, self.bodies)]
+        sums = self._comm.allgather([(len(field), field.sum(axis=0)) for field in each])
+        means = [sum(s for _, s in own) / sum(n for n, _ in own) for own in zip(*sums)]
+        return [field - mean for field, mean in zip(each, means)]

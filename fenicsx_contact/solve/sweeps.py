@@ -11,12 +11,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from functools import partial
+from math import ulp
 from typing import Any
 
 import numpy as np
 
 from ..base.checks import StepFailed
-from ..base.constants import ROUND_OFF
+from ..base.constants import RIGHT, ROUND_OFF
 from ..base.vectors import worst
 from ..contact.trial import nonlinearity
 from ..solids import DeformableSolid
@@ -76,7 +77,7 @@ class Sweeps(ABC):
             stalled = solution.found and last <= error <= ROUGH * self._newton.tolerance
             if stalled or (error <= self._within and (deforms or solution.exact)):
                 force, more = solution.force, 0
-                if deforms and self._foresees:
+                if self._speeds.rubs and self._foresees:
                     force, more = self._refined(step, clock, solution, speed)
                     if more and self._grown(step, clock):
                         continue
@@ -117,30 +118,33 @@ class Sweeps(ABC):
     def _refined(
         self, step: Step, clock: Clock, solution: Solution, speed: float
     ) -> tuple[np.ndarray, int]:
-        """The forces of a state found by errors relative to a speed, or of a better one by those
-        that are relative to its own, as long as they fall; and how many further iterations."""
-        tolerance, enough, more = self._newton.tolerance, ROUGH * self._newton.tolerance, 0
-        off, fine = max(self.reached, ROUND_OFF) * speed, self._speeds.typical(step)
-        rounding = max(enough, ROUND_OFF * speed / (fine or speed or 1.0))
-        asked = off > enough * fine > 0
-        while asked:
+        """The forces of a state found by errors relative to a speed, or of a better one where these
+        would let slip by more than the solids are strained: by errors relative to that, as long as
+        they fall; and how many further iterations."""
+        off, more = max(self.reached, ROUND_OFF) * speed, 0
+        seen = off * step.span / RIGHT
+        if (strained := self._speeds.strained(seen)) >= seen:
+            return solution.force, more
+        fine, noise = strained / step.span, ulp(speed)  # of solves
+        rounding = max(ROUGH * self._newton.tolerance, off / fine if fine else 0.0)
+        for _ in range(self._newton.max_iterations if fine else 0):
             held = [(contact.equations, contact.equations.values) for contact in self._all.contacts]
             finer, _, error = self._sweep(step, clock, False, rounding, fine)
             more += finer.iterations
             left = worst([finer.error, error]) * fine
-            asked = tolerance * fine < left < off
-            if left < off:
-                off, solution = left, finer
-                continue
-            for equations, values in held:
-                equations.values = values
-            self.system.carry(step, solution.force)
-            self._nonlinearity(step, fine, solution.force)
-        if fine:
-            self.speed = min(speed, max(fine, off / tolerance))
-            self.reached = off / self.speed
+            if not left < off:
+                for equations, values in held:
+                    equations.values = values
+                self.system.carry(step, solution.force)
+                self._nonlinearity(step, fine, solution.force)
+                break
+            off, solution = left, finer
+            if off <= max(RIGHT * fine, noise):
+                break
         if more:  # rows are judged by what errors are worth
-            self._scale(step, self.speed)
+            off = max(off, noise)
+            self._scale(step, min(speed, max(fine, off / self._newton.tolerance)))
+            self.reached = off / self.speed
         return solution.force, more
 
     def _linearise(self, step: Step, first: bool, fine: float = 0.0) -> float:

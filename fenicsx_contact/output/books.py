@@ -72,10 +72,13 @@ def sunk(history: History, contact: str) -> float:
     return float(takes[steps].max(initial=0.0) / size) if size > 0 else 0.0
 
 
-def unresolved(history: History, rubbing: Iterable[str], resolution: float, size: float) -> str:
+def unresolved(
+    history: History, rubbing: Iterable[str], resolution: float, size: float, share: float
+) -> str:
     """What to say of a run of solids that deform with friction in these contacts, whose last step
     resolves no slower speeds than ``resolution``, m/s, if points may go farther by these in a step
-    than all that presses deforms, and than tells places of this ``size``, m, apart; or nothing.
+    than a share of what all that presses deforms, and than tells places of this ``size``, m, apart;
+    or nothing.
 
     Residuals are judged by what inertia alone would do: in a long step a solid that contact holds
     would fall as far as its load drives its mass, and a slip of friction is a small difference.
@@ -86,7 +89,7 @@ def unresolved(history: History, rubbing: Iterable[str], resolution: float, size
     bears = steps & (pressing > 0)
     deformed = float((history["strain"][bears] / pressing[bears]).max(initial=0.0))
     lost = resolution * float(history["dt"][steps][-1]) if steps.any() else 0.0
-    if not (lost > deformed > 0 and lost > SAME * size):
+    if not (lost > share * deformed > 0 and lost > SAME * size):
         return ""
     return (
         f"speeds below {resolution:.3g} m/s are not resolved, {lost:.3g} m in a step, and what "

@@ -163,6 +163,10 @@ class RunDirectory:
         if found.reason and state is not None:  # what is damaged must not become the last but one
             with _using(self.path, LAST, "replaced"):
                 os.replace(self.path / BEFORE, self.path / LAST)
+        if (self.path / "end.json").is_dir():
+            raise checks.InputError(
+                f"{_where(self.path)}end.json cannot be written: is a directory"
+            )
         return found, state, checksum
 
 

@@ -122,10 +122,10 @@ class Sweeps(ABC):
         would let slip by more than the solids are strained: by errors relative to that, as long as
         they fall; and how many further iterations."""
         off, more = max(self.reached, ROUND_OFF) * speed, 0
-        seen = off * step.span / RIGHT
+        seen = off * step.dt / RIGHT  # in a percussion nothing slips
         if (strained := self._speeds.strained(seen)) >= seen:
             return solution.force, more
-        fine, noise = strained / step.span, ulp(speed)  # of solves
+        fine, noise = strained / step.dt, ulp(speed)  # of solves
         rounding = max(ROUGH * self._newton.tolerance, off / fine if fine else 0.0)
         for _ in range(self._newton.max_iterations if fine else 0):
             held = [(contact.equations, contact.equations.values) for contact in self._all.contacts]
@@ -180,14 +180,15 @@ class Sweeps(ABC):
     ) -> Solution:
         """Contact on solids and geometry as they are; ``known``: a state is, and whatever comes
         nearer is as good."""
-        frozen, help = self.system.freeze(step, first), dict[str, Any]()
-        if self._floating or any(contact.coupling.driven for contact in self._all.contacts):
-            help["hopeless"] = partial(hopeless, self._floating, self._all.contacts, step)
+        frozen, asked = self.system.freeze(step, first), dict[str, Any]()
+        driven = any(contact.coupling.driven for contact in self._all.contacts)
+        if (self._floating or driven) and not known:
+            asked["hopeless"] = partial(hopeless, self._floating, self._all.contacts, step)
         frozen.rounding = ROUGH * self._newton.tolerance if rounding is None else rounding
         if few_in_cones(frozen, self._all.freedoms):
-            help["elsewhere"] = partial(begin_from_cones, frozen, self._all.contacts, step)
+            asked["elsewhere"] = partial(begin_from_cones, frozen, self._all.contacts, step)
         try:
-            return self._newton.solve(frozen, **help)
+            return self._newton.solve(frozen, **asked)
         except NotConverged as failure:
             # rigid points that jam contradict each other by what geometry is off where they end
             if known and failure.last:

@@ -55,7 +55,8 @@ class StepSolver(Sweeps):
     Attributes:
         errors: the relative error before each round of the last step, and at its end.
         reached: the largest error at its end: of any row, and of what was linearised.
-        speed: the typical one there, m/s; 0 where nothing moved.
+        speed: the typical one there, m/s; 0 where nothing moved. ``left``: what errors are known to
+            leave of velocities, m/s; 0 if only that they are small beside that speed.
         system: the linear systems.
         patient: what its solids are while it solves their steps.
     """
@@ -73,7 +74,7 @@ class StepSolver(Sweeps):
         self._floating = floating = [solid for solid in loose if not stands(solid)]
         self._speeds = Speeds(problem.solids, problem.contacts, floating, newton.tolerance)
         self.errors: list[float] = []
-        self.reached = self.speed = self._pushed = 0.0
+        self.reached = self.speed = self.left = self._pushed = 0.0
         self.system = SYSTEMS[solver](problem)
         # whether velocities without contact are known, which deformable solids have to solve for
         self._foresees = isinstance(self.system, Condensed) or not self._speeds.bodies
@@ -101,7 +102,7 @@ class StepSolver(Sweeps):
                 raise failure from None
 
     def _by(self, sweeps: bool, step: Step, clock: Clock) -> Solved:
-        self.errors = []
+        self.errors, self.left = [], 0.0
         self._contradicted = float(self._settles and self._all.jams)  # of speeds
         self.system.restart()
         if not (sweeps and self._foresees):  # by which they are screened

@@ -45,6 +45,7 @@ class Sweeps(ABC):
     errors: list[float]
     reached: float
     speed: float
+    left: float
     system: Condensed | Monolithic
     _all: Assembly
     _newton: Newton
@@ -124,6 +125,7 @@ class Sweeps(ABC):
         off, more = max(self.reached, ROUND_OFF) * speed, 0
         seen = off * step.dt / RIGHT  # in a percussion nothing slips
         if (strained := self._speeds.strained(seen)) >= seen:
+            self.left = off
             return solution.force, more
         fine, noise = strained / step.dt, ulp(speed)  # of solves
         rounding = max(ROUGH * self._newton.tolerance, off / fine if fine else 0.0)
@@ -145,6 +147,7 @@ class Sweeps(ABC):
             off = max(off, noise)
             self._scale(step, min(speed, max(fine, off / self._newton.tolerance)))
             self.reached = off / self.speed
+        self.left = off
         return solution.force, more
 
     def _linearise(self, step: Step, first: bool, fine: float = 0.0) -> float:

@@ -260,10 +260,13 @@ class Stepper(Insight):
 
     @property
     def resolution(self) -> float:
-        """Errors of the velocities, m/s, with which Newton's method may end the step that was
-        attempted last."""
-        reached = max(self._tolerance, self._method.reached)
-        return LOOSE * reached * self._method.speed
+        """Errors of velocities, m/s, with which Newton's method may end the step attempted last."""
+        return LOOSE * max(self._tolerance, self._method.reached) * self._method.speed
+
+    @property
+    def unresolved(self) -> float:
+        """The same, as far as they are known."""
+        return LOOSE * self._method.left or self.resolution
 
     def state(self) -> dict[str, np.ndarray]:
         """What a run continues from, beside the solids and contacts."""

@@ -20,7 +20,7 @@ from problems.maps import MAPS
 from problems.studies import STUDIES
 from test_demos import load
 
-from fenicsx_contact import InputError
+from fenicsx_contact import InputError, ThetaScheme
 from fenicsx_contact.gradients import Centre
 from fenicsx_contact.output.history import COLUMNS, History
 from fenicsx_contact.study import (
@@ -320,8 +320,9 @@ def test_a_file_that_cannot_be_written_is_refused(tmp_path):
 
 def test_samples_are_plain():
     (setting,) = ladder("v", np.array([3]))
-    sample = Sample("m", setting, 0.1)
-    assert json.loads(json.dumps(sample.as_dict()))["setting"] == {"v": 3}
+    sample = Sample("m", setting | {"scheme": ThetaScheme(0.5)}, 0.1)
+    kept = {"v": 3, "scheme": {"theta": 0.5, "forces": "theta"}}
+    assert json.loads(json.dumps(sample.as_dict()))["setting"] == kept
 
 
 def test_a_batch_tells_cases_by_all_of_their_names(tmp_path):

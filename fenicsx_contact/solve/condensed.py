@@ -79,7 +79,7 @@ class Condensed:
             other.correct(step)
         self._moved = [solid.trial_velocity for solid in self._all.solids]
 
-    def settle(self, step: Step, force: np.ndarray, tolerance: float) -> bool:
+    def settle(self, step: Step, force: np.ndarray, tolerance: float = 0.0) -> bool:
         """Move the solids under the forces of the solution, unless linearised ones that are the
         same have; whether they moved. Of points that hardly press both may differ by all they are
         where speeds are resolved, and no solid would balance them."""

@@ -94,7 +94,7 @@ class Monolithic(ABC):
             self.rows = [np.zeros(len(rows)) for rows in self.rows]
         self.assembly.spread(self.force)
 
-    def settle(self, step: Step, force: np.ndarray, tolerance: float) -> bool:
+    def settle(self, step: Step, force: np.ndarray, tolerance: float = 0.0) -> bool:
         """Its rows balance the solids under these forces."""
         return False
 

@@ -154,10 +154,12 @@ class Assembly:
         for (_, trace), part in zip(self.sides, self.slices):
             trace.spread(force[part])
 
-    def set_scale(self, step: Step, speed: float) -> None:
-        """Scale the equations of all contacts by a typical speed, m/s."""
-        for contact in self.contacts:
-            contact.equations.set_scale(contact.units(step), speed)
+    def set_scale(self, step: Step, speed: float, units: Sequence[np.ndarray | None] = ()) -> None:
+        """Scale the equations of all contacts by a typical speed, m/s, and by ``units``, or where
+        there are none by what stops points alone."""
+        every = [*units] or [None] * len(self.contacts)
+        for contact, own in zip(self.contacts, every):
+            contact.equations.set_scale(contact.units(step) if own is None else own, speed)
 
     def imbalances(self, step: Step, solids: Iterable[Solid], floor: float = 0.0) -> list[float]:
         """Relative errors of the momentum balances of these solids in the trial state; forces below

@@ -72,17 +72,19 @@ class Speeds:
         return float(np.max(self._comm.allgather(own))) if own else 0.0
 
     def strained(self, enough: float) -> float:
-        """The largest displacement in the solids that deform, each about its mean, in the trial
-        state, m, by which friction may let points slip; or that of any node, if it is ``enough``.
-        """
+        """The largest displacement in the solids that deform, each about its mean, m, by which
+        friction may let points slip: in the trial state if that, or of a node, is ``enough``, else
+        what was so already as the step began, if it was anything."""
+        trial = [body.trial_displacement for body in self.bodies]
         if self._comm.size == 1:  # of two nodes one is half of their difference away
-            some = (u[: b.dim] - u[-b.dim :] for u, b in zip(self._displacements(), self.bodies))
+            some = (u[: body.dim] - u[-body.dim :] for u, body in zip(trial, self.bodies))
             if (known := 0.5 * max(map(largest, some))) >= enough:
                 return known
-        return self.inside(self._apart(self._displacements()))
-
-    def _displacements(self) -> list[np.ndarray]:
-        return [body.trial_displacement for body in self.bodies]
+        if (now := self.inside(self._apart(trial))) >= enough:
+            return now
+        before = self.inside(self._apart(body.displacement for body in self.bodies))
+        noise = max((contact.noise for contact in self._contacts), default=0.0)
+        return next((each for each in (min(before, now), now) if each > noise), 0.0)
 
     def known(self) -> float:
         """The largest speed at the contacts at the start of the step, m/s."""

@@ -10,6 +10,7 @@ nothing moves nearly as fast: what is left is then solved for about the state th
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from functools import partial
 from math import ulp
 from typing import Any
@@ -18,9 +19,10 @@ import numpy as np
 
 from ..base.checks import StepFailed
 from ..base.constants import RIGHT, ROUND_OFF
-from ..base.vectors import worst
+from ..base.vectors import largest, worst
 from ..contact.trial import nonlinearity
 from ..solids import DeformableSolid
+from ..solids.rotations import by_spins
 from ..theory.scheme import Step
 from .condensed import Condensed
 from .cones import begin_from_cones, few_in_cones
@@ -95,20 +97,27 @@ class Sweeps(ABC):
         )
 
     def _sweep(
-        self, step: Step, clock: Clock, first: bool, rounding: float, fine: float = 0.0
+        self,
+        step: Step,
+        clock: Clock,
+        first: bool,
+        rounding: float,
+        fine: float = 0.0,
+        units: Sequence[np.ndarray | None] = (),
     ) -> tuple[Solution, float, float]:
         """What contacts bear on solids and geometry as they are, and the state that has it; a
         typical speed, or the ``fine`` one, and what is left to linearise, relative to that."""
         for solid in self._all.solids:
             solid.linearise(step)
         clock("solids")
-        speed = self._linearise(step, first, fine)
+        speed = self._linearise(step, first, fine, units)
         clock("pairing")
         solution = self._settle(step, first, rounding, bool(fine))
         clock("newton")
-        self.system.carry(step, solution.force)
+        move = self.system.settle if fine else self.system.carry  # by what forces change, or whole
+        move(step, solution.force)
         clock("solids")
-        return solution, speed, self._nonlinearity(step, speed, solution.force)
+        return solution, speed, self._nonlinearity(step, speed, None if fine else solution.force)
 
     def _grown(self, step: Step, clock: Clock) -> bool:
         """Whether more points may bear than were asked."""
@@ -129,28 +138,65 @@ class Sweeps(ABC):
             return solution.force, more
         fine, noise = strained / step.dt, ulp(speed)  # of solves
         rounding = max(ROUGH * self._newton.tolerance, off / fine if fine else 0.0)
-        for _ in range(self._newton.max_iterations if fine else 0):
+        units = self._bent(step) if fine else []
+        for _ in range(self._newton.max_iterations if units else 0):
             held = [(contact.equations, contact.equations.values) for contact in self._all.contacts]
-            finer, _, error = self._sweep(step, clock, False, rounding, fine)
+            finer, _, error = self._sweep(step, clock, False, rounding, fine, units)
             more += finer.iterations
             left = worst([finer.error, error]) * fine
             if not left < off:
                 for equations, values in held:
                     equations.values = values
-                self.system.carry(step, solution.force)
+                self.system.settle(step, solution.force)
                 self._nonlinearity(step, fine, solution.force)
                 break
-            off, solution = left, finer
-            if off <= max(RIGHT * fine, noise):
+            fell, off, solution = 2 * left < off, left, finer
+            if not fell or off <= max(RIGHT * fine, noise):
                 break
         if more:  # rows are judged by what errors are worth
             off = max(off, noise)
             self._scale(step, min(speed, max(fine, off / self._newton.tolerance)))
             self.reached = off / self.speed
-        self.left = off
+        self.left = max(off, ROUND_OFF * speed)
         return solution.force, more
 
-    def _linearise(self, step: Step, first: bool, fine: float = 0.0) -> float:
+    def _bent(self, step: Step) -> list[np.ndarray | None]:
+        """The pressures that stop 1 m/s of each point alone, but for what its body moves as a whole
+        by these, (2, n) for each contact with an obstacle."""
+        assert isinstance(self.system, Condensed)
+        surfaces, result, first = self.system.surfaces, list[np.ndarray | None](), 0
+        for contact in self._all.contacts:
+            e, p, size = contact.equations, contact.equations.candidates, 0
+            d, size = contact.surface.dim, len(contact.part.active_places)
+            own = slice(first, first + size)
+            first += size
+            if contact.part is not e:
+                result.append(None)
+                continue
+            W = surfaces.W[own, own]
+            basis = np.linalg.qr(motions(contact.coupling.positions()[p]))[0]
+            off = W - basis @ (basis.T @ W)
+            off -= (off @ basis) @ basis.T
+            blocks = off.reshape(len(p), d, len(p), d)[range(len(p)), :, range(len(p))]
+            along = np.einsum("pi,pij,pj->p", contact.normal[p], blocks, contact.normal[p])
+            across = (np.trace(blocks, axis1=1, axis2=2) - along) / (d - 1)
+            least = max(ulp(largest(W)), largest(W - W.T))  # what round-off tells of it
+            if not np.median(along) > least:
+                return []
+            weight = np.where(e.weight[p] > 0, e.weight[p], 1.0)
+            units = contact.units(step).copy()
+            stops = 1 / np.maximum([along, across], least) / weight
+            units[:, p] = np.maximum(units[:, p], stops)
+            result.append(units)
+        return result
+
+    def _linearise(
+        self,
+        step: Step,
+        first: bool,
+        fine: float = 0.0,
+        units: Sequence[np.ndarray | None] = (),
+    ) -> float:
         """Geometry, candidates and scales; returns a typical speed, or the ``fine`` one."""
         self._see(step, exact=False)
         if first:
@@ -164,18 +210,18 @@ class Sweeps(ABC):
         noise = ROUND_OFF / self._newton.tolerance
         speed = max(self._all.fastest(free, noise), SLOW * self._pushed) or self._speeds.known()
         inside = max((body.load_speed() for body in self._speeds.bodies), default=0.0)
-        speed = self._scale(step, fine or max(speed, SLOW * inside))
+        speed = self._scale(step, fine or max(speed, SLOW * inside), units)
         # without inertia, and without what bore, all that is loaded would go far inside
         rests = not step.scheme.inertia and any((c.status > 0).any() for c in contacts)
         for contact, velocities in new:
             contact.start(np.zeros_like(velocities) if rests else velocities)
         return speed
 
-    def _scale(self, step: Step, speed: float) -> float:
+    def _scale(self, step: Step, speed: float, units: Sequence[np.ndarray | None] = ()) -> float:
         """Let rows be scaled by about this speed, m/s, or any if there is none; that scale."""
         self.speed = max(speed, self._speeds.drawn(step))  # decides alike in all units of time
         scale = scale_of(self.speed)
-        self._all.set_scale(step, scale)
+        self._all.set_scale(step, scale, units)
         return scale
 
     def _settle(
@@ -201,14 +247,26 @@ class Sweeps(ABC):
             self._contradicted = failure.last.error
             return failure.last
 
-    def _nonlinearity(self, step: Step, speed: float, force: np.ndarray) -> float:
-        """Largest relative error of what was linearised, in the trial state."""
+    def _nonlinearity(self, step: Step, speed: float, force: np.ndarray | None) -> float:
+        """Largest relative error of what was linearised, in the trial state: of what forces stand
+        for, too, if they are given."""
         self._all.refuse_broken()
         exact = (solid.linear or getattr(solid, "balanced", False) for solid in self._all.solids)
         asked = [solid for solid, closed in zip(self._all.solids, exact) if not closed]
         errors = self._all.imbalances(step, asked)
         for contact, part in zip(self._all.contacts, self._all.parts):
             jump, gap, size = nonlinearity(contact, step)
-            size = max(speed, size, SLOW * contact.push(force[part], step))
+            if force is not None:
+                size = max(speed, size, SLOW * contact.push(force[part], step))
+            else:
+                size = speed
             errors += [jump / size, gap / (size * step.span)]
         return worst(errors)
+
+
+def motions(places: np.ndarray) -> np.ndarray:
+    """Velocities of places (n, d) in all rigid motions, (n d, motions)."""
+    n, d = places.shape
+    moves = np.tile(np.eye(d), (n, 1))
+    arms = places - places.mean(axis=0)
+    return np.hstack([moves, by_spins(arms).reshape(n * d, -1)])

@@ -100,8 +100,8 @@ class Sample:
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
         told = asdict(self)
-        plain = {k: v.tolist() if hasattr(v, "tolist") else v for k, v in self.setting.items()}
-        return told | {"setting": told["setting"] | plain}
+        of_numpy = {k: v.tolist() for k, v in self.setting.items() if hasattr(v, "tolist")}
+        return told | {"setting": told["setting"] | of_numpy}
 
 
 #: Cost: seconds after which a setting is not repeated: what lasts is measured well enough.

@@ -27,6 +27,7 @@ from fenicsx_contact import (
     Scene,
     ThetaScheme,
     Turned,
+    Union,
     neo_hookean,
 )
 from fenicsx_contact.gradients import (
@@ -301,9 +302,10 @@ def test_what_tells_no_slopes_of_its_velocity_is_refused():
 def test_a_wrong_slope_of_a_velocity_is_refused():
     Wavy.velocity_slopes = lambda self, points, start, end: np.ones((len(points), 2, 2))
     try:
-        scene = before(Wavy())
-        with pytest.raises(InputError, match="velocity_slopes of its obstacle along x"):
-            tangents(scene, 0.01, 0.005, {"mu": friction(scene)}, centre(scene))
+        for obstacle in (Wavy(), Moved(Wavy(), lambda t: (t, 0)), Union([Wavy()])):
+            scene = before(obstacle)
+            with pytest.raises(InputError, match="velocity_slopes of its obstacle along x"):
+                tangents(scene, 0.01, 0.005, {"mu": friction(scene)}, centre(scene))
     finally:
         del Wavy.velocity_slopes
 

@@ -159,6 +159,7 @@ class Moved:
         checks.function("motion", motion, " of the time")
         self._wall, self._motion = Wall(obstacle), motion
         self.dim, self.flat, self.edged = self._wall.dim, self._wall.flat, self._wall.edged
+        self.walls = [self._wall]  #: Of what it is made.
         if self._wall.smooth:
             self.slopes = self._slopes
         if self._wall.smooth_velocity:

@@ -53,6 +53,7 @@ class Turned:
             raise checks.InputError(f"axis = {axis!r}: must be None for an obstacle in the plane")
         self._along = np.ones(1) if self.axis is None else self.axis
         self._spin = np.tensordot(self._along, GENERATORS[self.dim], 1)  # d/d angle at 0
+        self.walls = [self._wall]  #: Of what it is made.
         if self._wall.smooth:
             self.slopes = self._slopes
         if self._wall.smooth_velocity:

@@ -31,17 +31,17 @@ class Union:
         every = checks.listed("obstacles", obstacles, "at least one obstacle")
         if not every:
             raise checks.InputError("obstacles = []: must be a list of at least one obstacle")
-        self._walls = [Wall(each, f"obstacles[{k}]") for k, each in enumerate(every)]
-        self.dim = self._walls[0].dim
-        for k, wall in enumerate(self._walls):
+        self.walls = [Wall(each, f"obstacles[{k}]") for k, each in enumerate(every)]
+        self.dim = self.walls[0].dim
+        for k, wall in enumerate(self.walls):
             if wall.dim != self.dim:
                 raise checks.InputError(
                     f"obstacles[{k}].dim = {wall.dim}: must be {self.dim}, as of the others"
                 )
-        self.moving = any(wall.moving for wall in self._walls)
+        self.moving = any(wall.moving for wall in self.walls)
         #: Derivatives of the normals, if all tell them.
-        self.curvature = self._curvature if all(wall.smooth for wall in self._walls) else None
-        if all(wall.smooth_velocity for wall in self._walls):
+        self.curvature = self._curvature if all(wall.smooth for wall in self.walls) else None
+        if all(wall.smooth_velocity for wall in self.walls):
             self.velocity_slopes = self._velocity_slopes
         # what was asked last, and told: one tuple, as several threads may ask
         self._last: tuple[np.ndarray, float, np.ndarray, np.ndarray] | None = None
@@ -50,7 +50,7 @@ class Union:
         """The least distances of the points, (n,) in m, and whose they are, (n,)."""
         last = self._last
         if last is None or time != last[1] or not np.array_equal(points, last[0]):
-            every = np.array([wall.distance(points, time) for wall in self._walls])
+            every = np.array([wall.distance(points, time) for wall in self.walls])
             which = every.argmin(axis=0)
             last = points.copy(), time, every[which, np.arange(len(points))], which
             self._last = last
@@ -61,7 +61,7 @@ class Union:
         d, which = self.dim, self._nearest(points, times[-1])[1]
         result = np.zeros((len(points), *[d] * size))
         for k in np.unique(which):
-            answer = getattr(self._walls[k], what)(points[which == k], *times)
+            answer = getattr(self.walls[k], what)(points[which == k], *times)
             result[which == k] = np.zeros(1) if answer is None else answer
         return result
 
@@ -89,4 +89,4 @@ class Union:
         return self._of_each("velocity", 1, points, start, end)
 
     def __repr__(self) -> str:
-        return f"Union([{', '.join(wall.describe() for wall in self._walls)}])"
+        return f"Union([{', '.join(wall.describe() for wall in self.walls)}])"

@@ -25,6 +25,8 @@ def check_derivatives(name: str, wall: Wall, points: np.ndarray) -> None:
     Raises:
         InputError: with what is wrong and where.
     """
+    for each in getattr(wall.obstacle, "walls", ()):  # of what it is made
+        check_derivatives(name, each, points)
     if wall.ours:
         return
     size = float(np.ptp(points, axis=0).max() or np.abs(points).max() or 1.0)

@@ -166,11 +166,11 @@ class Sweeps(ABC):
         assert isinstance(self.system, Condensed)
         surfaces, result, first = self.system.surfaces, list[np.ndarray | None](), 0
         for contact in self._all.contacts:
-            e, p, size = contact.equations, contact.equations.candidates, 0
+            e, p = contact.equations, contact.equations.candidates
             d, size = contact.surface.dim, len(contact.part.active_places)
             own = slice(first, first + size)
             first += size
-            if contact.part is not e:
+            if contact.part is not e or len(p) <= d:  # so few tell nothing but such motions
                 result.append(None)
                 continue
             W = surfaces.W[own, own]

@@ -141,9 +141,9 @@ class Sweeps(ABC):
         units = self._bent(step) if fine else []
         for _ in range(self._newton.max_iterations if units else 0):
             held = [(contact.equations, contact.equations.values) for contact in self._all.contacts]
-            finer, _, error = self._sweep(step, clock, False, rounding, fine, units)
+            finer, scale, error = self._sweep(step, clock, False, rounding, fine, units)
             more += finer.iterations
-            left = worst([finer.error, error]) * fine
+            left = worst([finer.error, error]) * scale
             if not left < off:
                 for equations, values in held:
                     equations.values = values

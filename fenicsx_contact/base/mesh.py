@@ -37,8 +37,9 @@ class NamedMesh:
 
     def __post_init__(self) -> None:
         _check_mesh(self.mesh)
-        checks.mapping("points", self.points, "from names to coordinates")
-        for name, tag in checks.mapping("names", self.names, "from names to tags").items():
+        for name, of in ("points", "from names to coordinates"), ("names", "from names to tags"):
+            object.__setattr__(self, name, checks.mapping(name, getattr(self, name), of))
+        for name, tag in self.names.items():
             checks.whole_number(f"names[{name!r}]", tag, at_least=-(2**31))
         tdim, gdim = self.mesh.topology.dim, self.mesh.geometry.dim
         if tdim != gdim or gdim not in (2, 3):

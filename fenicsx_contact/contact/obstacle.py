@@ -9,6 +9,7 @@ any object with the members of :class:`~fenicsx_contact.contact.wall.Obstacle`.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -139,7 +140,33 @@ class Cylinder(_Round):
         super().__init__(3, center, radius, inside, checks.direction("axis", axis, 3))
 
 
-class Moved:
+class Carried(ABC):
+    """An obstacle that is carried along in some way, and what is known of it all the same.
+
+    Attributes:
+        walls: of what it is made.
+        numbers: the Constants that stand in it.
+    """
+
+    moving = True
+
+    def __init__(self, obstacle: Obstacle) -> None:
+        self._wall = wall = Wall(obstacle)
+        self.dim, self.edged, self.walls = wall.dim, wall.edged, [wall]
+        self.numbers: list[Any] = list(getattr(obstacle, "numbers", ()))
+        if wall.smooth:
+            self.slopes = self._slopes
+        if wall.smooth_velocity:
+            self.velocity_slopes = self._velocity_slopes
+
+    @abstractmethod
+    def _slopes(self, points: np.ndarray, time: float) -> np.ndarray: ...
+
+    @abstractmethod
+    def _velocity_slopes(self, points: np.ndarray, start: float, end: float) -> np.ndarray: ...
+
+
+class Moved(Carried):
     """An obstacle that is carried along.
 
     Args:
@@ -153,19 +180,10 @@ class Moved:
         InputError: no obstacle, a motion that is none.
     """
 
-    moving = True
-
     def __init__(self, obstacle: Obstacle, motion: Callable[[float], Any]) -> None:
         checks.function("motion", motion, " of the time")
-        self._wall, self._motion = Wall(obstacle), motion
-        self.dim, self.flat, self.edged = self._wall.dim, self._wall.flat, self._wall.edged
-        self.walls = [self._wall]  #: Of what it is made.
-        if self._wall.smooth:
-            self.slopes = self._slopes
-        if self._wall.smooth_velocity:
-            self.velocity_slopes = self._velocity_slopes
-        #: The Constants that stand in it.
-        self.numbers: list[Any] = list(getattr(obstacle, "numbers", ()))
+        super().__init__(obstacle)
+        self._motion, self.flat = motion, self._wall.flat
         self.displacement(0.0)
 
     def displacement(self, time: float) -> np.ndarray:

@@ -11,11 +11,11 @@ import numpy as np
 from ..base import checks
 from ..base.shown import shown
 from ..solids.rotations import GENERATORS, rotation_matrix
-from .obstacle import Obstacle
-from .wall import Wall
+from .obstacle import Carried
+from .wall import Obstacle
 
 
-class Turned:
+class Turned(Carried):
     """An obstacle that is turned about a fixed point, or in space about an axis through it.
 
     Its material goes round with it and drags along what rubs on it. One that also goes along a way
@@ -32,7 +32,7 @@ class Turned:
             none in space.
     """
 
-    moving, flat = True, False
+    flat = False
 
     def __init__(
         self,
@@ -42,8 +42,8 @@ class Turned:
         axis: Sequence[float] | None = None,
     ) -> None:
         checks.function("angle", angle, " of the time")
-        self._wall, self._angle = Wall(obstacle), angle
-        self.dim, self.edged = self._wall.dim, self._wall.edged
+        super().__init__(obstacle)
+        self._angle = angle
         self.about, self.axis = checks.vector("about", about, self.dim), None
         if self.dim == 3:
             if axis is None:
@@ -53,13 +53,6 @@ class Turned:
             raise checks.InputError(f"axis = {axis!r}: must be None for an obstacle in the plane")
         self._along = np.ones(1) if self.axis is None else self.axis
         self._spin = np.tensordot(self._along, GENERATORS[self.dim], 1)  # d/d angle at 0
-        self.walls = [self._wall]  #: Of what it is made.
-        if self._wall.smooth:
-            self.slopes = self._slopes
-        if self._wall.smooth_velocity:
-            self.velocity_slopes = self._velocity_slopes
-        #: The Constants that stand in it.
-        self.numbers: list[Any] = list(getattr(obstacle, "numbers", ()))
         self.angle(0.0)
 
     def angle(self, time: float) -> float:

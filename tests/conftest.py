@@ -53,6 +53,7 @@ SAMPLED = {
     "test_points": 10,
     "test_statics": 4,
     "test_pairs": 6,
+    "test_units": 6,
     "test_obstacles": 3,
     "test_kinds": 9,
 }

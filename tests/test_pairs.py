@@ -30,7 +30,7 @@ from fenicsx_contact.solve.loop import GEOMETRY_TOLERANCE
 
 SLAVES = ["rigid", "elastic", "hyperelastic"]
 MASTERS = ["obstacle", *SLAVES]
-LAWS = {"velocity": "velocity", "gap": "gap", "lagrange": "lagrange", "springs": Discrete(1e8)}
+LAWS = ["velocity", "gap", "lagrange", "springs"]
 WAYS = {
     "default": {},
     "newton": {"geometry": "newton"},
@@ -48,46 +48,55 @@ GAP, SPEED, DT = 1e-3, 1.0, 1e-3
 TOP = 0.3  # of a master
 
 
+#: Metres, kilograms and seconds in the units of a scene.
+SI = (1.0, 1.0, 1.0)
+
+
 @cache
-def mesh(role, dim):
+def mesh(role, dim, metre=1.0):
     """The meshes, made once: a small block above a larger one."""
     if role == "low":
-        return rectangle((3, 1), (0.6, TOP)) if dim == 2 else box((2, 2, 1), (0.6, 0.6, TOP))
-    block = rectangle((2, 1), (0.4, 0.2)) if dim == 2 else box((1, 1, 1), (0.4, 0.4, 0.2))
-    block.mesh.geometry.x[:, dim - 1] += (TOP if role == "on solid" else 0.0) + GAP
+        block = rectangle((3, 1), (0.6, TOP)) if dim == 2 else box((2, 2, 1), (0.6, 0.6, TOP))
+    else:
+        block = rectangle((2, 1), (0.4, 0.2)) if dim == 2 else box((1, 1, 1), (0.4, 0.4, 0.2))
+        block.mesh.geometry.x[:, dim - 1] += (TOP if role == "on solid" else 0.0) + GAP
+    block.mesh.geometry.x[:] *= metre
     return block
 
 
-def solid(kind, shape, name, velocity=None, **held):
+def solid(kind, shape, name, velocity=None, unit=SI, **held):
     """A solid of 1000 kg/m³ under gravity; soft ones strain by 1e-3 under their weight."""
-    d = shape.dim
-    common = {"density": 1000.0, "gravity": -G * np.eye(d)[-1], "name": name}
+    d, (metre, kilogram, second) = shape.dim, unit
+    density, g = 1000.0 * kilogram / metre**d, G * metre / second**2
+    E = 1e7 * kilogram * metre ** (2 - d) / second**2
+    common = {"density": density, "gravity": -g * np.eye(d)[-1], "name": name}
     if kind == "rigid":
         return RigidSolid(shape, velocity=velocity, **common)
     if velocity is not None:
         speed = np.asarray(velocity, dtype=float)
         held["velocity"] = lambda x: np.outer(speed, np.ones(x.shape[1]))
     if kind == "elastic":
-        material = {"youngs_modulus": 1e7, "poisson_ratio": 0.3}
+        material = {"youngs_modulus": E, "poisson_ratio": 0.3}
         return ElasticSolid(shape, **material, **common, **held)
-    return HyperelasticSolid(shape, energy=neo_hookean(1e7, 0.3), **common, **held)
+    return HyperelasticSolid(shape, energy=neo_hookean(E, 0.3), **common, **held)
 
 
-def build(slave, master, dim, law, friction, way, scheme):
-    """The scene of one combination."""
-    floor = FLOOR if dim == 2 else FLOOR_3D
+def build(slave, master, dim, law, friction, way, scheme, unit=SI):
+    """The scene of one combination, in these units."""
+    floor, (metre, kilogram, second) = FLOOR if dim == 2 else FLOOR_3D, unit
     moving = scheme != "static"
-    velocity = 0.3 * np.eye(dim)[0] - SPEED * np.eye(dim)[-1] if moving else None
+    thrown = (0.3 * np.eye(dim)[0] - SPEED * np.eye(dim)[-1]) * metre / second
     role = "on floor" if master == "obstacle" else "on solid"
-    up = solid(slave, mesh(role, dim), "up", velocity)
+    up = solid(slave, mesh(role, dim, metre), "up", thrown if moving else None, unit)
+    law = Discrete(1e8 * kilogram / second**2) if law == "springs" else law
     if master == "obstacle":
-        contacts = [Contact(up, "base", floor, LAWS[law], friction, name="c")]
+        contacts = [Contact(up, "base", floor, law, friction, name="c")]
         return Scene([up], contacts, SCHEMES[scheme], **WAYS[way])
     held = {} if master == "rigid" else {"fixed": ["base"]}
-    low = solid(master, mesh("low", dim), "low", **held)
-    contacts = [Contact(up, "base", (low, "top"), LAWS[law], friction, name="c")]
+    low = solid(master, mesh("low", dim, metre), "low", unit=unit, **held)
+    contacts = [Contact(up, "base", (low, "top"), law, friction, name="c")]
     if master == "rigid":
-        contacts.append(Contact(low, "base", floor, LAWS[law], friction, name="floor"))
+        contacts.append(Contact(low, "base", floor, law, friction, name="floor"))
     return Scene([low, up], contacts, SCHEMES[scheme], **WAYS[way])
 
 

@@ -112,5 +112,8 @@ def orientations(x: np.ndarray, cell: str) -> np.ndarray:
     slopes = element.tabulate(1, element.points)[1:, ..., 0]
     edges = np.einsum("tqk,mkj->mqtj", slopes, x)
     volume = np.linalg.det(edges)
-    flat = np.abs(volume) <= SAME * np.linalg.norm(edges, axis=3).prod(axis=2)
+    long = np.linalg.norm(edges, axis=3)
+    # of nodes at one place round-off would be an edge that points somewhere
+    flat = np.abs(volume) <= SAME * long.prod(axis=2)
+    flat |= (long <= SAME * long.max(axis=(1, 2), keepdims=True)).any(axis=2)
     return np.sign(np.where(flat, 0.0, volume))

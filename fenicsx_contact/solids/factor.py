@@ -44,6 +44,7 @@ class Direct:
         solver.setOperators(self._matrix)
         solver.getPC().setType("lu")
         solver.getPC().setFactorSolverType(self._package)
+        solver.getPC().setFactorPivot(0.0)  # PETSc's own bound, 2e-14, is of no unit
         solver.setFromOptions()
         if self.by_mumps and self._room != ROOM:
             solver.getPC().setFactorSetUpSolverType()

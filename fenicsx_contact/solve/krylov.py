@@ -28,14 +28,13 @@ from petsc4py import PETSc
 
 from ..base.checks import StepFailed
 from ..base.processes import together
-from ..base.vectors import largest, slices
+from ..base.vectors import slices
 from ..solids import DeformableSolid
 from .monolithic import Monolithic
 from .multigrid import Multigrid, rigid_modes
 from .problem import Assembly, Clock
 from .solid_matrix import SolidMatrix
 from .solid_rows import petsc_matrix
-from .statics import FREE
 from .surface_rows import SurfaceRows
 from .through_springs import ThroughSprings, nodal_inverse
 
@@ -151,8 +150,8 @@ class Krylov(Monolithic):
         diagonal = np.zeros(t + len(surface.multipliers))
         diagonal[t:] = -1.0 if self.held else -self._softness
         if self._weakly.any():
-            stiff = self.comm.allreduce(largest(self._solids.diagonal()), op=MPI.MAX)
-            diagonal[surface.here] = FREE * stiff * self._weakly[surface.solid[surface.here]]
+            spring = self._weak_spring(self._solids.diagonal())
+            diagonal[surface.here] = spring * self._weakly[surface.solid[surface.here]]
         return sp.diags(diagonal, format="csr")
 
     def _size(self, matrix: sp.csr_matrix) -> np.ndarray:

@@ -25,6 +25,7 @@ from .grip import Grip
 from .numbering import Numbering, numbered_traces
 from .problem import Assembly
 from .solid_rows import SolidRows
+from .statics import FREE
 from .yielding import COMPLIANCE, FIRM, Yielding
 
 
@@ -129,6 +130,16 @@ class Monolithic(ABC):
         own may."""
         self._grip = Grip(self.solids, self.assembly.contacts, loose)
         self._weakly = np.array([any(s is each for each in floating) for s in self.solids])
+
+    def _weak_spring(self, diagonal: np.ndarray) -> float:
+        """The stiffness of these springs, of this process's part of the solids' diagonal. What
+        supports hold says where it is: its rows are of another unit."""
+        own = [0.0]
+        for solid, places in zip(self.solids, self.places.own):
+            if isinstance(solid, DeformableSolid):
+                here = diagonal[places - self.places.mine.start]
+                own.append(largest(np.delete(here, solid.fixed_unknowns)))
+        return FREE * float(self.comm.allreduce(max(own), op=MPI.MAX))
 
     def freeze(self, step: Step, first: bool) -> FrozenContact:
         """The contact problem with solids and geometry linearised as they are. Where what bore does

@@ -65,8 +65,8 @@ class SolidRows:
         self._values = self._indices = self._indptr = np.empty(0)
 
     def diagonal(self) -> np.ndarray:
-        """The diagonal, on every process."""
-        return self.everywhere(self().diagonal(k=self._places.mine.start))
+        """This process's part of the diagonal."""
+        return np.asarray(self().diagonal(k=self._places.mine.start))
 
     def everywhere(self, local: np.ndarray) -> np.ndarray:
         """The entries of all processes."""

@@ -22,7 +22,9 @@ from .embedding import Added, Embedding
 from .monolithic import Monolithic
 from .problem import Assembly
 from .solid_rows import petsc_matrix
-from .statics import FREE
+
+#: Cost: sweeps over rows and columns that balance a matrix; each halves the orders that are left.
+SWEEPS = 6
 
 
 class Sparse(Monolithic):
@@ -99,9 +101,9 @@ class Sparse(Monolithic):
         n, m = self.places.size, self.size - self.places.size
         diagonal = np.repeat([0.0, -1.0 if self.held else -self._softness], [n, m])
         if self._weakly.any():
-            stiff = np.abs(self._solid_rows.diagonal()).max()
+            spring = self._weak_spring(self._solid_rows.diagonal())
             for solid in np.flatnonzero(self._weakly):
-                diagonal[self.places.all_of(solid)] = FREE * stiff
+                diagonal[self.places.all_of(solid)] = spring
         return sp.diags(diagonal, format="csr")
 
     @property
@@ -198,10 +200,25 @@ class _System:
 def pivoted(matrix: sp.csr_matrix) -> Callable[[np.ndarray], np.ndarray]:
     """The inverse by SuperLU, which may take any row as the next: where most of the diagonal is
     zero others run out of pivots and of room. NaN where the matrix is singular."""
+    rows, columns = _balanced(matrix)
     try:
-        return splu(matrix.tocsc()).solve
+        solve = splu((sp.diags(rows) @ matrix @ sp.diags(columns)).tocsc()).solve
     except RuntimeError:  # exactly singular
         return lambda values: np.full_like(values, np.nan)
+    return lambda values: columns * solve(rows * values)
+
+
+def _balanced(matrix: sp.csr_matrix) -> tuple[np.ndarray, np.ndarray]:
+    """Powers of two by which rows and columns are about 1 at most, whatever their units (D. Ruiz,
+    RAL-TR-2001-034): which row a pivot is in is chosen by its size."""
+    A = abs(sp.csc_matrix(matrix))
+    rows, columns = np.ones(A.shape[0]), np.ones(A.shape[1])
+    for _ in range(SWEEPS):
+        scaled = sp.diags(rows) @ A @ sp.diags(columns)
+        for scale, axis in ((rows, 1), (columns, 0)):
+            most = scaled.max(axis=axis).toarray().ravel()
+            scale /= np.sqrt(np.where(most > 0, most, 1.0))
+    return tuple(np.exp2(np.round(np.log2(scale))) for scale in (rows, columns))
 
 
 def _pattern(matrix: sp.csr_matrix) -> sp.csr_matrix:

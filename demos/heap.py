@@ -208,7 +208,8 @@ if __name__ == "__main__":
 # - `ThetaScheme(0.5)`: energy is kept between impacts, and the last slips take many iterations.
 # - `fall(100, 2.4)`: a hundred boxes, which rest after 2.1 s; it takes some minutes.
 # - `locate_impacts=True` with a few boxes: nothing overlaps.
-# - Boxes in space, `dolfinx.mesh.create_box`: corners, faces, and edges that cross.
+# - Boxes in space, `dolfinx.mesh.create_box`, and `HELD` without `"turning"` for the bin: corners,
+#   faces, and edges that cross, at some ten times the cost.
 #
 # ## Sources
 #

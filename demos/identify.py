@@ -308,7 +308,7 @@ if __name__ == "__main__":
 # %% [markdown]
 # ## What to try next
 #
-# - More noise: the intervals grow with it, the runs hardly.
+# - More noise: the intervals grow with it, and so do the runs, from ten times as much on.
 # - Other seeds of the noise: the true value lies outside of the interval one time in twenty.
 # - Without the last swing, in which the foot sticks: friction is less sure.
 # - `ROD_NOISE = 1e-3`, as a coil measures: friction and bow are off by tens of per cent together,

@@ -343,7 +343,9 @@ if __name__ == "__main__":
 # ## What to try next
 #
 # - A floor with a rough patch: `friction=lambda x: ufl.conditional(ufl.gt(x[0], 0.1), 0.6, 0.2)`,
-#   and in `slide` a mesh with `n_width=40`: points feel the patch one by one, two corners late.
+#   and in `slide` a mesh with `n_width=40`: points feel the patch one by one, two corners late. How
+#   many points of a rigid face share its weight is not unique, and here even the sum of friction
+#   hangs on that: an `ElasticSolid` tells.
 # - A coating given by a dolfinx `Function` on the block's own mesh.
 # - `RateState(..., law="slip")` on a spring much softer than $k_c$: what sets the length of a step?
 # - `Archard(Warming(0.2, 0.1), 1e-3, 1e6)`: laws that remember stand beside each other.

@@ -113,7 +113,7 @@ if __name__ == "__main__":
 # ## What to try next
 #
 # - Calibrate the friction coefficient with a tangent inlet instead: is there one?
-# - `Assumed(kinked=True, amplitude=0.022)`: the rod jams, and there is no T5.
+# - `Assumed(kinked=True, amplitude=0.022)`: the rod sticks from the start, and there is no T5.
 #
 # ## Sources
 #

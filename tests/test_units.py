@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Units are nobody's business but the user's: every combination of test_pairs.py, in units that are
-powers of two of SI's, so that all that is computed differs by powers of two and nothing by rounding.
-A bound that has a unit, of ours or of a library's, shows."""
+powers of two of SI's, so that all that is computed differs by powers of two, and nothing by
+rounding. A bound that has a unit, of ours or of a library's, shows."""
 
 import numpy as np
 import pytest

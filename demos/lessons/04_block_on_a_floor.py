@@ -77,7 +77,7 @@ for (mu, (_, contact, _)), style in zip(pressed.items(), ["-", "--", "-.", ":"])
     traction = contact.force[order, 0] / contact.surface.area[order]
     axes[1].plot(x[order], traction / load, style)
 axes[0].set_ylabel("pressure / load")
-axes[0].set_ylim(0.6, 1.8)
+axes[0].set_ylim(0.6, 2.2)
 axes[1].set_ylabel("tangential traction / load")
 for ax in axes:
     ax.set_xlabel("place on the base [m]")

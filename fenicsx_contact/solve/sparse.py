@@ -215,10 +215,10 @@ def _balanced(matrix: sp.csr_matrix) -> tuple[np.ndarray, np.ndarray]:
     rows, columns = np.ones(A.shape[0]), np.ones(A.shape[1])
     for _ in range(SWEEPS):
         scaled = sp.diags(rows) @ A @ sp.diags(columns)
-        for scale, axis in ((rows, 1), (columns, 0)):
-            most = scaled.max(axis=axis).toarray().ravel()
-            scale /= np.sqrt(np.where(most > 0, most, 1.0))
-    return tuple(np.exp2(np.round(np.log2(scale))) for scale in (rows, columns))
+        most = scaled.max(axis=1).toarray().ravel(), scaled.max(axis=0).toarray().ravel()
+        rows /= np.sqrt(np.where(most[0] > 0, most[0], 1.0))
+        columns /= np.sqrt(np.where(most[1] > 0, most[1], 1.0))
+    return np.exp2(np.round(np.log2(rows))), np.exp2(np.round(np.log2(columns)))
 
 
 def _pattern(matrix: sp.csr_matrix) -> sp.csr_matrix:

@@ -19,6 +19,7 @@ from ..base.processes import any_of, refuse_unlike
 from ..base.quoted import quoted
 from ..contact.arrivals import starts_inside, struck_apart, went_inside
 from ..contact.massless import undamped
+from ..contact.unnamed import unnamed_inside
 from ..output.books import gave, rounded, sunk, unexplained, unresolved
 from ..output.history import History
 from ..output.stops import hint
@@ -201,7 +202,7 @@ class _Course:
             told.append(went_inside(contact, depth, scene.deepest, takes))
             told.append(struck_apart(contact, scene.deepest))
         if history.finished:  # else places are those of a step that failed
-            told += scene.stepper.unmet.told()
+            told += scene.stepper.unmet.told() + unnamed_inside(scene.contacts, scene.deepest)
         moved, off = scene.stepper.rounding[0], rounded(scene.solids)
         told += [unexplained(history, moved, off), *scene.stepper.pierced.told(scene.comm)]
         driven = any(contact.coupling.driven for contact in scene.contacts)

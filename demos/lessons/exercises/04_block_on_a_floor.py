@@ -1,10 +1,12 @@
 # %% [markdown]
-# **1.** Where friction is 0.2, how far from the middle does the block still stick? Read the
-# outermost point of status 1. Reach **0.219** m.
+# **1.** Where friction is 0.2, how far from the middle does the block still stick? Half-way from
+# the outermost point of status 1 to the next one, which slips; the answer is as sure as points are
+# apart, 0.03 m here. Reach **0.234** m.
 
 # %%
 _, contact, _ = pressed[0.2]
-answer = np.abs(contact.surface.points[contact.status == 1, 0]).max()
+off = np.abs(contact.surface.points[:, 0])
+answer = 0.5 * (off[contact.status == 1].max() + off[contact.status == 2].min())
 
 # %% [markdown]
 # **2.** Without friction the block becomes wider by $\nu(1+\nu)\,p/E$ times its width (plane

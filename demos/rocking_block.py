@@ -353,7 +353,7 @@ if __name__ == "__main__":
 # ## What to try next
 #
 # - `FRICTION = 0.9 * BLOCK.smallest_friction`: the block slips while it swings, sticks at impacts,
-#   and Housner's ratio is lost: the first impact leaves less of the energy, 0.469 in place of 0.559.
+#   and Housner's ratio is lost: the first impact leaves 0.469 of the energy in place of 0.559.
 # - `(VELOCITY, ThetaScheme(1.0))`: the first maxima are lower, for the scheme is implicit Euler.
 # - `(GAP, ThetaScheme(0.5))`: the corner that lands bounces; look at the reaction, column
 #   `block.base.force_y`.

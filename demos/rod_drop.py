@@ -403,8 +403,8 @@ if __name__ == "__main__":
 #   in the scene; the total is then up to 0.1 % longer, T5 is not.
 # - Another water: any object with `buoyancy` [kg], `added_mass(z)` [kg] and `drag(z)`, both C and
 #   dC/dz of the force C v² [kg/m, kg/m²], in `Fall(...)`.
-# - `Assumed(kinked=True, amplitude=0.022)`: the rod sticks from the start, and the history says that
-#   what it was to stop at did not happen; `until=1.0` in `drop` is long enough to see it.
+# - `Assumed(kinked=True, amplitude=0.022)`: the rod sticks from the start, and the history says
+#   that what it was to stop at did not happen; `until=1.0` in `drop` is long enough to see it.
 # - `ThetaScheme(0.5)`: nothing damps the rattling, and T5 hardly changes, with either inlet. With
 #   `Gap()` and without friction walls give at most 1e-4 J, of 700 J that the rod has.
 #

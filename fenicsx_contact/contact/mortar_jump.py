@@ -277,10 +277,14 @@ class MortarJump(Coupling):
         return [part @ t.rows(np.arange(s)) for part, t, s in zip(parts, self.traces, sizes)]
 
     def mobility(self) -> np.ndarray:
-        each = np.concatenate([trace.mobility().ravel() for trace in self.traces])
-        mobility = self.pairing.shared.sum(square(self.pairing.operator) @ each)
+        """Of a rigid and a soft solid that of the soft one: all but six of the forces between them
+        move nothing else, however light the rigid one is."""
+        each = [trace.mobility().ravel() for trace in self.traces]
+        soft = [not solid.shiftable for solid in self.solids]
+        moves = [one * (mine or not any(soft)) for one, mine in zip(each, soft)]
+        mobility = self.pairing.shared.sum(square(self.pairing.operator) @ np.concatenate(moves))
         met = np.repeat(self.pairing.paired, mobility.size // self._n)
-        return np.where(met, mobility, each[: mobility.size]).reshape(self._n, -1)
+        return np.where(met, mobility, each[0]).reshape(self._n, -1)
 
     def describe(self) -> str:
         own = f"its {len(self.pairing.master.cells)} facets {self._facets!r}"

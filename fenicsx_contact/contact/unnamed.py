@@ -44,7 +44,7 @@ def _look(contact: Contact, mesh: NamedMesh, nodes: np.ndarray, share: float) ->
     rest = mesh.mesh.geometry.x[nodes, : mesh.dim]
     now = rest + contact.solid.fields()["displacement"][nodes]
     try:
-        depth = -wall.distance(now, contact.coupling.time)  # type: ignore[attr-defined]
+        depth = -wall.distance(now, contact.coupling.time)
         depth[wall.distance(rest, 0.0) < 0] = 0.0  # it is meant to reach beyond
     except StepFailed:  # the wall knows nothing there
         depth = np.zeros(len(nodes))

@@ -6,12 +6,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..base import checks
+from ..base.constants import ROUND_OFF
 from ..contact.contact import Contact
 from ..contact.nodal import NodalJump
 from ..contact.trial import in_round_hole
-from ..solids import DeformableSolid, MonolithicSolid, Solid
+from ..solids import DeformableSolid, MonolithicSolid, RigidSolid, Solid
 from ..theory.scheme import Scheme
 from .loop import SYSTEMS
+from .newton import Newton
 from .statics import stands
 
 #: Cost: components of surface points above which no dense system is formed.
@@ -48,6 +50,8 @@ def choose(
     large = places > LARGE_SURFACE
     deformable = [solid for solid in solids if isinstance(solid, DeformableSolid)]
     springs = [contact for contact in contacts if not contact.formulation.multipliers]
+    if solver is None and scheme.inertia and any(map(_light, contacts)):
+        solver = "monolithic"
     # of stiff springs with friction points turn round in a narrow window in which they stick
     rubs = not scheme.inertia and any(contact.friction_law for contact in springs)
     if geometry is None:
@@ -91,6 +95,14 @@ def choose(
                 f"solver = {solver!r}: {alone} cannot be part of such a system; use {other}"
             )
     return geometry, solver
+
+
+def _light(contact: Contact) -> bool:
+    """Whether a rigid body is so light beside the soft one that it meets that round-off of what
+    loads alone would do to it, from which a compliance starts, is above the tolerance."""
+    rigid = [s.mass for s in contact.solids if isinstance(s, RigidSolid)]
+    soft = [s.mass for s in contact.solids if isinstance(s, DeformableSolid)]
+    return bool(rigid and soft) and min(rigid) * Newton.tolerance < ROUND_OFF * max(soft)
 
 
 def _curved(contact: Contact) -> bool:

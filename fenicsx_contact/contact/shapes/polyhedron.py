@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import linprog
@@ -17,6 +17,15 @@ from ...base.shown import marked
 from ...solids.rotations import angles, rotation_matrix
 from ..obstacle import HalfSpace
 from .last import Last
+
+
+class _Flats(NamedTuple):
+    """Where k of the planes meet: which, (m, k), their normals, (m, k, d), and the inverses of
+    their Gram matrices, (m, k, k)."""
+
+    planes: np.ndarray
+    normals: np.ndarray
+    inverses: np.ndarray
 
 
 class Polyhedron:
@@ -54,12 +63,17 @@ class Polyhedron:
         self._check_room(offsets)
         self._nearest = Last(self._find)
         self._offsets = offsets - self.rounding
-        self._flats = [  # planes that meet there, and the inverse of their Gram matrix
-            (which, np.linalg.inv(gram))
-            for size in range(2, self.dim + 1)
-            for which in map(list, combinations(range(len(spaces)), size))
-            if np.linalg.det(gram := self._normals[which] @ self._normals[which].T) > SAME
-        ]
+        every = (self._flats(size) for size in range(2, self.dim + 1))
+        self._meeting = [flats for flats in every if len(flats.planes)]
+
+    def _flats(self, size: int) -> _Flats:
+        """Where so many of the planes meet."""
+        planes = np.array(list(combinations(range(len(self._normals)), size)), dtype=int)
+        planes = planes.reshape(-1, size)
+        normals = self._normals[planes]
+        grams = normals @ normals.swapaxes(1, 2)
+        meet = np.linalg.det(grams) > SAME
+        return _Flats(planes[meet], normals[meet], np.linalg.inv(grams[meet]))
 
     def _check_room(self, offsets: np.ndarray) -> None:
         """Whether the largest ball inside, if there is one, is larger than the rounding."""
@@ -85,16 +99,19 @@ class Polyhedron:
         face = over.argmax(axis=1)
         distance, normals = over[np.arange(len(points)), face], self._normals[face]
         across = normals[:, :, None] * normals[:, None, :]
-        for which, inverse in self._flats:
-            planes = self._normals[which]
-            pull = over[:, which] @ inverse
-            size = np.sqrt(np.maximum((pull * over[:, which]).sum(axis=1), 0.0))
-            better = (pull >= 0).all(axis=1) & (size > distance)
-            distance = np.where(better, size, distance)
-            normals = np.where(
-                better[:, None], pull @ planes / np.where(better, size, 1.0)[:, None], normals
-            )
-            across = np.where(better[:, None, None], planes.T @ inverse @ planes, across)
+        outside = np.flatnonzero(distance > 0)  # inside, a face is the nearest
+        for flats in self._meeting if len(outside) else ():
+            away = over[outside][:, flats.planes]
+            pull = (away[:, :, None] @ flats.inverses)[:, :, 0]
+            size = np.sqrt(np.maximum((pull * away).sum(axis=2), 0.0))
+            size[(pull < 0).any(axis=2)] = -np.inf
+            one, best = np.arange(len(outside)), size.argmax(axis=1)
+            better = size[one, best] > distance[outside]
+            one, best, at = one[better], best[better], outside[better]
+            own = flats.normals[best]
+            distance[at] = size[one, best]
+            normals[at] = (pull[one, best][:, None] @ own)[:, 0] / distance[at, None]
+            across[at] = own.swapaxes(1, 2) @ flats.inverses[best] @ own
         return distance, normals, across
 
     def distance(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:

@@ -25,6 +25,7 @@ from ufl.algorithms.map_integrands import map_integrand_dags
 from ufl.corealg.multifunction import MultiFunction
 
 from .checks import InputError
+from .equality import part_by_part
 
 #: Cost: age in seconds from which a form that is not compiled is taken for one that a killed run
 #: left; another run may be at work on a younger one.
@@ -114,7 +115,8 @@ def compiler() -> Iterator[None]:
     seek = jit.ffcx_jit
     jit.ffcx_jit = _once(seek)
     try:
-        yield
+        with part_by_part():
+            yield
     finally:
         jit.ffcx_jit = seek
 

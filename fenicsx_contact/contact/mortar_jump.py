@@ -27,6 +27,7 @@ from .mortar.stance import Stance
 from .mortar.standing import Standing
 from .mortar.worn import Receding
 from .pair_equations import PairedEquations
+from .scales import mobilities
 from .strikes import Strikes
 
 
@@ -70,8 +71,8 @@ class MortarJump(Coupling):
         self._start = self._end = self._places()
         self._sunk, self._foreseen, self._strikes = 0.0, 0.0, Strikes(solids, self._n)
         self._mean: Matrix | None = None  # that of which forces act by the mean with the last one
-        found = sought(self.pairing, self._start) < np.inf
-        self.faces = found or faces_anywhere(*sides, *self._split())
+        near = sought(self.pairing, self._start) < np.inf
+        self.faces = near or faces_anywhere(*sides, *self._split())
         self.follow()
         self._start_here()
 
@@ -117,8 +118,8 @@ class MortarJump(Coupling):
     def _look(self, way: float, afar: bool) -> bool:
         """Seek partners so far away as nodes that are about to go a way, m, may meet them in the
         step; whether that is farther than they were, or ``afar``. What has none is not met."""
-        pair = self.pairing
-        if not (afar or (pair.alone.any() and 2 * sqrt(self._shape[1]) * way > pair.reach.min())):
+        pair, far = self.pairing, 2 * sqrt(self._shape[1]) * way
+        if not (afar or (pair.alone.any() and far > pair.reach.min())):
             return False
         self._end, self._way = self._start, way
         pair.update(self._worn(self._start), way)
@@ -204,8 +205,8 @@ class MortarJump(Coupling):
         return "it goes so far that two bodies might change places unseen" if through else ""
 
     def swallowed(self, most: float) -> str:
-        alone = self.solids[0] is self.solids[1]
-        return "" if alone else inside_each_other(self.pairing, self._start, self.solids, most)
+        one = self.solids[0] is self.solids[1]
+        return "" if one else inside_each_other(self.pairing, self._start, self.solids, most)
 
     def normals(self) -> np.ndarray:
         return self.pairing.normal
@@ -232,11 +233,11 @@ class MortarJump(Coupling):
 
     def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
         velocities, share = self.mean_velocities(means), self.equations.fields.end_share.x.array
-        end = self.to_jump(velocities)
+        end, share = self.to_jump(velocities), share[:, None]
         if self._mean is None or (share == 1).all():
             return end
         start = self.pairing.shared.sum(self._mean @ velocities.ravel()).reshape(end.shape)
-        return np.asarray(share[:, None] * end + (1 - share[:, None]) * start)
+        return np.asarray(share * end + (1 - share) * start)
 
     def end_share(self, step: Step) -> float:
         return super().end_share(step) if self._share == 1 else 1.0  # or normals are half-way
@@ -272,19 +273,14 @@ class MortarJump(Coupling):
 
     def jump_rows(self, rows: np.ndarray) -> list[np.ndarray]:
         J = self.pairing.shared.sum(dense(self.pairing.operator[rows]))
-        sizes = [trace.positions().size for trace in self.traces]
-        parts = np.split(J, np.cumsum(sizes)[:-1], axis=1)
-        return [part @ t.rows(np.arange(s)) for part, t, s in zip(parts, self.traces, sizes)]
+        parts = np.split(J, [self.traces[0].positions().size], axis=1)
+        return [p @ t.rows(np.arange(p.shape[1])) for p, t in zip(parts, self.traces)]
 
     def mobility(self) -> np.ndarray:
-        """Of a rigid and a soft solid that of the soft one: all but six of the forces between them
-        move nothing else, however light the rigid one is."""
-        each = [trace.mobility().ravel() for trace in self.traces]
-        soft = [not solid.shiftable for solid in self.solids]
-        moves = [one * (mine or not any(soft)) for one, mine in zip(each, soft)]
-        mobility = self.pairing.shared.sum(square(self.pairing.operator) @ np.concatenate(moves))
-        met = np.repeat(self.pairing.paired, mobility.size // self._n)
-        return np.where(met, mobility, each[0]).reshape(self._n, -1)
+        each, shape = mobilities(self.solids, self.traces), (self._n, -1)
+        both = self.pairing.shared.sum(square(self.pairing.operator) @ each).reshape(shape)
+        alone = self.traces[0].mobility().ravel()[: both.size].reshape(shape)
+        return np.where(self.pairing.paired[:, None], both, alone)
 
     def describe(self) -> str:
         own = f"its {len(self.pairing.master.cells)} facets {self._facets!r}"

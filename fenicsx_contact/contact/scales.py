@@ -11,6 +11,7 @@ import numpy as np
 from ..base.constants import SAME
 from ..base.vectors import largest
 from ..solids import Solid
+from ..solids.base import Trace
 from ..theory.scheme import Step
 from .equations import SurfaceEquations
 from .jump import Coupling
@@ -103,6 +104,15 @@ class Scaled:
         """That of the forces of the last step; those of a percussion are impulses."""
         last = self.force_of if bool(self.force_of) != bool(step.dt) else step.span
         return (last or 1.0) / step.span * self.push(self.force, step)
+
+
+def mobilities(solids: Sequence[Solid], traces: Sequence[Trace]) -> np.ndarray:
+    """Those of the points of two solids, flat, by which they are scaled. Of a rigid and a soft one
+    the rigid one has none: all but six of the forces between them move nothing but the other,
+    however light it is."""
+    soft = [not solid.shiftable for solid in solids]
+    counts = [mine or not any(soft) for mine in soft]
+    return np.concatenate([trace.mobility().ravel() * c for trace, c in zip(traces, counts)])
 
 
 def _or(mobility: np.ndarray, other: np.ndarray) -> np.ndarray:

@@ -21,7 +21,7 @@ def _equal(this: Any, other: Any) -> bool:
         if type(one) is not type(two) or hash(one) != hash(two):
             return False
         if one._ufl_is_terminal_:
-            if not one == two:
+            if one != two:
                 return False
             continue
         if len(one.ufl_operands) != len(two.ufl_operands):

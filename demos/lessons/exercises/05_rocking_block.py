@@ -15,7 +15,8 @@ answer = abs(located["floor.force_x"][struck[0]] / located["floor.force_y"][stru
 
 # %% [markdown]
 # **3.** Tilt the block by twice as much. When does the first impact come, in ms? It is not when it
-# came before: a rocking block has no period of its own. Reach **10.07**.
+# came before: a rocking block has no period of its own. Reach **10.07**. (Tilted by more than its
+# corner bears, it falls through the floor, as the end of the run tells: only its base is named.)
 
 # %%
 tilt = radians(0.02)

@@ -318,6 +318,27 @@ def test_a_file_that_cannot_be_written_is_refused(tmp_path):
         batch(halved, [{"x": 1.0, "kind": "a"}], tmp_path / "text" / "lines.jsonl")
 
 
+def test_a_full_disk_ends_a_batch_by_its_name(tmp_path):
+    """It ended in a bare OSError, "No space left on device". What is on file stays, and serves."""
+    code = f"""
+import resource, signal, sys
+sys.path.insert(0, {str(Path(__file__).parent)!r})
+from test_study import batch, halved
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (600, 600))
+cases = [dict(x=float(x), kind="a") for x in range(20)]
+batch(halved, cases, {str(tmp_path / "lines.jsonl")!r}, processes=1, progress=False)
+"""
+    command = [sys.executable, "-c", code]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert ended.returncode
+    assert "lines.jsonl cannot be written: File too large" in ended.stderr.splitlines()[-1]
+    cases = [{"x": float(x), "kind": "a"} for x in range(20)]
+    again = batch(halved, cases, tmp_path / "lines.jsonl", processes=1, progress=False)
+    assert [line["half"] for line in again] == [x / 2 for x in range(20)]
+    assert len({line["process"] for line in again}) == 2
+
+
 def test_samples_are_plain():
     (setting,) = ladder("v", np.array([3]))
     sample = Sample("m", setting | {"scheme": ThetaScheme(0.5)}, 0.1)

@@ -23,6 +23,7 @@ from typing import Any
 from ..base import checks
 from ..base.quoted import quoted
 from ..base.told import digits
+from ..output.storage import writing
 from .names import named
 from .records import listed, records
 from .workers import how_many
@@ -63,7 +64,8 @@ def batch(
             arguments; a file of something else, or of another function, which stays as it is; no
             processes, or under mpirun; results that a file of JSON cannot hold, or by names of the
             case.
-        RuntimeError: a process died; the message names the cases that were under way.
+        RuntimeError: a process died; the message names the cases that were under way. Or a full
+            disk, for one (NotWritten), which it names; what is on file stays.
         Exception: what the function raised first; its cause tells the case. Those that ran beside
             it are done and on file, and no other is begun.
     """
@@ -99,14 +101,14 @@ def batch(
     failures: list[tuple[dict[str, Any], BaseException]] = []
     bar = tqdm(total=len(cases), initial=len(cases) - len(todo), disable=not show)
     pool = ProcessPoolExecutor(count, fork, _ends_with, (os.getpid(),))
-    with pool, bar, file.open("a") as out:
+    with pool, bar:
         for case, done in _each(pool, count, partial(_line, name, version, function), todo):
             if failure := done.exception():
                 failures.append((dict(case), failure))
                 continue
             known[_key(case)] = json.loads(done.result())["results"]
-            out.write(done.result() + "\n")
-            out.flush()
+            with writing(file), file.open("a") as out:
+                out.write(done.result() + "\n")
             bar.update()
     if failures:
         raise _told(failures, file)

@@ -16,8 +16,9 @@ from .loop import SYSTEMS
 from .newton import Newton
 from .statics import stands
 
-#: Cost: components of surface points above which no dense system is formed.
-LARGE_SURFACE = 1500
+#: Cost: components of surface points above which no dense system is formed; of linear solids in
+#: space that move, whose compliance stays and whose factors are dear.
+LARGE_SURFACE, LARGE_KEPT = 1500, 3000
 #: Cost: components up to which full Newton takes nonlinear solids in motion by their compliance: it
 #: is made anew when a tangent is, which serves for several steps, at the cost of some
 #: factorisations; a percussion needs it more often. The fixed point, too, saves all but the first.
@@ -47,8 +48,9 @@ def choose(
     if solver is not None:
         checks.choice("solver", solver, list(SYSTEMS))
     places = sum(contact.part.places for contact in contacts)
-    large = places > LARGE_SURFACE
     deformable = [solid for solid in solids if isinstance(solid, DeformableSolid)]
+    stays = scheme.inertia and all(isinstance(s, DeformableSolid) and s.linear for s in solids)
+    large = places > (LARGE_KEPT if stays and solids[0].dim == 3 else LARGE_SURFACE)
     springs = [contact for contact in contacts if not contact.formulation.multipliers]
     if solver is None and scheme.inertia and any(map(_light, contacts)):
         solver = "monolithic"

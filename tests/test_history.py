@@ -13,7 +13,7 @@ import sys
 import time
 from functools import cache, partial
 from pathlib import Path
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from xml.etree import ElementTree
 
 import meshio
@@ -644,6 +644,34 @@ def test_what_a_force_has_from_around_it_is_told(kind, tmp_path, monkeypatch):
     with pytest.raises(InputError, match="another scene"):
         scene(1000.0).run(3e-3, 1e-3, directory=tmp_path, resume=True)
     assert scene(1.0).run(3e-3, 1e-3, directory=tmp_path, resume=True).finished
+
+
+@pytest.mark.parametrize(
+    ("read", "what"),
+    [
+        (lambda: own_numbers.given.load, "an object of a module"),  # noqa: F821
+        (lambda: own_package.own_numbers.LOAD, "a module of a module"),  # noqa: F821
+    ],
+)
+def test_what_modules_hold_is_told(read, what, tmp_path, monkeypatch):
+    """Objects and modules that are in modules were not: a batch gave results of other numbers, and
+    a run went on by another friction."""
+    numbers, package = ModuleType("own_numbers"), ModuleType("own_package")
+    package.own_numbers = numbers
+    for module in (numbers, package):
+        module.__file__ = str(tmp_path / f"{module.__name__}.py")
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+        monkeypatch.setitem(globals(), module.__name__, module)
+    texts = []
+    for load in (1.0, 2.0, 1.0):
+        numbers.LOAD, numbers.given = load, Given(load)
+        texts.append(told(read))
+    assert texts[0] == texts[2] != texts[1], what
+
+
+class Given:
+    def __init__(self, load):
+        self.load = load
 
 
 class OwnFloor:

@@ -289,36 +289,64 @@ def test_a_cache_that_cannot_be_written_is_named(monkeypatch, tmp_path):
         raise ZeroDivisionError
 
 
-@pytest.mark.second
-def test_a_form_that_a_killed_run_left_half_compiled(tmp_path):
-    """A later run would wait for it, and give up; it is compiled anew once it is old."""
-    code = (
-        "import dolfinx, ufl; from mpi4py import MPI;"
-        "from fenicsx_contact.base.compiling import compiled;"
-        "mesh = dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, 1);"
-        "compiled(ufl.SpatialCoordinate(mesh)[0] ** 3 * ufl.dx)"
-    )
+COMPILES = """
+import sys, threading
+import dolfinx, ufl
+from mpi4py import MPI
+from ufl.core.expr import Expr
+from fenicsx_contact.base.compiling import compiled
+mesh = dolfinx.mesh.create_unit_interval(MPI.COMM_SELF, 1)
+x, usual = ufl.SpatialCoordinate(mesh)[0], Expr.__eq__
+for _ in range({parts}):
+    x = ufl.sqrt(x * x + 1)
+def compile(power):
+    forms.append(compiled(x ** power * ufl.dx(domain=mesh, degree=2)))
+forms = []
+threads = [threading.Thread(target=compile, args=(3 + k,)) for k in range({threads})]
+for each in threads: each.start()
+for each in threads: each.join()
+assert len(forms) == {threads} and Expr.__eq__ is usual
+"""
+
+
+def compiling_in(tmp_path, parts=1, threads=1):
+    """A process that compiles so deep a form by so many threads, with a cache of its own, and waits
+    for others no longer than a second."""
     settings = tmp_path / "dolfinx"
-    settings.mkdir()
+    settings.mkdir(exist_ok=True)
     for name in ("dolfinx_jit_parameters.json", "dolfinx_jit_options.json"):  # before 0.6, since
         (settings / name).write_text('{"timeout": 1}')
     top = str(Path(__file__).parent.parent)
     env = {**os.environ, "XDG_CONFIG_HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path)}
+    command = [sys.executable, "-c", COMPILES.format(parts=parts, threads=threads)]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    return subprocess.Popen(command, env={**env, "PYTHONPATH": top}, **pipes)
 
-    def run():
-        command = [sys.executable, "-c", code]
-        done = subprocess.run(
-            command, env={**env, "PYTHONPATH": top}, capture_output=True, text=True, check=False
-        )
-        return done.returncode, done.stderr
 
-    assert run()[0] == 0
+def ended(process):
+    output, _ = process.communicate(timeout=600)
+    assert process.returncode == 0, output
+
+
+@pytest.mark.second
+def test_a_form_that_a_killed_run_left_half_compiled(tmp_path):
+    """A later run waited for it, and gave up, until it was a minute old."""
+    ended(compiling_in(tmp_path))
     (ready,) = (tmp_path / "fenics").glob("libffcx_forms_*.c.cached")
     ready.unlink()
-    status, message = run()
-    assert status and "timed out" in message  # it may be under way elsewhere
-    source = ready.with_suffix("")
-    os.utime(source, (0, 0))
-    status, message = run()
-    assert status == 0, message
+    ended(compiling_in(tmp_path))
     assert ready.exists()
+
+
+@pytest.mark.second
+def test_processes_wait_for_what_one_compiles(tmp_path):
+    """As long as that takes: they gave up after FFCx's ten seconds."""
+    together = [compiling_in(tmp_path, parts=300) for _ in range(3)]
+    for process in together:
+        ended(process)
+
+
+@pytest.mark.second
+def test_threads_compile_one_after_the_other(tmp_path):
+    """By an empty cache all of them failed, in distutils, and UFL stayed as it was changed."""
+    ended(compiling_in(tmp_path, threads=4))

@@ -4,6 +4,7 @@
 import dataclasses
 import json
 import os
+import random
 import re
 import subprocess
 import sys
@@ -316,6 +317,19 @@ def test_a_file_that_cannot_be_written_is_refused(tmp_path):
     (tmp_path / "text").write_text("")
     with pytest.raises(InputError, match=r"file = .*cannot be written"):
         batch(halved, [{"x": 1.0, "kind": "a"}], tmp_path / "text" / "lines.jsonl")
+
+
+def drawn(case):
+    return {"numpy": np.random.normal(), "python": random.random()}  # noqa: NPY002
+
+
+def test_cases_draw_numbers_of_their_own(tmp_path):
+    """Processes had numpy's generator as it was when they were forked: 10 of 20 were different."""
+    cases = [{"case": k} for k in range(8)]
+    lines = [batch(drawn, cases, tmp_path / str(n), processes=n, progress=False) for n in (1, 2)]
+    assert lines[0] == lines[1]
+    for name in ("numpy", "python"):
+        assert len({line[name] for line in lines[0]}) == len(cases)
 
 
 def test_a_full_disk_ends_a_batch_by_its_name(tmp_path):

@@ -8,14 +8,18 @@ than to solve a small scene."""
 
 from __future__ import annotations
 
+import fcntl
 import logging
 import os
+import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
+from hashlib import sha256
 from pathlib import Path
 from tempfile import TemporaryFile
+from threading import RLock
 from typing import Any
 
 import ffcx.naming
@@ -86,6 +90,7 @@ def quiet(highest: int = logging.INFO) -> Iterator[None]:
 
 
 _known: dict[Any, Any] = {}  # what this process has compiled or loaded
+_alone = RLock()  # for what is compiled by one thread others wait
 
 
 def _name(what: Any) -> Any:
@@ -95,6 +100,46 @@ def _name(what: Any) -> Any:
     return ffcx.naming.compute_signature([what], "") if isinstance(what, tuple) else what
 
 
+@cache
+def _asked() -> Any:
+    """A file of which each byte is a lock, or None where no file can be locked."""
+    try:
+        _cache().mkdir(parents=True, exist_ok=True)
+        return open(_cache() / "asked", "a+")
+    except OSError:
+        return None
+
+
+@contextmanager
+def _first(comm: Any, key: Any) -> Iterator[None]:
+    """Within it no other process compiles the same: those that ask for it wait, as long as that
+    takes, and find it."""
+    file, place = _asked(), int(sha256(repr(key).encode()).hexdigest()[:7], 16)
+    alone = file is not None and comm.rank == 0  # for whom its others wait
+    with suppress(OSError):
+        if alone:
+            fcntl.lockf(file, fcntl.LOCK_EX, 1, place)
+    try:
+        yield
+    finally:
+        with suppress(OSError):
+            if alone:
+                fcntl.lockf(file, fcntl.LOCK_UN, 1, place)
+
+
+def _sought(seek: Callable[..., Any], comm: Any, what: Any, *options: Any, **named: Any) -> Any:
+    """What was compiled; where a killed run left half of it, that is removed first. FFCx waits for
+    it in vain, and says which file it is."""
+    try:
+        return seek(comm, what, *options, **named)
+    except TimeoutError as waited:
+        left = re.search(r"\S+\.c\b", str(waited))
+        if comm.size > 1 or not left:
+            raise
+        Path(left[0]).unlink(missing_ok=True)
+    return seek(comm, what, *options, **named)
+
+
 def _once(seek: Callable[..., Any]) -> Callable[..., Any]:
     """``dolfinx.jit.ffcx_jit``, asked once for each form, element and expression."""
 
@@ -102,8 +147,8 @@ def _once(seek: Callable[..., Any]) -> Callable[..., Any]:
         key = _name(what), str((options, named))
         if comm.size > 1 or key not in _known:  # processes seek together
             forget_what_is_left()
-            with quiet(), cached():
-                _known[key] = seek(comm, what, *options, **named)
+            with quiet(), cached(), _first(comm, key):
+                _known[key] = _sought(seek, comm, what, *options, **named)
         return _known[key]
 
     return sought
@@ -112,13 +157,14 @@ def _once(seek: Callable[..., Any]) -> Callable[..., Any]:
 @contextmanager
 def compiler() -> Iterator[None]:
     """Within it dolfinx compiles in silence, and seeks nothing twice."""
-    seek = jit.ffcx_jit
-    jit.ffcx_jit = _once(seek)
-    try:
-        with part_by_part():
-            yield
-    finally:
-        jit.ffcx_jit = seek
+    with _alone:
+        seek = jit.ffcx_jit
+        jit.ffcx_jit = _once(seek)
+        try:
+            with part_by_part():
+                yield
+        finally:
+            jit.ffcx_jit = seek
 
 
 class _Numbers(MultiFunction):

@@ -16,21 +16,25 @@ from ufl.core.expr import Expr
 
 def _equal(this: Any, other: Any) -> bool:
     """Whether two expressions are written alike; if so they share their parts from now on."""
+    if this is other:
+        return True
+    if type(this) is not type(other) or hash(this) != hash(other):
+        return False
     pairs, met = [(this, other)], set[tuple[int, int]]()
     for one, two in pairs:  # which become more on the way
-        if type(one) is not type(two) or hash(one) != hash(two):
-            return False
         if one._ufl_is_terminal_:
             if one != two:
                 return False
             continue
         if len(one.ufl_operands) != len(two.ufl_operands):
             return False
-        for pair in zip(one.ufl_operands, two.ufl_operands):
-            key = id(pair[0]), id(pair[1])
-            if pair[0] is not pair[1] and key not in met:
-                met.add(key)
-                pairs.append(pair)
+        for part, its in zip(one.ufl_operands, two.ufl_operands):
+            if part is its or (key := (id(part), id(its))) in met:
+                continue
+            if type(part) is not type(its) or hash(part) != hash(its):
+                return False
+            met.add(key)
+            pairs.append((part, its))
     for one, two in pairs:
         if not one._ufl_is_terminal_:
             one.ufl_operands = two.ufl_operands
@@ -41,7 +45,7 @@ def _equal(this: Any, other: Any) -> bool:
 def part_by_part() -> Iterator[None]:
     """Within it UFL compares expressions so."""
     usual = Expr.__eq__
-    Expr.__eq__ = lambda this, other: this is other or _equal(this, other)
+    Expr.__eq__ = _equal
     try:
         yield
     finally:

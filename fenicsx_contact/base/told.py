@@ -214,8 +214,14 @@ def _parts(given: Any) -> tuple[Any, ...] | None:
         inside = zip(code.co_freevars, map(_content, given.__closure__ or ()))
         has = {**{n: around[n] for n in sorted(used) if n in around}, **dict(inside)}
         spaces = [s for s in has.values() if isinstance(s, (ModuleType, SimpleNamespace))]
-        data = [[n, vars(s)[n]] for s in spaces for n in sorted(named) if n in vars(s)]
-        data = [[n, v] for n, v in data if isinstance(v, _DATA) or _of_users(v)]
+        data = []
+        for space in spaces:  # which become more on the way
+            for name, value in ((n, vars(space)[n]) for n in sorted(named) if n in vars(space)):
+                if isinstance(value, ModuleType):
+                    new = _users(value.__name__) and not any(value is each for each in spaces)
+                    spaces += [value] * new
+                elif isinstance(value, _DATA) or _of_users(value) or _of_users(type(value)):
+                    data.append([name, value])
         return _code(code), given.__defaults__, given.__kwdefaults__, has, data
     if isinstance(given, type) and _of_users(given):
         return (_methods(given),)

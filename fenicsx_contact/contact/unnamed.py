@@ -22,12 +22,17 @@ from .nodal import NodalJump
 def unnamed_inside(contacts: Sequence[Contact], share: float) -> list[str]:
     """What a reader should know of nodes that have come deeper into an obstacle than this share of
     their solid; all processes ask together."""
-    told = []
+    named: dict[tuple[int, str], list[Contact]] = {}
     for contact in contacts:
-        other, mesh = contact.coupling, getattr(contact.solid, "mesh", None)
-        if isinstance(other, NodalJump) and not other.encloses and isinstance(mesh, NamedMesh):
-            names = [c.facets for c in contacts if contact.solid in c.solids[:1]]
-            told.append(_look(contact, mesh, np.setdiff1d(*_nodes(mesh, names)), share))
+        other = contact.coupling
+        if isinstance(other, NodalJump) and not other.encloses:
+            named.setdefault((id(contact.solid), other.wall.describe()), []).append(contact)
+    told = []
+    for alike in named.values():
+        mesh = getattr(alike[0].solid, "mesh", None)
+        if isinstance(mesh, NamedMesh):
+            nodes = np.setdiff1d(*_nodes(mesh, [contact.facets for contact in alike]))
+            told.append(_look(alike, mesh, nodes, share))
     return [text for text in told if text]
 
 
@@ -39,7 +44,9 @@ def _nodes(mesh: NamedMesh, names: Sequence[Any]) -> tuple[np.ndarray, np.ndarra
     return skin, mine
 
 
-def _look(contact: Contact, mesh: NamedMesh, nodes: np.ndarray, share: float) -> str:
+def _look(alike: list[Contact], mesh: NamedMesh, nodes: np.ndarray, share: float) -> str:
+    """The same of nodes that none of the contacts of a solid before an obstacle names."""
+    contact = alike[0]
     wall, comm = contact.coupling.wall, mesh.mesh.comm  # type: ignore[attr-defined]
     rest = mesh.mesh.geometry.x[nodes, : mesh.dim]
     now = rest + contact.solid.fields()["displacement"][nodes]
@@ -53,7 +60,9 @@ def _look(contact: Contact, mesh: NamedMesh, nodes: np.ndarray, share: float) ->
     most, where = max(comm.allgather(found))
     x = mesh.mesh.geometry.x[:, : mesh.dim]
     low, high = np.array(comm.allgather((x.min(axis=0), x.max(axis=0)))).swapaxes(0, 1)
-    if not most > share * np.ptp([low.min(axis=0), high.max(axis=0)], axis=0).max():
+    size = np.ptp([low.min(axis=0), high.max(axis=0)], axis=0).max()
+    bears = max(each.depth() for each in alike)  # springs do where it is deep
+    if not most - bears > share * size:
         return ""
     return (
         f"contact {contact.name!r}: facets of {contact.solid.name!r} that no contact names are "

@@ -52,8 +52,9 @@ def choose(
     stays = scheme.inertia and all(isinstance(s, DeformableSolid) and s.linear for s in solids)
     large = places > (LARGE_KEPT if stays and solids[0].dim == 3 else LARGE_SURFACE)
     springs = [contact for contact in contacts if not contact.formulation.multipliers]
+    # full Newton leaps with what is light, sweeps follow it
     if solver is None and scheme.inertia and any(map(_light, contacts)):
-        solver = "monolithic"
+        solver, geometry = "monolithic", geometry or "fixed point"
     # of stiff springs with friction points turn round in a narrow window in which they stick
     rubs = not scheme.inertia and any(contact.friction_law for contact in springs)
     if geometry is None:

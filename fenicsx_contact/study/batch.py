@@ -8,17 +8,21 @@ import json
 import multiprocessing
 import os
 import pickle
+import random
 import sys
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
+from hashlib import sha256
 from itertools import islice
 from pathlib import Path
 from threading import Thread
 from time import sleep
 from typing import Any
+
+import numpy as np
 
 from ..base import checks
 from ..base.quoted import quoted
@@ -42,8 +46,10 @@ def batch(
 ) -> list[dict[str, Any]]:
     """Call a function for all cases that a file does not hold yet.
 
-    The processes are forks of this one: what it has imported, made and kept is theirs, too. A batch
-    that was stopped goes on where it was; a line that was cut off is done again.
+    The processes are forks of this one: what it has imported, made and kept is theirs, too, and a
+    generator of random numbers that is kept gives all of them the same; let each case seed its own
+    (numpy's and Python's own global ones are seeded by the case). A batch that was stopped goes on
+    where it was; a line that was cut off is done again.
 
     Args:
         function: at the top of a module; from a case, by name, to results, by other names.
@@ -197,7 +203,11 @@ def _check_case(function: Callable[..., Any], i: int, case: Mapping[str, Any]) -
 
 
 def _line(name: str, version: str, function: Callable[..., Any], case: Mapping[str, Any]) -> str:
-    """Of a file; in a process of the batch."""
+    """Of a file; in a process of the batch, which has its generators of random numbers from another
+    as they were."""
+    seed = int(sha256(_key(case).encode()).hexdigest()[:8], 16)
+    np.random.seed(seed)  # noqa: NPY002
+    random.seed(seed)
     results = _called(function, case)
     what = f"function(**{dict(case)}) = {results!r}"
     if not isinstance(results, Mapping):

@@ -94,9 +94,9 @@ class Scaled:
             weight = np.where(weight > 0, weight, self.surface.nodal_area)
         return self.scales.units(self.normal, weight, step)
 
-    def push(self, force: np.ndarray, step: Step) -> float:
+    def push(self, force: np.ndarray | float, step: Step) -> float:
         """The speed that forces on the points (N) would give to one alone, m/s."""
-        if size := largest(force):
+        if size := largest(np.asarray(force)):
             self.units(step)
         return size * self.scales.mobility
 

@@ -23,7 +23,7 @@ from ..base.told import given
 from ..base.vectors import largest
 from ..theory.scheme import Step
 from .moments import moments
-from .rigid_forces import Applied, Load, components, held_components, pull, without
+from .rigid_forces import Applied, Load, components, held_components, pull, stiffened, without
 from .rigid_forces import springs as to_ground
 from .rigid_motion import RigidMotion
 from .rotations import EYE, angles, rotation_matrix, turned_tensor, turning
@@ -154,8 +154,9 @@ class RigidSolid(RigidMotion):
             self.inverse.flat[: d * (n + 1) : n + 1] = step.span / self.mass
             spin = self._mobility if d == 2 else lapack.dgesv(self._spin_tangent(step), EYE)[2]
             self.inverse[d:, d:] = step.span * spin
-            for spring in self.springs:
-                self.inverse = spring.stiffen(self.inverse, self.trial_turn, step.force_rate)
+            if self.springs:
+                added = np.sum([spring.matrix(self.trial_turn) for spring in self.springs], axis=0)
+                self.inverse = stiffened(self.inverse, step.force_rate * added)
             self.inverse = without(self.inverse, self.held)
             self._matrix: np.ndarray | None = None
         self.drop_forces()
@@ -215,7 +216,10 @@ class RigidSolid(RigidMotion):
     def _tangent(self) -> np.ndarray:
         """A of ``A v+ = b + J' f``, made where a solver needs it."""
         if self._matrix is None:
-            self._matrix = np.linalg.inv(self.inverse + np.diag(self._holding))
+            try:
+                self._matrix = np.linalg.inv(self.inverse + np.diag(self._holding))
+            except np.linalg.LinAlgError:  # a try that spins beyond all reason has no next one
+                self._matrix = np.full_like(self.inverse, np.nan)
         return self._matrix
 
     def matrix_rows(self, comm: MPI.Comm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -92,11 +92,17 @@ class Spring:
         """J."""
         return float(0.5 * self._stiffness @ self._stretch(place, turn) ** 2)
 
-    def stiffen(self, inverse: np.ndarray, turn: np.ndarray, rate: float) -> np.ndarray:
-        """The inverse of ``A + rate J' k J`` from that of A (Sherman, Morrison, Woodbury)."""
-        J, k = self._operator(turn), rate * np.diag(self._stiffness)
-        W = inverse @ J.T
-        return inverse - W @ np.linalg.solve(np.eye(len(J)) + k @ J @ W, k @ W.T)
+    def matrix(self, turn: np.ndarray) -> np.ndarray:
+        """``J' k J``."""
+        J = self._operator(turn)
+        return np.asarray(J.T @ (self._stiffness[:, None] * J))
+
+
+def stiffened(inverse: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+    """The inverse of ``A + K`` from that of A; balanced, as K may be far more than A or less."""
+    matrix = np.linalg.inv(inverse) + stiffness
+    size = 1 / np.sqrt(np.diag(matrix))
+    return np.asarray(np.linalg.inv(matrix * size * size[:, None]) * size * size[:, None])
 
 
 def springs(given: Mapping[Sequence[float], Any], centre: np.ndarray) -> list[Spring]:

@@ -13,7 +13,7 @@ from ..contact.applied import applied, applies
 from ..contact.contact import Contact
 from ..contact.jump import Coupling
 from ..contact.trial import candidate_force
-from ..solids import DeformableSolid, Solid, communicator
+from ..solids import DeformableSolid, RigidSolid, Solid, communicator
 from ..theory.scheme import Step
 from .surface_problem import SLOW
 
@@ -43,6 +43,13 @@ class Speeds:
         self.rubs = bool(self.bodies) and any(contact.friction_law for contact in contacts)
         self._start: tuple[Step | None, float, float] = None, 0.0, 0.0
         self._drawing = [contact for contact in contacts if applies(contact)]
+        # rigid bodies, by whose loads soft ones yield
+        self._pressing = [
+            (contact, solid)
+            for contact in contacts
+            for solid in contact.solids
+            if isinstance(solid, RigidSolid) and len({s.shiftable for s in contact.solids}) > 1
+        ]
         self._drawn: tuple[Step | None, float] = None, 0.0
 
     def typical(self, step: Step) -> float:
@@ -56,6 +63,10 @@ class Speeds:
                 each = (c.push(candidate_force(c), step) for c in self._contacts)
                 pushed = max(each, default=0.0)
         loaded = max((solid.load_speed() for solid in self._floating), default=0.0)
+        if step.scheme.inertia and not speed:
+            for contact, body in self._pressing:
+                load = body.mass / step.span * largest(body.free_velocity[: body.dim])
+                loaded = max(loaded, contact.push(load, step))
         known = speed or pushed or loaded
         # a contact may all but rest: of what moves elsewhere exponentially little arrives at once
         inside = self.inside(body.trial_velocity for body in self.bodies)

@@ -9,6 +9,8 @@ from ufl.core.expr import Expr
 from fenicsx_contact.base import compat
 from fenicsx_contact.base.compiling import compiler
 from fenicsx_contact.base.equality import part_by_part
+from fenicsx_contact.base.quoted import quoted
+from fenicsx_contact.base.told_ufl import in_ufl
 
 DEEP = 60  # 2^60 paths to the bottom
 
@@ -33,6 +35,15 @@ def test_of_many_paths():
         assert not one == other  # noqa: SIM201
         assert one.ufl_operands[0] is same.ufl_operands[0]  # they share their parts now
         assert f != g and ufl.sin(f) != ufl.cos(f) and f + g != f * g
+
+
+def test_many_paths_in_words_and_digits():
+    """Messages that nobody may read wrote them out: 46 s by nine steps of Newton's method in UFL."""
+    _, f, g = coefficients()
+    one, same, other = nested(f), nested(f), nested(g + 1)
+    assert quoted(one) == quoted(same) == f"UFL of {5 * 2**DEEP - 4} parts"
+    assert in_ufl(one) == in_ufl(same) != in_ufl(other)
+    assert quoted(f * f + 1) == f"1 + {f} * {f}"
 
 
 def test_compilers_compare_so():

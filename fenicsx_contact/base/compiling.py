@@ -19,7 +19,6 @@ from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from tempfile import TemporaryFile
-from threading import RLock
 from typing import Any
 
 import ffcx.naming
@@ -90,7 +89,6 @@ def quiet(highest: int = logging.INFO) -> Iterator[None]:
 
 
 _known: dict[Any, Any] = {}  # what this process has compiled or loaded
-_alone = RLock()  # for what is compiled by one thread others wait
 
 
 def _name(what: Any) -> Any:
@@ -156,13 +154,12 @@ def _once(seek: Callable[..., Any]) -> Callable[..., Any]:
 
 @contextmanager
 def compiler() -> Iterator[None]:
-    """Within it dolfinx compiles in silence, and seeks nothing twice."""
-    with _alone:
+    """Within it dolfinx compiles in silence, and seeks nothing twice; other threads wait."""
+    with part_by_part():
         seek = jit.ffcx_jit
         jit.ffcx_jit = _once(seek)
         try:
-            with part_by_part():
-                yield
+            yield
         finally:
             jit.ffcx_jit = seek
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from threading import RLock
 from typing import Any
 
 from ufl.core.expr import Expr
@@ -41,12 +42,16 @@ def _equal(this: Any, other: Any) -> bool:
     return True
 
 
+_alone = RLock()
+
+
 @contextmanager
 def part_by_part() -> Iterator[None]:
-    """Within it UFL compares expressions so."""
-    usual = Expr.__eq__
-    Expr.__eq__ = _equal
-    try:
-        yield
-    finally:
-        Expr.__eq__ = usual
+    """Within it UFL compares expressions so; one thread at a time is there."""
+    with _alone:
+        usual = Expr.__eq__
+        Expr.__eq__ = _equal
+        try:
+            yield
+        finally:
+            Expr.__eq__ = usual

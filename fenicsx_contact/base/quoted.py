@@ -13,6 +13,9 @@ from typing import Any
 import ufl
 from dolfinx import fem
 
+#: Cost: parts of UFL up to which it is written out, to be shortened.
+LONG = 1000
+
 _short = reprlib.Repr()
 _short.maxother = 72  # of what is longer the beginning and the end are shown
 
@@ -29,12 +32,28 @@ def quoted(given: Any) -> str:
     if isinstance(given, ufl.core.expr.Expr):
         if isinstance(given, fem.Constant):
             return f"Constant {given.value.tolist()}"
+        if (parts := written_out(given)) > LONG:
+            return f"UFL of {parts} parts"
         return _short.repr(_Formula(given))
     code = code_of(given)
     if code is None:
         return without_addresses(repr(given))
     name = "lambda" if code.co_name == "<lambda>" else code.co_name
     return f"{name} at {PurePath(code.co_filename).name}:{code.co_firstlineno}"
+
+
+def written_out(expression: Any) -> int:
+    """Of how many parts an expression is where it is written out, those that are met by several
+    paths by each."""
+    counts: dict[int, int] = {}
+    stack = [expression]
+    while stack:
+        operands = stack[-1].ufl_operands
+        if ahead := [operand for operand in operands if id(operand) not in counts]:
+            stack += ahead
+            continue
+        counts[id(stack.pop())] = 1 + sum(counts[id(operand)] for operand in operands)
+    return counts[id(expression)]
 
 
 def code_of(given: Any) -> CodeType | None:

@@ -12,6 +12,8 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
+from .equality import part_by_part
+
 #: What UFL puts in an order of its own, in which counters stand as texts: 10 before 9.
 _COMMUTE = ufl.classes.Sum, ufl.classes.Product
 #: What UFL tells apart by counters, beside indices, which stand several in a node.
@@ -31,6 +33,11 @@ def in_ufl(expression: Any, fields: bool = False) -> str:
         expression: in UFL.
         fields: with the values of its Functions, for which all processes must ask together.
     """
+    with part_by_part():
+        return _in_ufl(expression, fields)
+
+
+def _in_ufl(expression: Any, fields: bool) -> str:
     nodes = [*ufl.corealg.traversal.unique_post_traversal(expression)]
     places = _places(nodes)
     texts: dict[Any, str] = {}

@@ -38,7 +38,7 @@ def test_of_many_paths():
 
 
 def test_many_paths_in_words_and_digits():
-    """Messages that nobody may read wrote them out: 46 s by nine steps of Newton's method in UFL."""
+    """Messages that nobody reads wrote them out: 46 s by nine steps of Newton's method."""
     _, f, g = coefficients()
     one, same, other = nested(f), nested(f), nested(g + 1)
     assert quoted(one) == quoted(same) == f"UFL of {5 * 2**DEEP - 4} parts"

@@ -53,7 +53,8 @@ def choose(
     large = places > (LARGE_KEPT if stays and solids[0].dim == 3 else LARGE_SURFACE)
     springs = [contact for contact in contacts if not contact.formulation.multipliers]
     # full Newton leaps with what is light, sweeps follow it
-    if solver is None and scheme.inertia and any(map(_light, contacts)):
+    sparse = all(isinstance(solid, MonolithicSolid) for solid in solids)
+    if solver is None and scheme.inertia and sparse and any(map(_light, contacts)):
         solver, geometry = "monolithic", geometry or "fixed point"
     # of stiff springs with friction points turn round in a narrow window in which they stick
     rubs = not scheme.inertia and any(contact.friction_law for contact in springs)

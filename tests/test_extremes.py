@@ -191,6 +191,25 @@ def test_a_die_of_hardly_any_mass_on_a_soft_block(law, master):
     assert max(works) <= 3 * min(works)
 
 
+@pytest.mark.parametrize("ratio", [1e-5, 1e-6, 1e-8])
+def test_a_light_die_is_thrown_on_a_soft_block(ratio):
+    """Full Newton leapt: by 1e-6 of its mass "momentum balance stalls" after 50 s."""
+    block = ElasticSolid(
+        box((3, 3, 2), (0.6, 0.6, 0.3)),
+        youngs_modulus=1e6,
+        poisson_ratio=0.3,
+        density=1e3,
+        fixed="base",
+        name="block",
+    )
+    shape = box((2, 2, 1), (0.3, 0.3, 0.1))
+    shape.mesh.geometry.x[:] += 0.02, 0.01, 0.3
+    die = RigidSolid(shape, mass=108 * ratio, velocity=(0.2, 0, -0.5), name="die")
+    contact = Contact(die, "base", (block, "top"), "gap", friction=1.0, name="c")
+    history = Scene([block, die], [contact], ThetaScheme(1.0)).run(6e-4, 1e-4, progress=False)
+    assert history.finished and history["newton"].sum() < 80, history.reason
+
+
 @pytest.mark.parametrize("kind", [ElasticSolid, HyperelasticSolid])
 @pytest.mark.parametrize(
     "scheme", [ThetaScheme(1.0), GeneralisedAlpha(0.8)], ids=["theta", "alpha"]

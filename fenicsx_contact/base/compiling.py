@@ -24,6 +24,8 @@ from typing import Any
 import ffcx.naming
 import ufl
 from dolfinx import fem, jit
+from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
+from ufl.algorithms.estimate_degrees import estimate_total_polynomial_degree as estimate
 from ufl.algorithms.map_integrands import map_integrand_dags
 from ufl.corealg.multifunction import MultiFunction
 
@@ -33,6 +35,8 @@ from .equality import part_by_part
 #: Cost: age in seconds from which a form that is not compiled is taken for one that a killed run
 #: left; another run may be at work on a younger one.
 LEFT = 60.0
+#: Cost: the degree up to which forms are integrated as UFL counts it.
+HIGHEST = 20
 
 
 def _cache() -> Path:
@@ -190,9 +194,23 @@ def without_numbers(what: Any, mesh: Any) -> Any:
     return map_integrand_dags(_Numbers(mesh), what)
 
 
+def integrable(form: Any) -> Any:
+    """The form, its integrals of a degree at most: of what nests deeply UFL counts thousands, for
+    powers of powers, and cells would have millions of points."""
+    return ufl.Form([_of_some_degree(integral) for integral in form.integrals()])
+
+
+def _of_some_degree(integral: Any) -> Any:
+    given = integral.metadata()
+    integrand = apply_algebra_lowering(integral.integrand())
+    if given.get("quadrature_degree", -1) not in (-1, None) or estimate(integrand) <= HIGHEST:
+        return integral
+    return integral.reconstruct(metadata={**given, "quadrature_degree": HIGHEST})
+
+
 @compiler()
 def compiled(form: Any) -> Any:
     """The form of UFL, compiled or taken from the cache; what is compiled as it is."""
     if isinstance(form, ufl.Form):
-        form = without_numbers(form, form.ufl_domain())
+        form = integrable(without_numbers(form, form.ufl_domain()))
     return fem.form(form)

@@ -202,8 +202,9 @@ def integrable(form: Any) -> Any:
 
 def _of_some_degree(integral: Any) -> Any:
     given = integral.metadata()
-    integrand = apply_algebra_lowering(integral.integrand())
-    if given.get("quadrature_degree", -1) not in (-1, None) or estimate(integrand) <= HIGHEST:
+    if given.get("quadrature_degree", -1) not in (-1, None):
+        return integral
+    if estimate(apply_algebra_lowering(integral.integrand())) <= HIGHEST:
         return integral
     return integral.reconstruct(metadata={**given, "quadrature_degree": HIGHEST})
 

@@ -8,6 +8,7 @@ falls through the floor.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -50,17 +51,17 @@ def _look(alike: list[Contact], mesh: NamedMesh, nodes: np.ndarray, share: float
     wall, comm = contact.coupling.wall, mesh.mesh.comm  # type: ignore[attr-defined]
     rest = mesh.mesh.geometry.x[nodes, : mesh.dim]
     now = rest + contact.solid.fields()["displacement"][nodes]
-    try:
-        depth = -wall.distance(now, contact.coupling.time)
-        depth[wall.distance(rest, 0.0) < 0] = 0.0  # it is meant to reach beyond
-    except StepFailed:  # the wall knows nothing there
-        depth = np.zeros(len(nodes))
-    deepest = int(depth.argmax()) if len(depth) else 0
-    found = (float(depth[deepest]), now[deepest].round(9).tolist()) if len(depth) else (0.0, [])
+    found: tuple[float, list[float]] = 0.0, []
+    with suppress(StepFailed):  # of a wall that knows nothing there
+        if len(nodes):
+            depth = -wall.distance(now, contact.coupling.time)
+            depth[wall.distance(rest, 0.0) < 0] = 0.0  # it is meant to reach beyond
+            deepest = int(depth.argmax())
+            found = float(depth[deepest]), now[deepest].round(9).tolist()
     most, where = max(comm.allgather(found))
     x = mesh.mesh.geometry.x[:, : mesh.dim]
-    low, high = np.array(comm.allgather((x.min(axis=0), x.max(axis=0)))).swapaxes(0, 1)
-    size = np.ptp([low.min(axis=0), high.max(axis=0)], axis=0).max()
+    own = x.min(axis=0, initial=np.inf), -x.max(axis=0, initial=-np.inf)
+    size = -np.sum(np.min(comm.allgather(own), axis=0), axis=0).min()
     bears = max(each.depth() for each in alike)  # springs do where it is deep
     if not most - bears > share * size:
         return ""

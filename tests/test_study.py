@@ -336,7 +336,7 @@ def test_a_full_disk_ends_a_batch_by_its_name(tmp_path):
     """It ended in a bare OSError, "No space left on device". What is on file stays, and serves."""
     code = f"""
 import resource, signal, sys
-sys.path.insert(0, {str(Path(__file__).parent)!r})
+sys.path[:0] = {sys.path!r}
 from test_study import batch, halved
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (600, 600))

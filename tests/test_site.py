@@ -433,3 +433,10 @@ def test_a_demo_in_a_notebook(site, tmp_path):
     )
     assert run.returncode == 0, run.stderr
     assert int(run.stdout.split()[-2]) >= 1
+
+
+@pytest.mark.parametrize("page", sorted(SITE.rglob("*.md")), ids=lambda page: page.stem)
+def test_links_stay_on_the_site(page):
+    """The site's builder complains of others, which is known only after ten minutes."""
+    for link in re.findall(r"\]\(([^)#:\s]+)[^)]*\)", page.read_text()):
+        assert SITE in (page.parent / link).resolve().parents, link

@@ -2,11 +2,13 @@
 """Summaries: strict JSON, with versions and machine."""
 
 import json
+import sys
 
 import dolfinx
 import numpy as np
+import pytest
 
-from fenicsx_contact.output.report import write_summary
+from fenicsx_contact.output.report import quick_asked, write_summary
 
 
 def test_summary_is_strict_json(tmp_path):
@@ -17,3 +19,25 @@ def test_summary_is_strict_json(tmp_path):
     assert read["a"] == [1.5, None] and read["b"] == {"1": 2.0, "n": 3} and read["c"] == "x"
     assert read["d"] == [None, 1]
     assert read["environment"]["dolfinx"] == dolfinx.__version__
+
+
+@pytest.mark.parametrize(
+    ("given", "quick"),
+    [
+        (["demo.py"], False),
+        (["demo.py", "--quick"], True),
+        (
+            ["/lib/ipykernel_launcher.py", "-f", "kernel.json"],
+            False,
+        ),  # a demo in a notebook stopped
+    ],
+)
+def test_quick_is_asked_of_scripts(given, quick, monkeypatch):
+    monkeypatch.setattr(sys, "argv", given)
+    assert quick_asked() == quick
+
+
+def test_other_arguments_are_refused(monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["demo.py", "--slow"])
+    with pytest.raises(SystemExit):
+        quick_asked()

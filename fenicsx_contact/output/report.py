@@ -7,6 +7,7 @@ import json
 import math
 import os
 import platform
+import sys
 from argparse import ArgumentParser
 from datetime import datetime, timezone
 from importlib.metadata import PackageNotFoundError, version
@@ -22,7 +23,9 @@ def quick_asked() -> bool:
     about = "Runs the lesson that stands in this file; its figures go to results/."
     parser = ArgumentParser(description=about)
     parser.add_argument("--quick", action="store_true", help="small settings: a minute or two")
-    return bool(parser.parse_args().quick)
+    # of a notebook the arguments are its kernel's
+    own = [] if "kernel_launcher" in Path(sys.argv[0]).name else sys.argv[1:]
+    return bool(parser.parse_args(own).quick)
 
 
 def environment() -> dict[str, str]:

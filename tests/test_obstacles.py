@@ -558,6 +558,24 @@ def test_a_sudden_start_throws_what_rebounds(share, located, ahead, restitution)
     np.testing.assert_allclose(history["drive"][-1], 10 * (1 + restitution), rtol=accuracy)
 
 
+@pytest.mark.parametrize("law", ["gap", "lagrange", Discrete(stiffness=1e9)])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("after", [0.0, 0.37])
+def test_laws_without_percussions_see_a_sudden_start(law, friction, after):
+    """Where the corner is at the end of a step, too: jumps of the next one were against the floor at
+    rest, and its certificate asked who had given a quarter of the energy."""
+    dt, mass, speed = 1e-4, 10.0, 0.5
+    start = (100 + after) * dt
+    block = RigidSolid(rectangle(), mass=mass, gravity=(0, -G))
+    floor = Moved(FLOOR, lambda t: (0.0, speed * max(0.0, t - start)))
+    history = Scene([block], [Contact(block, "base", floor, law, friction)]).run(0.02, dt)
+    assert history.finished and not (history.remarks and after == 0.0)
+    if after == 0.0 and law in ("gap", "lagrange"):  # whose mean velocity is the floor's in a step
+        flies = 2 * speed - G * (history.time[-1] - start - dt)
+        assert block.velocity[1] == pytest.approx(flies, rel=1e-9)
+    assert np.abs(history["balance"]).max() < 1e-9 * mass * speed**2
+
+
 @pytest.mark.parametrize("theta", [0.75, 1.0])
 def test_a_sudden_start_that_takes_along_is_remarked(theta):
     block = RigidSolid(rectangle(), mass=10.0)

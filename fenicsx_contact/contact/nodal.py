@@ -164,7 +164,7 @@ class NodalJump(Coupling):
         return longest(self.jump(which))
 
     def struck_jump(self) -> np.ndarray:
-        return self.velocities("velocity").reshape(self._shape) - self.ride.struck
+        return self.velocities("velocity").reshape(self._shape) - self.ride.start
 
     def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
         jump = self.traces[0].mean_jump(means[id(self.solids[0])]).reshape(self._shape)

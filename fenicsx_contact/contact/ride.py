@@ -57,8 +57,8 @@ class Ride:
     It ends a step with a velocity that suits the scheme: by theta = 1 with its mean velocity in the
     step, with which a point that sticks goes exactly the obstacle's way (of one that turns it is
     that beside the place at the end, which leads inwards); by theta = 1/2 with that of the very
-    end. A step starts with the velocity with which the last one ended; where the motion has a
-    corner there, a percussion sees the new one.
+    end. A step starts with the mean velocity of the last one by theta = 1, by theta = 1/2 with that
+    with which the motion goes on, where it has a corner: it is the mean of these two that is gone.
 
     Args:
         wall: that moves.
@@ -67,14 +67,14 @@ class Ride:
     Attributes:
         before: with which the last step ended, or None; ``time``: when that was, s.
         mean: beside where the points were, by the mean rates of the begun step.
-        start, end: in the begun step; ``struck``: at its start, if it starts with a percussion.
+        start, end: in the begun step.
     """
 
     def __init__(self, wall: Wall, points: tuple[int, ...]) -> None:
         self._wall = wall
         self.before: np.ndarray | None = None
         self.time = 0.0
-        self.start = self.end = self.struck = np.zeros(points)
+        self.start = self.end = np.zeros(points)
         self._step: Step | None = None
         self._start_normal: np.ndarray | None = None
         self._follows = not wall.told  # until it is seen
@@ -87,8 +87,7 @@ class Ride:
         if not self._follows:
             self._follows = follows(wall, x, step.start)
         late = step.implicitness
-        self.struck = (1 - late) * new + late * self.before
-        self.start = self.before if step.dt else self.struck
+        self.start = (1 - late) * new + late * self.before
         normal = -wall.normals(x, step.start) if normal is None else normal
         self._start_normal = normal
         if wall.flat or not step.dt:
@@ -124,7 +123,7 @@ class Ride:
         """Beside these places at the end of the begun step."""
         step = self._step
         assert step is not None
-        return at_end(self._wall.velocity, x, step) if step.dt else self.struck
+        return at_end(self._wall.velocity, x, step) if step.dt else self.start
 
     def start_speed(self, x: np.ndarray, normal: np.ndarray) -> np.ndarray:
         """The component at the start along the normals at the end, where the points are then."""

@@ -22,8 +22,8 @@ from ..contact.ride import Velocity, at_end, at_start
 from ..theory.scheme import Step
 
 Change = np.ndarray | float
-#: A velocity with which a step starts, beside places there.
-_Begun = Callable[[Velocity, np.ndarray, Step], np.ndarray]
+#: A velocity with which the step before one ended, beside places where this starts.
+_Before = Callable[[Velocity, np.ndarray, Step], np.ndarray]
 
 
 class Faster(NamedTuple):
@@ -54,7 +54,7 @@ class Riding:
     def __init__(self, coupling: NodalJump) -> None:
         self._coupling, self._wall = coupling, coupling.wall
         self._step: Step | None = None
-        self._begun: _Begun = at_start
+        self._before: _Before = at_start
 
     def see(
         self,
@@ -74,7 +74,7 @@ class Riding:
         """
         # what is solved again, or in parts, starts where the last one did
         if (last := self._step) and last != step and step.start >= last.start + 0.5 * last.dt:
-            self._begun = _after(last, self._begun)
+            self._before = _ended(last, self._before)
         self._step, self._places, self._normals = step, places, normals
         self._loose = ~turns & (step.dt > 0 and not self._wall.flat)
         by, start = self.faster(self._wall.velocity), self._coupling.ride.start
@@ -89,12 +89,12 @@ class Riding:
 
     def faster(self, change: Velocity) -> Faster:
         """Derivatives of the velocities, from those of a mean velocity between two times."""
-        step, (old, new), begun = self._step, self._places, self._begun
+        step, (old, new) = self._step, self._places
         assert step is not None
+        start = _starting(self._before, change, old, step)
         if not step.dt:  # nothing moves; what changes its velocity strikes with the new one
-            struck = _after(step, begun)(change, old, step)
-            return Faster(*[struck] * 4)
-        ends = at_end(change, new, step), begun(change, old, step)
+            return Faster(*[start] * 4)
+        ends = at_end(change, new, step), start
         means = change(new, step.start, step.end), change(old, step.end, step.start)
         return Faster(*ends, *means)
 
@@ -118,13 +118,15 @@ class Riding:
         return np.asarray(np.where(self._loose[:, None], turned, 0.0) - times(n_old, start))
 
 
-def _after(last: Step, before: _Begun) -> _Begun:
-    """That with which a step starts after this one, which itself started with one."""
+def _starting(before: _Before, change: Velocity, x: np.ndarray, step: Step) -> np.ndarray:
+    """That with which a step starts, by that with which the last one ended."""
+    late = step.implicitness
+    result: np.ndarray | float = late * before(change, x, step) if late else 0.0
+    return np.asarray(result + (1 - late) * at_start(change, x, step) if late < 1 else result)
+
+
+def _ended(last: Step, before: _Before) -> _Before:
+    """That with which this step ended, which itself started after one that ended so."""
     if last.dt:
         return lambda change, x, step: at_end(change, x, last)
-    late = last.implicitness
-
-    def struck(change: Velocity, x: np.ndarray, step: Step) -> np.ndarray:
-        return (1 - late) * at_start(change, x, last) + late * before(change, x, last)
-
-    return struck
+    return lambda change, x, step: _starting(before, change, x, last)

@@ -562,8 +562,8 @@ def test_a_sudden_start_throws_what_rebounds(share, located, ahead, restitution)
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 @pytest.mark.parametrize("after", [0.0, 0.37])
 def test_laws_without_percussions_see_a_sudden_start(law, friction, after):
-    """Where the corner is at the end of a step, too: jumps of the next one were against the floor at
-    rest, and its certificate asked who had given a quarter of the energy."""
+    """Where the corner is at the end of a step, too: jumps of the next one were against the floor
+    at rest, and its certificate asked who had given a quarter of the energy."""
     dt, mass, speed = 1e-4, 10.0, 0.5
     start = (100 + after) * dt
     block = RigidSolid(rectangle(), mass=mass, gravity=(0, -G))

@@ -153,9 +153,9 @@ def _inside_by_means(contact: Contact, deep: float, when: str = "starts") -> str
 
 
 def went_inside(contact: Contact, depth: float, most: float, takes: float = 0.0) -> str:
-    """What a reader should know of two solids that went so deep inside each other, m, though a law
-    of velocities held them apart, or were so by their gaps alone; or of a rod in its guide, by
-    any law without springs; or nothing. ``most``: how deep a scene may start, as a share of the
+    """What a reader should know of two solids that went so deep inside each other, m, or one inside
+    its obstacle, though a law of velocities held them apart, or were so by their gaps alone; or of
+    a rod in its guide, by any law without springs; or nothing. ``most``: how deep a scene may start, as a share of the
     surface's extent; ``takes``: what it takes to put that back, of the energy that contacts may
     give."""
     law = contact.formulation
@@ -166,9 +166,18 @@ def went_inside(contact: Contact, depth: float, most: float, takes: float = 0.0)
             f"contact {contact.name!r} went {depth:.3g} m into the walls of its guide, more than "
             f"the {accepted:.3g} m with which a rod may start: shorter steps go less deep"
         )
-    if not law.multipliers or law.gap_share or len(contact.solids) == 1:
+    if not law.multipliers or law.gap_share:
         return ""
-    accepted, (means, time) = most * contact.surface.extent, contact.coupling.by_means_alone
+    accepted = most * contact.surface.extent
+    if len(contact.solids) == 1:
+        if not (depth > accepted or takes > 1 and depth > SAME * contact.surface.extent):
+            return ""
+        return (
+            f"contact {contact.name!r} went {depth:.3g} m inside its obstacle: {law.name!r} holds "
+            "velocities along the normals where a step ends, of which the way there leads inwards "
+            "where an obstacle is round: shorter steps, 'gap', or a drift_correction help"
+        )
+    means, time = contact.coupling.by_means_alone
     gap = contact.coupling.deepest_gap if contact.coupling.by_means else depth
     lost = takes * min(gap, depth) > depth > SAME * contact.surface.extent
     if depth <= accepted and not lost:

@@ -210,7 +210,8 @@ class _Course:
         rubbing = [contact for contact in scene.contacts if contact.friction_law]
         size = max((contact.surface.extent for contact in rubbing), default=0.0)
         names = [contact.name for contact in rubbing]
-        told.append(unresolved(history, names, scene.stepper.unresolved, size, GIVEN))
+        if scene.scheme.inertia:  # statics judge residuals by loads
+            told.append(unresolved(history, names, scene.stepper.unresolved, size, GIVEN))
         history.remarks += [(scene.time, remark) for remark in told if remark]
         history.reason += hint(history.reason)
         history.times = dict(scene.stepper.times)

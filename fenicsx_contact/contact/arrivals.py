@@ -153,30 +153,43 @@ def _inside_by_means(contact: Contact, deep: float, when: str = "starts") -> str
 
 
 def went_inside(contact: Contact, depth: float, most: float, takes: float = 0.0) -> str:
-    """What a reader should know of two solids that went so deep inside each other, m, or one inside
+    """What a reader should know of two solids that went so deep inside each other, m, or of one in
     its obstacle, though a law of velocities held them apart, or were so by their gaps alone; or of
-    a rod in its guide, by any law without springs; or nothing. ``most``: how deep a scene may start, as a share of the
-    surface's extent; ``takes``: what it takes to put that back, of the energy that contacts may
-    give."""
+    a rod in its guide, by any law without springs; or nothing. ``most``: how deep a scene may
+    start, as a share of the surface's extent; ``takes``: what it takes to put that back, of the
+    energy that contacts may give."""
     law = contact.formulation
-    if contact.coupling.encloses:
-        if not law.multipliers or depth <= (accepted := getattr(contact, "deepest", np.inf)):
-            return ""
-        return (
-            f"contact {contact.name!r} went {depth:.3g} m into the walls of its guide, more than "
-            f"the {accepted:.3g} m with which a rod may start: shorter steps go less deep"
-        )
-    if not law.multipliers or law.gap_share:
+    if not law.multipliers:
         return ""
-    accepted = most * contact.surface.extent
-    if len(contact.solids) == 1:
-        if not (depth > accepted or takes > 1 and depth > SAME * contact.surface.extent):
-            return ""
-        return (
-            f"contact {contact.name!r} went {depth:.3g} m inside its obstacle: {law.name!r} holds "
-            "velocities along the normals where a step ends, of which the way there leads inwards "
-            "where an obstacle is round: shorter steps, 'gap', or a drift_correction help"
-        )
+    if contact.coupling.encloses:
+        return _into_walls(contact, depth)
+    if law.gap_share:
+        return ""
+    into = _into_obstacle if len(contact.solids) == 1 else _into_each_other
+    return into(contact, depth, most * contact.surface.extent, takes)
+
+
+def _into_walls(contact: Contact, depth: float) -> str:
+    if depth <= (accepted := getattr(contact, "deepest", np.inf)):
+        return ""
+    return (
+        f"contact {contact.name!r} went {depth:.3g} m into the walls of its guide, more than "
+        f"the {accepted:.3g} m with which a rod may start: shorter steps go less deep"
+    )
+
+
+def _into_obstacle(contact: Contact, depth: float, accepted: float, takes: float) -> str:
+    if depth <= accepted and not (takes > 1 and depth > SAME * contact.surface.extent):
+        return ""
+    return (
+        f"contact {contact.name!r} went {depth:.3g} m inside its obstacle: "
+        f"{contact.formulation.name!r} holds velocities along the normals where a step ends, "
+        "against which the way there leads inwards where an obstacle is round: shorter steps, "
+        "'gap', or a drift_correction help"
+    )
+
+
+def _into_each_other(contact: Contact, depth: float, accepted: float, takes: float) -> str:
     means, time = contact.coupling.by_means_alone
     gap = contact.coupling.deepest_gap if contact.coupling.by_means else depth
     lost = takes * min(gap, depth) > depth > SAME * contact.surface.extent
@@ -198,7 +211,7 @@ def went_inside(contact: Contact, depth: float, most: float, takes: float = 0.0)
             "velocities alone, and what is met within a step goes on in it: impacts that are "
             "located, shorter steps, 'gap', or a drift_correction help"
         )
-    return f"{went}: {law.name!r} holds {why}"
+    return f"{went}: {contact.formulation.name!r} holds {why}"
 
 
 def struck_apart(contact: Contact, most: float) -> str:

@@ -33,7 +33,7 @@ def dropped(obstacle, cells, dim=2, law="velocity", **solid):
     contact = Contact(body, "base", obstacle, law, friction=0.3, name="c")
     history = Scene([body], [contact]).run(until=0.3, dt=5e-3)
     assert history.finished
-    return [text for _, text in history.remarks if "between their nodes" in text], history
+    return [text for _, text in history.remarks if "between the points that bear" in text], history
 
 
 PEDESTALS = {
@@ -99,7 +99,7 @@ def test_a_soft_body_pressed_by_what_is_thin(dim, degree):
         )
         contact = Contact(block, "base", die, "gap", name="c")
         history = Scene([block], [contact], QuasiStatic()).run(until=1.0, dt=0.25)
-        return [text for _, text in history.remarks if "between their nodes" in text]
+        return [text for _, text in history.remarks if "between the points that bear" in text]
 
     assert told(4)
     assert not told(64)

@@ -94,6 +94,7 @@ def test_free_flight_is_exact_for_one_half_and_off_by_g_t_dt_else(theta):
     error = (theta - 0.5) * until * dt * np.array(g)
     np.testing.assert_allclose(solid.place, exact + error, rtol=0, atol=1e-13)
     np.testing.assert_allclose(solid.velocity, [*(np.array(v) + until * np.array(g)), spin])
+    assert solid.spin == solid.velocity[2]
     turn = solid.rotation - 0.3 - spin * until
     assert turn == pytest.approx(2 * np.pi * round(turn / (2 * np.pi)), abs=1e-13)
     assert np.abs(history["balance"]).max() < 1e-12 * history["kinetic"][0]
@@ -115,6 +116,7 @@ def test_velocity_field_of_a_rigid_solid_is_the_rate_of_its_displacement():
         box(), mass=1.0, rotation=(0.3, -0.2, 0.5), velocity=(1, 2, 3), spin=(0.4, -0.7, 1.1)
     )
     before, dt = solid.fields(), 1e-6
+    np.testing.assert_array_equal(solid.spin, (0.4, -0.7, 1.1))
     fly(solid, dt, dt)
     rate = (solid.fields()["displacement"] - before["displacement"]) / dt
     np.testing.assert_allclose(rate, before["velocity"], rtol=0, atol=1e-5)

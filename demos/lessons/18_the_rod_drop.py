@@ -70,8 +70,9 @@ T5 = straight.time_at(dashpot)
 print(f"straight: T5 = {T5:.5f} s, of the one equation {exact:.5f} s")
 
 # %% [markdown]
-# The delay is proportional to friction, within a few per cent: a rod that is braked is slower in
-# the water, too. It is not to the amplitude, of which clearance takes its part.
+# The delay is proportional to friction $F$, within a few per cent: a fall takes $(1 - F/W)^{-1/2}$
+# of its time, $W$ the weight, which grows faster than $F$. It is not to the amplitude, of which
+# clearance takes its part.
 
 # %%
 less = 0.097  # of friction, in a guide bent twice as much
@@ -82,9 +83,9 @@ for (a, f), delay in delays.items():
     print(f"bent by {1e3 * a:.0f} mm, friction {f}: {1e3 * delay:5.2f} ms late")
 
 # %% [markdown]
-# Two rods of these arrive at the same time, and no clock tells them apart. What does is the way: a
-# rod that is measured all along its drop (`identify.py`), or pushed in slowly with its force
-# (`rod_insertion.py`).
+# Two rods of these arrive at the dashpot at the same time, and the clock there does not tell them
+# apart. What does is the way: a rod that is measured all along its drop (`identify.py`), by a
+# second clock at least, or pushed in slowly with its force (`rod_insertion.py`).
 
 # %%
 fig, (left, right) = plt.subplots(1, 2, figsize=(7.5, 3.6), layout="constrained")

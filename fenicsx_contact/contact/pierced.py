@@ -93,7 +93,7 @@ class Pierced:
                 found[name] = max(most, found.get(name, most))
         return [
             f"contact {name!r}: its obstacle was {depth:.3g} m inside facets of {size:.3g} m, "
-            f"between their nodes, which alone bear (t = {time:.6g} s): it goes through coarse "
-            "facets; give them a fraction of its size"
+            f"between the points that bear (t = {time:.6g} s): it goes through coarse facets; "
+            "give them a fraction of its size"
             for name, (depth, size, time) in found.items()
         ]

@@ -130,6 +130,11 @@ class RigidMotion(MonolithicSolid):
         return Rotation.from_matrix(self._turn).as_rotvec()
 
     @property
+    def spin(self) -> float | np.ndarray:
+        """How fast it turns, rad/s: a number in 2D, a vector (3,) in 3D, about axes in space."""
+        return float(self.velocity[2]) if self.dim == 2 else self.velocity[3:].copy()
+
+    @property
     def place(self) -> np.ndarray:
         """Where the centre of mass is, (d,) in m."""
         return self._place.copy()

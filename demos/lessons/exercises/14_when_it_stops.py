@@ -7,7 +7,8 @@ answer = 0.2 * history.time[-1]
 # %% [markdown]
 # **2.** A finer mesh fails earlier: it sees more of what the corners are strained by. By which
 # share is a slab of 8 x 8 elements pressed? Change `mesh(4)` in `squash` to `mesh(8)`, and print
-# the reason: shorter steps stop there, too, so it is the load that is too much. Reach **0.797**.
+# the reason, which may be another (Newton's method stalls as cells are about to turn over): shorter
+# steps stop there, too, so it is the load that is too much. Reach **0.797**.
 
 # %%
 four, mesh_of = mesh, mesh

@@ -258,8 +258,8 @@ def test_what_is_drawn_along_a_drum_goes_round_it(lift, law, scheme, step):
     history = Scene([strip], [contact], scheme).run(2.0, 1.0)
     # by theta = 1 a step of 30 mrad gives twice what moves, for which it may be halved
     told = [text for _, text in history.remarks if "certificate: contacts would" not in text]
-    # a velocity law tells that it sinks, which takes more than 1 % of so little energy; after a long
-    # step nothing presses
+    # a velocity law tells that it sinks, which takes more than 1 % of so little energy; after a
+    # long step nothing presses
     sinks = [text for text in told if "inside its obstacle: 'velocity'" in text]
     assert len(sinks) == (law == "velocity" and step < 1e-2)
     told = [text for text in told if text not in sinks]

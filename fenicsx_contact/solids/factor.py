@@ -135,7 +135,7 @@ class Factorisation:
         columns = columns.toarray() if sp.issparse(columns) else columns
         if self._matrix.comm.size > 1 or not self._solver.by_mumps:  # PETSc's takes them one by one
             return np.stack([Factorisation.solve(self, column) for column in columns.T], axis=1)
-        result = np.empty(columns.shape)
+        result = np.empty(columns.shape, order="F")
         for first in range(0, columns.shape[1], AT_ONCE):
             some = slice(first, first + AT_ONCE)
             result[:, some] = self._at_once(columns[:, some])

@@ -159,7 +159,7 @@ class DeformableTrace(MonolithicTrace):
         missing = columns[~known]
         solve = self._solid.factorisation.solve_many
         if not answers.columns.size:
-            answers.columns = np.empty(self._spreading.shape)
+            answers.columns = np.empty(self._spreading.shape, order="F")
         answers.columns[:, missing] = solve(self._spreading[:, missing])
         answers.known[columns] = True
 

@@ -23,7 +23,7 @@ from .pairing import Master, acting_points, check_master, couple, worn
 from .results import SurfaceResults
 from .scales import Scaled, Scales
 from .springs import TangentialSprings
-from .statuses import coming, kept
+from .statuses import coming, kept, leaving
 from .surface import Surface
 from .surfaces import surface_of
 from .turning import start_speeds, turning
@@ -248,8 +248,8 @@ class Contact(Scaled, SurfaceResults):
         e, fastest = self.equations, largest(self.coupling.velocities("trial_velocity"))
         e.release()
         self.resolution = resolution = max(resolution, ROUND_OFF * fastest)
-        left = getattr(self.formulation, "rebounds", False) and not self.force_of
-        comes = coming(self.gap, left * dot(self.jump, self.normal), step.horizon)
+        struck = None if self.force_of else getattr(self.formulation, "rebounds", False)
+        left = leaving(self.jump, self.normal, self.surface.extent, step, struck)
         self.force, self.force_of = self.coupling.force(force), step.dt
         self.borne = self.coupling.borne(self.force, force)
         self.force_normal = e.fields.mean_normal()
@@ -257,7 +257,7 @@ class Contact(Scaled, SurfaceResults):
         presses = e.pressed(dot(self.force, self.normal)) > hardly
         slip = orthogonal(self.normal, self.trial_jump)
         self.status = kept(self.trial_status, presses, slip, e.fields.back, resolution)
-        self.arriving = np.where(self.status > 0, comes, np.inf)
+        self.arriving = np.where(self.status > 0, coming(self.gap, left, step.horizon), np.inf)
         self._springs.accept(step, self.force - self.normal_forces, self.status == 1)
         if self.memory.values:
             told = self._springs.slips(self.candidates.told(self.trial_jump, step), self.normal)

@@ -30,6 +30,7 @@ class NodalJump(Coupling):
         equations: of the solid's surface.
         trace: the solid seen from its points, or by means.
         bulge: how far these lie outside of the points, (n,) in m.
+        percussive: whether the law of the contact knows percussions.
     """
 
     def __init__(
@@ -39,6 +40,7 @@ class NodalJump(Coupling):
         obstacle: Obstacle,
         trace: Trace | None = None,
         bulge: np.ndarray | float = 0.0,
+        percussive: bool = True,
     ) -> None:
         self.obstacle, self.wall = obstacle, Wall(obstacle)
         self.part = self.equations = equations
@@ -50,7 +52,7 @@ class NodalJump(Coupling):
         self._everywhere = np.ones(self._shape[0], dtype=bool)
         self._step: Step | None = None
         self._ahead = 0.0
-        self.ride = Ride(self.wall, self._shape)  #: how the obstacle moves beside the points
+        self.ride = Ride(self.wall, self._shape, percussive)  #: how the obstacle moves beside them
         self._start_positions = self.traces[0].positions()
         self._seen: np.ndarray | None = None  # depths in the followed state, once asked for
         self._normals: np.ndarray | None = None
@@ -164,7 +166,7 @@ class NodalJump(Coupling):
         return longest(self.jump(which))
 
     def struck_jump(self) -> np.ndarray:
-        return self.velocities("velocity").reshape(self._shape) - self.ride.start
+        return self.velocities("velocity").reshape(self._shape) - self.ride.struck
 
     def mean_jump(self, means: Mapping[int, np.ndarray], step: Step) -> np.ndarray:
         jump = self.traces[0].mean_jump(means[id(self.solids[0])]).reshape(self._shape)

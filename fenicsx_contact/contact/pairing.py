@@ -123,7 +123,7 @@ def couple(
     """What joins the points of the facets to what they may meet, or a refusal."""
     if not isinstance(other, tuple):
         trace, bulge = _means(solid, facets, equations)
-        coupling = NodalJump(solid, equations, other, trace, bulge)
+        coupling = NodalJump(solid, equations, other, trace, bulge, formulation.percussive)
         coupling.wall.check(coupling.positions())
         coupling.keep_apart(clearance)
         return coupling

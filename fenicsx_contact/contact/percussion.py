@@ -71,11 +71,13 @@ def first_arrival(contacts: Iterable[Contact], step: Step) -> float:
 
 def until_sudden(contacts: Sequence[Contact], step: Step) -> float:
     """After how long in a step, s, an obstacle's velocity jumps, which is a blow to what it reaches
-    then and, if anything rebounds, is to be struck there; or the length of the step."""
-    if not (step.scheme.inertia and rebounding(contacts)):
+    then and, if anything rebounds, is to be struck there; laws without percussions need the
+    velocities at both ends of a step, unless they are means. Or the length of the step."""
+    if not step.scheme.inertia:
         return step.dt
-    each = (c.coupling.sudden(c.gap, step) for c in contacts if c.formulation.percussive)
-    return min(step.dt, *each)
+    asked = {True: rebounding(contacts), False: step.implicitness < 1}
+    who = [contact for contact in contacts if asked[contact.formulation.percussive]]
+    return min([step.dt, *(contact.coupling.sudden(contact.gap, step) for contact in who)])
 
 
 def _least(contact: Contact, step: Step) -> float:

@@ -39,9 +39,12 @@ def at_end(velocity: Velocity, x: np.ndarray, step: Step) -> np.ndarray:
         # of a short part of a step not so brief that round-off shows
         span = min(step.horizon, step.dt / (2 * BRIEF))
         result = result + (1 - late) * _instant(velocity, x, end, -brief_time(end, span))
-    if late:
-        result = result + late * velocity(x, step.start, end)
-    return np.asarray(result)
+    return np.asarray(result + taken(velocity, x, step) if late else result)
+
+
+def taken(velocity: Velocity, x: np.ndarray, step: Step) -> np.ndarray:
+    """What of that is the mean in the step."""
+    return step.implicitness * velocity(x, step.start, step.end)
 
 
 def _instant(velocity: Velocity, x: np.ndarray, time: float, brief: float) -> np.ndarray:
@@ -57,37 +60,42 @@ class Ride:
     It ends a step with a velocity that suits the scheme: by theta = 1 with its mean velocity in the
     step, with which a point that sticks goes exactly the obstacle's way (of one that turns it is
     that beside the place at the end, which leads inwards); by theta = 1/2 with that of the very
-    end. A step starts with the mean velocity of the last one by theta = 1, by theta = 1/2 with that
-    with which the motion goes on, where it has a corner: it is the mean of these two that is gone.
+    end. A step starts with the velocity with which the last one ended; where the motion has a
+    corner there, a percussion sees the new one, and so does a law that knows no percussions.
 
     Args:
         wall: that moves.
         points: (n, d), how many.
+        percussive: whether the law before it does.
 
     Attributes:
         before: with which the last step ended, or None; ``time``: when that was, s.
         mean: beside where the points were, by the mean rates of the begun step.
-        start, end: in the begun step.
+        start, end: in the begun step; ``struck``: at its start, if it starts with a percussion.
     """
 
-    def __init__(self, wall: Wall, points: tuple[int, ...]) -> None:
-        self._wall = wall
+    def __init__(self, wall: Wall, points: tuple[int, ...], percussive: bool) -> None:
+        self._wall, self.percussive = wall, percussive
         self.before: np.ndarray | None = None
+        self._taken = np.zeros(points)  # what of that was the mean in the last step
         self.time = 0.0
-        self.start = self.end = np.zeros(points)
+        self.start = self.end = self.struck = np.zeros(points)
         self._step: Step | None = None
+        self._x = self.end  # where the points are at its end, m
         self._start_normal: np.ndarray | None = None
         self._follows = not wall.told  # until it is seen
 
     def begin(self, step: Step, x: np.ndarray, normal: np.ndarray | None = None) -> None:
         """Begin a step from these places, (n, d) in m, and normals there; None: of the wall."""
-        self._step, wall = step, self._wall
+        self._step, self._x, wall = step, x, self._wall
         new = at_start(wall.velocity, x, step)
-        self.before = new if self.before is None else self.before
+        if self.before is None:
+            self.before, self._taken = new, step.implicitness * new
         if not self._follows:
             self._follows = follows(wall, x, step.start)
         late = step.implicitness
-        self.start = (1 - late) * new + late * self.before
+        self.struck = (1 - late) * new + self._taken
+        self.start = self.before if step.dt and self.percussive else self.struck
         normal = -wall.normals(x, step.start) if normal is None else normal
         self._start_normal = normal
         if wall.flat or not step.dt:
@@ -101,29 +109,33 @@ class Ride:
     def follow(self, x: np.ndarray) -> None:
         """The points are there at the end of the begun step, if one is."""
         if self._step:
-            self.end = self._last_velocity(x)
+            self._x, self.end = x, self._last_velocity(x)
 
     def accept(self) -> None:
         """What the step ended with is what the next one starts with."""
-        if self._step:
-            self.before, self.time = self.end, self._step.end
+        if (step := self._step) is None:
+            return
+        self.before, self.time = self.end, step.end
+        if step.dt and step.implicitness:
+            self._taken = taken(self._wall.velocity, self._x, step)
 
     def state(self) -> dict[str, np.ndarray]:
         """That as arrays, and when it was: not what a step that failed has begun."""
-        before = {} if self.before is None else {"carried": self.before}
+        before = {} if self.before is None else {"carried": self.before, "taken": self._taken}
         return {"time": np.array(self.time), **before}
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Take up what :meth:`state` gave."""
         before = np.array(state["carried"]) if "carried" in state else None
         self._step, self.before, self.time = None, before, float(state["time"])
+        self._taken = np.array(state.get("taken", self._taken))
         self.start = self.end = np.zeros_like(self.end) if before is None else before
 
     def _last_velocity(self, x: np.ndarray) -> np.ndarray:
         """Beside these places at the end of the begun step."""
         step = self._step
         assert step is not None
-        return at_end(self._wall.velocity, x, step) if step.dt else self.start
+        return at_end(self._wall.velocity, x, step) if step.dt else self.struck
 
     def start_speed(self, x: np.ndarray, normal: np.ndarray) -> np.ndarray:
         """The component at the start along the normals at the end, where the points are then."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base.vectors import dot, largest
+from ..base.vectors import dot, largest, longest
+from ..theory.scheme import Step
 
 
 def kept(
@@ -27,11 +28,34 @@ def kept(
     return np.where(presses, status, 0.0)
 
 
-def coming(gap: np.ndarray, struck: np.ndarray, horizon: float) -> np.ndarray:
+def coming(gap: np.ndarray, left: np.ndarray, horizon: float) -> np.ndarray:
     """The speeds, m/s, with which points that bear may arrive at the end of a step, (n,), from
-    their gaps at its start, m: those by which they get there, or by which those come back that an
-    impact has let go at w_n = ``struck``, m/s."""
-    return np.maximum(-gap, 0.0) / horizon + np.maximum(-struck, 0.0)
+    their gaps at its start, m: those by which they get there, or by which those come back that
+    have left at w_n = ``left``, m/s."""
+    return np.maximum(-gap, 0.0) / horizon + np.maximum(-left, 0.0)
+
+
+def leaving(
+    jump: np.ndarray, normal: np.ndarray, extent: float, step: Step, rebounds: bool | None
+) -> np.ndarray:
+    """At which w_n points leave, (n,) in m/s, that may come back in a step, times the share of that
+    by which they then do.
+
+    Args:
+        jump, normal: at the start, (n, d) in m/s and 1.
+        extent: of the surface, m.
+        step: that is solved.
+        rebounds: whether what an impact let go comes back, which was right before; None: none was.
+            Else what leaves falls back, but for what the turn of the points about each other in the
+            step may make of their velocities.
+    """
+    w = dot(jump, normal)
+    if rebounds is not None:
+        return rebounds * w
+    if len(jump) == 1:  # nobody knows how it turns
+        return 0 * w
+    turn = longest(jump - jump.mean(axis=0)) * step.dt / extent
+    return step.limit_rate * np.where(w < -turn * longest(jump), w, 0.0)
 
 
 def at_once(

@@ -18,11 +18,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..contact.nodal import NodalJump
-from ..contact.ride import Velocity, at_end, at_start
+from ..contact.ride import Velocity, at_end, at_start, taken
 from ..theory.scheme import Step
 
 Change = np.ndarray | float
-#: A velocity with which the step before one ended, beside places where this starts.
+#: A velocity with which the step before one ended, beside places where this one starts.
 _Before = Callable[[Velocity, np.ndarray, Step], np.ndarray]
 
 
@@ -54,7 +54,8 @@ class Riding:
     def __init__(self, coupling: NodalJump) -> None:
         self._coupling, self._wall = coupling, coupling.wall
         self._step: Step | None = None
-        self._before: _Before = at_start
+        self._ended: _Before = at_start
+        self._taken: _Before = _taken_at_start
 
     def see(
         self,
@@ -74,7 +75,7 @@ class Riding:
         """
         # what is solved again, or in parts, starts where the last one did
         if (last := self._step) and last != step and step.start >= last.start + 0.5 * last.dt:
-            self._before = _ended(last, self._before)
+            self._after(last)
         self._step, self._places, self._normals = step, places, normals
         self._loose = ~turns & (step.dt > 0 and not self._wall.flat)
         by, start = self.faster(self._wall.velocity), self._coupling.ride.start
@@ -91,12 +92,30 @@ class Riding:
         """Derivatives of the velocities, from those of a mean velocity between two times."""
         step, (old, new) = self._step, self._places
         assert step is not None
-        start = _starting(self._before, change, old, step)
         if not step.dt:  # nothing moves; what changes its velocity strikes with the new one
-            return Faster(*[start] * 4)
-        ends = at_end(change, new, step), start
+            return Faster(*[self._struck(change, old, step)] * 4)
+        begun = self._ended if self._coupling.ride.percussive else self._struck
+        ends = at_end(change, new, step), begun(change, old, step)
         means = change(new, step.start, step.end), change(old, step.end, step.start)
         return Faster(*ends, *means)
+
+    def _struck(self, change: Velocity, x: np.ndarray, step: Step) -> np.ndarray:
+        late = step.implicitness
+        return (1 - late) * at_start(change, x, step) + self._taken(change, x, step)
+
+    def _after(self, last: Step) -> None:
+        """Take up with what the step before this one ended."""
+        if last.dt:
+            self._ended = lambda change, x, step: at_end(change, x, last)
+            if last.implicitness:
+                self._taken = lambda change, x, step: taken(change, x, last)
+            return
+        late, before = last.implicitness, self._taken
+
+        def struck(change: Velocity, x: np.ndarray, step: Step) -> np.ndarray:
+            return (1 - late) * at_start(change, x, last) + before(change, x, last)
+
+        self._ended = struck
 
     def along(
         self,
@@ -118,15 +137,5 @@ class Riding:
         return np.asarray(np.where(self._loose[:, None], turned, 0.0) - times(n_old, start))
 
 
-def _starting(before: _Before, change: Velocity, x: np.ndarray, step: Step) -> np.ndarray:
-    """That with which a step starts, by that with which the last one ended."""
-    late = step.implicitness
-    result: np.ndarray | float = late * before(change, x, step) if late else 0.0
-    return np.asarray(result + (1 - late) * at_start(change, x, step) if late < 1 else result)
-
-
-def _ended(last: Step, before: _Before) -> _Before:
-    """That with which this step ended, which itself started after one that ended so."""
-    if last.dt:
-        return lambda change, x, step: at_end(change, x, last)
-    return lambda change, x, step: _starting(before, change, x, last)
+def _taken_at_start(change: Velocity, x: np.ndarray, step: Step) -> np.ndarray:
+    return step.implicitness * at_start(change, x, step)

@@ -77,8 +77,8 @@ class Impacts(ABC):
         while left > 0:
             step = Step(left, self._scheme, stepper.time)
             part = until_sudden(stepper.contacts, step)
-            if part < left and step.implicitness:  # its velocities are means, in which none jumps
-                remarks.append(TAKEN_ALONG)
+            if part < left and step.implicitness and rebounding(stepper.contacts):
+                remarks.append(TAKEN_ALONG)  # its velocities are means, in which none jumps
             yield from self._cross(stepper, part, remarks)
             left -= part
 

@@ -19,7 +19,7 @@ from petsc4py import PETSc
 #: in space, where it solves for many columns in a fifth of the time of PETSc's own LU.
 LARGE, LARGE_IN_SPACE = 1e6, 1e5
 #: Cost: columns that are solved for at once.
-AT_ONCE = 256
+AT_ONCE = 32
 
 #: MUMPS' errors that stand for too little memory.
 LACKS = (-8, -9)
@@ -130,11 +130,17 @@ class Factorisation:
             return np.full_like(values, np.nan)
         return self._x.array_r.copy()
 
+    @property
+    def together(self) -> int:
+        """How many columns are solved for at once: what comes of one depends, to round-off, on the
+        others."""
+        return AT_ONCE if self._solver.by_mumps and self._matrix.comm.size == 1 else 1
+
     def solve_many(self, columns: Any) -> np.ndarray:
         """A^-1 times the owned parts of columns (n, k), dense or sparse; dense."""
         columns = columns.toarray() if sp.issparse(columns) else columns
-        if self._matrix.comm.size > 1 or not self._solver.by_mumps:  # PETSc's takes them one by one
-            return np.stack([Factorisation.solve(self, column) for column in columns.T], axis=1)
+        if self.together == 1:
+            return np.stack([self.solve(column) for column in columns.T], axis=1)
         result = np.empty(columns.shape, order="F")
         for first in range(0, columns.shape[1], AT_ONCE):
             some = slice(first, first + AT_ONCE)

@@ -46,6 +46,8 @@ class FreeFactorisation(Factorisation):
         return self._freely(super().solve, values)
 
     def solve_many(self, columns: Any) -> np.ndarray:
+        if self.together == 1:
+            return super().solve_many(columns)
         columns = columns.toarray() if sp.issparse(columns) else columns
         return self._freely(super().solve_many, columns)
 

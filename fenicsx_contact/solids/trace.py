@@ -130,6 +130,7 @@ class DeformableTrace(MonolithicTrace):
         row, column = (np.concatenate(each) for each in zip(*parts))
         self._whole = seen(row, column, vectors.unknowns)
         self._floats, self._answers = False, _Answers(self.reference.size)
+        self._sets: list[np.ndarray] = []  # of columns
         self._kept = {0: self._answers}  # by the solid's linearisation
         self._free = np.empty(0), np.empty(0)  # a load, and velocities under it
 
@@ -156,12 +157,26 @@ class DeformableTrace(MonolithicTrace):
         known = answers.known[columns]
         if known.all():
             return
-        missing = columns[~known]
-        solve = self._solid.factorisation.solve_many
+        factors = self._solid.factorisation
         if not answers.columns.size:
             answers.columns = np.empty(self._spreading.shape, order="F")
-        answers.columns[:, missing] = solve(self._spreading[:, missing])
-        answers.known[columns] = True
+        for some in self._alike(columns[~known], factors.together):
+            answers.columns[:, some] = factors.solve_many(self._spreading[:, some])
+            answers.known[some] = True
+
+    def _alike(self, columns: np.ndarray, together: int) -> list[np.ndarray]:
+        """The columns in sets that are solved for together: always the same, of points beside each
+        other, so that it does not matter who asked for which first."""
+        if together == 1:
+            return [columns]
+        if not self._sets:
+            n, d = self.reference.shape
+            some, near = max(1, together // d), cKDTree(self.reference).indices
+            places = near[:, None] * d + np.arange(d)
+            self._sets = [places[i : i + some].ravel() for i in range(0, n, some)]
+        asked = np.zeros(self.reference.size, dtype=bool)
+        asked[columns] = True
+        return [each for each in self._sets if asked[each].any()]
 
     def positions(self) -> np.ndarray:
         moved = self.jump(self._solid.trial_displacement)

@@ -30,8 +30,9 @@ from .yielding import COMPLIANCE, FIRM, Yielding
 #: Speeds below this share of those that the contact forces stand for are not resolved: where forces
 #: balance each other, as in a squeezed body, jumps are far smaller, down to round-off.
 SLOW = 1e-4
-#: Cost: above so many unknowns those of the points are condensed first: where W is that of the last
-#: problem, for which factors are kept, and where it is new; of many bodies those are sparse.
+#: Cost: above so many unknowns those of the points are condensed first: before obstacles, where
+#: factors of W are kept, and between solids, where J changes in each iteration; of many bodies
+#: those are sparse.
 MANY = 60, 250
 
 
@@ -86,18 +87,13 @@ class SurfaceSystem(Statuses):
         """Take up the velocities (flat) of the active points without contact, or under forces that
         are carried (flat, N), and W, after `arrange`."""
         few = self.hyperstatic or self.size <= MANY[0]
-        self._many = not few and self.size > MANY[self._renewed(compliance)]
+        self._many = not few and self.size > MANY[any(p is not p.equations for p in self.parts)]
         self.W, self.free, self.carried = compliance, free, carried
         # of many bodies each yields alone
         self._yields = sp.csr_matrix(compliance) if self.crowded else compliance
         self.worst, self.share = 0.0, 1.0
         if self.size:
             self.update()
-
-    def _renewed(self, compliance: np.ndarray) -> bool:
-        """Whether what W alone would keep is lost; between solids J changes in each iteration."""
-        new = compliance.shape != self.W.shape or not np.array_equal(compliance, self.W)
-        return new or any(part is not part.equations for part in self.parts)
 
     def _arrange(self) -> None:
         """Places of the active unknowns: all velocities, then the multipliers by contact."""

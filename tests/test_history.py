@@ -216,20 +216,21 @@ def test_blocks_on_springs_resume_to_the_same_bits(tmp_path):
     np.testing.assert_array_equal(resumed.rows(), whole.rows())
 
 
-@pytest.mark.parametrize("cells", [(21, 3), (8, 8, 2), (12, 12, 7)])
+@pytest.mark.parametrize("cells", [(21, 3), (8, 8, 4), (12, 12, 7)])
 @pytest.mark.parametrize("kind", [ElasticSolid, HyperelasticSolid])
 def test_blocks_of_many_points_resume_to_the_same_bits(cells, kind, tmp_path):
     """Of some sizes a problem was solved another way if the last one had the same compliance; of
     others the columns of that had other last digits, by what else was solved for with them."""
     dim, dt = len(cells), 1e-3
+    modulus = 1e7 if dim == 2 else 1e9
     start = np.eye(dim)[0][:, None]
     loads = {"gravity": -G * np.eye(dim)[-1], "velocity": lambda x: start + 0 * x[:dim]}
 
     def slides():
         mesh = rectangle(cells) if dim == 2 else box(cells)
-        law = {"energy": neo_hookean(1e7, 0.3)}
+        law = {"energy": neo_hookean(modulus, 0.3)}
         if kind is ElasticSolid:
-            law = {"youngs_modulus": 1e7, "poisson_ratio": 0.3}
+            law = {"youngs_modulus": modulus, "poisson_ratio": 0.3}
         block = kind(mesh, density=1e3, **law, **loads)
         floor = HalfSpace([0.0] * dim, np.eye(dim)[-1])
         return Scene([block], [Contact(block, "base", floor, friction=0.3)])

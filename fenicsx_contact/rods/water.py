@@ -19,7 +19,8 @@ class Water(Protocol):
         ...
 
     def added_mass(self, travel: float) -> float:
-        """Mass of fluid that moves with the rod, kg."""
+        """Mass m_a of fluid that moves with the rod, kg: (M + m_a(z)) z'' is what forces give, so
+        that what the rod leaves behind, or takes up, on its way z does so with its speed."""
         ...
 
     def drag(self, travel: float) -> tuple[float, float]:

@@ -183,8 +183,8 @@ def _into_obstacle(contact: Contact, depth: float, accepted: float, takes: float
         return ""
     return (
         f"contact {contact.name!r} went {depth:.3g} m inside its obstacle: "
-        f"{contact.formulation.name!r} holds velocities along the normals where a step ends, "
-        "against which the way there leads inwards where an obstacle is round: shorter steps, "
+        f"{contact.formulation.name!r} holds velocities at the ends of steps, which lead inwards "
+        "where an obstacle is round, and are not all of the way of one that moves: shorter steps, "
         "'gap', or a drift_correction help"
     )
 

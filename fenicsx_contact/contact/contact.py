@@ -248,8 +248,8 @@ class Contact(Scaled, SurfaceResults):
         e, fastest = self.equations, largest(self.coupling.velocities("trial_velocity"))
         e.release()
         self.resolution = resolution = max(resolution, ROUND_OFF * fastest)
-        struck = None if self.force_of else getattr(self.formulation, "rebounds", False)
-        left = leaving(self.jump, self.normal, self.surface.extent, step, struck)
+        thrown = getattr(self.formulation, "rebounds", False) and not self.force_of
+        left = leaving(self.jump, self.normal, self.surface.extent, step, thrown)
         self.force, self.force_of = self.coupling.force(force), step.dt
         self.borne = self.coupling.borne(self.force, force)
         self.force_normal = e.fields.mean_normal()

@@ -36,7 +36,7 @@ def coming(gap: np.ndarray, left: np.ndarray, horizon: float) -> np.ndarray:
 
 
 def leaving(
-    jump: np.ndarray, normal: np.ndarray, extent: float, step: Step, rebounds: bool | None
+    jump: np.ndarray, normal: np.ndarray, extent: float, step: Step, thrown: bool
 ) -> np.ndarray:
     """At which w_n points leave, (n,) in m/s, that may come back in a step, times the share of that
     by which they then do.
@@ -45,13 +45,13 @@ def leaving(
         jump, normal: at the start, (n, d) in m/s and 1.
         extent: of the surface, m.
         step: that is solved.
-        rebounds: whether what an impact let go comes back, which was right before; None: none was.
-            Else what leaves falls back, but for what the turn of the points about each other in the
-            step may make of their velocities.
+        thrown: whether an impact has just let them go, of what rebounds. Else what leaves falls
+            back, but for what the turn of the points about each other in the step may make of
+            their velocities.
     """
     w = dot(jump, normal)
-    if rebounds is not None:
-        return rebounds * w
+    if thrown:
+        return w
     if len(jump) == 1:  # nobody knows how it turns
         return 0 * w
     turn = longest(jump - jump.mean(axis=0)) * step.dt / extent

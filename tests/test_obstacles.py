@@ -619,6 +619,22 @@ def test_what_is_thrown_up_slowly_lands_within_a_step(speed, scheme, kind):
     assert history["c.penetration"].max() < 1e-2 * speed * dt
 
 
+@pytest.mark.parametrize("slide, spin", [(0.0, 0.0), (10.0, 0.0), (0.0, 10.0), (3.0, 2.0)])
+def test_so_does_what_slides_and_turns_along_the_floor(slide, spin):
+    plate = RigidSolid(
+        box(size=(0.4, 0.4, 0.1)),
+        mass=1.0,
+        gravity=(0, 0, -G),
+        velocity=(slide, 0, 0.015),
+        spin=(0, 0, spin),
+    )
+    floor = HalfSpace((0, 0, 0), (0, 0, 1))
+    history = Scene([plate], [Contact(plate, "base", floor, name="c")]).run(0.05, 4e-3)
+    assert history.finished
+    assert history["c.penetration"].max() < 1e-12
+    assert history["impact"][-1] == pytest.approx(-0.5 * 0.015**2, rel=1e-6)
+
+
 @pytest.mark.parametrize("theta", [0.75, 1.0])
 def test_a_sudden_start_that_takes_along_is_remarked(theta):
     block = RigidSolid(rectangle(), mass=10.0)

@@ -185,7 +185,7 @@ def _into_obstacle(contact: Contact, depth: float, accepted: float, takes: float
         f"contact {contact.name!r} went {depth:.3g} m inside its obstacle: "
         f"{contact.formulation.name!r} holds velocities at the ends of steps, which lead inwards "
         "where an obstacle is round, and are not all of the way of one that moves: shorter steps, "
-        "'gap', or a drift_correction help"
+        + ("or 'gap' help" if _takes_back(contact) else "'gap', or a drift_correction help")
     )
 
 

@@ -54,9 +54,9 @@ def leaving(
         return w
     if len(jump) == 1:  # nobody knows how it turns
         return 0 * w
-    speed = longest(jump - jump.mean(axis=0))  # about each other
-    turn = speed * step.dt / extent
-    return step.limit_rate * np.where(w < -turn * speed, w, 0.0)
+    turn = np.ptp(w) * step.dt / extent  # of the normal
+    lifts = turn * longest(jump - jump.mean(axis=0))
+    return step.limit_rate * np.where(w < -lifts, w, 0.0)
 
 
 def at_once(

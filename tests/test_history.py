@@ -216,7 +216,7 @@ def test_blocks_on_springs_resume_to_the_same_bits(tmp_path):
     np.testing.assert_array_equal(resumed.rows(), whole.rows())
 
 
-@pytest.mark.parametrize("cells", [(21, 3), (8, 8, 4), (12, 12, 7)])
+@pytest.mark.parametrize("cells", [(21, 3), (8, 8, 4), (15, 15, 8)])
 @pytest.mark.parametrize("kind", [ElasticSolid, HyperelasticSolid])
 def test_blocks_of_many_points_resume_to_the_same_bits(cells, kind, tmp_path):
     """Of some sizes a problem was solved another way if the last one had the same compliance; of

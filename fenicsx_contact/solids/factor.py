@@ -16,8 +16,8 @@ import scipy.sparse as sp
 from petsc4py import PETSc
 
 #: Cost: nonzeros above which a matrix is factored by MUMPS, in the plane (some 50 000 unknowns) and
-#: in space, where it solves for many columns in a fifth of the time of PETSc's own LU.
-LARGE, LARGE_IN_SPACE = 1e6, 1e5
+#: in space (6000), where it solves for many columns in a fifth of the time of PETSc's own LU.
+LARGE, LARGE_IN_SPACE = 1e6, 4e5
 #: Cost: columns that are solved for at once.
 AT_ONCE = 32
 

@@ -92,30 +92,23 @@ class Riding:
         """Derivatives of the velocities, from those of a mean velocity between two times."""
         step, (old, new) = self._step, self._places
         assert step is not None
+        struck = _struck(self._taken, change, old, step)
         if not step.dt:  # nothing moves; what changes its velocity strikes with the new one
-            return Faster(*[self._struck(change, old, step)] * 4)
-        begun = self._ended if self._coupling.ride.percussive else self._struck
-        ends = at_end(change, new, step), begun(change, old, step)
+            return Faster(*[struck] * 4)
+        goes_on = self._coupling.ride.percussive
+        ends = at_end(change, new, step), self._ended(change, old, step) if goes_on else struck
         means = change(new, step.start, step.end), change(old, step.end, step.start)
         return Faster(*ends, *means)
 
-    def _struck(self, change: Velocity, x: np.ndarray, step: Step) -> np.ndarray:
-        late = step.implicitness
-        return (1 - late) * at_start(change, x, step) + self._taken(change, x, step)
-
     def _after(self, last: Step) -> None:
         """Take up with what the step before this one ended."""
-        if last.dt:
-            self._ended = lambda change, x, step: at_end(change, x, last)
-            if last.implicitness:
-                self._taken = lambda change, x, step: taken(change, x, last)
+        if not last.dt:
+            before = self._taken
+            self._ended = lambda change, x, step: _struck(before, change, x, last)
             return
-        late, before = last.implicitness, self._taken
-
-        def struck(change: Velocity, x: np.ndarray, step: Step) -> np.ndarray:
-            return (1 - late) * at_start(change, x, last) + before(change, x, last)
-
-        self._ended = struck
+        self._ended = lambda change, x, step: at_end(change, x, last)
+        if last.implicitness:
+            self._taken = lambda change, x, step: taken(change, x, last)
 
     def along(
         self,
@@ -135,6 +128,12 @@ class Riding:
 
         turned = times(n_old, early) - times(n_end, late) + times(slower, end) + times(gain, old)
         return np.asarray(np.where(self._loose[:, None], turned, 0.0) - times(n_old, start))
+
+
+def _struck(before: _Before, change: Velocity, x: np.ndarray, step: Step) -> np.ndarray:
+    """The velocity with which its motion goes on at the start of a step, but for the share of
+    means, which is that of the last step."""
+    return (1 - step.implicitness) * at_start(change, x, step) + before(change, x, step)
 
 
 def _taken_at_start(change: Velocity, x: np.ndarray, step: Step) -> np.ndarray:

@@ -11,6 +11,7 @@ from fenicsx_contact import (
     ElasticSolid,
     GeneralisedAlpha,
     HyperelasticSolid,
+    QuasiStatic,
     Rayleigh,
     ThetaScheme,
     neo_hookean,
@@ -26,7 +27,17 @@ SOLIDS = {
     "on rollers": (rectangle((3, 2)), {"prescribed": {"base": (None, 0.0)}}, 1),
     "of revolution": (moved(rectangle((3, 2)), 0.5, 0.0), {"plane": "axisymmetric"}, 1),
     "damped": (rectangle((3, 2)), {"damping": Rayleigh(5.0, 1e-3)}, 3),
-    "on springs": (rectangle((3, 2)), {"springs": {"base": 1e5}}, 0),
+    "on springs": (rectangle((3, 2)), {"springs": {"base": 1e5}}, 3),
+    "on damped springs": (
+        rectangle((3, 2)),
+        {"springs": {"base": (1e5, 0.0)}, "damping": Rayleigh(5.0, 1e-3)},
+        3,
+    ),
+    "on springs and rollers": (
+        rectangle((3, 2)),
+        {"springs": {"left": 1e5}, "prescribed": {"base": (None, 0.0)}},
+        1,
+    ),
     "held": (rectangle((3, 2)), {"fixed": ["base"]}, 0),
 }
 
@@ -55,3 +66,17 @@ def test_solutions_are_those_of_the_matrix(name, kind, scheme):
     size = 1e-9 * np.abs(exact).max()
     np.testing.assert_allclose(factor.solve_many(sp.csc_matrix(right)), exact, atol=size)
     np.testing.assert_allclose(factor.solve(right[:, 0]), exact[:, 0], atol=size)
+
+
+def test_weak_springs_cost_no_digits():
+    """What springs of 1e-10 of the solid's stiffness resist is a rigid motion, to round-off."""
+    springs = {"base": 1e-4, "left": 1e-4}
+    material = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1.0}
+    solid = ElasticSolid(rectangle((3, 2)), springs=springs, **material)
+    step = Step(1.0, QuasiStatic(), 0.0)
+    solid.predict(step)
+    solid.linearise(step)
+    motions, _, pulls = solid._free_motions
+    assert motions.shape[1] == 3
+    for motion, pull in zip(motions.T, pulls.T):
+        np.testing.assert_allclose(solid.factorisation.solve(pull), motion, atol=1e-12)

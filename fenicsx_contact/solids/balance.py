@@ -15,8 +15,9 @@ from ..base.vectors import largest, worst
 from ..theory.scheme import Step
 from .base import MonolithicSolid
 from .boundary import Supports
-from .damping import Damper, Damping
+from .damping import Damper, Damping, damped_springs
 from .factor import Factorisation
+from .foundation import Foundation
 from .free_factor import FreeFactorisation
 from .loads import Loads
 from .locations import Location
@@ -37,6 +38,7 @@ class BalancedSolid(MonolithicSolid):
     displacement: np.ndarray
     damping: Damping
     dampers: list[Damper]
+    foundations: list[Foundation]
     inertia: Mass
     applied: Loads | None
     weight: np.ndarray
@@ -71,16 +73,19 @@ class BalancedSolid(MonolithicSolid):
 
     def factored(self, matrix: PETSc.Mat, step: Step) -> Factorisation:
         """The factorisation of the matrix of a step, which is its from now on."""
-        motions, momenta = self._free_motions
-        if not (motions.shape[1] and step.scheme.inertia):
+        motions = self._free_motions[0]
+        stands = step.scheme.inertia or self._stands
+        if not (stands and motions.shape[1]):
             return Factorisation(matrix, self.name)
-        factor = FreeFactorisation(matrix, self.name, self.comm, motions, momenta)
-        factor.rate = self.inertial_rate(step)
-        return factor
+        return FreeFactorisation(matrix, self.name, self.comm, motions, self.resisting(step))
 
-    def inertial_rate(self, step: Step) -> float:
-        """What the mass counts in the matrix of a step, 1/s, its damping included."""
-        return step.inertia_rate + step.rate_weight * self.damping.alpha
+    def resisting(self, step: Step) -> np.ndarray:
+        """What its inertia and springs to ground, and their damping, resist its free motions with
+        in a step, (owned, k)."""
+        _, momenta, pulls = self._free_motions
+        beta = self.damping.beta if damped_springs(self) else 0.0
+        inertia = step.inertia_rate + step.rate_weight * self.damping.alpha
+        return inertia * momenta + (step.force_rate + step.rate_weight * beta) * pulls
 
     def floats(self, step: Step) -> bool:
         """Whether only contact holds it in the step: its matrix is singular."""
@@ -91,22 +96,27 @@ class BalancedSolid(MonolithicSolid):
         return Motions(self).stand()
 
     @cached_property
-    def _free_motions(self) -> tuple[np.ndarray, np.ndarray]:
-        """The rigid motions that nothing holds, at this process's unknowns, and their momenta,
-        (owned, k)."""
+    def _free_motions(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The rigid motions that nothing but springs holds, at this process's unknowns, their
+        momenta, and the forces of springs against them, (owned, k)."""
         motions = Motions(self)
-        rows = motions.at_nodes() @ motions.free()
+        rows = motions.at_nodes() @ motions.free(springs=False)
         rows[self.fixed_unknowns] = 0.0
         if self.linear:  # straight shapes on curved cells have no rotations
-            forces = [self.internal_force(row) for row in rows.T.copy()]
+            forces = [self.internal_force(row) - self._springs(row) for row in rows.T.copy()]
             own = [largest(each) for each in (*forces, self.vectors.diagonal(self.last_stiffness))]
             *strained, stiffest = np.max(self.comm.allgather(own), axis=0)
             rows = rows[:, np.array(strained) <= SAME * stiffest]
-        momenta = np.zeros(rows.shape)
+        momenta, pulls = np.zeros(rows.shape), np.zeros(rows.shape)
         for k, row in enumerate(rows.T.copy()):
-            momenta[:, k] = self.inertia.times(row)
-        momenta[self.fixed_unknowns] = 0.0  # whose rows say where they are
-        return rows, momenta
+            momenta[:, k], pulls[:, k] = self.inertia.times(row), self._springs(row)
+        for each in (momenta, pulls):
+            each[self.fixed_unknowns] = 0.0  # whose rows say where they are
+        return rows, momenta, pulls
+
+    def _springs(self, displacement: np.ndarray) -> np.ndarray:
+        """The force of springs to ground against a displacement, (owned,)."""
+        return sum((f.times(displacement) for f in self.foundations), np.zeros(self.owned))
 
     def _force_at_start(self, step: Step) -> np.ndarray:
         """Loads less internal forces at the start of a step, (owned,) in N."""

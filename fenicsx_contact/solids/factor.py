@@ -110,9 +110,6 @@ class Factorisation:
     and the like choose another solver.
     """
 
-    #: What the mass counts in it, 1/s, where that matters.
-    rate = 0.0
-
     def __init__(self, matrix: PETSc.Mat, name: str) -> None:
         self._matrix = matrix
         # in the plane PETSc's own LU solves in a third of the time of MUMPS, which scales in
@@ -161,9 +158,10 @@ class Factorisation:
         left.destroy()
         return result
 
-    def refactor(self, rate: float = 0.0) -> None:
-        """The matrix has new values; it is factored when it is next needed."""
-        self.rate, self._diagonal = rate, None
+    def refactor(self, resisting: np.ndarray | None = None) -> None:
+        """The matrix has new values, and resists so what is free to move; it is factored when it is
+        next needed."""
+        self._diagonal = None
         self._solver.refactor()
 
     @property

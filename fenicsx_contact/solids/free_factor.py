@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Linear solves with the matrix of a solid that is free to move.
+"""Linear solves with the matrix of a solid that is free to move, but for springs.
 
-In a long step inertia is little beside stiffness: A = c M + K has a condition of about (omega dt)²,
-which is 1e10 of a steel block in a hundredth of a second. Its rigid motions R strain nothing,
-K R = 0, so that A R = c M R is known, and what round-off makes of it need not be asked:
+In a long step inertia is little beside stiffness: A = B + K, with B = c M, has a condition of about
+(omega dt)², which is 1e10 of a steel block in a hundredth of a second; so it has where springs to
+ground, which B then counts too, are as much weaker than the solid. Its rigid motions R strain
+nothing, K R = 0, so that A R = B R is known, and what round-off makes of it need not be asked:
 
-    A^-1 b = R g / c + P A^-1 (b - M R g),   g = (R' M R)^-1 R' b,   P = 1 - R (R' M R)^-1 R' M.
+    A^-1 b = R g + P A^-1 (b - B R g),   g = (R' B R)^-1 R' b,   P = 1 - R (R' B R)^-1 R' B.
 
 Else what friction holds creeps, by a share of the speed that its loads alone would give it.
 """
@@ -24,20 +25,29 @@ from .factor import Factorisation
 
 
 class FreeFactorisation(Factorisation):
-    """A direct factorisation of c M + K, of which some rigid motions are free.
+    """A direct factorisation of B + K, of which K resists some rigid motions by nothing.
 
     Args:
         matrix, name: as of :class:`~.factor.Factorisation`.
         comm: the processes.
-        motions, momenta: R and M R at this process's unknowns, (n, k).
+        motions, resisting: R and B R at this process's unknowns, (n, k).
     """
 
     def __init__(
-        self, matrix: PETSc.Mat, name: str, comm: Any, motions: np.ndarray, momenta: np.ndarray
+        self, matrix: PETSc.Mat, name: str, comm: Any, motions: np.ndarray, resisting: np.ndarray
     ) -> None:
         super().__init__(matrix, name)
-        self._comm, self._motions, self._momenta = comm, motions, momenta
-        self._inverse = np.linalg.inv(sum_of(comm, motions.T @ momenta))
+        self._comm, self._motions = comm, motions
+        self._resist(resisting)
+
+    def _resist(self, resisting: np.ndarray) -> None:
+        self._resisting = resisting
+        self._inverse = np.linalg.inv(sum_of(self._comm, self._motions.T @ resisting))
+
+    def refactor(self, resisting: np.ndarray | None = None) -> None:
+        super().refactor()
+        if resisting is not None:
+            self._resist(resisting)
 
     def _share(self, of: np.ndarray, values: np.ndarray) -> np.ndarray:
         return self._inverse @ sum_of(self._comm, of.T @ values)
@@ -53,6 +63,6 @@ class FreeFactorisation(Factorisation):
 
     def _freely(self, solve: Callable[[np.ndarray], np.ndarray], values: np.ndarray) -> np.ndarray:
         rigid = self._share(self._motions, values)
-        strained = solve(values - self._momenta @ rigid)
-        rigid = rigid / self.rate - self._share(self._momenta, strained)
+        strained = solve(values - self._resisting @ rigid)
+        rigid = rigid - self._share(self._resisting, strained)
         return np.asarray(strained + self._motions @ rigid)

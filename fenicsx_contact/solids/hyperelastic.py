@@ -199,7 +199,7 @@ class HyperelasticSolid(DeformableSolid):
         for damper in self.dampers:
             damper.add_to(matrix, step, start, end)
         self.hold(matrix)
-        self._factor.refactor(self.inertial_rate(step))
+        self._factor.refactor(self.resisting(step))
 
     @property
     def factorisation(self) -> Factorisation:  # type: ignore[override]

@@ -73,7 +73,8 @@ class HyperelasticMotion(DeformableMotion):
         matrix = self._matrix(whole)
         if self._solver is None or key != self._key:
             self._key = key
-            factor = Factor(matrix, self.solid.name, not self.solid.dampers, self.held)
+            near, symmetric = self._near(step, matrix), not self.solid.dampers
+            factor = Factor(near, self.solid.name, symmetric, self.held)
         else:
             factor = self._solver.factor
         self._solver = Inner(factor, stiffness, step.gap_rate, self.held, matrix)

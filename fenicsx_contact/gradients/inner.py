@@ -25,7 +25,7 @@ class Inner:
         stiffness: over what is not held.
         rate: derivative of q by v, s.
         held: unknowns.
-        matrix: that matrix, where the factor may be of one which is near it, of the same pattern.
+        matrix: that matrix, where the factor may be of one which is near it.
 
     Attributes:
         factor: the factor.
@@ -58,9 +58,7 @@ class Inner:
     @cached_property
     def _rest(self) -> sp.csr_matrix:
         """What the factored matrix has more than the matrix."""
-        near, matrix = self.factor.matrix, self._matrix
-        entries = near.data - matrix.data
-        return sp.csr_matrix((entries, matrix.indices, matrix.indptr), matrix.shape, copy=False)
+        return self.factor.matrix - self._matrix
 
     def renew(self) -> None:
         """Factor the matrix itself."""

@@ -30,6 +30,10 @@ from .kinematics import Kinematics
 from .parameters import Parameter
 from .said import said
 
+#: Cost: of inertia beside stiffness where it holds what only contacts hold; how soon the iteration
+#: that takes it away ends.
+LITTLE = 1e-6
+
 
 class Row(NamedTuple):
     """Derivatives of a residual by q+, v+, q-, v- and dt."""
@@ -158,10 +162,20 @@ class DeformableMotion(Motion):
             viscous = self._damping(step)
             early, late = early + before * viscous, late + after * viscous
         matrix = sp.csr_matrix((late + step.gap_rate * new) @ self._freeing + self._holding)
-        factor = Factor(matrix, self.solid.name, True, self.held)
-        inner = Inner(factor, new, step.gap_rate, self.held)
+        near = self._near(step, matrix)
+        factor = Factor(near, self.solid.name, True, self.held)
+        inner = Inner(factor, new, step.gap_rate, self.held, matrix)
         balance = Row(new, late + self._holding, old, early, np.empty(0))
         return super().kinematics(step), balance, inner
+
+    def _near(self, step: Step, matrix: sp.csr_matrix) -> sp.csr_matrix:
+        """The matrix of a step, or, where only contacts hold the solid, one that can be factored: a
+        little inertia holds it, which iteration takes away again."""
+        if not self.solid.floats(step):
+            return matrix
+        mass = self._massive @ self._freeing
+        share = LITTLE * np.abs(matrix.diagonal()).max() / np.abs(mass.diagonal()).max()
+        return sp.csr_matrix(matrix + share * mass)
 
     def _damping(self, step: Step) -> Any:
         """Derivative of the damping forces by the velocity."""

@@ -12,7 +12,6 @@ from ..contact.mortar.carried import Carried
 from ..rods import GuideContact
 from ..rods.beam import BeamSolid
 from ..solids import ElasticSolid, HyperelasticSolid, RigidSolid, Solid
-from ..solids.motions import Motions
 from .beams import BeamMotion
 from .believed import check_derivatives
 from .guides import GuideRows
@@ -53,10 +52,6 @@ def motion(solid: Solid, inertia: bool, moving_time: bool) -> Motion:
         raise checks.InputError(f"gradients: {name} is a {kind}, which is not supported")
     if solid.comm.size > 1:
         raise checks.InputError(f"gradients: {name} is shared by processes; use one")
-    if not inertia and not Motions(solid).stand(True):
-        raise checks.InputError(
-            f"gradients: {name} is held by contact, not by supports alone, without inertia"
-        )
     if solid.massless:
         raise checks.InputError(
             f"gradients: {name} has a boundary without mass, which is not supported"

@@ -21,6 +21,7 @@ from types import (
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from dolfinx import fem
 
 from .checks import is_function
@@ -111,6 +112,13 @@ def _methods(whose: type) -> dict[str, Any]:
     return found
 
 
+def sets(thing: Any) -> set[str]:
+    """Names that code of a user's classes gives to what an object holds."""
+    codes = [f.__code__ for f in methods(thing).values() if isinstance(f, FunctionType)]
+    return {i.argval for code in codes for i in dis.get_instructions(code)
+            if i.opname == "STORE_ATTR"}  # fmt: skip
+
+
 def own_within(thing: Any) -> list[Any]:
     """What is of a user's own classes: the object itself, what it holds, and what that holds; what
     others than the user and this package made is not looked into."""
@@ -173,6 +181,9 @@ def _thing(given: Any, whole: _Whole | None, fields: bool) -> str:
         return _by_parts(given, (things,), whole, fields)
     values = given if isinstance(given, np.ndarray) else getattr(given, "value", None)
     name = name_of(given)
+    if sp.issparse(given):
+        entries = given.tocoo()
+        values = np.stack([entries.row, entries.col, entries.data])
     if values is None:
         return name
     values = np.asarray(values)

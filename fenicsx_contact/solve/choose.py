@@ -83,18 +83,19 @@ def choose(
         in_space = sum(solid.unknowns for solid in deformable if solid.dim == 3)
         # the tangent of a nonlinear solid in motion serves for many steps, and so does a compliance
         keeps = scheme.inertia and (geometry != "newton" or places <= SMALL_SURFACE)
-        if not large and not floats and not rubs and (keeps or not nonlinear):
+        if not sparse or (not (large or floats or rubs) and (keeps or not nonlinear)):
             solver = "condensed"
         elif len(deformable) == len(solids) and in_space > LARGE_SOLIDS:
             solver = "iterative"
         else:
             solver = "monolithic"
-    # by fixed point the sparse system of rigid solids is made from their compliance
-    if solver == "iterative" or (geometry == "newton" and solver == "monolithic"):
-        kind = MonolithicSolid if solver == "monolithic" else DeformableSolid
+    kinds = {"monolithic": MonolithicSolid, "iterative": DeformableSolid}
+    if kind := kinds.get(solver):
         alone = [solid.name for solid in solids if not isinstance(solid, kind)]
         if alone:
-            other = "'condensed'" if solver == "monolithic" else "'monolithic' or 'condensed'"
+            other = (
+                "'monolithic' or 'condensed'" if solver == "iterative" and sparse else "'condensed'"
+            )
             raise checks.InputError(
                 f"solver = {solver!r}: {alone} cannot be part of such a system; use {other}"
             )

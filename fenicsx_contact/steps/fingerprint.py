@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from inspect import isabstract
 from math import pi
 from typing import Any, Protocol
 
@@ -12,7 +13,7 @@ from mpi4py import MPI
 
 from ..base.quoted import without_addresses
 from ..base.shown import exactly
-from ..base.told import held, legible, methods, own_within, told
+from ..base.told import held, legible, methods, own_within, sets, told
 from ..base.told_ufl import field_digits, rounded
 from ..contact.contact import Contact
 from ..solids import DeformableSolid, Solid
@@ -62,13 +63,15 @@ def fingerprint(scene: Described, dt: float, step_error: float | None) -> str:
             f"{_shape(contact.surface.points, MPI.COMM_SELF)}"
         )
     for name, part in _own_parts(scene):
-        lines.append(f"{name}: {type(part).__name__} {told(methods(part), fields=True)}")
+        kind = f"{name}: {type(part).__name__}"
+        lines.append(f"{kind} {told(methods(part), fields=True)}")
+        lines += [f"{kind}, its {n}: {told(v, fields=True)}" for n, v in _held(part).items()]
     return without_addresses("\n".join(lines))
 
 
 def _own_parts(scene: Described) -> Iterator[tuple[str, Any]]:
-    """What is of users' own classes, whose code says what it does; of a solid itself, which holds
-    all that is computed, its damping and its drive."""
+    """What is of users' own classes, whose code says what it does; of a solid of this package,
+    which holds all that is computed, its damping and its drive."""
     yield from (("scheme", part) for part in own_within(scene.scheme))
     for solid in scene.solids:
         rod = getattr(solid, "rod", solid)
@@ -79,6 +82,18 @@ def _own_parts(scene: Described) -> Iterator[tuple[str, Any]]:
         obstacle = getattr(contact.coupling, "obstacle", None) or getattr(contact, "obstacle", None)
         for thing in (contact.formulation, contact.friction_law, obstacle):
             yield from ((contact.name, part) for part in own_within(thing))
+
+
+def _held(part: Any) -> dict[str, Any]:
+    """What it holds, by name: of a solid that derives from one of this package, which tells its own
+    itself, what the code of the user's class gives it, but no arrays, of which each process may
+    have a part."""
+    every, package = held(part), __name__.partition(".")[0]
+    bases = (kind for kind in type(part).__mro__ if kind.__module__.partition(".")[0] == package)
+    if not any(issubclass(kind, Solid) and not isabstract(kind) for kind in bases):
+        return every
+    given = sets(part)
+    return {n: v for n, v in every.items() if n in given and not isinstance(v, np.ndarray)}
 
 
 def shared(scene: Described) -> dict[str, Any]:

@@ -116,9 +116,8 @@ class GeneralisedAlpha:
         memory: np.ndarray | None,
     ) -> np.ndarray:
         """u+ - u-, m."""
-        assert memory is not None
-        r = self.position_rate
-        return dt * ((1 - r) * v_old + r * v_new) + (0.5 - r) * dt**2 * memory[1]
+        r, known = self.position_rate, _kept(memory)
+        return dt * ((1 - r) * v_old + r * v_new) + (0.5 - r) * dt**2 * known[1]
 
     def mean(self, v_old: np.ndarray, v_new: np.ndarray) -> np.ndarray:
         """Of the velocities at both ends."""
@@ -130,8 +129,7 @@ class GeneralisedAlpha:
 
     def carried(self, memory: np.ndarray | None) -> np.ndarray:
         """What the weights leave to M a-."""
-        assert memory is not None
-        return (1 - sum(self.linear_weights)) * memory[0]
+        return (1 - sum(self.linear_weights)) * _kept(memory)[0]
 
     def remember(
         self,
@@ -142,10 +140,18 @@ class GeneralisedAlpha:
         memory: np.ndarray | None,
     ) -> np.ndarray:
         """Both rows by the filter: mean = (1 - gamma) old + gamma new."""
-        assert memory is not None
         mean = np.stack([force, (v_new - v_old) / dt])
-        return (mean - (1 - self.gamma) * memory) / self.gamma
+        return (mean - (1 - self.gamma) * _kept(memory)) / self.gamma
 
     def describe(self) -> str:
         """Its name and parameter."""
         return f"generalised alpha, rho_inf = {self.rho_inf!r}"
+
+
+def _kept(memory: np.ndarray | None) -> np.ndarray:
+    if memory is None:
+        raise checks.InputError(
+            "GeneralisedAlpha: a solid keeps no memory, which this scheme needs; it recalls one in "
+            "predict, and remembers in accept"
+        )
+    return memory

@@ -165,6 +165,27 @@ def test_gmsh_file(version, binary, script, others, tmp_path):
         assert flux(mesh, name) == pytest.approx(flux(same, name), rel=1e-12, abs=1e-12)
 
 
+@pytest.mark.parametrize("version", [2.2, 4.1])
+def test_names_that_meshio_loses(version, tmp_path):
+    """Of a surface and a curve of one name it knows the first; they were taken for no facets."""
+    file = tmp_path / "mesh.msh"
+    gmsh.initialize(["gmsh", "-v", "1"])
+    try:
+        gmsh.model.occ.addRectangle(0, 0, 0, 2, 1)
+        gmsh.model.occ.synchronize()
+        for dim, tag, name in ((2, 1, "left"), (1, 1, "base"), (1, 3, "left")):
+            group = gmsh.model.addPhysicalGroup(dim, [tag])
+            gmsh.model.setPhysicalName(dim, group, name)
+        gmsh.model.mesh.generate(2)
+        gmsh.option.setNumber("Mesh.MshFileVersion", version)
+        gmsh.write(str(file))
+    finally:
+        gmsh.finalize()
+    refused(lambda: mesh_from_file(file), str(file), "loses its physical names 'left'", "_gmsh")
+    assert set(mesh_from_gmsh(file).names) == {"base", "left"}
+    assert set(mesh_from_file(file, facets={"low": "base"}).names) == {"low"}
+
+
 @pytest.mark.parametrize("kind", SIZE)
 def test_cells_that_are_all_reversed(kind, tmp_path):
     mesh = block(kind)

@@ -16,7 +16,7 @@ from mpi4py import MPI
 from . import checks
 from .cells import ALLOWED, TO_MESHIO
 from .mesh import NamedMesh
-from .mesh_names import PointSet, element_sets, listed, named_elements
+from .mesh_names import PointSet, element_sets, listed, named_elements, refuse_lost_names
 from .mesh_solid import ReadSolid, distributed
 
 #: For meshio's name of a cell: dolfinx's, and which of meshio's nodes dolfinx's are.
@@ -53,12 +53,14 @@ def mesh_from_file(
     """
     path = checks.path("file", file)
     checks.instance("facets", facets, (Mapping, type(None)), "a dict from names, or None")
-    return distributed(
-        file,
-        comm,
-        lambda: _solid(read_mesh(path), solid, facets, data),
-        "choose by facets = {...}",
-    )
+
+    def read() -> ReadSolid:
+        mesh = read_mesh(path)
+        if facets is None and path.suffix == ".msh":
+            refuse_lost_names(mesh, path.read_bytes())
+        return _solid(mesh, solid, facets, data)
+
+    return distributed(file, comm, read, "choose by facets = {...}")
 
 
 def read_mesh(path: Path) -> meshio.Mesh:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -47,6 +48,25 @@ def element_sets(mesh: meshio.Mesh, dim: int) -> dict[str, list[np.ndarray]]:
         values = mesh.cell_data["cell_tags"]
         add(name, [np.flatnonzero(np.isin(v, tags)) for v in values])
     return sets
+
+
+def refuse_lost_names(mesh: meshio.Mesh, content: bytes) -> None:
+    """Refuse a file of gmsh with physical names that meshio loses: it keeps one of those that are
+    alike, whatever their dimensions, and none of groups whose elements it does not find.
+
+    Raises:
+        InputError: there are.
+    """
+    section = content.partition(b"$PhysicalNames")[2].partition(b"$EndPhysicalNames")[0]
+    lines = re.findall(r'^\s*([0-3])\s+-?\d+\s+"(.*)"', section.decode(errors="replace"), re.M)
+    most = max((int(dim) for dim, _ in lines), default=0)
+    there = {dim: element_sets(mesh, dim) for dim in range(1, most + 1)}
+    lost = {name for dim, name in lines if int(dim) and name not in there[int(dim)]}
+    if lost:
+        raise checks.InputError(
+            f"meshio loses its physical names {listed(lost)}: two of different dimensions are alike, "
+            "or their groups are reversed or empty; mesh_from_gmsh reads them"
+        )
 
 
 def named_elements(

@@ -231,7 +231,8 @@ def test_every_kind_of_vector_gives_what_the_numbers_give(name, kind):
 @pytest.mark.parametrize("name", DIRECTED)
 def test_a_vector_field_gives_what_the_vector_gives_or_is_refused_by_name(name, kind):
     give, number = DIRECTED[name]
-    if name in LOADS:
+    motion = name == "prescribed" and kind != "function of x"  # which it would take for time
+    if name in LOADS or motion:
         got, expected = give(VECTOR_FIELDS[kind](number)), give(vector(number))
         np.testing.assert_allclose(got, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
         return

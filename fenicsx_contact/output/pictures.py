@@ -13,6 +13,9 @@ import numpy as np
 from ..base import checks
 from .inline import show
 
+#: Of the fields that a run writes.
+UNITS = {"velocity": "m/s", "displacement": "m", "von_mises": "Pa", "pressure": "Pa"}
+
 
 def _pyvista() -> Any:
     if not os.environ.get("DISPLAY"):  # no X server: do not look for one, and do not complain
@@ -43,6 +46,12 @@ def frames(pvd: Path) -> tuple[list[float], Callable[[int], Any]]:
         return reader.read().combine()
 
     return list(reader.time_values), read
+
+
+def _file(name: str, value: Any) -> Path:
+    if not (path := checks.path(name, value)).is_file():
+        raise checks.InputError(f"{name} = {str(path)!r}: no such file")
+    return path
 
 
 def _draw(plotter: Any, mesh: Any, box: Sequence[float] | None = None, **look: Any) -> None:
@@ -110,15 +119,15 @@ def _look_of(field: str, label: str, limit: float) -> dict[str, Any]:
 
 
 def animate(
-    pvd: Path | Sequence[Path],
-    path: Path,
+    pvd: str | Path | Sequence[str | Path],
+    path: str | Path,
     *,
-    contact: Path | None = None,
+    contact: str | Path | None = None,
     magnify: float = 1.0,
     line: Sequence[Sequence[float]] | None = None,
     edges: bool = True,
-    colour_by: str = "velocity",
-    unit: str = "m/s",
+    colour_by: str | None = None,
+    unit: str | None = None,
     title: str = "",
     clock: Callable[[float], str] = lambda t: f"t = {t * 1e3:.2f} ms",
     size: tuple[int, int] = (480, 480),
@@ -135,36 +144,50 @@ def animate(
         magnify: factor on the displacements.
         line: two points, an obstacle to be drawn between them, m.
         edges: draw the edges of the cells.
-        colour_by: field whose size gives the colour, in ``unit``; of a contact ``"pressure"`` or
-            ``"status"`` (open, stick, slip).
+        colour_by: field whose size gives the colour, in ``unit``, of solids that have it: their
+            ``"velocity"`` if not given; of a contact ``"pressure"``, or ``"status"`` (open, stick,
+            slip).
         title: text in the picture.
         clock: the text that stands for a time [s].
         size: pixels.
         fps: frames a second.
         up: the axis that is upright, "y" or, in space, "z".
+
+    Raises:
+        InputError: no such file, a field that none of them has.
     """
     axis = np.eye(3)["xyz".index(checks.choice("up", up, ["y", "z"]))]
-    solids = [pvd] if isinstance(pvd, Path) else list(pvd)
-    collections = [frames(each) for each in [*solids, *([contact] if contact else [])]]
+    solids = [pvd] if isinstance(pvd, (str, Path)) else list(pvd)
+    path, files = checks.path("path", path), [("pvd", each) for each in solids]
+    files += [("contact", contact)] if contact else []
+    collections = [frames(_file(*each)) for each in files]
+    colour_by = colour_by or ("pressure" if contact else "velocity")
+    unit = UNITS.get(colour_by, "") if unit is None else unit
     times = collections[0][0]
-    pictures = []  # for each time, the solids and the contact
+    pictures, bounds = [], []  # for each time, what is grey and what has colours
     for i in range(len(times)):
         meshes = [read(i) for _, read in collections]
         for mesh in meshes:
             mesh.points = mesh.points + magnify * mesh["displacement"]
-        coloured = meshes[len(solids) :] or meshes
+        drawn = meshes[len(solids) :] or meshes
+        coloured = [mesh for mesh in drawn if colour_by in mesh.array_names]
+        if not coloured:
+            known = sorted({name for mesh in drawn for name in mesh.point_data})
+            raise checks.InputError(f"colour_by = {colour_by!r}: must be one of {known}")
         for mesh in coloured:
             values = np.asarray(mesh[colour_by])
             if contact and not np.ptp(mesh.points[:, 2]):
                 mesh.points[:, 2] += 1e-3 * mesh.length  # before the solids
             values = np.linalg.norm(values, axis=1) if values.ndim == 2 else values
             mesh[colour_by] = _on_top(mesh.points, values) if contact else values
-        pictures.append((meshes[: len(solids)], coloured))
+        plain = [mesh for mesh in meshes if not any(mesh is each for each in coloured)]
+        pictures.append((plain, coloured))
+        bounds += [mesh.bounds for mesh in meshes[: len(solids)]]
     sizes = [max(float(mesh[colour_by].max()) for mesh in coloured) for _, coloured in pictures]
-    label = colour_by.replace("von_mises", "von Mises stress") + (f" [{unit}]" if unit else "")
+    label = colour_by.replace("von_mises", "von Mises\nstress") + (f" [{unit}]" if unit else "")
     look = _look_of(colour_by, label, max(sizes) or 1.0)
-    bounds = np.array([mesh.bounds for meshes, _ in pictures for mesh in meshes])
-    low, high = bounds[:, ::2].min(axis=0), bounds[:, 1::2].max(axis=0)
+    low = np.array(bounds)[:, ::2].min(axis=0)
+    high = np.array(bounds)[:, 1::2].max(axis=0)
     grey: dict[str, Any] = {"color": "#f0f0f0", "show_edges": edges, "edge_color": "#b8b8b8"}
     if low[2] < high[2]:  # in space the solids hide what is between them
         grey = {"color": "#b0b0b0", "style": "wireframe"}
@@ -173,7 +196,7 @@ def animate(
     plotter.open_gif(str(path), fps=fps)
     for i, (meshes, coloured) in enumerate(pictures):
         plotter.clear()
-        for mesh in meshes if contact else ():
+        for mesh in meshes:
             _draw(plotter, mesh, **grey)
         for mesh in coloured:
             own = {"line_width": 9, "show_edges": False} if contact else {"show_edges": edges}

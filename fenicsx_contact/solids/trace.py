@@ -10,8 +10,9 @@ import scipy.sparse
 from scipy.spatial import cKDTree
 
 from ..base import checks
-from ..base.constants import SAME
+from ..base.constants import ROUND_OFF, SAME
 from ..base.shared_rows import sum_of
+from ..base.vectors import largest
 from ..theory.scheme import Step
 from .base import MonolithicTrace, Trace
 from .factor import Factorisation
@@ -94,14 +95,15 @@ class DeformableTrace(MonolithicTrace):
         self._comm, owned = vectors.comm, vectors.owned
         n, d = points.shape
         distance, nearest = vectors.nearest(points, facets)
-        size = np.ptp(np.concatenate([points, vectors.sites]), axis=0).max()
-        here = np.where(distance <= SAME * size, self._comm.rank, self._comm.size)
+        near = SAME * np.ptp(np.concatenate([points, vectors.sites]), axis=0).max()
+        near = max(near, ROUND_OFF * largest(points))  # far from the origin
+        here = np.where(distance <= near, self._comm.rank, self._comm.size)
         whose = here if self._comm.size == 1 else np.min(self._comm.allgather(here), axis=0)
         mine = np.flatnonzero(whose == self._comm.rank)
         node = nearest[mine]
         if (whose == self._comm.size).any():
             raise checks.InputError("points: each point of a trace must be a node of the solid")
-        if facets and (twice := len(cKDTree(points).query_pairs(SAME * size))):
+        if facets and (twice := len(cKDTree(points).query_pairs(near))):
             raise checks.InputError(
                 f"facets = {facets!r}: {twice} of their nodes coincide with others and are not "
                 "the same; merge them, or give the facets on both sides names of their own"

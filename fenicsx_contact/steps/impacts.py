@@ -150,7 +150,8 @@ class LocatedImpacts(Impacts):
                 contact.blows.fly(contact, left)
             arrives = flight[1].gap > tolerance  # what is nearer touches, and may strike at once
             fly = partial(self._fly, stepper, whole=dt)
-            trial = _arrive(fly, flight, tolerance, brief) if arrives else flight[0]
+            noise = max((contact.noise for contact in stepper.contacts), default=0.0)
+            trial = _arrive(fly, flight, tolerance, noise, brief) if arrives else flight[0]
             remarks.extend(trial.remarks)
             left -= trial.step.dt
             yield stepper.accept(trial)
@@ -189,7 +190,7 @@ class LocatedImpacts(Impacts):
 
 
 def _arrive(
-    fly: Callable[[float], Flight], flight: Flight, tolerance: float, brief: float
+    fly: Callable[[float], Flight], flight: Flight, tolerance: float, noise: float, brief: float
 ) -> Trial:
     """The step to the instant at which the first point arrives, from a flight beyond it.
 
@@ -199,7 +200,7 @@ def _arrive(
     the bracket is halved, down to what the clock tells, or to what is ``brief`` in the step, s,
     where solids are swift: when contact begins or ends they are at once elsewhere, and the shorter
     the flight the faster. What touches at the start leaves, having rebounded, and arrives when it
-    is back where it was.
+    is back where it was. Gaps of points far from the origin are known to ``noise``, m.
 
     Raises:
         StepFailed: the gap jumps, or the point lies beside what it was to meet.
@@ -218,7 +219,7 @@ def _arrive(
         if high - low <= brief or not clock + low < clock + new < clock + high:
             trial, found = fly(high)
             instant = high - low + 2 * float(np.spacing(clock + high))
-            if found.gap - inside - abs(found.rate) * instant > tolerance:
+            if found.gap - inside - abs(found.rate) * instant > tolerance + noise:
                 raise no_velocity("what a point meets", found.gap, clock + low)
             break
         trial, found = fly(new)

@@ -64,8 +64,8 @@ def refuse_lost_names(mesh: meshio.Mesh, content: bytes) -> None:
     lost = {name for dim, name in lines if int(dim) and name not in there[int(dim)]}
     if lost:
         raise checks.InputError(
-            f"meshio loses its physical names {listed(lost)}: two of different dimensions are alike, "
-            "or their groups are reversed or empty; mesh_from_gmsh reads them"
+            f"meshio loses its physical names {listed(lost)}: two of different dimensions are "
+            "alike, or their groups are reversed or empty; mesh_from_gmsh reads them"
         )
 
 

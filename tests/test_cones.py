@@ -151,7 +151,19 @@ def random_points(rng, n, slope, slipped):
     compliance = np.diag([1.0, 1.0, 1.0, *rng.uniform(1, 5, 3)])
     group = np.zeros(n, dtype=int)
     slopes = np.full(n, slope)
-    return ConePoints(see, see, given, limit, slopes, back, group, group > 0, compliance, free)
+    return ConePoints(
+        see,
+        see,
+        given,
+        limit,
+        slopes,
+        back,
+        group,
+        group > 0,
+        np.ones(len(limit)),
+        compliance,
+        free,
+    )
 
 
 @pytest.mark.parametrize("slipped", [0.0, 1e-6, 1.0])

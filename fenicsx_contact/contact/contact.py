@@ -22,11 +22,14 @@ from .jump import Coupling
 from .pairing import Master, acting_points, check_master, couple, worn
 from .results import SurfaceResults
 from .scales import Scaled, Scales
+from .sharing import Sharing
 from .springs import TangentialSprings
 from .statuses import coming, kept, leaving
 from .surface import Surface
 from .surfaces import surface_of
 from .turning import start_speeds, turning
+
+KEPT = "status", "force", "borne", "arriving", "force_normal"  # of its state
 
 
 class Contact(Scaled, SurfaceResults):
@@ -53,10 +56,9 @@ class Contact(Scaled, SurfaceResults):
         resolution: speeds below it, m/s, the last step did not resolve.
         moved: length of the step, s, of which the multipliers are: the last one, or one tried.
         noise: distances below it, m, are round-off of the places.
-        candidates: of the step; ``blows``: within the step of the run.
+        candidates: of the step; ``blows``: within the step of the run; ``memory``: of its laws.
         status, force: of the last step: 0 open, 1 stick, 2 slip; mean on the solid, N; ``borne``:
             on its nodes, ``acting``: with its moment, too; ``arriving``: how fast what bears came.
-        memory: what its laws remember; empty if they do not.
 
     Raises:
         InputError: friction < 0 or NaN, unknown formulation or facets, dimensions that differ,
@@ -107,6 +109,7 @@ class Contact(Scaled, SurfaceResults):
         self.force, self.status = np.zeros(self.surface.points.shape), np.zeros(self.surface.size)
         self.borne, self.arriving = self.force, np.full(self.surface.size, np.inf)
         self.candidates = Candidates(self.equations, self.coupling, self.formulation)
+        self.sharing = Sharing(self)
         self._springs = TangentialSprings(self.equations, self.formulation)
         self.blows, self.scales = Blows(self.surface.size), Scales(coupling, self.surface.size)
         self.resolution, self.moved = ROUND_OFF * largest(coupling.velocities("velocity")), 1.0
@@ -159,6 +162,7 @@ class Contact(Scaled, SurfaceResults):
         if self.coupling.driven:
             self.jump = self.coupling.jump("velocity")
         self.coupling.follow()
+        self.sharing.spread()
         asked = self.chosen if closing else self.blows.closed(self, step)
         self.candidates.begin(asked & self.chosen, self.gap, self.tolerance, step)
 
@@ -269,32 +273,28 @@ class Contact(Scaled, SurfaceResults):
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically."""
         return {
+            **{name: getattr(self, name) for name in KEPT},
             "unknowns": self.equations.values,
-            "status": self.status,
-            "force": self.force,
-            "borne": self.borne,
-            "arriving": self.arriving,
             "stretch": self._springs.stretch,
             "normal": self.normal,
             "tangent": self.equations.fields.tangent,
             "last": np.array([self.resolution, self.moved]),
-            "force_normal": self.force_normal,
             **self.memory.state(),
             **self.scales.state(),
+            **self.sharing.state(),
             **self.coupling.state(),
         }
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave; the solid has been restored before."""
         self.equations.values = np.array(state["unknowns"])
-        self.status, self.force = np.array(state["status"]), np.array(state["force"])
-        self.borne, self.arriving = np.array(state["borne"]), np.array(state["arriving"])
+        for name in KEPT:
+            setattr(self, name, np.array(state[name]))
         self._set_normal(state["normal"])
-        self.force_normal = np.array(state["force_normal"])
         self._springs.stretch = np.array(state["stretch"])
         self.resolution, self.moved = map(float, state["last"])
         self.force_of = self.moved
-        for each in self.memory, self.scales, self.coupling:
+        for each in self.memory, self.scales, self.sharing, self.coupling:
             each.restore(state)
         self.locate()
         self.equations.fields.set_tangent(np.array(state["tangent"]))

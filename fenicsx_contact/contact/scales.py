@@ -41,8 +41,9 @@ class Scales:
 
     def units(self, normal: np.ndarray, weight: np.ndarray, step: Step) -> np.ndarray:
         """The pressures that stop 1 m/s of each point alone within the step, along its normal and
-        its tangents, (2, n); kept while the length of the step does not change by much, until they
-        are renewed."""
+        its tangents, (2, n), between rigid solids of the median one: it says how their points share
+        what they bear; kept while the length of the step does not change by much, until they are
+        renewed."""
         if step.span == self._span:
             return self._units
         octave, self._span = float(frexp(step.span)[1]), step.span
@@ -52,6 +53,8 @@ class Scales:
             across = (mobility.sum(axis=1) - along) / (normal.shape[1] - 1)
             along, across = _or(along, across), _or(across, along)
             self._units = np.array([inverse(each * weight) for each in (along, across)])
+            if all(solid.shiftable for solid in self._coupling.solids):
+                self._units[:] = np.median(self._units, axis=1, keepdims=True)
             if len(self._coupling.solids) > 1:
                 self._units *= MEETING
             self._octave, self.mobility = octave, float(mobility.max())

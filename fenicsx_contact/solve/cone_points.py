@@ -30,6 +30,7 @@ class ConePoints:
         slope: of the cones, (n,); 0: without friction.
         back: -a of the law (3'), (n, d - 1) in m/s.
         group: to which contact each belongs, (n,) of int; ``bore``: those that did, (n,) of bool.
+        area: on which each bears, (n,) in m² (m).
         compliance: (v, v) in m/s/N; ``free``: velocities without contact, (v,) in m/s.
     """
 
@@ -41,6 +42,7 @@ class ConePoints:
     back: np.ndarray
     group: np.ndarray
     bore: np.ndarray
+    area: np.ndarray
     compliance: np.ndarray
     free: np.ndarray
 
@@ -54,8 +56,9 @@ class ConePoints:
     def of(self, among: np.ndarray) -> ConePoints:
         """Some of the points, (n,) of bool, alone."""
         some = copy(self)
-        for name in ("see", "do", "given", "limit", "slope", "back", "group", "bore", "yields"):
-            setattr(some, name, getattr(self, name)[among])
+        for name, value in vars(self).items():
+            if name not in ("compliance", "free", "speed"):
+                setattr(some, name, value[among])
         some.speed = float(np.abs(some.jumps(some.free)).max(initial=0.0))
         return some
 
@@ -124,6 +127,7 @@ class _Points:
         law = contact.friction_law
         self.slope = np.full(n, (getattr(law, "slope", None) or 0.0) if law else 0.0)
         self.limit, self.bore = limit[self._at], contact.status[self._at] > 0
+        self.area = e.weight[self._at]
         rows = np.repeat(bears, d)
         J, S = (
             (np.eye(len(place)) if each is None else each)[rows].reshape(*shape, len(place))
@@ -204,13 +208,13 @@ class Places:
             np.concatenate(each)
             for each in zip(*(p.reduced(does, back, unborne(system)) for p in self._each))
         )
-        limit, slope, back, bore = (
+        limit, slope, back, bore, area = (
             np.concatenate([getattr(p, name) for p in self._each])
-            for name in ("limit", "slope", "back", "bore")
+            for name in ("limit", "slope", "back", "bore", "area")
         )
         group = np.repeat(np.arange(len(self._each)), [len(p.limit) for p in self._each])
         self.points = ConePoints(
-            see, do, jumps, limit, slope, back, group, bore, np.eye(rank), np.zeros(rank)
+            see, do, jumps, limit, slope, back, group, bore, area, np.eye(rank), np.zeros(rank)
         )
 
     def take(self, forces: np.ndarray) -> None:

@@ -137,8 +137,8 @@ def _turned_to(slips: np.ndarray, many: int = SIDES) -> np.ndarray:
 
 
 def _even(points: ConePoints, forces: np.ndarray) -> np.ndarray:
-    """Forces (n, d) that do the same, as even as that goes: on all points that stick, or slip, or
-    are only pressed, as they may be where they are."""
+    """Forces (n, d) that do the same, of pressures as even as that goes: on all points that stick,
+    or slip, or are only pressed, as they may be where they are."""
     jumps = points.jumps(points.velocities(forces))
     slips = points.slips(jumps)
     speed, tight = np.linalg.norm(slips, axis=1), SOLVED * points.speed
@@ -151,12 +151,12 @@ def _even(points: ConePoints, forces: np.ndarray) -> np.ndarray:
     at, side = may.nonzero()
     ways = np.concatenate([np.ones((len(at), 1)), points.slope[at, None] * sides[at, side]], axis=1)
     # of velocities that are independent
-    rows = np.einsum("cd,cdv->vc", ways, points.do[at])
+    rows = np.einsum("cd,cdv->vc", ways, points.do[at]) * (root := np.sqrt(points.area[at]))
     sums = np.einsum("nd,ndv->v", forces, points.do)
     size, unit = np.abs(sums).max(initial=0.0), np.linalg.norm(rows, axis=0).max(initial=0.0)
     if not (size > 0 and unit > 0):
         return forces
-    weights = smallest(rows / unit, sums / size, sums / size) * (size / unit)
+    weights = smallest(rows / unit, sums / size, sums / size) * (size / unit) * root
     even = np.zeros_like(forces)
     np.add.at(even, at, weights[:, None] * ways)
     return even

@@ -37,7 +37,7 @@ class Sharing:
 
     def spread(self) -> None:
         """Let the points that touch as a step begins start from even pressures; tractions of those
-        that bore go with them."""
+        that slipped go with them."""
         if (contact := self._of) is None or np.array_equal(bears := contact.touching(), self._over):
             return
         self._over, at, equations = np.empty(0, dtype=bool), bears.nonzero()[0], contact.equations
@@ -50,8 +50,8 @@ class Sharing:
         if np.abs(even - borne).max() <= SAME * borne.max():
             self._over = bears
             return
-        told = borne > ROUND_OFF * borne.max()
-        share = np.divide(even, borne, out=np.zeros_like(even), where=told)
+        slips = (contact.status[at] == 2) & (borne > ROUND_OFF * borne.max())
+        share = np.divide(even, borne, out=np.ones_like(even), where=slips)
         values[equations.jumps + at] = -even
         for first in range(equations.tractions, len(values), n):
             values[first + at] *= share

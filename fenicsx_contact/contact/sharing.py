@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.constants import ROUND_OFF, SAME
+from ..base.constants import RIGHT, ROUND_OFF
 from ..base.nonnegative import smallest
 
 
@@ -47,7 +47,7 @@ class Sharing:
         if not borne.any() or pressures[~bears].any():
             return
         even = _even(_does(contact, at) * area, borne, area)
-        if np.abs(even - borne).max() <= SAME * borne.max():
+        if np.abs(even - borne).max() <= RIGHT * borne.sum():
             self._over = bears
             return
         slips = (contact.status[at] == 2) & (borne > ROUND_OFF * borne.max())

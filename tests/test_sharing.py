@@ -96,11 +96,11 @@ def test_even_pressures_do_the_same():
     for _ in range(50):
         n = int(rng.integers(3, 30))
         area, pressure = rng.uniform(0.1, 1.0, n), rng.uniform(0.0, 1.0, n) ** 3
-        does = np.vstack([np.ones(n), rng.uniform(-1, 1, (2, n))]) * area
-        even = _even(does, pressure, area)
-        np.testing.assert_allclose(does @ even, does @ pressure, atol=1e-9)
+        does = np.vstack([np.ones(n), rng.uniform(-1, 1, (2, n))])
+        even = _even(does, area * pressure, area) / area
+        np.testing.assert_allclose(does @ (area * even), does @ (area * pressure), atol=1e-9)
         # max(0, y' does), as the smallest is
-        rows, bears = (does / area).T, even > 1e-12
+        rows, bears = does.T, even > 1e-12
         y = np.linalg.lstsq(rows[bears], even[bears], rcond=None)[0]
         np.testing.assert_allclose(np.maximum(rows @ y, 0.0), even, atol=1e-8)
 

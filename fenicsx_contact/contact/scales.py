@@ -12,6 +12,7 @@ from ..base.constants import SAME
 from ..base.vectors import largest
 from ..solids import Solid
 from ..solids.base import Trace
+from ..theory.formulations import Formulation
 from ..theory.scheme import Step
 from .equations import SurfaceEquations
 from .jump import Coupling
@@ -39,7 +40,9 @@ class Scales:
         self._span, self._octave, self.mobility = 0.0, -np.inf, 0.0
         self._units = np.ones((2, points))
 
-    def units(self, normal: np.ndarray, weight: np.ndarray, step: Step) -> np.ndarray:
+    def units(
+        self, normal: np.ndarray, weight: np.ndarray, area: np.ndarray, step: Step
+    ) -> np.ndarray:
         """The pressures that stop 1 m/s of each point alone within the step, along its normal and
         its tangents, (2, n), between rigid solids of the median one: it says how their points share
         what they bear; kept while the length of the step does not change by much, until they are
@@ -54,7 +57,9 @@ class Scales:
             along, across = _or(along, across), _or(across, along)
             self._units = np.array([inverse(each * weight) for each in (along, across)])
             if all(solid.shiftable for solid in self._coupling.solids):
-                self._units[:] = np.median(self._units, axis=1, keepdims=True)
+                evenly = inverse(weight) * area
+                evenly /= np.median(evenly)
+                self._units = np.median(self._units, axis=1, keepdims=True) * evenly
             if len(self._coupling.solids) > 1:
                 self._units *= MEETING
             self._octave, self.mobility = octave, float(mobility.max())
@@ -85,6 +90,7 @@ class Scaled:
     scales: Scales
     solids: Sequence[Solid]
     surface: Surface
+    formulation: Formulation
     force_of: float
     normal: np.ndarray
     force: np.ndarray
@@ -95,7 +101,12 @@ class Scaled:
         weight = self.equations.weight
         if len(self.solids) > 1:  # what meets nothing yet may before the step ends
             weight = np.where(weight > 0, weight, self.surface.nodal_area)
-        return self.scales.units(self.normal, weight, step)
+        return self.scales.units(self.normal, weight, self.areas(weight), step)
+
+    def areas(self, weight: np.ndarray) -> np.ndarray:
+        """Over which points of such weights share what they bear, (n,) in m² (m)."""
+        area = self.surface.nodal_area if self.formulation.at_points else weight
+        return np.where(area > 0, area, np.where(weight > 0, weight, 1.0))
 
     def push(self, force: np.ndarray | float, step: Step) -> float:
         """The speed that forces on the points (N) would give to one alone, m/s."""

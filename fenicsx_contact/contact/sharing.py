@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.constants import RIGHT, ROUND_OFF
+from ..base.constants import RIGHT, ROUND_OFF, SAME
 from ..base.nonnegative import smallest
 
 
@@ -36,53 +36,60 @@ class Sharing:
         self._over = np.empty(0, dtype=bool)  # of which points the pressures were even
 
     def spread(self) -> None:
-        """Let the points that touch as a step begins start from even pressures; tractions of those
-        that slipped go with them."""
+        """Let the points that touch as a step begins start from even pressures; tractions that are
+        bounded by them go with them where points slipped."""
         if (contact := self._of) is None or np.array_equal(bears := contact.touching(), self._over):
             return
         self._over, at, equations = np.empty(0, dtype=bool), bears.nonzero()[0], contact.equations
-        values, n, area = equations.values, len(bears), equations.weight[at]
+        values, n, weight = equations.values, len(bears), equations.weight
         pressures = -values[equations.jumps : equations.jumps + n]
-        borne = pressures[at]
-        if not borne.any() or pressures[~bears].any():
+        if not pressures[at].any() or pressures[~bears].any() or not weight[at].all():
             return
-        even = _even(_does(contact, at) * area, borne, area)
+        borne = weight[at] * pressures[at]
+        even = _even(_does(contact, at), borne, contact.areas(weight)[at])
         if np.abs(even - borne).max() <= RIGHT * borne.sum():
             self._over = bears
             return
-        slips = (contact.status[at] == 2) & (borne > ROUND_OFF * borne.max())
-        share = np.divide(even, borne, out=np.ones_like(even), where=slips)
-        values[equations.jumps + at] = -even
-        for first in range(equations.tractions, len(values), n):
-            values[first + at] *= share
+        values[equations.jumps + at] = -even / weight[at]
+        if getattr(contact.friction_law, "slope", None):
+            slips = (contact.status[at] == 2) & (borne > ROUND_OFF * borne.max())
+            share = np.divide(even, borne, out=np.ones_like(even), where=slips)
+            for first in range(equations.tractions, len(values), n):
+                values[first + at] *= share
         equations.values = values
 
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically."""
-        return {"shared": self._over} if self._of else {}
+        return {"shared": self._over, "weight": self._of.equations.weight} if self._of else {}
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave."""
-        self._over = np.array(state.get("shared", self._over))
+        if self._of and "shared" in state:
+            self._over = np.array(state["shared"])
+            self._of.equations.set_weight(np.array(state["weight"]))
 
 
 def _does(contact: Any, at: np.ndarray) -> np.ndarray:
-    """What unit forces along these points' normals do to what is free to move, (v, n)."""
-    d, normal = contact.normal.shape[1], contact.normal[at]
-    each = contact.coupling.jump_rows((d * at[:, None] + np.arange(d)).ravel())
-    free = [J[:, np.diag(solid.mobility) > 0] for J, solid in zip(each, contact.solids)]
-    return np.einsum("nd,ndv->vn", normal, np.concatenate(free, axis=1).reshape(*normal.shape, -1))
+    """What unit forces along these points' normals do to what is free to move, (v, n); of two
+    solids to the slave's, by which the other follows: turns by arms of the surface's size."""
+    (slave, *others), normal = contact.solids, contact.normal[at]
+    d = normal.shape[1]
+    J = contact.traces[0].rows((d * at[:, None] + np.arange(d)).ravel())
+    J = np.concatenate([J[:, :d], J[:, d:] / contact.surface.extent], axis=1)
+    if not others:
+        J = J[:, np.diag(slave.mobility) > 0]
+    return np.einsum("nd,ndv->vn", normal, J.reshape(len(at), d, -1))
 
 
-def _even(does: np.ndarray, pressure: np.ndarray, area: np.ndarray) -> np.ndarray:
-    """The most even pressures that do the same."""
+def _even(does: np.ndarray, force: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """The forces of the most even pressures that do the same, (n,)."""
     root = np.sqrt(area)
-    rows = does / root
+    rows = does * root
     sizes = np.abs(rows).max(axis=1)
-    rows = rows[sizes > 0] / sizes[sizes > 0, None]
-    sums = rows @ (root * pressure)
+    rows = rows[sizes > SAME * sizes.max(initial=0.0)]
+    sums = rows @ (force / root)
     values, vectors = np.linalg.eigh(rows @ rows.T)
     kept = values > ROUND_OFF * values.max(initial=0.0)
     y = vectors[:, kept] @ ((vectors[:, kept].T @ sums) / values[kept])
     even = y @ rows
-    return np.asarray((even if even.min() >= 0 else smallest(rows, sums, y)) / root)
+    return np.asarray((even if even.min() >= 0 else smallest(rows, sums, y)) * root)

@@ -127,7 +127,7 @@ class _Points:
         law = contact.friction_law
         self.slope = np.full(n, (getattr(law, "slope", None) or 0.0) if law else 0.0)
         self.limit, self.bore = limit[self._at], contact.status[self._at] > 0
-        self.area = e.weight[self._at]
+        self.area = contact.areas(e.weight)[self._at]
         rows = np.repeat(bears, d)
         J, S = (
             (np.eye(len(place)) if each is None else each)[rows].reshape(*shape, len(place))

@@ -49,6 +49,12 @@ def test_what_is_not_there_is_refused(fields, tmp_path):
 
     with pytest.raises(InputError, match=r"pvd = .*none\.pvd': no such file"):
         animate("none.pvd")
+    with pytest.raises(InputError, match=r"pvd = \[\], path = .*must be files"):
+        pictures.animate([], tmp_path / "a.gif")
+    with pytest.raises(InputError, match=r"path = .*a\.mp4': must be .* a \.gif"):
+        pictures.animate(fields / "low.pvd", tmp_path / "a.mp4")
+    with pytest.raises(InputError, match=r"pvd = 3: must be a path"):
+        pictures.animate(3, tmp_path / "a.gif")
     with pytest.raises(InputError, match=r"colour_by = 'heat': must be one of .*'velocity'"):
         animate("low.pvd", colour_by="heat")
     with pytest.raises(InputError, match=r"contact = .*: no such file"):

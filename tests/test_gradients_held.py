@@ -17,7 +17,16 @@ from fenicsx_contact import (
     Scene,
     neo_hookean,
 )
-from fenicsx_contact.gradients import At, Centre, Gravity, Law, Modulus, adjoints, tangents
+from fenicsx_contact.gradients import (
+    At,
+    Centre,
+    Gravity,
+    Law,
+    Modulus,
+    NoDerivative,
+    adjoints,
+    tangents,
+)
 
 E, HEIGHT, DENSITY = 1e6, 0.5, 1000.0
 
@@ -45,9 +54,9 @@ def test_a_column_on_the_floor(dim):
         np.testing.assert_allclose(found, [down / E, -down / G], rtol=1e-9)
 
 
-def drawn(kind, law, E=1e6, mu=0.3, g=G, side=2.0):
+def drawn(kind, law, E=1e6, mu=0.3, g=G, side=2.0, cells=4):
     """Aside by a part of its weight: an edge of the base slips."""
-    mesh = rectangle((4, 2), (0.5, 0.25))
+    mesh = rectangle((cells, 2), (0.5, 0.25))
     material = {"energy": neo_hookean(E, 0.3)}
     if kind is ElasticSolid:
         material = {"youngs_modulus": E, "poisson_ratio": 0.3}
@@ -102,3 +111,33 @@ def test_a_stack_of_three(kind, law):
 def top_of(scene):
     assert scene.run(1.0, 1.0).finished
     return Centre(scene.solids[-1], (1, 0)).value()
+
+
+@pytest.mark.parametrize("kind", [ElasticSolid, HyperelasticSolid])
+def test_what_slips_everywhere_has_none(kind):
+    """Spread by its weight it slips outwards at all points, and may go aside for nothing: that was
+    1e5 times a derivative, of one solution of many."""
+    for way in (tangents, adjoints):
+        scene = drawn(kind, "gap", mu=0.005, side=0.0, cells=5)
+        (solid,) = scene.solids
+        asked, inside = {"g": Gravity(solid, (0, -1))}, {"x": Centre(solid, (1, 0))}
+        with pytest.raises(NoDerivative, match="leaves a solid free to move"):
+            way(scene, 1.0, 1.0, asked, inside)
+
+
+@pytest.mark.parametrize("spring", [1.0, 1e3])
+def test_springs_that_are_weak(spring):
+    """By 1e6 of the solid: what gives way to them costs nothing else its digits."""
+
+    def build(g=G):
+        springs = {"left": (spring, 0.0)}
+        material = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": DENSITY}
+        mesh = rectangle((5, 2), (0.5, 0.25))
+        solid = ElasticSolid(mesh, gravity=(0, -g), springs=springs, **material)
+        return Scene([solid], [Contact(solid, "base", FLOOR, "gap", 0.005)], QuasiStatic())
+
+    def inside(scene):
+        return {"top": At(scene.solids[0], (0.25, 0.25), (0, 1))}
+
+    asked = {"g": (G, lambda s: Gravity(s.solids[0], (0, -1)))}
+    check(build, asked, 1.0, 1.0, inside, shares=[1e-4, 1e-3])

@@ -88,7 +88,7 @@ SCENES = {
     "alpha": (damped, 1.0, 20.0),
     "coefficient": (lambda c: rod(Drag(c)), 2.0, 20.0),
     "stiffness": (lambda k: before_floor(Stiff(k)), 1.0, 2.0),
-    "number": (lambda n: before_floor(Numbered(n)), 1, 2),
+    "number": (lambda n: before_floor(Numbered(n)), 1.0, 2.0),
 }
 
 

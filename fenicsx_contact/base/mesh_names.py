@@ -61,7 +61,9 @@ def refuse_lost_names(mesh: meshio.Mesh, content: bytes) -> None:
     lines = re.findall(r'^\s*([0-3])\s+-?\d+\s+"(.*)"', section.decode(errors="replace"), re.M)
     most = max((int(dim) for dim, _ in lines), default=0)
     there = {dim: element_sets(mesh, dim) for dim in range(1, most + 1)}
-    lost = {name for dim, name in lines if int(dim) and name not in there[int(dim)]}
+    lost = {
+        name for dim, name in lines if int(dim) and name.replace('"', "") not in there[int(dim)]
+    }
     if lost:
         raise checks.InputError(
             f"meshio loses its physical names {listed(lost)}: two of different dimensions are "

@@ -4,8 +4,8 @@
     plus dx + minus ds + by dp = 0
 
 x: all unknowns of a step, the state at its end first; s: the state at its start; p: parameters.
-Tangents solve it for dx from ds and dp, adjoints solve it transposed: one solve with the matrix of
-each deformable solid a step and column, and a dense system of the contacts.
+Tangents solve it for dx, adjoints solve it transposed: one solve with the matrix of each deformable
+solid a step and column, and a dense system of the contacts.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from scipy.linalg import lu_factor, lu_solve
 from ..base.constants import ROUND_OFF, SAME
 from ..contact.mortar.matrices import dense
 from .residuals import Ways, share
+from .slack import slack
 
 
 class Blocks:
@@ -143,6 +144,7 @@ class LinearStep:
         self._lapack(matrix, soft[self._outer])
         self.sizes = np.full(len(soft), np.inf)
         self.sizes[self._outer] = self._columns
+        self._slack = slack(self._joints, self._forwards, len(soft))
 
     def _lapack(self, matrix: np.ndarray, soft: np.ndarray) -> None:
         sizes = np.abs(matrix).max(axis=1, initial=0.0)
@@ -186,7 +188,6 @@ class LinearStep:
         return result
 
     def __len__(self) -> int:
-        """Number of its unknowns."""
         return len(self._by)
 
     def tangent(self, start: np.ndarray) -> np.ndarray:
@@ -202,8 +203,10 @@ class LinearStep:
         self, solve: Callable[[np.ndarray], np.ndarray], right: np.ndarray, transposed: bool
     ) -> np.ndarray:
         """The solution where inner solids are exact; else what they leave is solved for in turn,
-        down to round-off (generalised conjugate residuals); where that does not get there, they are
-        renewed."""
+        down to round-off (generalised conjugate residuals), or they are renewed. NaN where there is
+        none, or more than one."""
+        if self._slack:
+            return np.full_like(right, np.nan)
         result = solve(right)
         near = [joint for joint in self._joints if not joint.solid.exact]
         rest, ways, change = self._left(near, result, transposed), Ways(), 1.0
@@ -212,6 +215,8 @@ class LinearStep:
             step, rest = ways.go(way, rest - self._left(near, way, transposed), rest)
             before, change = change, max(share(step[j.last], result[j.last]) for j in near)
             if not (falls := change < before) and not before < SAME:
+                if self._slack is not None:
+                    return np.full_like(right, np.nan)
                 for joint in near:
                     joint.solid.renew()
                 self._condense()

@@ -77,7 +77,8 @@ class HyperelasticMotion(DeformableMotion):
             factor = Factor(near, self.solid.name, symmetric, self.held)
         else:
             factor = self._solver.factor
-        self._solver = Inner(factor, stiffness, step.gap_rate, self.held, matrix)
+        rest = stiffness, step.gap_rate, self.held, matrix, self._loose(step)
+        self._solver = Inner(factor, *rest)
         return self._solver
 
     def _stiffnesses(self, step: Step) -> tuple[np.ndarray, np.ndarray]:

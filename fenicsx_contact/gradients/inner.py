@@ -26,9 +26,11 @@ class Inner:
         rate: derivative of q by v, s.
         held: unknowns.
         matrix: that matrix, where the factor may be of one which is near it.
+        loose: rigid motions of a solid that nothing but contact, or weak springs, holds, (n, k),
+            whose matrix is not to be factored.
 
     Attributes:
-        factor: the factor.
+        factor, loose: as given.
     """
 
     def __init__(
@@ -38,9 +40,11 @@ class Inner:
         rate: float,
         held: np.ndarray,
         matrix: sp.csr_matrix | None = None,
+        loose: np.ndarray | None = None,
     ) -> None:
         self.factor, self._stiffness, self._rate, self._held = factor, stiffness, rate, held
         self._matrix = factor.matrix if matrix is None else matrix
+        self.loose = loose
 
     @property
     def exact(self) -> bool:

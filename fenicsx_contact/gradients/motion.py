@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +23,7 @@ from petsc4py import PETSc
 
 from ..base.constants import KEPT
 from ..solids import DeformableSolid
+from ..solids.motions import Motions
 from ..theory.scheme import Step
 from ..theory.theta import ThetaScheme
 from .blocks import InnerSolver
@@ -164,18 +166,30 @@ class DeformableMotion(Motion):
         matrix = sp.csr_matrix((late + step.gap_rate * new) @ self._freeing + self._holding)
         near = self._near(step, matrix)
         factor = Factor(near, self.solid.name, True, self.held)
-        inner = Inner(factor, new, step.gap_rate, self.held, matrix)
+        inner = Inner(factor, new, step.gap_rate, self.held, matrix, self._loose(step))
         balance = Row(new, late + self._holding, old, early, np.empty(0))
         return super().kinematics(step), balance, inner
 
     def _near(self, step: Step, matrix: sp.csr_matrix) -> sp.csr_matrix:
-        """The matrix of a step, or, where only contacts hold the solid, one that can be factored: a
-        little inertia holds it, which iteration takes away again."""
-        if not self.solid.floats(step):
+        """The matrix of a step, or, where only contacts or springs hold the solid, one that can be
+        factored: a little inertia holds it, which iteration takes away again."""
+        if self._loose(step) is None:
             return matrix
         mass = self._massive @ self._freeing
         share = LITTLE * np.abs(matrix.diagonal()).max() / np.abs(mass.diagonal()).max()
         return sp.csr_matrix(matrix + share * mass)
+
+    def _loose(self, step: Step) -> np.ndarray | None:
+        """The rigid motions of what no supports hold without inertia, (n, k)."""
+        if step.scheme.inertia or self._stands:
+            return None
+        rows: np.ndarray = Motions(self.solid).at_nodes().toarray()
+        rows[self.held] = 0.0
+        return rows
+
+    @cached_property
+    def _stands(self) -> bool:
+        return Motions(self.solid).stand(springs=False)
 
     def _damping(self, step: Step) -> Any:
         """Derivative of the damping forces by the velocity."""

@@ -107,7 +107,10 @@ def finite(trial: Trial, values: np.ndarray) -> np.ndarray:
         NoDerivative: they are not.
     """
     if not np.isfinite(values).all():
-        raise NoDerivative(f"t = {trial.step.end:.9g} s: the linearised step is singular")
+        raise NoDerivative(
+            f"t = {trial.step.end:.9g} s: the linearised step is singular; "
+            "contact leaves a solid free to move, or says nothing of some of its forces"
+        )
     return values
 
 

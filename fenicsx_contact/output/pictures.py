@@ -157,8 +157,10 @@ def animate(
         InputError: no such file, a field that none of them has.
     """
     axis = np.eye(3)["xyz".index(checks.choice("up", up, ["y", "z"]))]
-    solids = [pvd] if isinstance(pvd, (str, Path)) else list(pvd)
+    solids = list(pvd) if isinstance(pvd, Sequence) and not isinstance(pvd, str) else [pvd]
     path, files = checks.path("path", path), [("pvd", each) for each in solids]
+    if not solids or path.suffix != ".gif":
+        raise checks.InputError(f"pvd = {pvd!r}, path = {str(path)!r}: must be files, and a .gif")
     files += [("contact", contact)] if contact else []
     collections = [frames(_file(*each)) for each in files]
     colour_by = colour_by or ("pressure" if contact else "velocity")

@@ -83,8 +83,9 @@ class ElasticSolid(DeformableSolid):
             self.dampers.append(
                 StiffnessDamper(beta, damped, lambda v: self.multiply(damped, self._strained(v)))
             )
-        drifting = [i not in self.plane.resisted for i in range(self.dim)]
-        self._drifting = np.array(drifting, dtype=float)  # directions that strain nothing
+        resisted = np.isin(np.arange(self.dim), list(self.plane.resisted))
+        # directions that strain nothing
+        self._drifting = np.array(~(resisted | self.supports.directions), dtype=float)
         self._factors: dict[tuple[float, ...], tuple[int, Factorisation]] = {}
         self._made = 0
         self._begin()
@@ -163,14 +164,16 @@ class ElasticSolid(DeformableSolid):
         return self._stiffness
 
     def internal_force(self, displacement: np.ndarray) -> np.ndarray:
-        return self.multiply(self._stiffness, self._strained(displacement))
+        strained = self._strained(displacement)
+        force = self.multiply(self._stiffness, strained)
+        return force + self._springs(displacement - strained) if self.foundations else force
 
     def _internal_forces(self, step: Step) -> np.ndarray:
         return self.internal_force(step.linear_mean(self.displacement, self.trial_displacement))
 
     def _strained(self, displacement: np.ndarray) -> np.ndarray:
         """The displacement less a translation, which strains nothing but costs K u its digits."""
-        if self.supported:
+        if not self._drifting.any():
             return displacement
         own = displacement[: self.dim] if self.owned else np.zeros(self.dim)
         first = self.comm.bcast(own) if self.comm.size > 1 else own

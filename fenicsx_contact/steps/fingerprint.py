@@ -6,11 +6,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from inspect import isabstract
 from math import pi
+from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 from mpi4py import MPI
 
+from ..base.checks import is_function
 from ..base.quoted import without_addresses
 from ..base.shown import exactly
 from ..base.told import held, legible, methods, own_within, sets, told
@@ -86,14 +88,18 @@ def _own_parts(scene: Described) -> Iterator[tuple[str, Any]]:
 
 def _held(part: Any) -> dict[str, Any]:
     """What it holds, by name: of a solid that derives from one of this package, which tells its own
-    itself, what the code of the user's class gives it, but no arrays, of which each process may
-    have a part."""
+    itself, texts, real numbers and functions that the code of the user's class gives it; whole
+    numbers, lists and arrays may be of what a process has of a mesh."""
     every, package = held(part), __name__.partition(".")[0]
     bases = (kind for kind in type(part).__mro__ if kind.__module__.partition(".")[0] == package)
     if not any(issubclass(kind, Solid) and not isabstract(kind) for kind in bases):
         return every
     given = sets(part)
-    return {n: v for n, v in every.items() if n in given and not isinstance(v, np.ndarray)}
+    return {n: v for n, v in every.items() if n in given and _is_told(v)}
+
+
+def _is_told(value: Any) -> bool:
+    return isinstance(value, (str, float, complex, bool, Path)) or is_function(value)
 
 
 def shared(scene: Described) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from fenicsx_contact import (
     HyperelasticSolid,
     QuasiStatic,
     Rayleigh,
+    Scene,
     ThetaScheme,
     neo_hookean,
 )
@@ -80,3 +81,24 @@ def test_weak_springs_cost_no_digits():
     assert motions.shape[1] == 3
     for motion, pull in zip(motions.T, pulls.T):
         np.testing.assert_allclose(solid.factorisation.solve(pull), motion, atol=1e-12)
+
+
+def test_springs_are_damped_where_they_say_so():
+    """A stiff block goes to and fro on them: the damping of the stiffness is of theirs, too, though
+    a translation strains nothing else."""
+    k, beta, mass = 4e3, 5e-3, 1000.0 * 0.5
+    mesh = rectangle((3, 2), (1.0, 0.5))
+    material = {"youngs_modulus": 1e12, "poisson_ratio": 0.3, "density": 1000.0}
+    given = {"springs": {"base": (k, 0.0)}, "damping": Rayleigh(0.0, beta)}
+    given["prescribed"] = {"base": (None, 0.0)}
+    start = {"displacement": lambda x: np.stack([0.01 + 0 * x[0], 0 * x[0]])}
+    solid = ElasticSolid(mesh, **material, **given, **start)
+    end = 4.0
+    Scene([solid], [], ThetaScheme(0.5), allow_free=True).run(end, 5e-3)
+    omega = np.sqrt(k / mass)
+    decay = 0.5 * beta * omega**2
+    damped = np.sqrt(omega**2 - decay**2)
+    swings = np.cos(damped * end) + decay / damped * np.sin(damped * end)
+    exact = 0.01 * np.exp(-decay * end) * swings
+    assert solid.mean(solid.displacement)[0] == pytest.approx(exact, abs=1e-5)
+    assert decay * end > 0.05

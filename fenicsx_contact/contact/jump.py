@@ -33,6 +33,7 @@ class Coupling(ABC):
         driven: whether the other side moves as it is told.
         encloses: whether it is around the slave, which then passes through no wall.
         by_means: whether gaps are means over facets, which are others where solids are put back.
+        shares: whether points of rigid solids share what they bear by their areas.
         blocked: why the slave cannot go on like that, in the followed state, or "".
         time: of the trial state, s.
         by_means_alone: by how much more gaps were inside than any point, at most, m, and when, s.
@@ -48,12 +49,11 @@ class Coupling(ABC):
     part: Part
     fixed_normal: bool
     driven = False
-    encloses = False
-    by_means = False
+    encloses = by_means = False
+    shares = True
     time = 0.0
     by_means_alone = 0.0, 0.0
-    deepest_gap = 0.0
-    apart = late = 0.0
+    deepest_gap = apart = late = 0.0
     recess: np.ndarray | float = 0.0
     acting: np.ndarray | None = None
 

@@ -56,7 +56,7 @@ class Scales:
             across = (mobility.sum(axis=1) - along) / (normal.shape[1] - 1)
             along, across = _or(along, across), _or(across, along)
             self._units = np.array([inverse(each * weight) for each in (along, across)])
-            if all(solid.shiftable for solid in self._coupling.solids):
+            if self._coupling.shares and all(s.shiftable for s in self._coupling.solids):
                 evenly = inverse(weight) * area
                 evenly /= np.median(evenly)
                 self._units = np.median(self._units, axis=1, keepdims=True) * evenly

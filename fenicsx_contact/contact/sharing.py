@@ -31,7 +31,7 @@ class Sharing:
     """
 
     def __init__(self, contact: Any) -> None:
-        rigid = all(solid.shiftable for solid in contact.solids)
+        rigid = contact.coupling.shares and all(solid.shiftable for solid in contact.solids)
         self._of = contact if rigid and contact.formulation.multipliers else None
         self._over = np.empty(0, dtype=bool)  # of which points the pressures were even
 

@@ -25,6 +25,7 @@ from .damping import StiffnessDamper, damped_springs
 from .deformable import DeformableSolid
 from .energies import in_space
 from .factor import Factorisation
+from .foundation import Foundation
 from .motions import FREE, Motions
 from .planes import PLANES
 
@@ -79,9 +80,10 @@ class ElasticSolid(DeformableSolid):
             damped = self._stiffness.copy()
         for foundation in self.foundations:
             foundation.add_to(self._stiffness, 1.0)
+        pulling = damped_springs(self)
         if beta := self.damping.beta:
             self.dampers.append(
-                StiffnessDamper(beta, damped, lambda v: self.multiply(damped, self._strained(v)))
+                StiffnessDamper(beta, damped, lambda v: self._resists(damped, v, pulling))
             )
         resisted = np.isin(np.arange(self.dim), list(self.plane.resisted))
         # directions that strain nothing
@@ -164,9 +166,16 @@ class ElasticSolid(DeformableSolid):
         return self._stiffness
 
     def internal_force(self, displacement: np.ndarray) -> np.ndarray:
-        strained = self._strained(displacement)
-        force = self.multiply(self._stiffness, strained)
-        return force + self._springs(displacement - strained) if self.foundations else force
+        return self._resists(self._stiffness, displacement, self.foundations)
+
+    def _resists(
+        self, stiffness: PETSc.Mat, field: np.ndarray, springs: list[Foundation]
+    ) -> np.ndarray:
+        """The stiffness times a field, without what a translation costs it: of that springs to
+        ground among it alone know."""
+        strained = self._strained(field)
+        force = self.multiply(stiffness, strained)
+        return force + self._springs(field - strained) if springs else force
 
     def _internal_forces(self, step: Step) -> np.ndarray:
         return self.internal_force(step.linear_mean(self.displacement, self.trial_displacement))

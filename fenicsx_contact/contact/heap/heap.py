@@ -37,7 +37,7 @@ class HeapJump(Coupling):
         sides: the facets of each body.
     """
 
-    fixed_normal = False
+    fixed_normal = shares = False
 
     def __init__(self, contact: Heap, sides: Sequence[Side]) -> None:
         self.bodies = contact.bodies

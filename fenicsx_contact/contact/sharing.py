@@ -43,10 +43,13 @@ class Sharing:
         self._over, at, equations = np.empty(0, dtype=bool), bears.nonzero()[0], contact.equations
         values, n, weight = equations.values, len(bears), equations.weight
         pressures = -values[equations.jumps : equations.jumps + n]
-        if not pressures[at].any() or pressures[~bears].any() or not weight[at].all():
-            return
         borne = weight[at] * pressures[at]
-        even = _even(_does(contact, at), borne, contact.areas(weight)[at])
+        if not borne.any() or borne.min() < 0 or pressures[~bears].any() or not weight[at].all():
+            return  # nothing bears, something is drawn, or bears apart
+        does = _does(contact, at)
+        if not does.any():
+            return
+        even = _even(does, borne, contact.areas(weight)[at])
         if np.abs(even - borne).max() <= RIGHT * borne.sum():
             self._over = bears
             return

@@ -117,7 +117,7 @@ def test_a_corner_that_slides_on_a_face():
     part. (Along the normals of the corner's own facets it fell elsewhere, by 2 and 25 %, with any
     of them; with rows at the nodes of the face by its facets.)"""
     exact = fallen(1, False)
-    tolerance = Newton().tolerance  # rad
+    tolerance = 3 * Newton().tolerance  # rad, of many steps: 1.3e-10
     for facets, slave in ((16, False), (4, True), (16, True)):
         np.testing.assert_allclose(fallen(facets, slave), exact, rtol=0, atol=tolerance)
 

@@ -70,7 +70,8 @@ def test_however_it_came_down(n, tilt, located):
 
 @pytest.mark.parametrize("angle", [0.2, 0.9, 1.2])
 def test_a_bound_of_what_bears_in_worlds_that_are_turned(angle):
-    """Of a block that lands aslant one point or another bore nothing for some steps, by chance."""
+    """Of a block that lands aslant one point or another bore nothing for some steps, by chance: 0.2
+    of 39 N s. When each comes down is for round-off to tell, of a point by a step."""
 
     def slid(angle, tilt=0.1):
         def turn(by):
@@ -87,7 +88,7 @@ def test_a_bound_of_what_bears_in_worlds_that_are_turned(angle):
         force = np.stack([history["c.force_x"], history["c.force_y"]], axis=1) @ R[:, 0]
         return force[1:] @ np.diff(history.time)
 
-    assert slid(angle) == pytest.approx(slid(0.0), rel=1e-9)
+    assert slid(angle) == pytest.approx(slid(0.0), abs=1.2 * 500.0 * 0.1 * 1e-3)
 
 
 def test_even_pressures_do_the_same():

@@ -11,13 +11,11 @@ from scenes import FLOOR, G, rectangle
 
 from fenicsx_contact import (
     Contact,
-    Discrete,
     ElasticSolid,
     HalfSpace,
     Heap,
     InputError,
     LevelSet,
-    QuasiStatic,
     Rayleigh,
     RigidSolid,
     Scene,
@@ -485,27 +483,3 @@ def test_how_a_corner_is_shared_has_no_derivative():
     assert back["both"][0] == pytest.approx(force, rel=1e-5)
     assert back["x"][0] == pytest.approx(place, rel=1e-5)
     assert forward["x"][-1, 0] == pytest.approx(back["x"][0], rel=1e-9)
-
-
-@pytest.mark.parametrize(("damping", "told"), [(1e8, True), (0.0, False)])
-def test_springs_that_just_touch(damping, told):
-    """What yields at once on one side of where it touches, and later on the other, is a kink where
-    a dashpot is beside it: the derivative was that of one side, a third, without a word."""
-
-    def pressed(up=0.0):
-        mesh = rectangle((3, 2), (0.3, 0.2))
-        material = {"youngs_modulus": 1e6, "poisson_ratio": 0.3, "density": 1.0}
-        block = ElasticSolid(mesh, prescribed={"top": lambda t: (0.0, -1e-3 * t)}, **material)
-        floor = HalfSpace((0, up), (0, 1))
-        return Scene(
-            [block], [Contact(block, "base", floor, Discrete(1e8, damping))], QuasiStatic()
-        )
-
-    scene = pressed()
-    (contact,) = scene.contacts
-    up, force = {"up": ObstacleShift(contact, (0, 1))}, {"force": Force(contact, (0, 1))}
-    found = tangents(scene, 1.0, 0.5, up, force)
-    assert bool(found.kinks) == told
-    if told:
-        with pytest.raises(NoDerivative, match="exactly where it touches"):
-            found["force"]

@@ -164,17 +164,13 @@ class _Met:
 
     def misses(self, edge: Edge) -> np.ndarray:
         """Whether the tangent fails the rows of points on the other side of their decision; all of
-        them candidates, or none. Springs without friction have no rows: whether their forces change
-        otherwise there."""
-        if not (self._rows.unknowns or edge.told):
-            return np.zeros(len(edge.points), dtype=bool)
+        them candidates, or none."""
         changes, sizes = dict(self._changes), dict(self._sizes)
         at = np.flatnonzero(np.isin(self._rows.points, edge.points))
         if len(at):  # multipliers of a kind are as large as the largest of all points
-            own, size = self._multipliers[at], np.abs(self._multipliers).max(axis=0, initial=0.0)
+            own, size = self._multipliers[at], np.abs(self._multipliers).max(axis=0)
             changes["m"] = own.reshape(-1, own.shape[2])
-            # what is less is round-off of others
-            size = np.maximum(size, SAME * size.max(axis=0, initial=0.0))
+            size = np.maximum(size, SAME * size.max(axis=0))  # what is less is round-off of others
             sizes["m"] = np.broadcast_to(size, own.shape).reshape(changes["m"].shape)
         left, terms = self._left(edge, changes, sizes)
         # by the terms of either side: where all pressures stay 0 these alone are round-off
@@ -187,18 +183,16 @@ class _Met:
     def _left(
         self, edge: Edge, changes: dict[str, np.ndarray], sizes: dict[str, np.ndarray]
     ) -> tuple[np.ndarray, np.ndarray]:
-        """What changes leave of the rows of points there, or make of forces where there are none,
-        and the terms that it is left of."""
-        which = 0 if self._rows.unknowns else 1
+        """What changes leave of the rows of points there, and the terms that it is left of."""
         with self._rows.other(edge) as other:
             parameters = self._linear.parameters
-            by = np.stack([other.by(parameter)[which] for parameter in parameters], axis=1)
+            by = np.stack([other.by(parameter)[0] for parameter in parameters], axis=1)
             derivatives = other.derivatives()
         left, terms = by, np.abs(by)
-        for name, rows in derivatives.items():
+        for name, (multipliers, _) in derivatives.items():
             if name in changes:
-                left = left + rows[which] @ changes[name]
-                terms = terms + abs(rows[which]) @ sizes[name]
+                left = left + multipliers @ changes[name]
+                terms = terms + abs(multipliers) @ sizes[name]
         return left, terms
 
 

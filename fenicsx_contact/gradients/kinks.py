@@ -140,12 +140,6 @@ def beginning(rows: ContactRows, step: Step, speed: float, first: bool) -> Itera
         if step.limit_rate and len(on := p[stays[p]]):
             here = edge(on, "without a normal speed", still).told
             yield edge(on, "without a normal speed", (start, -speed * one))._replace(here=here)
-    if not contact.formulation.multipliers:  # springs read how deep they are
-        one, gap = np.ones(contact.surface.size), k.start_gap.x.array
-        if len(on := p[np.abs(gap[p]) <= contact.tolerance]):
-            for side in (-1.0, 1.0):
-                beyond = contact.tolerance + speed * step.horizon
-                yield edge(on, "exactly where it touches", (gap, side * beyond * one))
     slip = k.start_slip.x.array.reshape(rows.normal.shape)
     if k.friction is None or not step.limit_rate:
         return

@@ -132,7 +132,7 @@ def drawn(scheme, period, youngs_modulus=1e10):
 def test_long_steps_with_inertia_resolve_friction_or_say_that_they_do_not():
     """Its load would drive the block's mass by 2.6e5 m/s in a step of 100 s, in which it slips by
     1e-7 m/s; in one of 1e5 s nothing is left of its compliance beside 1e4 m/s a newton."""
-    reference = drawn(QuasiStatic(), 1.0)[1]
+    still, reference = drawn(QuasiStatic(), 1.0)
     for period, error, told in ((1.0, 1e-6, False), (10.0, 1e-8, False), (1e3, 1e-4, True)):
         history, force = drawn(ThetaScheme(1.0), period)
         assert history.finished and len(history) == 31 and history["newton"].sum() < 150
@@ -140,6 +140,7 @@ def test_long_steps_with_inertia_resolve_friction_or_say_that_they_do_not():
         assert np.abs(force - reference).max() / 6e4 < error
     history, force = drawn(ThetaScheme(1.0), 1e6)
     assert "are not resolved" in history.remarks[-1][1]
+    force = np.interp(still["time"] * 1e6, history["time"], force)  # where a step was halved, too
     assert np.abs(force - reference).max() / 6e4 > 0.1
 
 

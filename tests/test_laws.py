@@ -57,7 +57,8 @@ def equations(dim, formulation, friction=None):
     normal[:, -1] = -1.0
     k = eq.fields
     k.set_normal(normal)
-    eq.set_scale(np.array([[RHO_N], [RHO_T]]) * np.ones(n), 1.0)
+    rho = np.array([[RHO_N], [RHO_T]]) * np.ones(n)
+    eq.set_scale(rho, rho, 1.0)
     k.start_jump_n.x.array[:] = -0.03
     if not formulation.multipliers:
         k.mean_share.value, k.force_rate.value = 0.5, 0.05

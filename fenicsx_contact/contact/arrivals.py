@@ -37,6 +37,16 @@ class Arrival(NamedTuple):
         asked = getattr(self.contact and self.contact.coupling, "beside", None)
         return bool(asked and asked(self.point))
 
+    def unseen(self, dt: float) -> bool:
+        """Whether its way out and back, of so many seconds, rises by less than round-off of places:
+        then it never left, and is put to rest. (Blocks rocked for ever by what round-off of their
+        heights gave and impacts took.)"""
+        if self.contact is None or self.contact.blows.settled[self.point]:
+            return False
+        stays = self.came < 0 and -self.came * dt <= 4 * self.contact.noise
+        self.contact.blows.settled[self.point] |= stays
+        return stays
+
 
 def arrival(contact: Contact) -> Arrival:
     """Of the points of a contact."""

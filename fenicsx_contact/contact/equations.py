@@ -78,6 +78,7 @@ class SurfaceEquations(SurfaceUnknowns):
         self.start_jump_n, self.normal = k.start_jump_n.x.array, k.normal.x.array
         self._key, self._rates, self.revision = b"", (0.0, 0.0, 0.0, 0.0), 0
         self.speed = 0.0  # the typical one of the step, by which unknowns are scaled, m/s
+        self._units = self.augmentation.units
         self.carried, self._last = np.zeros(self.jumps), np.zeros(self.size)
         self.choose(chosen)
         refuse_negative(self, friction)
@@ -104,23 +105,22 @@ class SurfaceEquations(SurfaceUnknowns):
         idle[: self.jumps] = idle[self.active] = False
         self.idle_multipliers = np.flatnonzero(idle)
 
-    def set_scale(self, units: np.ndarray, speed: float) -> None:
-        """Scale unknowns, rows and augmentation.
+    def set_scale(self, units: np.ndarray, alone: np.ndarray, speed: float) -> None:
+        """Scale unknowns, rows and augmentation by a typical speed of the step, m/s.
 
         Args:
-            units: the pressures (forces) that stop 1 m/s of each point within the step, along its
-                normal and its tangents, (2, n).
-            speed: a typical speed of the step, m/s.
+            units: pressures (forces) that scale multipliers at 1 m/s, along normals and tangents,
+                (2, n), and ``alone``: those that stop 1 m/s of each point: its augmentation.
         """
-        changed = self.augmentation.take_up(units)
-        if not changed and speed == self.speed:
+        changed = self.augmentation.take_up(alone)
+        if not changed and speed == self.speed and units is self._units:
             return
         if changed:
             self._set_rho()
-        self.speed = speed
+        self.speed, self._units = speed, units
         self.revision += 1
         d, share = self._surface.dim, np.where(self.weight > 0, self.weight, 1.0)
-        self.force_scale = units[0] * speed * share  # of each point, N
+        self.force_scale = alone[0] * speed * share  # of each point, N
         self._stopping = None
         self.column_scale = np.full(self.size, speed)
         self.row_scale = np.full(self.size, 1 / speed)
@@ -189,7 +189,7 @@ class SurfaceEquations(SurfaceUnknowns):
         in it: Tresca's problem. It is solved with this augmentation; 0: no longer."""
         self.augmentation.tresca = augmentation
         if self.speed:
-            self.set_scale(self.augmentation.units, self.speed)
+            self.set_scale(self._units, self.augmentation.units, self.speed)
         if self.size > self.tractions > self.jumps:
             self.fields.frozen.value = float(augmentation > 0)
             lam = self.values[self.jumps : self.tractions]

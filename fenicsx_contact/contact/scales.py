@@ -31,22 +31,23 @@ class Scales:
         points: how many.
 
     Attributes:
-        mobility: the speed that 1 N would give to the lightest point alone within the step, m/s,
-            when units were asked for last.
+        alone: the pressures that stop 1 m/s of each point alone, (2, n), and
+        mobility: the speed that 1 N would give to the lightest one, m/s; within the step when units
+            were asked for last.
     """
 
     def __init__(self, coupling: Coupling, points: int) -> None:
         self._coupling = coupling
         self._span, self._octave, self.mobility = 0.0, -np.inf, 0.0
-        self._units = np.ones((2, points))
+        self._units = self.alone = np.ones((2, points))
 
     def units(
         self, normal: np.ndarray, weight: np.ndarray, area: np.ndarray, step: Step
     ) -> np.ndarray:
-        """The pressures that stop 1 m/s of each point alone within the step, along its normal and
-        its tangents, (2, n), between rigid solids of the median one: it says how their points share
-        what they bear; kept while the length of the step does not change by much, until they are
-        renewed."""
+        """By which multipliers are scaled: the pressures that stop 1 m/s of each point alone within
+        the step, along its normal and its tangents, (2, n). Points of rigid solids, that yield
+        alike over the area, share what they bear evenly: all have the median one. Kept while the
+        length of the step does not change by much, until they are renewed."""
         if step.span == self._span:
             return self._units
         octave, self._span = float(frexp(step.span)[1]), step.span
@@ -55,13 +56,14 @@ class Scales:
             along = (mobility * normal**2).sum(axis=1)
             across = (mobility.sum(axis=1) - along) / (normal.shape[1] - 1)
             along, across = _or(along, across), _or(across, along)
-            self._units = np.array([inverse(each * weight) for each in (along, across)])
+            alone = np.array([inverse(each * weight) for each in (along, across)])
+            if len(self._coupling.solids) > 1:
+                alone *= MEETING
+            self._units = self.alone = alone
             if self._coupling.shares and all(s.shiftable for s in self._coupling.solids):
                 evenly = inverse(weight) * area
                 evenly /= np.median(evenly)
-                self._units = np.median(self._units, axis=1, keepdims=True) * evenly
-            if len(self._coupling.solids) > 1:
-                self._units *= MEETING
+                self._units = np.median(alone, axis=1, keepdims=True) * evenly
             self._octave, self.mobility = octave, float(mobility.max())
         return self._units
 
@@ -71,11 +73,17 @@ class Scales:
 
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically."""
-        return {"units": self._units, "octave": np.array([self._octave, self.mobility])}
+        return {
+            "units": self._units,
+            "alone": self.alone,
+            "octave": np.array([self._octave, self.mobility]),
+        }
 
     def restore(self, state: dict[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave."""
-        self._units, self._span = np.array(state["units"]), 0.0
+        self._units = np.array(state["units"])
+        self.alone = np.array(state.get("alone", state["units"]))
+        self._span = 0.0
         self._octave, self.mobility = map(float, state["octave"])
 
 
@@ -97,7 +105,7 @@ class Scaled:
     equations: SurfaceEquations
 
     def units(self, step: Step) -> np.ndarray:
-        """The pressures that stop 1 m/s of each point alone within the step, (2, n)."""
+        """By which the multipliers of the points are scaled within the step, (2, n)."""
         weight = self.equations.weight
         if len(self.solids) > 1:  # what meets nothing yet may before the step ends
             weight = np.where(weight > 0, weight, self.surface.nodal_area)

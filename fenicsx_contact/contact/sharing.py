@@ -9,7 +9,8 @@ pressures that are affine along a plane face: of all that do the same the most e
 
 Newton's method picks the multipliers that are nearest to those with which a step begins, by a
 compliance that is the same for all points (:mod:`~.scales`): it begins with these, whatever the
-points bore as they came down one after the other, until a step leaves them as they are.
+points bore as they came down one after the other, wherever other points touch or bear otherwise
+than before, but where a step left other pressures that do the same.
 """
 
 from __future__ import annotations
@@ -19,8 +20,9 @@ from typing import Any
 
 import numpy as np
 
-from ..base.constants import RIGHT, ROUND_OFF, SAME
+from ..base.constants import ROUND_OFF, SAME
 from ..base.nonnegative import smallest
+from ..base.vectors import largest
 
 
 class Sharing:
@@ -33,25 +35,29 @@ class Sharing:
     def __init__(self, contact: Any) -> None:
         rigid = contact.coupling.shares and all(solid.shiftable for solid in contact.solids)
         self._of = contact if rigid and contact.formulation.multipliers else None
-        self._over = np.empty(0, dtype=bool)  # of which points the pressures were even
+        self._touch = np.empty(0, dtype=bool)  # which points did,
+        self._borne = self._sums = np.empty(0)  # what each bore, and all together
 
     def spread(self) -> None:
         """Let the points that touch as a step begins start from even pressures; tractions that are
         bounded by them go with them where points slipped."""
-        if (contact := self._of) is None or np.array_equal(bears := contact.touching(), self._over):
+        if (contact := self._of) is None:
             return
-        self._over, at, equations = np.empty(0, dtype=bool), bears.nonzero()[0], contact.equations
-        values, n, weight = equations.values, len(bears), equations.weight
-        pressures = -values[equations.jumps : equations.jumps + n]
-        borne = weight[at] * pressures[at]
-        if not borne.any() or borne.min() < 0 or pressures[~bears].any() or not weight[at].all():
+        touch, equations = contact.touching(), contact.equations
+        values, n, weight = equations.values, len(touch), equations.weight
+        pressures, at = -values[equations.jumps : equations.jumps + n], touch.nonzero()[0]
+        borne, same = weight[at] * pressures[at], np.array_equal(touch, self._touch)
+        if same and _alike(borne, self._borne):
+            return
+        before, self._touch, self._borne = self._sums, touch, borne
+        if not borne.any() or borne.min() < 0 or pressures[~touch].any() or not weight[at].all():
             return  # nothing bears, something is drawn, or bears apart
         does = _does(contact, at)
-        if not does.any():
+        self._sums = sums = does @ borne
+        if not does.any() or (same and _alike(sums, before)):
             return
         even = _even(does, borne, contact.areas(weight)[at])
-        if np.abs(even - borne).max() <= RIGHT * borne.sum():
-            self._over = bears
+        if _alike(even, borne):
             return
         values[equations.jumps + at] = -even / weight[at]
         if getattr(contact.friction_law, "slope", None):
@@ -63,13 +69,21 @@ class Sharing:
 
     def state(self) -> dict[str, np.ndarray]:
         """The arrays from which :meth:`restore` continues identically."""
-        return {"shared": self._over, "weight": self._of.equations.weight} if self._of else {}
+        if not self._of:
+            return {}
+        told = {"shared": self._touch, "shares": self._borne, "sums": self._sums}
+        return {**told, "weight": self._of.equations.weight}
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Take up a state that :meth:`state` gave."""
-        if self._of and "shared" in state:
-            self._over = np.array(state["shared"])
+        if self._of and "sums" in state:
+            self._touch = np.array(state["shared"])
+            self._borne, self._sums = np.array(state["shares"]), np.array(state["sums"])
             self._of.equations.set_weight(np.array(state["weight"]))
+
+
+def _alike(forces: np.ndarray, others: np.ndarray) -> bool:
+    return len(forces) == len(others) and largest(forces - others) <= SAME * largest(others)
 
 
 def _does(contact: Any, at: np.ndarray) -> np.ndarray:

@@ -68,7 +68,7 @@ class Points:
         yields = W.diagonal().reshape(n, d)
         units = np.ones((2, len(self._contact)))
         units[:, e.candidates] = inverse(yields[:, 0]), inverse(yields[:, 1:].mean(axis=1))
-        e.set_scale(units, scale_of(largest(q)))
+        e.set_scale(units, units, scale_of(largest(q)))
         e.values = np.zeros(e.size)
         e.set_places(q)
         system = SurfaceSystem([e], ["points"], hyperstatic=np.linalg.matrix_rank(W) < len(W))

@@ -155,11 +155,13 @@ class Assembly:
             trace.spread(force[part])
 
     def set_scale(self, step: Step, speed: float, units: Sequence[np.ndarray | None] = ()) -> None:
-        """Scale the equations of all contacts by a typical speed, m/s, and by ``units``, or where
-        there are none by what stops points alone."""
+        """Scale the equations of all contacts by a typical speed, m/s, and by ``units``, by which
+        they are augmented, too, or where there are none by their own."""
         every = [*units] or [None] * len(self.contacts)
-        for contact, own in zip(self.contacts, every):
-            contact.equations.set_scale(contact.units(step) if own is None else own, speed)
+        for contact, given in zip(self.contacts, every):
+            scale = contact.units(step) if given is None else given
+            alone = contact.scales.alone if given is None else given
+            contact.equations.set_scale(scale, alone, speed)
 
     def imbalances(self, step: Step, solids: Iterable[Solid], floor: float = 0.0) -> list[float]:
         """Relative errors of the momentum balances of these solids in the trial state; forces below

@@ -152,6 +152,8 @@ class LocatedImpacts(Impacts):
             fly = partial(self._fly, stepper, whole=dt)
             noise = max((contact.noise for contact in stepper.contacts), default=0.0)
             trial = _arrive(fly, flight, tolerance, noise, brief) if arrives else flight[0]
+            if arrives and flight[1].unseen(trial.step.dt):
+                continue
             remarks.extend(trial.remarks)
             left -= trial.step.dt
             yield stepper.accept(trial)

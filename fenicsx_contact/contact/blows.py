@@ -38,6 +38,7 @@ class Struck(Teller, Protocol):
     trial_jump: np.ndarray
     normal: np.ndarray
     resolution: float
+    noise: float
     candidates: Candidates
     memory: Memory
 
@@ -110,7 +111,9 @@ class Blows:
         ends = falls & (2 * leaves * came <= self._back * (came - leaves) * left)
         least = np.maximum(error * fastest, contact.resolution)
         faint = fresh & (np.abs(came) <= least) & ~ends
-        new = (ends | faint) & (number >= BLOWS) & ~self.settled
+        # it would rise by less than round-off of places
+        unseen = fresh & (leaves > 0) & (leaves**2 <= 2 * self._back * contact.noise)
+        new = ((ends | faint) & (number >= BLOWS) | unseen) & ~self.settled
         self.settled |= new
         return bool(new.any()), bool((new & faint & (fastest > contact.resolution / error)).any())
 

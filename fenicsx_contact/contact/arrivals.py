@@ -43,7 +43,8 @@ class Arrival(NamedTuple):
         heights gave and impacts took.)"""
         if self.contact is None or self.contact.blows.settled[self.point]:
             return False
-        stays = self.came < 0 and -self.came * dt <= 4 * self.contact.noise
+        noise = self.contact.noise
+        stays = self.came < 0 and self.start >= -noise and -self.came * dt <= 4 * noise
         self.contact.blows.settled[self.point] |= stays
         return stays
 

@@ -111,8 +111,9 @@ class Blows:
         ends = falls & (2 * leaves * came <= self._back * (came - leaves) * left)
         least = np.maximum(error * fastest, contact.resolution)
         faint = fresh & (np.abs(came) <= least) & ~ends
-        # it would rise by less than round-off of places
-        unseen = fresh & (leaves > 0) & (leaves**2 <= 2 * self._back * contact.noise)
+        # it would leave, but rise by less than round-off of places
+        unseen = fresh & (leaves > contact.resolution)
+        unseen &= leaves**2 <= 2 * self._back * contact.noise
         new = ((ends | faint) & (number >= BLOWS) | unseen) & ~self.settled
         self.settled |= new
         return bool(new.any()), bool((new & faint & (fastest > contact.resolution / error)).any())

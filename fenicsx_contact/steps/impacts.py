@@ -37,6 +37,7 @@ from ..contact.arrivals import Arrival, arrival
 from ..contact.leaps import no_velocity
 from ..contact.percussion import first_arrival, rebounding, until_sudden
 from ..theory.scheme import Scheme, Step
+from ..theory.theta import ThetaScheme
 from .certificate import ACCEPTED
 from .taker import StepTaker
 from .trial import Trial
@@ -152,8 +153,9 @@ class LocatedImpacts(Impacts):
             fly = partial(self._fly, stepper, whole=dt)
             noise = max((contact.noise for contact in stepper.contacts), default=0.0)
             trial = _arrive(fly, flight, tolerance, noise, brief) if arrives else flight[0]
-            if arrives and flight[1].unseen(trial.step.dt):
-                continue
+            rests = arrives and flight[1].unseen(trial.step.dt)
+            if rests:
+                trial = self._rest(stepper, trial.step.dt, dt)
             remarks.extend(trial.remarks)
             left -= trial.step.dt
             yield stepper.accept(trial)
@@ -162,8 +164,15 @@ class LocatedImpacts(Impacts):
             if brief and (trial.step.dt <= brief or parts > MAX_FLIGHTS):
                 for contact in stepper.contacts:
                     contact.blows.settled |= contact.gap >= -contact.tolerance
-            if arrives:
+            if arrives and not rests:
                 yield self._strike(stepper, dt, left, remarks)
+
+    def _rest(self, stepper: StepTaker, length: float, whole: float) -> Trial:
+        """So short a part of the whole step that nothing moves in it, but loads stop what they
+        push back: by theta = 1, at whose end what is put to rest has no speed."""
+        self._rates = None
+        step = Step(length, ThetaScheme(1.0), stepper.time, whole)
+        return stepper.attempt(step, closing=False)
 
     def _strike(
         self, stepper: StepTaker, dt: float, left: float, remarks: list[str]

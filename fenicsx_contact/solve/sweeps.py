@@ -244,9 +244,9 @@ class Sweeps(ABC):
             if known and failure.last:
                 return failure.last
             # in a percussion nothing moves, and by how they lie they do in that of any shorter step
-            if not step.dt and failure.last and frozen.hyperstatic:
-                if failure.last.error <= ROUGH * self._newton.tolerance:
-                    return replace(failure.last, exact=True, found=True)
+            lies = not step.dt and frozen.hyperstatic
+            if lies and failure.last and failure.last.error <= ROUGH * self._newton.tolerance:
+                return replace(failure.last, exact=True, found=True)
             if not failure.last or 2 * failure.last.error >= self._contradicted:
                 raise StepFailed(str(failure)) from None
             self._contradicted = failure.last.error

@@ -18,7 +18,9 @@ An obstacle whose velocity jumps within a step strikes what it touches, too: whe
 rebounds, a step is crossed in parts that end where that is.
 
 However many impacts there are in a step, each has its own; only those points that come to rest by
-impacts without end within it are put to rest, see :mod:`~..contact.blows`.
+impacts without end within it are put to rest, see :mod:`~..contact.blows`; at once where a way out
+and back rises by less than round-off of places, of which flights and impacts give each other energy
+for ever.
 """
 
 from __future__ import annotations

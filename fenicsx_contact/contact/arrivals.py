@@ -41,12 +41,22 @@ class Arrival(NamedTuple):
         """Whether its way out and back, of so many seconds, rises by less than round-off of places:
         then it never left, and is put to rest. (Blocks rocked for ever by what round-off of their
         heights gave and impacts took.)"""
-        if self.contact is None or self.contact.blows.settled[self.point]:
+        if self.contact is None or self.contact.coupling.driven:
+            return False
+        if self.contact.blows.settled[self.point]:
             return False
         noise = self.contact.noise
         stays = self.came < 0 and self.start >= -noise and -self.came * dt <= 4 * noise
         self.contact.blows.settled[self.point] |= stays
         return stays
+
+    def stopped(self) -> bool:
+        """Whether it leaves no more in the trial state; else it is not put to rest."""
+        assert self.contact is not None
+        leaves = -float(dot(self.contact.trial_jump, self.contact.normal)[self.point])
+        stops = 2 * leaves < -self.came
+        self.contact.blows.settled[self.point] &= stops
+        return stops
 
 
 def arrival(contact: Contact) -> Arrival:

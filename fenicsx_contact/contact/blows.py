@@ -112,7 +112,7 @@ class Blows:
         least = np.maximum(error * fastest, contact.resolution)
         faint = fresh & (np.abs(came) <= least) & ~ends
         # it would leave, but rise by less than round-off of places
-        unseen = fresh & (leaves > contact.resolution)
+        unseen = fresh & (leaves > contact.resolution) & (not contact.coupling.driven)
         unseen &= leaves**2 <= 2 * self._back * contact.noise
         new = ((ends | faint) & (number >= BLOWS) | unseen) & ~self.settled
         self.settled |= new

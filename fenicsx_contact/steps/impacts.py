@@ -34,7 +34,7 @@ from math import inf, nan, sqrt
 import numpy as np
 
 from ..base.checks import StepFailed
-from ..base.constants import RIGHT, SAME
+from ..base.constants import BRIEF, RIGHT, SAME
 from ..contact.arrivals import Arrival, arrival
 from ..contact.leaps import no_velocity
 from ..contact.percussion import first_arrival, rebounding, until_sudden
@@ -155,9 +155,11 @@ class LocatedImpacts(Impacts):
             fly = partial(self._fly, stepper, whole=dt)
             noise = max((contact.noise for contact in stepper.contacts), default=0.0)
             trial = _arrive(fly, flight, tolerance, noise, brief) if arrives else flight[0]
-            rests = arrives and flight[1].unseen(trial.step.dt)
+            rests = arrives and trial.step.dt <= BRIEF * dt and flight[1].unseen(trial.step.dt)
             if rests:
-                trial = self._rest(stepper, trial.step.dt, dt)
+                length, trial = trial.step.dt, self._rest(stepper, trial.step.dt, dt)
+                if not flight[1].stopped():
+                    rests, trial = False, fly(length)[0]
             remarks.extend(trial.remarks)
             left -= trial.step.dt
             yield stepper.accept(trial)

@@ -159,7 +159,7 @@ class LocatedImpacts(Impacts):
             if rests:
                 length, trial = trial.step.dt, self._rest(stepper, trial.step.dt, dt)
                 if not flight[1].stopped():
-                    rests, trial = False, fly(length)[0]
+                    rests, trial = False, replace(fly(length)[0], arrives=True)
             remarks.extend(trial.remarks)
             left -= trial.step.dt
             yield stepper.accept(trial)

@@ -46,10 +46,11 @@ class Sharing:
         touch, equations = contact.touching(), contact.equations
         values, n, weight = equations.values, len(touch), equations.weight
         pressures, at = -values[equations.jumps : equations.jumps + n], touch.nonzero()[0]
-        borne, same = weight[at] * pressures[at], np.array_equal(touch, self._touch)
-        if same and _alike(borne, self._borne):
+        bear, same = touch * weight * pressures, np.array_equal(touch, self._touch)
+        if same and _alike(bear, self._borne):
             return
-        before, self._touch, self._borne = self._sums, touch, borne
+        before, self._touch, self._borne = self._sums, touch, bear
+        borne = bear[at]
         if not borne.any() or borne.min() < 0 or pressures[~touch].any() or not weight[at].all():
             return  # nothing bears, something is drawn, or bears apart
         does = _does(contact, at)

@@ -378,3 +378,66 @@ def test_what_is_held_by_another_solid_alone_comes_from_afar(gap, law, exchanged
     history = Scene([low, up], [contact], QuasiStatic()).run(until=1, dt=0.2)
     assert history.finished, history.reason
     assert abs(history["pair.force_y"][-1]) == pytest.approx(250.0, rel=1e-9)
+
+
+#: Blocks from below: where the middle is, width, height, lowest point, cells, Young's modulus,
+#: Poisson's ratio, degree, whether hyperelastic, weight by volume; traction on the last; law, mu.
+STACKS = {
+    "apart": (
+        [
+            (0.0, 0.5713, 0.62588, 0.0, (2, 3), "quadrilateral", 8.38e8, 0.3, 1, False, 1e4),
+            (-0.1695, 0.6578, 0.60559, 0.62598, (5, 2), "triangle", 6.886e5, 0.45, 1, True, 0.0),
+            (0.0, 0.7724, 0.77249, 1.23167, (5, 1), "quadrilateral", 5.77e6, 0.3, 2, False, 0.0),
+        ],
+        (277.032, -4617.2),
+        "gap",
+        0.2,
+    ),
+    "in touch": (
+        [
+            (0.0, 0.6594, 0.3226, 0.0, (1, 3), "quadrilateral", 2.07e5, 0.45, 1, True, 1e4),
+            (0.0, 0.8240, 0.3325, 0.3226, (1, 5), "triangle", 6.117e6, 0.3, 1, False, 0.0),
+            (0.0, 0.9100, 0.7490, 0.6551, (3, 1), "quadrilateral", 5.346e8, 0.45, 1, True, 0.0),
+        ],
+        (0.0, -7930.1),
+        "lagrange",
+        0.2,
+    ),
+    "on a soft one": (
+        [
+            (0.0, 1.0797, 0.7885, 0.0, (3, 4), "quadrilateral", 8.76e5, 0.3, 2, False, 876.0),
+            (0.0, 0.5245, 0.3566, 0.7885, (5, 5), "triangle", 1.794e5, 0.3, 1, False, 0.0),
+            (0.0, 1.0731, 0.3717, 1.1451, (4, 2), "triangle", 4.11e6, 0.3, 1, False, 179.4),
+            (0.0979, 1.1066, 0.4440, 1.5169, (3, 1), "triangle", 3.806e8, 0.45, 2, False, 0.0),
+        ],
+        (0.0, -183.7),
+        "gap",
+        0.1,
+    ),
+}
+
+
+@pytest.mark.parametrize("which", STACKS)
+def test_stacks_that_nothing_but_contact_holds(which):
+    """Corrections after contact had settled led astray what it held, until surfaces saw each other
+    no more; from there no equilibrium was found, and none was said to be."""
+    blocks, traction, law, friction = STACKS[which]
+    solids, contacts, weight = [], [], 0.0
+    for i, (middle, width, height, low, n, cell, E, nu, degree, large, heavy) in enumerate(blocks):
+        mesh = rectangle(n, (width, height), cell)
+        mesh.mesh.geometry.x[:, :2] += (middle, low)
+        last = {"tractions": {"top": traction}} if i == len(blocks) - 1 else {}
+        more = {"density": 1e3, "degree": degree, "body_force": (0.0, -heavy), "name": f"{i}"}
+        if large:
+            solid = HyperelasticSolid(mesh, energy=neo_hookean(E, nu), **more, **last)
+        else:
+            solid = ElasticSolid(mesh, youngs_modulus=E, poisson_ratio=nu, **more, **last)
+        below = (solids[-1], "top") if solids else FLOOR
+        contacts.append(Contact(solid, "base", below, law, friction, name=f"below {i}"))
+        solids.append(solid)
+        weight += heavy * width * height
+    history = Scene(solids, contacts, QuasiStatic()).run(1.0, 1.0)
+    assert history.finished, history.reason
+    area = blocks[-1][1]
+    assert history["below 0.force_y"][-1] == pytest.approx(weight - area * traction[1], rel=1e-6)
+    assert history["below 0.force_x"][-1] == pytest.approx(-area * traction[0], abs=1e-6 * weight)

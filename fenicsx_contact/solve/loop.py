@@ -114,7 +114,8 @@ class StepSolver(Sweeps):
     def _full(self, step: Step, clock: Clock) -> Solved:
         settled, halved, last, turns = 0, 0, np.inf, Turns(self._loose)
         plain, kept, sound = False, False, True  # a correction; its tangent is old; state asked
-        before = Before(self._all)
+        before = firm = Before(self._all)
+        left, back = np.inf, False  # by what had settled last, firm; whether it is again there
         errors, remarks, most = self.errors, list[str](), self._newton.max_iterations
         for iteration in range(2 * most + 1):  # and again from contact that has settled
             for solid in self._all.solids:
@@ -158,7 +159,15 @@ class StepSolver(Sweeps):
                 self._see(step, exact=True)
                 clock("pairing")
             before = Before(self._all)
-            if turns.settles(error, spent=iteration == most):
+            if not sound:
+                firm, left = before, error
+            settles = back or turns.settles(error, spent=iteration == most)
+            if settles and not back and self._loose and np.inf > 2 * error > left:
+                firm.restore(step)  # corrections led astray what nothing but contact holds
+                plain, kept, back = False, False, True
+                continue
+            back = False
+            if settles:
                 self._see(step, exact=False)
                 solution = self._settle(step, first=iteration == 0)
                 self.system.carry(step, solution.force)

@@ -91,26 +91,29 @@ def _rounds(system: Softened, tolerance: float, enough: float, patience: int) ->
             inner.see(system.error())
             if inner.best <= tolerance:
                 break
-        total, settled = total + steps, settled and inner.best <= tolerance
+        total += steps
         system.soften(0.0)
+        off = system.error()  # of what is by far more, no more digits are needed
+        done = inner.best <= tolerance or ROUGH * inner.best <= min(off, 1.0)
+        settled &= done
         lost = inner.best * np.finfo(float).eps > 1  # nothing holds it: no digit is left
-        if system.error() <= tolerance or lost:
+        if off <= tolerance or lost:
             break
         outer.see(system.worst)
         gains.see(system.worst)
         if not gains.lasts:
             if system.worst <= enough or system.buckles:
                 break
-            if inner.best <= tolerance:
+            if done:
                 total += _ended(system, tolerance)
                 if system.worst <= tolerance:
                     break
                 gains = Patience(system.worst)
-        if not outer.lasts and inner.best <= tolerance and stiffest < SOFTEST:
+        if not outer.lasts and done and stiffest < SOFTEST:
             # bounds that follow pressures at once turn round with them
             stiffest = compliance = max(compliance, CHANGE * stiffest)
             outer = Patience(outer.best, stalls=np.finfo(float).nmant)
-        elif inner.best <= tolerance:
+        elif done:
             compliance = max(compliance / CHANGE, stiffest) if steps <= STALLS else compliance
         elif compliance < SOFTEST:
             compliance *= CHANGE

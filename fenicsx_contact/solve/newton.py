@@ -135,8 +135,8 @@ class Newton:
         steps = method_of_multipliers(system, self.tolerance, rough)
         iterations += steps
         told = f"{flips}; method of multipliers took over, {steps} steps"
-        if system.worst <= rough:
-            return Solution(system.force(), iterations, system.worst, remarks=[told])
+        if system.worst <= stalled:
+            return Solution(system.force(), iterations, system.worst, system.worst <= rough, [told])
         last = Solution(system.force(), iterations, system.worst, False, [told], False)
         raise NotConverged(f"{system.stall()}; {told}", last)
 

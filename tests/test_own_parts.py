@@ -7,6 +7,7 @@ None of the classes here inherits from the package; each is passed where the pac
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 
@@ -202,6 +203,7 @@ def test_a_friction_that_depends_on_the_place(law):
         (lambda k, p, S: max(p, 1.0), "its bound raises"),
         (lambda k, p, S: k.slip * p, "its bound raises AttributeError"),
         (lambda k, p, S: np.exp(p), "its bound raises"),
+        (lambda k, p, S: math.exp(-k.slip_speed) * p, "its bound raises TypeError: .*ufl.exp"),
     ],
 )
 def test_a_law_of_friction_that_gives_no_bound_is_refused(bound, why):

@@ -8,6 +8,7 @@ import random
 import re
 import subprocess
 import sys
+import threading
 import time
 from functools import partial
 from pathlib import Path
@@ -21,7 +22,8 @@ from problems.maps import MAPS
 from problems.studies import STUDIES
 from test_demos import load
 
-from fenicsx_contact import InputError, ThetaScheme
+from fenicsx_contact import InputError, ThetaScheme, mesh_from_gmsh
+from fenicsx_contact.base.told import digits
 from fenicsx_contact.gradients import Centre
 from fenicsx_contact.output.history import COLUMNS, History
 from fenicsx_contact.study import (
@@ -317,6 +319,25 @@ def test_a_file_that_cannot_be_written_is_refused(tmp_path):
     (tmp_path / "text").write_text("")
     with pytest.raises(InputError, match=r"file = .*cannot be written"):
         batch(halved, [{"x": 1.0, "kind": "a"}], tmp_path / "text" / "lines.jsonl")
+    with pytest.raises(InputError, match=r"file = .*cannot be written"):
+        run_maps([MAPS[0]], tmp_path / "text" / "lines.jsonl")
+
+
+def meshed(size):
+    return {"cells": mesh_from_gmsh("block.geo", width=size).mesh.topology.dim}
+
+
+def test_what_imported_functions_lead_to_changes_nothing():
+    """`mesh_from_gmsh` by its name led to the threads of the process, by their addresses: all that
+    was on file was run again by each process."""
+    before, done = digits(meshed), threading.Event()
+    other = threading.Thread(target=done.wait)
+    other.start()
+    try:
+        assert digits(meshed) == before
+    finally:
+        done.set()
+        other.join()
 
 
 def drawn(case):

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Refusal of bad input: every message names the argument, its value and what is allowed.
-
-And the exception of a step that cannot be taken.
-"""
+"""Refusal of bad input: every message names the argument, its value and what is allowed."""
 
 from __future__ import annotations
 
@@ -18,6 +15,7 @@ import ufl
 
 from .overflow import told
 from .quoted import quoted
+from .valueless import valueless
 
 #: The size of admissible numbers lies between the inverse of this and this: their squares and
 #: products stay far inside the range of a double.
@@ -139,7 +137,8 @@ def called(what: str, function: Callable, *arguments: Any) -> Any:
 def naming(what: str) -> Iterator[None]:
     """Within it what a user's own part raises is an :class:`InputError` that names it."""
     try:
-        yield
+        with valueless():
+            yield
     except (InputError, StepFailed):
         raise
     except Exception as problem:

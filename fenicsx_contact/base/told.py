@@ -221,6 +221,8 @@ def _parts(given: Any) -> tuple[Any, ...] | None:
     that is called, what it holds. None of what is no function."""
     if isinstance(given, FunctionType):
         code, around = given.__code__, given.__globals__
+        if not _users(str(around.get("__name__", ""))):
+            around = {}  # what others than a user wrote may lead to what differs from run to run
         used, named = _names(code)
         inside = zip(code.co_freevars, map(_content, given.__closure__ or ()))
         has = {**{n: around[n] for n in sorted(used) if n in around}, **dict(inside)}

@@ -29,7 +29,7 @@ from ..base.quoted import quoted
 from ..base.told import digits
 from ..output.storage import writing
 from .names import named
-from .records import listed, records
+from .records import begin, listed, records
 from .workers import how_many
 
 #: How a line of a batch begins.
@@ -97,11 +97,7 @@ def batch(
         )
     known = {_key(case): results for case, results, _, of in found if of in (version, "")}
     todo = list({_key(case): case for case in cases if _key(case) not in known}.values())
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.open("a").close()
-    except OSError as problem:
-        raise checks.InputError(f"file = {str(file)!r}: cannot be written ({problem})") from None
+    begin(file)
     show = sys.stderr.isatty() if progress is None else progress
     fork = multiprocessing.get_context("fork")
     failures: list[tuple[dict[str, Any], BaseException]] = []

@@ -20,10 +20,11 @@ import numpy as np
 
 from ..base import checks
 from ..base.told import digits
+from ..output.storage import writing
 from .judge import CLASSES, Verdict, judge
 from .names import named
 from .problem import Problem
-from .records import listed, records
+from .records import begin, listed, records
 from .workers import each, how_many
 
 #: How a line of a file of maps begins.
@@ -155,8 +156,9 @@ def run_maps(
 
     Raises:
         InputError: no maps; two of one name; a limit that is not > 0; no processes, or under
-            mpirun; a file of something else, which stays as it is.
-        RuntimeError: a process ends as it begins, or does not find the problem.
+            mpirun; a file of something else, which stays as it is, or that cannot be written.
+        RuntimeError: a process ends as it begins, or does not find the problem. Or a full disk, for
+            one (NotWritten), which it names; what is on file stays.
     """
     checks.number("limit", limit, above=0)
     how_many(processes)
@@ -166,16 +168,15 @@ def run_maps(
     found = records(file, START, _record, "maps")
     known = {key: verdict for key, verdict in found if _judged(verdict)}
     todo = [(m, cell) for m in maps for cell in m.cells() if m.key(cell) not in known]
-    file.parent.mkdir(parents=True, exist_ok=True)
-    with file.open("a") as out:
-        calls = [(judge_cell, (m.problem, cell)) for m, cell in todo]
-        for i, result in each(calls, limit, processes, progress):
-            verdict = result if isinstance(result, Verdict) else _failed(result)
-            m, cell = todo[i]
-            known[m.key(cell)] = verdict
-            line = {"key": m.key(cell), "map": m.name, "cell": cell, **asdict(verdict)}
+    begin(file)
+    calls = [(judge_cell, (m.problem, cell)) for m, cell in todo]
+    for i, result in each(calls, limit, processes, progress):
+        verdict = result if isinstance(result, Verdict) else _failed(result)
+        m, cell = todo[i]
+        known[m.key(cell)] = verdict
+        line = {"key": m.key(cell), "map": m.name, "cell": cell, **asdict(verdict)}
+        with writing(file), file.open("a") as out:
             out.write(json.dumps(line, default=listed) + "\n")
-            out.flush()
     return {m.name: [known[m.key(cell)] for cell in m.cells()] for m in maps}
 
 

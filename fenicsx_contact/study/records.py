@@ -51,3 +51,16 @@ def listed(value: Any) -> Any:
     if not hasattr(value, "tolist"):
         raise TypeError(f"{value!r} is no number or text")
     return value.tolist()
+
+
+def begin(file: Path) -> None:
+    """Let there be a file to append to.
+
+    Raises:
+        InputError: it cannot be written.
+    """
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.open("a").close()
+    except OSError as problem:
+        raise checks.InputError(f"file = {str(file)!r}: cannot be written ({problem})") from None
